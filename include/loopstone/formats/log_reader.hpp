@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/sensor/messages.hpp"
+#include "loopstone/sensor/robot_model.hpp"
+
+namespace loopstone {
+
+/// How a log is to be read.
+struct LogOptions {
+  /// Damage (broken, repeated, out-of-order records) is an error instead of being counted and skipped.
+  bool strict = false;
+  /// Told about every record that is skipped. May be empty.
+  std::function<void(const Problem&)> on_problem{};
+};
+
+/// How far a reader has come, in bytes of the file as stored.
+struct ReadProgress {
+  std::int64_t bytes_done = 0;
+  std::int64_t bytes_total = 0;
+};
+
+/// A log as a stream of messages in time order; bounded memory whatever the length of the log.
+class LogReader {
+ public:
+  virtual ~LogReader() = default;
+
+  /// The next message, or nothing at the end. Throws DataError when the log can't be read any further.
+  [[nodiscard]] virtual std::optional<SensorMessage> next() = 0;
+  [[nodiscard]] virtual ReadProgress progress() const = 0;
+  /// Short name of the format: "carmen", "ucsd".
+  [[nodiscard]] virtual std::string format() const = 0;
+  /// `base` with everything that the log itself states about the robot (mounts) written over it.
+  [[nodiscard]] virtual RobotModel robot(RobotModel base) const = 0;
+  /// Records skipped so far because they were broken, repeated or too late.
+  [[nodiscard]] virtual std::int64_t records_skipped() const = 0;
+};
+
+/// Opens a file or a folder; finds out the format by its content. "DIR#20" names set 20 of a UCSD folder.
+/// Throws DataError when there is nothing readable, saying what was found and what was expected.
+[[nodiscard]] std::unique_ptr<LogReader> open_log(const std::string& path,
+                                                  const LogOptions& options = {});
+
+/// Writes a log. Nothing appears under the final name before finish().
+class LogWriter {
+ public:
+  virtual ~LogWriter() = default;
+  /// Messages come in time order.
+  virtual void write(const SensorMessage& message) = 0;
+  /// Completes the files and moves them to their final names. Without it the destructor removes what was written.
+  virtual void finish() = 0;
+};
+
+/// \param format "carmen" (path is a file: .clf, .log, also with .gz) or "ucsd" (path is a folder)
+/// \param set    number of the set, for the UCSD layout
+[[nodiscard]] std::unique_ptr<LogWriter> create_log(const std::string& path,
+                                                    const std::string& format,
+                                                    const RobotModel& robot, int set = 20);
+
+}  // namespace loopstone

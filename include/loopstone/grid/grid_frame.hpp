@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+
+namespace loopstone {
+
+/// A cell: column grows with x, row grows with y; (0, 0) is the lower left cell.
+struct Cell {
+  int column = 0;
+  int row = 0;
+  friend bool operator==(const Cell&, const Cell&) = default;
+};
+
+/// Where a grid lies in the plane: the one place where metres become cells and back.
+struct GridFrame {
+  Eigen::Vector2d origin{0.0, 0.0};  ///< lower-left corner of cell (0, 0) [m]
+  double resolution = 0.05;          ///< side of a cell [m]
+  int columns = 0;
+  int rows = 0;
+
+  [[nodiscard]] Cell cell_of(const Eigen::Vector2d& point) const {
+    return {static_cast<int>(std::floor((point.x() - origin.x()) / resolution)),
+            static_cast<int>(std::floor((point.y() - origin.y()) / resolution))};
+  }
+  [[nodiscard]] Eigen::Vector2d centre_of(Cell cell) const {
+    return {origin.x() + (cell.column + 0.5) * resolution,
+            origin.y() + (cell.row + 0.5) * resolution};
+  }
+  [[nodiscard]] bool contains(Cell cell) const {
+    return cell.column >= 0 && cell.row >= 0 && cell.column < columns && cell.row < rows;
+  }
+  [[nodiscard]] std::size_t index_of(Cell cell) const {
+    return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(cell.column);
+  }
+  [[nodiscard]] std::size_t cell_count() const {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
+  friend bool operator==(const GridFrame&, const GridFrame&) = default;
+};
+
+/// The smallest frame with that resolution, corners on whole multiples of it, that covers the box [low, high] and a
+/// margin around it.
+[[nodiscard]] GridFrame frame_covering(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
+                                       double resolution, double margin_m = 0.0);
+
+}  // namespace loopstone

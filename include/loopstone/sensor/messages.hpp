@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "loopstone/base/stamp.hpp"
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/sensor/laser_scan.hpp"
+
+namespace loopstone {
+
+/// Encoder counts of the four wheels [front right, front left, rear right, rear left].
+/// Since the previous reading, or absolute when WheelModel::counts_are_cumulative.
+struct WheelTicks {
+  Stamp stamp;
+  std::array<std::int64_t, 4> counts{};
+};
+
+/// A pose that the robot's own dead reckoning reported: odom_T_robot.
+struct OdometryPose {
+  Stamp stamp;
+  Pose2 odom_T_robot;
+};
+
+/// One reading of an inertial unit, axes aligned with the robot's (x forward, y left, z up).
+struct ImuSample {
+  Stamp stamp;
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d linear_acceleration_m_s2 = Eigen::Vector3d::Zero();
+};
+
+/// Which pictures an RGB-D camera took and where they are; the pixels are loaded when somebody needs them.
+struct RgbdFrame {
+  Stamp stamp;
+  std::string colour_path;  ///< empty when there is only depth
+  std::string depth_path;   ///< empty when there is only colour
+};
+
+using SensorMessage = std::variant<LaserScan, OdometryPose, WheelTicks, ImuSample, RgbdFrame>;
+
+[[nodiscard]] inline Stamp stamp_of(const SensorMessage& message) {
+  return std::visit([](const auto& m) { return m.stamp; }, message);
+}
+
+}  // namespace loopstone

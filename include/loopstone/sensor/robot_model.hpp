@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/geometry/pose3.hpp"
+
+namespace loopstone {
+
+/// A differential (skid-steered) drive.
+struct WheelModel {
+  double metres_per_count = 0.0022;
+  double track_width_m = 0.39;          ///< effective: distance between the two virtual wheels
+  bool counts_are_cumulative = false;
+  int counter_bits = 32;                ///< where cumulative counters wrap
+};
+
+/// Where a planar lidar sits on the robot.
+struct LidarMount {
+  std::string name = "front";
+  Pose2 robot_T_lidar{0.14, 0.0, 0.0};
+  double height_m = 0.51435;
+};
+
+/// A depth camera: pinhole intrinsics and mount. The camera frame of robot_T_camera is body-like (x forward, y left,
+/// z up); the optical frame (z forward, x right, y down) follows from it.
+struct CameraModel {
+  Pose3 robot_T_camera = Pose3::from_roll_pitch_yaw({0.18, 0.005, 0.36}, 0.0, 0.36, 0.021);
+  double focal_x_px = 585.05108211;
+  double focal_y_px = 585.05108211;
+  double centre_x_px = 315.83800193;  ///< column
+  double centre_y_px = 242.94140713;  ///< row
+  int width_px = 640;
+  int height_px = 480;
+};
+
+/// What is fixed about a robot. The defaults describe the UCSD differential-drive robot.
+struct RobotModel {
+  std::string name = "ucsd";
+  double footprint_radius_m = 0.25;  ///< cells this near to the robot's path are free
+  WheelModel wheels{};
+  std::vector<LidarMount> lidars{LidarMount{}};
+  CameraModel camera{};
+};
+
+/// The mount of a scan's lidar: what the scan itself says, else the model's, else the robot's centre.
+template <typename Scan>
+[[nodiscard]] Pose2 mount_of(const Scan& scan, const RobotModel& robot) {
+  if (scan.robot_T_lidar) return *scan.robot_T_lidar;
+  const auto index = static_cast<std::size_t>(scan.lidar);
+  if (scan.lidar >= 0 && index < robot.lidars.size()) return robot.lidars[index].robot_T_lidar;
+  return Pose2{};
+}
+
+}  // namespace loopstone

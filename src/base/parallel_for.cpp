@@ -1,0 +1,45 @@
+#include "loopstone/base/parallel_for.hpp"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace loopstone {
+
+int Threads::resolved() const {
+  if (count > 0) return count;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void parallel_for(std::size_t count, Threads threads,
+                  const std::function<void(std::size_t)>& body) {
+  const int workers = threads.resolved();
+  if (workers == 1 || count <= 1) {
+    for (std::size_t i = 0; i < count; ++i) body(i);
+    return;
+  }
+  std::mutex failure_mutex;
+  std::size_t failed_index = count;
+  std::exception_ptr failure;
+  oneapi::tbb::task_arena arena(workers);
+  arena.execute([&] {
+    oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      try {
+        body(i);
+      } catch (...) {
+        const std::scoped_lock lock(failure_mutex);
+        if (i < failed_index) {
+          failed_index = i;
+          failure = std::current_exception();
+        }
+      }
+    });
+  });
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace loopstone
