@@ -1,0 +1,31 @@
+# Third-party libraries, all packaged by Debian. Only Eigen appears in public headers.
+
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(fmt REQUIRED)
+find_package(nanoflann REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(PNG REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(BZip2 REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(loopstone_libzip REQUIRED IMPORTED_TARGET libzip) # Debian's CMake config of libzip needs zipcmp installed
+pkg_check_modules(loopstone_cairo REQUIRED IMPORTED_TARGET cairo)
+
+# Libraries that end up on the link line of a program that uses a static libloopstone (see cmake/loopstone-config.cmake.in).
+set(LOOPSTONE_LINKED_LIBRARIES
+    Threads::Threads
+    TBB::tbb
+    fmt::fmt
+    yaml-cpp
+    PNG::PNG
+    ZLIB::ZLIB
+    BZip2::BZip2
+    PkgConfig::loopstone_libzip
+    PkgConfig::loopstone_cairo)
+
+# Header-only libraries, needed only while building.
+set(LOOPSTONE_HEADER_LIBRARIES nanoflann::nanoflann nlohmann_json::nlohmann_json tomlplusplus::tomlplusplus)

@@ -1,0 +1,13 @@
+# `cmake --install`: headers, library, and the package config that find_package(loopstone) reads.
+
+include(CMakePackageConfigHelpers)
+
+set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/loopstone")
+install(TARGETS loopstone EXPORT loopstone-targets)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/loopstone" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.hpp")
+install(EXPORT loopstone-targets NAMESPACE loopstone:: DESTINATION "${package_folder}")
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/loopstone-config.cmake.in" loopstone-config.cmake
+                              INSTALL_DESTINATION "${package_folder}")
+write_basic_package_version_file(loopstone-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/loopstone-config.cmake" "${CMAKE_CURRENT_BINARY_DIR}/loopstone-config-version.cmake"
+        DESTINATION "${package_folder}")

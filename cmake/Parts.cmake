@@ -1,0 +1,52 @@
+# The library: one object library per part, all linked into `loopstone`.
+# A part may include only itself and parts before it in this list; tests/layering/check_layering.py holds everybody to it.
+
+set(LOOPSTONE_PARTS
+    base
+    geometry
+    sensor
+    grid
+    odometry
+    registration
+    mapping
+    graph
+    slam
+    localization
+    evaluation
+    simulation
+    formats
+    report)
+
+# To work on a lower part while a higher one does not compile: -DLOOPSTONE_LAST_PART=grid builds the parts up to grid
+# and their unit tests, and nothing else.
+set(LOOPSTONE_LAST_PART "report" CACHE STRING "Build the parts up to this one only")
+list(FIND LOOPSTONE_PARTS "${LOOPSTONE_LAST_PART}" last)
+if(last EQUAL -1)
+  message(FATAL_ERROR "LOOPSTONE_LAST_PART: no part named '${LOOPSTONE_LAST_PART}' in ${LOOPSTONE_PARTS}")
+endif()
+math(EXPR count "${last} + 1")
+list(SUBLIST LOOPSTONE_PARTS 0 ${count} LOOPSTONE_PARTS)
+
+set(loopstone_objects)
+foreach(part IN LISTS LOOPSTONE_PARTS)
+  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${part}/*.cpp")
+  if(sources)
+    add_library(loopstone_${part}_objects OBJECT ${sources})
+    target_link_libraries(loopstone_${part}_objects PRIVATE loopstone_build Eigen3::Eigen ${LOOPSTONE_LINKED_LIBRARIES}
+                                                            ${LOOPSTONE_HEADER_LIBRARIES})
+    list(APPEND loopstone_objects $<TARGET_OBJECTS:loopstone_${part}_objects>)
+  endif()
+endforeach()
+
+if(NOT loopstone_objects)
+  message(FATAL_ERROR "src/ holds no sources")
+endif()
+
+add_library(loopstone ${loopstone_objects})
+add_library(loopstone::loopstone ALIAS loopstone)
+set_target_properties(loopstone PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION}
+                                           SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+target_compile_features(loopstone PUBLIC cxx_std_20)
+target_include_directories(loopstone PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                                            $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(loopstone PUBLIC Eigen3::Eigen PRIVATE ${LOOPSTONE_LINKED_LIBRARIES} $<BUILD_INTERFACE:loopstone_build>)

@@ -1,0 +1,14 @@
+# The command-line program, left at <build>/bin/loopstone.
+
+file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/apps/loopstone/*.cpp")
+if(sources)
+  find_package(CLI11 REQUIRED)
+  find_package(spdlog REQUIRED)
+  add_executable(loopstone_program ${sources})
+  set_target_properties(loopstone_program PROPERTIES OUTPUT_NAME loopstone)
+  target_include_directories(loopstone_program PRIVATE "${PROJECT_SOURCE_DIR}/apps/loopstone")
+  target_link_libraries(
+    loopstone_program PRIVATE loopstone_build loopstone::loopstone CLI11::CLI11 spdlog::spdlog fmt::fmt Threads::Threads
+                              ${LOOPSTONE_HEADER_LIBRARIES})
+  install(TARGETS loopstone_program RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()

@@ -1,0 +1,59 @@
+# Test programs, found by folder. Each gtest suite becomes one ctest test (see SuiteTests.cmake).
+
+find_package(GTest REQUIRED)
+find_package(rapidcheck REQUIRED)
+include(SuiteTests)
+
+file(GLOB support_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/tests/support/*.cpp")
+if(support_sources)
+  add_library(loopstone_test_support STATIC ${support_sources})
+  set(support_scope PUBLIC)
+else()
+  add_library(loopstone_test_support INTERFACE)
+  set(support_scope INTERFACE)
+endif()
+target_include_directories(loopstone_test_support ${support_scope} "${PROJECT_SOURCE_DIR}/tests")
+target_compile_definitions(loopstone_test_support ${support_scope} LOOPSTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+target_link_libraries(
+  loopstone_test_support
+  ${support_scope}
+  loopstone_build
+  loopstone::loopstone
+  GTest::gtest
+  GTest::gmock
+  rapidcheck
+  rapidcheck_gtest
+  fmt::fmt
+  Threads::Threads
+  ${LOOPSTONE_LINKED_LIBRARIES}
+  ${LOOPSTONE_HEADER_LIBRARIES})
+
+# loopstone_add_tests(NAME test_grid FOLDER unit/grid LABEL unit TIMEOUT 120)
+function(loopstone_add_tests)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;FOLDER;LABEL;TIMEOUT;COST" "DEFINITIONS")
+  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/tests/${arg_FOLDER}/*.cpp")
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(${arg_NAME} ${sources})
+  target_link_libraries(${arg_NAME} PRIVATE loopstone_test_support GTest::gtest_main)
+  target_compile_definitions(${arg_NAME} PRIVATE ${arg_DEFINITIONS})
+  loopstone_discover_suites(TARGET ${arg_NAME} LABEL ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} COST "${arg_COST}")
+endfunction()
+
+foreach(part IN LISTS LOOPSTONE_PARTS)
+  loopstone_add_tests(NAME test_${part} FOLDER unit/${part} LABEL unit TIMEOUT 180)
+endforeach()
+if(NOT LOOPSTONE_LAST_PART STREQUAL "report")
+  return()
+endif()
+loopstone_add_tests(NAME test_support FOLDER unit/support LABEL unit TIMEOUT 180)
+loopstone_add_tests(NAME test_property FOLDER property LABEL property TIMEOUT 300)
+loopstone_add_tests(NAME test_scenario FOLDER scenario LABEL scenario TIMEOUT 900 COST 1000)
+if(TARGET loopstone_program)
+  loopstone_add_tests(NAME test_cli FOLDER cli LABEL cli TIMEOUT 300 COST 500
+                      DEFINITIONS LOOPSTONE_PROGRAM="$<TARGET_FILE:loopstone_program>")
+  if(TARGET test_cli)
+    add_dependencies(test_cli loopstone_program)
+  endif()
+endif()
