@@ -1,0 +1,214 @@
+#include "loopstone/sensor/scan_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace loopstone {
+
+namespace {
+
+/// Neighbouring returns farther apart than kGap + kSlant * spacing of the beams belong to different surfaces;
+/// a wall seen at 80 deg from its normal spreads the beams by 1 / cos(80 deg) = 5.8.
+constexpr double kGapM = 0.1;
+constexpr double kSlant = 6.0;
+/// A neighbourhood is a line when its thickness (standard deviation) stays below this share of its length.
+constexpr double kLineThickness = 0.35;
+constexpr float kGuessedNormalWeight = 0.25F;
+
+struct Return {
+  Eigen::Vector2d point;      // robot frame at the scan's stamp
+  Eigen::Vector2d direction;  // of the beam, robot frame
+  double range = 0.0;
+};
+
+/// Moves what a beam saw from where the robot was then to where it was at the scan's stamp.
+class Deskew {
+ public:
+  Deskew(const LaserScan& scan, const Pose2& robot_T_lidar, const Tangent2& velocity)
+      : robot_T_lidar_(robot_T_lidar),
+        moves_(scan.time_increment_s != 0.0 && !velocity.isZero(0.0)),
+        step_(velocity * scan.time_increment_s) {}
+
+  [[nodiscard]] Pose2 robot_T_beam(std::size_t beam) const {
+    return moves_ ? exp(step_ * static_cast<double>(beam)) * robot_T_lidar_ : robot_T_lidar_;
+  }
+  [[nodiscard]] bool moves() const { return moves_; }
+
+ private:
+  Pose2 robot_T_lidar_;
+  bool moves_;
+  Tangent2 step_;
+};
+
+std::vector<Return> returns_of(const LaserScan& scan, const Pose2& robot_T_lidar,
+                               const Tangent2& velocity, double range_max_m,
+                               const std::vector<Eigen::Vector2d>& directions) {
+  const Deskew deskew(scan, robot_T_lidar, velocity);
+  const double range_max = std::min(range_max_m, scan.range_max_m);
+  std::vector<Return> returns;
+  returns.reserve(scan.ranges_m.size());
+  Eigen::Matrix2d rotation = robot_T_lidar.rotation();
+  Eigen::Vector2d translation = robot_T_lidar.translation();
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double range = scan.ranges_m[i];
+    if (!(range >= scan.range_min_m && range <= range_max && range > 0.0)) continue;
+    if (deskew.moves()) {
+      const Pose2 pose = deskew.robot_T_beam(i);
+      rotation = pose.rotation();
+      translation = pose.translation();
+    }
+    const Eigen::Vector2d direction = rotation * directions[i];
+    returns.push_back({translation + range * direction, direction, range});
+  }
+  return returns;
+}
+
+/// Sums over a prefix of the returns, so that the moments of any run of neighbours are one subtraction.
+struct Moments {
+  double n = 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+};
+
+std::vector<Moments> prefix_moments(const std::vector<Return>& returns) {
+  std::vector<Moments> prefix(returns.size() + 1);
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    const Eigen::Vector2d& p = returns[i].point;
+    Moments next = prefix[i];
+    next.n += 1.0;
+    next.sum += p;
+    next.xx += p.x() * p.x();
+    next.xy += p.x() * p.y();
+    next.yy += p.y() * p.y();
+    prefix[i + 1] = next;
+  }
+  return prefix;
+}
+
+/// For each return, the index of the first return of its unbroken surface, and one past its last.
+struct Runs {
+  std::vector<std::size_t> first;
+  std::vector<std::size_t> last;
+};
+
+Runs unbroken_runs(const std::vector<Return>& returns, double beam_spacing_rad) {
+  const std::size_t count = returns.size();
+  Runs runs{std::vector<std::size_t>(count), std::vector<std::size_t>(count)};
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool ends =
+        i + 1 == count ||
+        (returns[i + 1].point - returns[i].point).norm() >
+            kGapM + kSlant * beam_spacing_rad * std::min(returns[i].range, returns[i + 1].range);
+    if (!ends) continue;
+    for (std::size_t j = start; j <= i; ++j) {
+      runs.first[j] = start;
+      runs.last[j] = i + 1;
+    }
+    start = i + 1;
+  }
+  return runs;
+}
+
+SurfacePoint guess_along_beam(const Return& seen) {
+  return {seen.point.cast<float>(), (-seen.direction).cast<float>(), kGuessedNormalWeight};
+}
+
+/// Fits a line to the returns [first, last) and projects return i on it.
+SurfacePoint fit_line(const std::vector<Return>& returns, const std::vector<Moments>& prefix,
+                      std::size_t i, std::size_t first, std::size_t last) {
+  if (last - first < 3) return guess_along_beam(returns[i]);
+  const Moments& low = prefix[first];
+  const Moments& high = prefix[last];
+  const double n = high.n - low.n;
+  const Eigen::Vector2d mean = (high.sum - low.sum) / n;
+  const double xx = (high.xx - low.xx) / n - mean.x() * mean.x();
+  const double xy = (high.xy - low.xy) / n - mean.x() * mean.y();
+  const double yy = (high.yy - low.yy) / n - mean.y() * mean.y();
+  const double middle = 0.5 * (xx + yy);
+  const double spread = std::hypot(0.5 * (xx - yy), xy);
+  const double thin = std::max(0.0, middle - spread);
+  const double lengthy = middle + spread;
+  if (!(lengthy > 0.0) || thin > kLineThickness * kLineThickness * lengthy) {
+    return guess_along_beam(returns[i]);
+  }
+  const double line_angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  Eigen::Vector2d normal(-std::sin(line_angle), std::cos(line_angle));
+  if (normal.dot(returns[i].direction) > 0.0) normal = -normal;
+  const Eigen::Vector2d on_line =
+      returns[i].point - normal.dot(returns[i].point - mean) * normal;
+  return {on_line.cast<float>(), normal.cast<float>(), 1.0F};
+}
+
+std::vector<std::size_t> evenly_spaced(const std::vector<Return>& returns, double spacing_m) {
+  std::vector<std::size_t> kept;
+  kept.reserve(returns.size());
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    if (!kept.empty() &&
+        (returns[i].point - returns[kept.back()].point).squaredNorm() < spacing_m * spacing_m) {
+      continue;
+    }
+    kept.push_back(i);
+  }
+  return kept;
+}
+
+}  // namespace
+
+const std::vector<Eigen::Vector2d>& BeamTable::directions(const LaserScan& scan) {
+  if (scan.ranges_m.size() != directions_.size() || scan.angle_min_rad != angle_min_rad_ ||
+      scan.angle_increment_rad != angle_increment_rad_) {
+    angle_min_rad_ = scan.angle_min_rad;
+    angle_increment_rad_ = scan.angle_increment_rad;
+    directions_.resize(scan.ranges_m.size());
+    for (std::size_t i = 0; i < directions_.size(); ++i) {
+      const double angle = scan.angle_rad(i);
+      directions_[i] = {std::cos(angle), std::sin(angle)};
+    }
+  }
+  return directions_;
+}
+
+std::vector<Eigen::Vector2d> scan_points(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                         const Tangent2& velocity) {
+  BeamTable beams;
+  const auto returns =
+      returns_of(scan, robot_T_lidar, velocity, scan.range_max_m, beams.directions(scan));
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(returns.size());
+  for (const auto& seen : returns) points.push_back(seen.point);
+  return points;
+}
+
+std::vector<SurfacePoint> surface_points(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                         const Tangent2& velocity, const SurfaceOptions& options,
+                                         BeamTable& beams) {
+  const auto returns = returns_of(scan, robot_T_lidar, velocity, options.range_max_m,
+                                  beams.directions(scan));
+  const double beam_spacing = std::abs(scan.angle_increment_rad);
+  const auto runs = unbroken_runs(returns, beam_spacing);
+  const auto prefix = prefix_moments(returns);
+
+  double spacing = options.spacing_m;
+  auto kept = evenly_spaced(returns, spacing);
+  while (kept.size() > static_cast<std::size_t>(options.points_max)) {
+    spacing *= 1.3;
+    kept = evenly_spaced(returns, spacing);
+  }
+
+  std::vector<SurfacePoint> surfaces;
+  surfaces.reserve(kept.size());
+  for (const std::size_t i : kept) {
+    const double between = std::max(1e-4, beam_spacing * returns[i].range);
+    const auto reach =
+        static_cast<std::size_t>(std::clamp(std::ceil(options.support_m / between), 1.0, 64.0));
+    const std::size_t first = i - std::min(reach, i - runs.first[i]);
+    const std::size_t last = std::min(i + reach + 1, runs.last[i]);
+    surfaces.push_back(fit_line(returns, prefix, i, first, last));
+  }
+  return surfaces;
+}
+
+}  // namespace loopstone
