@@ -57,3 +57,18 @@ if(TARGET loopstone_program)
     add_dependencies(test_cli loopstone_program)
   endif()
 endif()
+
+# Tests that are no gtest programs.
+find_package(Python3 3.9 REQUIRED COMPONENTS Interpreter)
+set(check_layering "${PROJECT_SOURCE_DIR}/tests/layering/check_layering.py")
+add_test(NAME layering.tree COMMAND Python3::Interpreter "${check_layering}" "${PROJECT_SOURCE_DIR}")
+add_test(NAME layering.self_test COMMAND Python3::Interpreter "${check_layering}" --self-test)
+set_tests_properties(layering.tree layering.self_test PROPERTIES LABELS layering TIMEOUT 60)
+
+# An outside project; of no use with a sanitizer, whose run-time library it would have to link.
+if(NOT LOOPSTONE_SANITIZE AND NOT CMAKE_CXX_FLAGS_DEBUG MATCHES "coverage")
+  add_test(NAME install.outside_project COMMAND "${PROJECT_SOURCE_DIR}/tests/install/run.sh" "${CMAKE_BINARY_DIR}"
+                                                ${PROJECT_VERSION})
+  set_tests_properties(install.outside_project PROPERTIES LABELS install TIMEOUT 600 COST 800 ENVIRONMENT
+                                                          "CXX=${CMAKE_CXX_COMPILER}")
+endif()

@@ -1,0 +1,49 @@
+# A thin front door; the build itself is CMake (see CMakePresets.json and CONTRIBUTING.md).
+.DEFAULT_GOAL := build
+.PHONY: help deps deps-all build test demo bench format tidy asan tsan fuzz coverage clean
+
+JOBS ?= $(shell nproc)
+export JOBS
+
+help:      ## this list
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile | expand -t 18
+
+deps:
+	@scripts/install_dependencies.sh
+deps-all:
+	@scripts/install_dependencies.sh --all
+
+build: deps  ## the program at build/release/bin/loopstone
+	@scripts/build.sh release
+
+test: build  ## every test
+	@ctest --preset release --output-on-failure -j$(JOBS)
+
+demo: deps  ## simulate an office, map it, compare with the truth
+	@scripts/build.sh release loopstone_program
+	@scripts/demo.sh
+
+bench: deps-all  ## speed of the inner loops, and the tables of docs/
+	@scripts/bench.sh
+
+format: deps-all  ## rewrite the sources by .clang-format
+	@scripts/format.sh
+
+tidy: deps-all  ## clang-tidy on everything
+	@scripts/tidy_changed.sh --everything
+
+asan: deps  ## every test under the address and undefined-behaviour sanitizers
+	@scripts/build.sh asan
+	@ctest --preset asan -j$(JOBS)
+
+tsan: deps  ## what is threaded, under the thread sanitizer
+	@scripts/tsan.sh
+
+fuzz: deps-all  ## each fuzz target for FUZZ_SECONDS (20)
+	@scripts/fuzz.sh
+
+coverage: deps  ## line coverage of the library by the tests
+	@scripts/coverage.sh
+
+clean:  ## remove build/
+	rm -rf build

@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# Installs what loopstone needs on Debian 12 (or a close relative), by apt. Safe to run again; quick when nothing is missing.
+#
+#     scripts/install_dependencies.sh          to build, test and run
+#     scripts/install_dependencies.sh --all    and to format, tidy, fuzz and benchmark
+set -euo pipefail
+
+packages=(
+  g++ cmake ninja-build make ccache lld pkg-config python3-minimal
+  libeigen3-dev libnanoflann-dev libtbb-dev libfmt-dev
+  nlohmann-json3-dev libtomlplusplus-dev libyaml-cpp-dev
+  libpng-dev libzip-dev zlib1g-dev libbz2-dev libcairo2-dev
+  libcli11-dev libspdlog-dev
+  libgtest-dev libgmock-dev librapidcheck-dev
+)
+if [[ ${1:-} == --all ]]; then
+  packages+=(git clang clang-tidy clang-format libclang-rt-14-dev llvm libbenchmark-dev python3)
+elif [[ -n ${1:-} ]]; then
+  sed -n '2,5s/^# \?//p' "$0"
+  exit 2
+fi
+
+installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${packages[@]}" 2>/dev/null | sed -n 's/^installed //p' || true)
+missing=()
+for package in "${packages[@]}"; do
+  grep -qxF "$package" <<<"$installed" || missing+=("$package")
+done
+if [[ ${#missing[@]} -eq 0 ]]; then
+  exit 0
+fi
+
+if ! command -v apt-get >/dev/null; then
+  echo "apt-get not found. Install these packages, or what your system calls them: ${missing[*]}" >&2
+  exit 1
+fi
+as_root=()
+if [[ $(id -u) -ne 0 ]]; then
+  command -v sudo >/dev/null || { echo "Run as root, or install sudo: missing ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+
+echo "Installing: ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+apt_install() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" </dev/null
+}
+# The package lists are absent in a fresh container, and old ones point to versions that are gone; refresh them when it matters.
+lists=$(find /var/lib/apt/lists -maxdepth 1 -name '*_Packages*' -print -quit 2>/dev/null || true)
+if [[ -n $lists ]] && apt_install; then
+  exit 0
+fi
+"${as_root[@]}" apt-get update -q </dev/null
+apt_install
