@@ -27,6 +27,22 @@ endif()
 math(EXPR count "${last} + 1")
 list(SUBLIST LOOPSTONE_PARTS 0 ${count} LOOPSTONE_PARTS)
 
+# Headers that nearly every source reads, parsed once. The presets tidy and fuzz build without them, so a source that
+# forgets an include of its own is found there.
+set(LOOPSTONE_PRECOMPILED_HEADERS
+    <Eigen/Core>
+    <Eigen/Geometry>
+    <algorithm>
+    <cmath>
+    <functional>
+    <map>
+    <memory>
+    <optional>
+    <span>
+    <string>
+    <variant>
+    <vector>)
+
 set(loopstone_objects)
 foreach(part IN LISTS LOOPSTONE_PARTS)
   file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${part}/*.cpp")
@@ -34,6 +50,15 @@ foreach(part IN LISTS LOOPSTONE_PARTS)
     add_library(loopstone_${part}_objects OBJECT ${sources})
     target_link_libraries(loopstone_${part}_objects PRIVATE loopstone_build Eigen3::Eigen ${LOOPSTONE_LINKED_LIBRARIES}
                                                             ${LOOPSTONE_HEADER_LIBRARIES})
+    # So that a static library can go into somebody's shared one.
+    set_target_properties(loopstone_${part}_objects PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    if(LOOPSTONE_PCH)
+      if(part STREQUAL "base")
+        target_precompile_headers(loopstone_base_objects PRIVATE ${LOOPSTONE_PRECOMPILED_HEADERS})
+      else()
+        target_precompile_headers(loopstone_${part}_objects REUSE_FROM loopstone_base_objects)
+      endif()
+    endif()
     list(APPEND loopstone_objects $<TARGET_OBJECTS:loopstone_${part}_objects>)
   endif()
 endforeach()

@@ -4,29 +4,40 @@ find_package(GTest REQUIRED)
 find_package(rapidcheck REQUIRED)
 include(SuiteTests)
 
+# What every test program is compiled with and linked to.
+add_library(loopstone_test_base INTERFACE)
+target_include_directories(loopstone_test_base INTERFACE "${PROJECT_SOURCE_DIR}/tests")
+target_compile_definitions(loopstone_test_base INTERFACE LOOPSTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+target_link_libraries(
+  loopstone_test_base
+  INTERFACE loopstone_build
+            loopstone::loopstone
+            GTest::gtest
+            GTest::gmock
+            rapidcheck
+            rapidcheck_gtest
+            ${LOOPSTONE_LINKED_LIBRARIES}
+            ${LOOPSTONE_HEADER_LIBRARIES})
+
+# gtest's main, in a library of ours because it also carries the precompiled header of all test programs.
+add_library(loopstone_test_main OBJECT "${PROJECT_SOURCE_DIR}/tests/main/main.cpp")
+target_link_libraries(loopstone_test_main PRIVATE loopstone_test_base)
+if(LOOPSTONE_PCH)
+  target_precompile_headers(loopstone_test_main PRIVATE ${LOOPSTONE_PRECOMPILED_HEADERS} <gmock/gmock.h> <gtest/gtest.h>)
+endif()
+
+function(loopstone_test_target target)
+  target_link_libraries(${target} PUBLIC loopstone_test_base)
+  if(LOOPSTONE_PCH)
+    target_precompile_headers(${target} REUSE_FROM loopstone_test_main)
+  endif()
+endfunction()
+
 file(GLOB support_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/tests/support/*.cpp")
 if(support_sources)
   add_library(loopstone_test_support STATIC ${support_sources})
-  set(support_scope PUBLIC)
-else()
-  add_library(loopstone_test_support INTERFACE)
-  set(support_scope INTERFACE)
+  loopstone_test_target(loopstone_test_support)
 endif()
-target_include_directories(loopstone_test_support ${support_scope} "${PROJECT_SOURCE_DIR}/tests")
-target_compile_definitions(loopstone_test_support ${support_scope} LOOPSTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-target_link_libraries(
-  loopstone_test_support
-  ${support_scope}
-  loopstone_build
-  loopstone::loopstone
-  GTest::gtest
-  GTest::gmock
-  rapidcheck
-  rapidcheck_gtest
-  fmt::fmt
-  Threads::Threads
-  ${LOOPSTONE_LINKED_LIBRARIES}
-  ${LOOPSTONE_HEADER_LIBRARIES})
 
 # loopstone_add_tests(NAME test_grid FOLDER unit/grid LABEL unit TIMEOUT 120)
 function(loopstone_add_tests)
@@ -35,8 +46,11 @@ function(loopstone_add_tests)
   if(NOT sources)
     return()
   endif()
-  add_executable(${arg_NAME} ${sources})
-  target_link_libraries(${arg_NAME} PRIVATE loopstone_test_support GTest::gtest_main)
+  add_executable(${arg_NAME} ${sources} $<TARGET_OBJECTS:loopstone_test_main>)
+  loopstone_test_target(${arg_NAME})
+  if(TARGET loopstone_test_support)
+    target_link_libraries(${arg_NAME} PUBLIC loopstone_test_support)
+  endif()
   target_compile_definitions(${arg_NAME} PRIVATE ${arg_DEFINITIONS})
   loopstone_discover_suites(TARGET ${arg_NAME} LABEL ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} COST "${arg_COST}")
 endfunction()

@@ -10,8 +10,6 @@ if(PROJECT_IS_TOP_LEVEL)
   set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 endif()
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
-set(CMAKE_POSITION_INDEPENDENT_CODE ON)
-set(CMAKE_CXX_VISIBILITY_PRESET default)
 
 find_program(LOOPSTONE_CCACHE ccache)
 if(LOOPSTONE_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
@@ -31,6 +29,10 @@ target_include_directories(loopstone_build INTERFACE "${PROJECT_SOURCE_DIR}/incl
 # inlining and the processor it builds for, so with contraction the same log could give two maps. Off, everywhere.
 # For the same reason there is no -ffast-math and no -march=native here.
 target_compile_options(loopstone_build INTERFACE -ffp-contract=off)
+
+if(LOOPSTONE_PCH AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(loopstone_build INTERFACE -fpch-preprocess) # ccache asks for it
+endif()
 
 target_compile_options(
   loopstone_build
