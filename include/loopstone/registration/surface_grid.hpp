@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/grid/block_grid.hpp"
+#include "loopstone/sensor/scan_points.hpp"
+
+namespace loopstone {
+
+/// The mean of the surface points that fell in and next to a cell and face the same way. Position is relative to the
+/// cell's centre; position and normal are sums of weight times value.
+struct SurfaceSum {
+  float weight = 0.0F;
+  float x = 0.0F;
+  float y = 0.0F;
+  float normal_x = 0.0F;
+  float normal_y = 0.0F;
+};
+
+/// Two sums a cell, so that both sides of a thin wall and both walls of a corner stay apart.
+struct SurfaceCell {
+  std::array<SurfaceSum, 2> sums{};
+};
+
+/// A line in the plane: a point on it and its unit normal.
+struct SurfaceLine {
+  Eigen::Vector2d point;
+  Eigen::Vector2d normal;
+};
+
+/// Surfaces of a place on grids of several resolutions, to align scans to. Each cell knows the line through all points
+/// within 1.5 cells of its centre, so finding the surface near a point is a single look-up.
+/// Compared with an occupancy grid of the same size, the line's position is not rounded to cells.
+/// Related: Biber and Strasser 2003, "The Normal Distributions Transform"; Kohlbrecher 2011 for the grid levels.
+class SurfaceGrid {
+ public:
+  /// \param resolutions_m  finest first, at least one
+  explicit SurfaceGrid(std::span<const double> resolutions_m);
+
+  /// Adds points at a pose. Cost: 9 cells a point and level.
+  void insert(std::span<const SurfacePoint> points, const Pose2& grid_T_points);
+
+  [[nodiscard]] std::size_t level_count() const { return levels_.size(); }
+  [[nodiscard]] double resolution_m(std::size_t level) const { return levels_[level].resolution_m(); }
+
+  /// The surface near a point that faces like `normal` (within 60 deg), if there is one. Cost: O(1).
+  [[nodiscard]] std::optional<SurfaceLine> line_near(std::size_t level, const Eigen::Vector2d& point,
+                                                     const Eigen::Vector2d& normal) const;
+
+ private:
+  std::vector<BlockGrid<SurfaceCell>> levels_;
+};
+
+}  // namespace loopstone

@@ -1,0 +1,188 @@
+#include "loopstone/mapping/submap.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace loopstone {
+
+namespace {
+
+/// Each level's cell is three times the one below: the nine cells that a point enters cover one cell above.
+constexpr double kLevelRatio = 3.0;
+constexpr int kLevels = 3;
+/// Thinned surfaces: one piece a cell of this size and side.
+constexpr double kThinCellM = 0.1;
+/// A piece of surface that many scans saw counts no more than this.
+constexpr float kMaxWeight = 8.0F;
+constexpr float kSameSurfaceCosine = 0.5F;
+/// In the search grid a surface fades out over about this distance.
+constexpr double kBlurM = 0.1;
+/// Rays are walked for at most this many beams of a scan: enough to know the free space.
+constexpr std::size_t kMaxRays = 180;
+
+std::array<double, kLevels> level_resolutions(double finest_m) {
+  return {finest_m, finest_m * kLevelRatio, finest_m * kLevelRatio * kLevelRatio};
+}
+
+void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal, float weight) {
+  for (SurfaceSum& sum : cell.sums) {
+    const float length = std::hypot(sum.normal_x, sum.normal_y);
+    if (sum.weight != 0.0F &&
+        sum.normal_x * normal.x() + sum.normal_y * normal.y() <= kSameSurfaceCosine * length) {
+      continue;
+    }
+    sum.weight += weight;
+    sum.x += weight * static_cast<float>(offset.x());
+    sum.y += weight * static_cast<float>(offset.y());
+    sum.normal_x += weight * normal.x();
+    sum.normal_y += weight * normal.y();
+    return;
+  }
+}
+
+/// The bounding box of cells, growing.
+struct CellBox {
+  int low_column = std::numeric_limits<int>::max();
+  int low_row = std::numeric_limits<int>::max();
+  int high_column = std::numeric_limits<int>::min();
+  int high_row = std::numeric_limits<int>::min();
+
+  void add(Cell cell) {
+    low_column = std::min(low_column, cell.column);
+    low_row = std::min(low_row, cell.row);
+    high_column = std::max(high_column, cell.column);
+    high_row = std::max(high_row, cell.row);
+  }
+  [[nodiscard]] bool empty() const { return high_column < low_column; }
+};
+
+}  // namespace
+
+Submap::Submap(const SubmapOptions& options)
+    : options_(options),
+      surfaces_(level_resolutions(options.cell_m)),
+      thin_surfaces_(kThinCellM),
+      free_(options.free_cell_m) {}
+
+void Submap::insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan, const Pose2& robot_T_lidar,
+                    const Pose2& submap_T_robot, BeamTable& beams) {
+  surfaces_.insert(surfaces, submap_T_robot);
+  const Eigen::Matrix2d rotation = submap_T_robot.rotation();
+  for (const SurfacePoint& surface : surfaces) {
+    const Eigen::Vector2d point = submap_T_robot.translation() + rotation * surface.position.cast<double>();
+    const Eigen::Vector2f normal = (rotation * surface.normal.cast<double>()).cast<float>();
+    const Cell cell = thin_surfaces_.cell_of(point.x(), point.y());
+    add_to(thin_surfaces_.at(cell), point - thin_surfaces_.centre_of(cell), normal, surface.weight);
+  }
+
+  const Pose2 submap_T_lidar = submap_T_robot * robot_T_lidar;
+  const Eigen::Vector2d from = submap_T_lidar.translation();
+  const Eigen::Matrix2d lidar_rotation = submap_T_lidar.rotation();
+  const auto& directions = beams.directions(scan);
+  const std::size_t stride = std::max<std::size_t>(1, (directions.size() + kMaxRays - 1) / kMaxRays);
+  for (std::size_t i = 0; i < directions.size(); i += stride) {
+    const double range = scan.ranges_m[i];
+    double length = 0.0;
+    if (std::isinf(range) && range > 0.0) length = options_.no_return_carve_m;
+    if (std::isfinite(range) && range > 0.0) length = range - options_.free_cell_m;
+    const Eigen::Vector2d step = lidar_rotation * directions[i] * options_.free_cell_m;
+    Eigen::Vector2d point = from;
+    const int steps = static_cast<int>(length / options_.free_cell_m);
+    for (int k = 0; k <= steps && length > 0.0; ++k, point += step) {
+      free_.at(free_.cell_of(point.x(), point.y())) = 1;
+    }
+  }
+}
+
+FrozenSubmap Submap::freeze() const {
+  FrozenSubmap frozen;
+  thin_surfaces_.for_each([&](Cell cell, const SurfaceCell& sums) {
+    for (const SurfaceSum& sum : sums.sums) {
+      // Something seen once, without a normal, is as likely a passer-by as a wall.
+      if (sum.weight < 0.6F) continue;
+      const float length = std::hypot(sum.normal_x, sum.normal_y);
+      if (!(length > 0.0F)) continue;
+      const Eigen::Vector2d centre = thin_surfaces_.centre_of(cell);
+      frozen.surfaces.push_back({Eigen::Vector2f(static_cast<float>(centre.x()) + sum.x / sum.weight,
+                                                 static_cast<float>(centre.y()) + sum.y / sum.weight),
+                                 Eigen::Vector2f(sum.normal_x / length, sum.normal_y / length),
+                                 std::min(sum.weight, kMaxWeight)});
+    }
+  });
+
+  CellBox box;
+  free_.for_each([&](Cell cell, std::uint8_t free) {
+    if (free != 0) box.add(cell);
+  });
+  if (!box.empty()) {
+    frozen.free = Grid<std::uint8_t>(
+        GridFrame{.origin = {box.low_column * options_.free_cell_m, box.low_row * options_.free_cell_m},
+                  .resolution = options_.free_cell_m,
+                  .columns = box.high_column - box.low_column + 1,
+                  .rows = box.high_row - box.low_row + 1});
+    free_.for_each([&](Cell cell, std::uint8_t free) {
+      if (free != 0) frozen.free[{cell.column - box.low_column, cell.row - box.low_row}] = 1;
+    });
+  }
+  return frozen;
+}
+
+SurfaceGrid FrozenSubmap::surface_grid(const SubmapOptions& options) const {
+  SurfaceGrid grid(level_resolutions(options.cell_m));
+  grid.insert(surfaces, Pose2{});
+  return grid;
+}
+
+MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options) const {
+  constexpr int kPyramidLevels = 7;
+  Eigen::Vector2d low = free.empty() ? Eigen::Vector2d(0.0, 0.0) : free.frame().origin;
+  Eigen::Vector2d high = low;
+  if (!free.empty()) high += free.frame().resolution * Eigen::Vector2d(free.frame().columns, free.frame().rows);
+  for (const SurfacePoint& surface : surfaces) {
+    low = low.cwiseMin(surface.position.cast<double>());
+    high = high.cwiseMax(surface.position.cast<double>());
+  }
+  Grid<std::uint8_t> cells(frame_covering(low, high, options.search_cell_m, 3.0 * kBlurM), kUnknown);
+  const GridFrame& frame = cells.frame();
+  if (!free.empty()) {
+    for (int row = 0; row < frame.rows; ++row) {
+      for (int column = 0; column < frame.columns; ++column) {
+        if (free.value_or(free.frame().cell_of(frame.centre_of({column, row})), 0) != 0) {
+          cells[{column, row}] = kContradiction;
+        }
+      }
+    }
+  }
+  // Surfaces last: near one, the record of free space is too coarse to contradict anything.
+  const int reach = static_cast<int>(std::ceil(2.5 * kBlurM / frame.resolution));
+  for (const SurfacePoint& surface : surfaces) {
+    const Eigen::Vector2d point = surface.position.cast<double>();
+    const Cell middle = frame.cell_of(point);
+    for (int row = middle.row - reach; row <= middle.row + reach; ++row) {
+      for (int column = middle.column - reach; column <= middle.column + reach; ++column) {
+        if (!frame.contains({column, row})) continue;
+        const double distance2 = (frame.centre_of({column, row}) - point).squaredNorm();
+        if (distance2 > 6.25 * kBlurM * kBlurM) continue;
+        const double near = std::exp(-0.5 * distance2 / (kBlurM * kBlurM));
+        const auto value = static_cast<std::uint8_t>(std::lround(kUnknown + near * (kSurface - kUnknown)));
+        auto& cell = cells[{column, row}];
+        cell = std::max(cell, value);
+      }
+    }
+  }
+  return MaxPyramid(cells, kPyramidLevels, kUnknown);
+}
+
+std::vector<Eigen::Vector2d> FrozenSubmap::probe(std::size_t count) const {
+  std::vector<Eigen::Vector2d> points;
+  if (surfaces.empty()) return points;
+  const double stride = std::max(1.0, static_cast<double>(surfaces.size()) / static_cast<double>(count));
+  for (double at = 0.0; at < static_cast<double>(surfaces.size()); at += stride) {
+    points.push_back(surfaces[static_cast<std::size_t>(at)].position.cast<double>());
+  }
+  return points;
+}
+
+}  // namespace loopstone

@@ -1,0 +1,135 @@
+#include "loopstone/registration/grid_matcher.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "loopstone/geometry/angle.hpp"
+
+namespace loopstone {
+
+namespace {
+
+constexpr int kMinPairs = 10;
+/// A step smaller than this ends a level.
+constexpr double kStepM = 1e-4;
+constexpr double kStepRad = 2e-5;
+/// Translation counts as unobserved along a direction that has less than this share of the best direction's information.
+constexpr double kDegenerateShare = 0.01;
+/// What no number of points averages away: the grid's own error.
+constexpr double kFloorM = 0.003;
+constexpr double kFloorRad = 0.001;
+
+/// Normal equations of one Gauss-Newton step, with what they say about the fit.
+struct Linearisation {
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double squared_sum = 0.0;
+  double weight_sum = 0.0;
+  double explained = 0.0;  // weight of the points near a surface
+  double total = 0.0;      // weight of all points
+  int pairs = 0;
+};
+
+Linearisation linearise(std::span<const SurfacePoint> source, const SurfaceGrid& target,
+                        std::size_t level, const Pose2& pose, double kernel_width_m) {
+  Linearisation sum;
+  const Eigen::Matrix2d rotation = pose.rotation();
+  const Eigen::Vector2d translation = pose.translation();
+  const double inverse_width2 = 1.0 / (kernel_width_m * kernel_width_m);
+  for (const SurfacePoint& surface : source) {
+    sum.total += surface.weight;
+    const Eigen::Vector2d arm = rotation * surface.position.cast<double>();
+    const auto line = target.line_near(level, arm + translation, rotation * surface.normal.cast<double>());
+    if (!line) continue;
+    const double residual = line->normal.dot(arm + translation - line->point);
+    const double scaled2 = residual * residual * inverse_width2;
+    const double weight = surface.weight / (1.0 + scaled2);  // Cauchy
+    // d residual / d (x, y, yaw): turning by dyaw moves the point by dyaw * (-arm.y, arm.x).
+    const Eigen::Vector3d jacobian(line->normal.x(), line->normal.y(),
+                                   line->normal.y() * arm.x() - line->normal.x() * arm.y());
+    sum.hessian.noalias() += weight * jacobian * jacobian.transpose();
+    sum.gradient += weight * residual * jacobian;
+    sum.squared_sum += weight * residual * residual;
+    sum.weight_sum += weight;
+    if (scaled2 < 4.0) sum.explained += surface.weight;
+    ++sum.pairs;
+  }
+  return sum;
+}
+
+Eigen::Vector3d difference(const Pose2& pose, const Pose2& from) {
+  return {pose.x - from.x, pose.y - from.y, wrap_angle(pose.yaw - from.yaw)};
+}
+
+bool translation_unobserved(const Eigen::Matrix3d& hessian) {
+  // Information on the translation once the heading is free too: the Schur complement.
+  const double heading = hessian(2, 2);
+  Eigen::Matrix2d translation = hessian.topLeftCorner<2, 2>();
+  if (heading > 0.0) {
+    translation -= hessian.topRightCorner<2, 1>() * hessian.bottomLeftCorner<1, 2>() / heading;
+  }
+  const double middle = 0.5 * (translation(0, 0) + translation(1, 1));
+  const double spread = std::hypot(0.5 * (translation(0, 0) - translation(1, 1)), translation(0, 1));
+  return middle - spread < kDegenerateShare * (middle + spread);
+}
+
+}  // namespace
+
+MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGrid& target,
+                          const Pose2& guess, const std::optional<PosePrior2>& prior,
+                          const GridMatchOptions& options, std::size_t coarsest_level) {
+  MatchResult result{.target_T_source = guess};
+  const double inverse_sigma2 = 1.0 / (options.residual_sigma_m * options.residual_sigma_m);
+  Pose2 pose = guess;
+  Linearisation last;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  bool converged = false;
+
+  for (std::size_t above = std::min(coarsest_level, target.level_count() - 1) + 1; above > 0; --above) {
+    const std::size_t level = above - 1;
+    const double width =
+        options.kernel_width_m * target.resolution_m(level) / target.resolution_m(0);
+    converged = false;
+    for (int iteration = 0; iteration < options.max_iterations && !converged; ++iteration) {
+      last = linearise(source, target, level, pose, width);
+      ++result.iterations;
+      if (last.pairs < kMinPairs) {
+        if (level > 0) break;
+        result.status = MatchStatus::kTooFewPairs;
+        return result;
+      }
+      information = last.hessian * inverse_sigma2;
+      Eigen::Vector3d gradient = last.gradient * inverse_sigma2;
+      if (prior) {
+        information += prior->information;
+        gradient += prior->information * difference(pose, prior->target_T_source);
+      }
+      // A trace of damping keeps an unobserved direction where it is.
+      Eigen::Matrix3d damped = information;
+      damped.diagonal() += 1e-6 * information.diagonal() + Eigen::Vector3d::Constant(1e-3);
+      const Eigen::Vector3d step = -damped.ldlt().solve(gradient);
+      if (!step.allFinite()) break;
+      pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};
+      converged = step.head<2>().norm() < kStepM && std::abs(step.z()) < kStepRad;
+    }
+  }
+
+  result.target_T_source = pose;
+  result.pairs = last.pairs;
+  result.inlier_fraction = source.empty() ? 0.0 : static_cast<double>(last.pairs) / static_cast<double>(source.size());
+  result.score = last.total > 0.0 ? last.explained / last.total : 0.0;
+  result.rmse_m = last.weight_sum > 0.0 ? std::sqrt(last.squared_sum / last.weight_sum) : 0.0;
+  Eigen::Matrix3d invertible = information;
+  invertible.diagonal() += Eigen::Vector3d::Constant(1e-3);
+  result.covariance = invertible.ldlt().solve(Eigen::Matrix3d::Identity());
+  result.covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
+  if (translation_unobserved(last.hessian)) {
+    result.status = MatchStatus::kDegenerate;
+  } else {
+    result.status = converged ? MatchStatus::kConverged : MatchStatus::kNotConverged;
+  }
+  return result;
+}
+
+}  // namespace loopstone

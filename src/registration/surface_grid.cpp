@@ -1,0 +1,79 @@
+#include "loopstone/registration/surface_grid.hpp"
+
+#include <cassert>
+#include <cmath>
+
+namespace loopstone {
+
+namespace {
+
+/// Surfaces whose normals differ by more than 60 deg are different surfaces.
+constexpr float kSameSurfaceCosine = 0.5F;
+
+float cosine_to(const SurfaceSum& sum, float normal_x, float normal_y) {
+  const float dot = sum.normal_x * normal_x + sum.normal_y * normal_y;
+  const float length = std::sqrt(sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y);
+  return length > 0.0F ? dot / length : -1.0F;
+}
+
+/// The sum that a point belongs to: one that faces the same way, else an empty one, else none.
+SurfaceSum* sum_for(SurfaceCell& cell, float normal_x, float normal_y) {
+  for (SurfaceSum& sum : cell.sums) {
+    if (sum.weight == 0.0F || cosine_to(sum, normal_x, normal_y) > kSameSurfaceCosine) return &sum;
+  }
+  return nullptr;
+}
+
+void add_point(BlockGrid<SurfaceCell>& level, const Eigen::Vector2d& point, float normal_x,
+               float normal_y, float weight) {
+  const Cell middle = level.cell_of(point.x(), point.y());
+  for (int row = middle.row - 1; row <= middle.row + 1; ++row) {
+    for (int column = middle.column - 1; column <= middle.column + 1; ++column) {
+      const Cell cell{column, row};
+      SurfaceSum* sum = sum_for(level.at(cell), normal_x, normal_y);
+      if (sum == nullptr) continue;
+      const Eigen::Vector2d offset = point - level.centre_of(cell);
+      sum->weight += weight;
+      sum->x += weight * static_cast<float>(offset.x());
+      sum->y += weight * static_cast<float>(offset.y());
+      sum->normal_x += weight * normal_x;
+      sum->normal_y += weight * normal_y;
+    }
+  }
+}
+
+}  // namespace
+
+SurfaceGrid::SurfaceGrid(std::span<const double> resolutions_m) {
+  assert(!resolutions_m.empty());
+  levels_.reserve(resolutions_m.size());
+  for (const double resolution : resolutions_m) levels_.emplace_back(resolution);
+}
+
+void SurfaceGrid::insert(std::span<const SurfacePoint> points, const Pose2& grid_T_points) {
+  const Eigen::Matrix2d rotation = grid_T_points.rotation();
+  const Eigen::Vector2d translation = grid_T_points.translation();
+  for (const SurfacePoint& surface : points) {
+    const Eigen::Vector2d point = rotation * surface.position.cast<double>() + translation;
+    const Eigen::Vector2f normal = (rotation * surface.normal.cast<double>()).cast<float>();
+    for (auto& level : levels_) add_point(level, point, normal.x(), normal.y(), surface.weight);
+  }
+}
+
+std::optional<SurfaceLine> SurfaceGrid::line_near(std::size_t level, const Eigen::Vector2d& point,
+                                                  const Eigen::Vector2d& normal) const {
+  const auto& grid = levels_[level];
+  const Cell at = grid.cell_of(point.x(), point.y());
+  const SurfaceCell* cell = grid.find(at);
+  if (cell == nullptr) return {};
+  for (const SurfaceSum& sum : cell->sums) {
+    if (sum.weight == 0.0F) break;
+    const double length = std::hypot(sum.normal_x, sum.normal_y);
+    const Eigen::Vector2d line_normal(sum.normal_x / length, sum.normal_y / length);
+    if (line_normal.dot(normal) <= kSameSurfaceCosine) continue;
+    return SurfaceLine{grid.centre_of(at) + Eigen::Vector2d(sum.x, sum.y) / sum.weight, line_normal};
+  }
+  return {};
+}
+
+}  // namespace loopstone
