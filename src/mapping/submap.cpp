@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "loopstone/registration/correlative_search.hpp"
+
 namespace loopstone {
 
 namespace {

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "loopstone/base/options.hpp"
+#include "loopstone/mapping/submap.hpp"
+#include "loopstone/registration/grid_matcher.hpp"
+#include "loopstone/registration/match_result.hpp"
+#include "loopstone/sensor/laser_scan.hpp"
+
+namespace loopstone {
+
+struct FrontEndOptions {
+  double range_max_m = 60.0;        ///< farther returns are not used for matching
+  int points_max = 360;             ///< of a scan, after thinning
+  double key_distance_m = 0.15;     ///< a key scan after so much travel
+  double key_angle_rad = 0.12;      ///< or after so much turning
+  double submap_length_m = 8.0;     ///< travel that fills a submap; the next one starts at half of it
+  double trusted_score = 0.6;       ///< below it, a search checks whether another pose nearby explains more
+  double search_half_xy_m = 0.6;    ///< window of that search
+  double search_half_yaw_rad = 0.5;
+};
+
+template <typename Visitor>
+void visit_options(FrontEndOptions& options, Visitor&& visit) {
+  visit("range_max_m", options.range_max_m, Range{0.5, 1000.0}, "farther returns are not used for matching");
+  visit("points_max", options.points_max, Range{20, 10000}, "points of a scan that are matched, after thinning");
+  visit("key_distance_m", options.key_distance_m, Range{0.01, 5.0}, "a key scan after so much travel");
+  visit("key_angle_rad", options.key_angle_rad, Range{0.01, 3.2}, "or after so much turning");
+  visit("submap_length_m", options.submap_length_m, Range{0.5, 100.0}, "travel that fills a submap");
+  visit("trusted_score", options.trusted_score, Range{0.0, 1.0},
+        "a match that explains less of the scan is checked by a search");
+  visit("search_half_xy_m", options.search_half_xy_m, Range{0.1, 10.0}, "half side of the window of that search");
+  visit("search_half_yaw_rad", options.search_half_yaw_rad, Range{0.01, 3.2}, "half heading range of that search");
+}
+
+/// A submap that is full, and the key scans that are in it.
+struct FinishedSubmap {
+  FrozenSubmap submap;
+  std::size_t first_key = 0;  ///< its frame is this key scan's pose
+  std::size_t last_key = 0;
+};
+
+/// What the front end says of one scan.
+struct TrackedScan {
+  bool used = false;             ///< false: too few returns; the pose is the prediction
+  Pose2 local_T_robot;           ///< smooth, drifts
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the match, (x, y, yaw) in the local frame
+  MatchStatus status = MatchStatus::kTooFewPairs;
+  double score = 0.0;
+  bool searched = false;
+  bool key = false;
+  std::vector<FinishedSubmap> finished;  ///< submaps that this scan filled
+};
+
+/// Aligns each scan to the active submap and keeps the submaps going.
+///
+/// Frame `local`: that of the first scan; continuous, never corrected by loop closures.
+class FrontEnd {
+ public:
+  FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match, const SubmapOptions& submap);
+
+  /// \param odom_T_robot  dead reckoning at the scan's stamp, if there is any
+  [[nodiscard]] TrackedScan add(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                const std::optional<Pose2>& odom_T_robot);
+
+  /// The submaps still open, as they are. Call once, at the end.
+  [[nodiscard]] std::vector<FinishedSubmap> finish();
+
+ private:
+  struct ActiveSubmap {
+    Submap submap;
+    Pose2 local_T_submap;
+    std::size_t first_key;
+    double travelled_m;
+  };
+  struct Prediction {
+    Pose2 local_T_robot;
+    Eigen::Matrix3d information;  ///< of (x, y, yaw), local frame
+  };
+
+  [[nodiscard]] Prediction predict(const LaserScan& scan, const std::optional<Pose2>& odom_T_robot) const;
+  [[nodiscard]] MatchResult align(std::span<const SurfacePoint> surfaces, const Prediction& prediction,
+                                  bool* searched) const;
+  [[nodiscard]] bool moved_enough(const Pose2& local_T_robot) const;
+  void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan, const Pose2& robot_T_lidar,
+              TrackedScan& tracked);
+
+  FrontEndOptions options_;
+  GridMatchOptions match_options_;
+  SubmapOptions submap_options_;
+  BeamTable beams_{};
+  std::vector<ActiveSubmap> active_{};  ///< oldest first; the oldest is what scans are aligned to
+  std::size_t key_count_ = 0;
+  Pose2 last_key_{};
+  std::optional<Stamp> last_stamp_{};
+  Pose2 last_pose_{};
+  std::optional<Pose2> last_odometry_{};
+  Tangent2 velocity_ = Tangent2::Zero();  ///< robot frame [m/s, m/s, rad/s]
+};
+
+}  // namespace loopstone
