@@ -4,6 +4,10 @@
 
 JOBS ?= $(shell nproc)
 export JOBS
+# make WERROR=OFF: for a compiler whose warnings we have not seen
+ifdef WERROR
+export CMAKE_ARGS += -DLOOPSTONE_WERROR=$(WERROR)
+endif
 
 help:      ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile | expand -t 18
