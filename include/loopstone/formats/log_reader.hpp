@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/sensor/messages.hpp"
@@ -40,6 +41,9 @@ class LogReader {
   [[nodiscard]] virtual RobotModel robot(RobotModel base) const = 0;
   /// Records skipped so far because they were broken, repeated or too late.
   [[nodiscard]] virtual std::int64_t records_skipped() const = 0;
+  /// What a user should know about this log beside the skipped records, in plain words; complete after the last
+  /// message. Nothing here makes the log unusable.
+  [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };
 
 /// Opens a file or a folder; finds out the format by its content. "DIR#20" names set 20 of a UCSD folder.

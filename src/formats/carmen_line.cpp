@@ -1,0 +1,194 @@
+#include "formats/carmen_line.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "formats/text_numbers.hpp"
+
+namespace loopstone {
+namespace {
+
+constexpr std::int64_t kMostBeams = 100'000;
+
+/// Reads words as numbers and remembers the first that isn't one.
+class Fields {
+ public:
+  explicit Fields(Words words) : words_(words) {}
+
+  double number(const char* what) {
+    const std::string_view word = words_.next();
+    const auto value = parse_number(word);
+    if (!value) fail(what, word, "a number");
+    return value.value_or(0.0);
+  }
+  /// A number that must be finite.
+  double finite(const char* what) {
+    const double value = number(what);
+    if (!std::isfinite(value) && ok()) reason_ = std::string(what) + " is not finite";
+    return value;
+  }
+  std::int64_t count(const char* what) {
+    const std::string_view word = words_.next();
+    const auto value = parse_integer(word);
+    if (!value) {
+      fail(what, word, "a whole number");
+    } else if (*value < 0 || *value > kMostBeams) {
+      if (ok())
+        reason_ = std::string(what) + " is " + std::to_string(*value) + ", expected 0 to " +
+                  std::to_string(kMostBeams);
+    }
+    return ok() ? *value : 0;
+  }
+  Stamp stamp() {
+    const std::string_view word = words_.next();
+    const auto value = parse_stamp(word);
+    if (!value) fail("the time", word, "seconds");
+    return value.value_or(Stamp{});
+  }
+  Pose2 pose(const char* what) {
+    const double x = finite(what);
+    const double y = finite(what);
+    return {x, y, wrap_angle(finite(what))};
+  }
+  std::vector<float> ranges(std::int64_t beams) {
+    std::vector<float> values;
+    values.reserve(static_cast<std::size_t>(std::min(beams, remaining_words())));
+    for (std::int64_t i = 0; i < beams && ok(); ++i) {
+      values.push_back(static_cast<float>(number("a range")));
+    }
+    return values;
+  }
+  void skip(std::int64_t words) {
+    for (std::int64_t i = 0; i < words && ok(); ++i) {
+      if (words_.next().empty()) reason_ = "the line ends too early";
+    }
+  }
+  /// The host and the logger's time close every line.
+  void end_of_line() {
+    skip(2);
+    if (ok() && !words_.next().empty()) {
+      reason_ = "the line holds more words than its count of beams says";
+    }
+  }
+  bool ok() const { return reason_.empty(); }
+  const std::string& reason() const { return reason_; }
+
+ private:
+  /// An upper bound: a word takes at least two characters. Keeps a lying count from reserving memory.
+  std::int64_t remaining_words() const {
+    return static_cast<std::int64_t>(words_.rest().size() / 2 + 1);
+  }
+  void fail(const char* what, std::string_view word, const char* expected) {
+    if (!ok()) return;
+    reason_ = word.empty() ? std::string("the line ends before ") + what
+                           : std::string(what) + " is '" + std::string(word.substr(0, 24)) +
+                                 "', expected " + expected;
+  }
+
+  Words words_;
+  std::string reason_;
+};
+
+CarmenLine parse_old_laser(CarmenTag tag, Fields fields) {
+  CarmenScan scan;
+  scan.tag = tag;
+  const std::int64_t beams = fields.count("the number of beams");
+  scan.raw_ranges_m = fields.ranges(beams);
+  scan.odom_T_lidar = fields.pose("the laser's pose");
+  scan.odom_T_robot = fields.pose("the robot's pose");
+  scan.has_poses = true;
+  scan.stamp = fields.stamp();
+  fields.end_of_line();
+  if (!fields.ok()) return CarmenBroken{fields.reason()};
+  if (beams == 0) return CarmenBroken{"the scan has no beams"};
+  return scan;
+}
+
+CarmenLine parse_new_laser(CarmenTag tag, Fields fields) {
+  CarmenScan scan;
+  scan.tag = tag;
+  fields.number("the laser's type");
+  CarmenBeams beams;
+  beams.start_angle_rad = fields.finite("the start angle");
+  beams.field_of_view_rad = fields.finite("the field of view");
+  beams.resolution_rad = fields.finite("the resolution");
+  beams.max_range_m = fields.number("the maximum range");
+  scan.beams = beams;
+  fields.skip(2);  // accuracy, remission mode
+  const std::int64_t count = fields.count("the number of beams");
+  scan.raw_ranges_m = fields.ranges(count);
+  fields.skip(fields.count("the number of remissions"));
+  if (tag == CarmenTag::kRobotLaser) {
+    scan.odom_T_lidar = fields.pose("the laser's pose");
+    scan.odom_T_robot = fields.pose("the robot's pose");
+    scan.has_poses = true;
+    fields.skip(5);  // velocities and safety distances
+  }
+  scan.stamp = fields.stamp();
+  fields.end_of_line();
+  if (!fields.ok()) return CarmenBroken{fields.reason()};
+  if (count == 0) return CarmenBroken{"the scan has no beams"};
+  return scan;
+}
+
+CarmenLine parse_odometry(Fields fields) {
+  CarmenOdometry odometry;
+  odometry.odom_T_robot = fields.pose("the robot's pose");
+  fields.skip(3);  // velocities and acceleration
+  odometry.stamp = fields.stamp();
+  fields.end_of_line();
+  if (!fields.ok()) return CarmenBroken{fields.reason()};
+  return odometry;
+}
+
+CarmenLine parse_param(Words words) {
+  CarmenParam param;
+  param.name = words.next();
+  param.value = words.next();
+  if (param.name.empty()) return CarmenBroken{"PARAM without a name"};
+  return param;
+}
+
+/// Binary rubbish makes tags of any bytes; only what could be a tag is worth counting as one.
+bool looks_like_a_tag(std::string_view word) {
+  for (const char c : word) {
+    const bool fits =
+        (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || (c >= 'a' && c <= 'z');
+    if (!fits) return false;
+  }
+  return word.size() <= 40;
+}
+
+}  // namespace
+
+std::string_view name_of(CarmenTag tag) {
+  switch (tag) {
+    case CarmenTag::kFlaser:
+      return "FLASER";
+    case CarmenTag::kRlaser:
+      return "RLASER";
+    case CarmenTag::kRobotLaser:
+      return "ROBOTLASER1";
+    case CarmenTag::kRawLaser:
+      return "RAWLASER1";
+  }
+  return "";
+}
+
+int lidar_of(CarmenTag tag) { return tag == CarmenTag::kRlaser ? 1 : 0; }
+
+CarmenLine parse_carmen_line(std::string_view text) {
+  Words words(text);
+  const std::string_view tag = words.next();
+  if (tag.empty() || tag.front() == '#') return CarmenOther{};
+  if (tag == "FLASER") return parse_old_laser(CarmenTag::kFlaser, Fields(words));
+  if (tag == "RLASER") return parse_old_laser(CarmenTag::kRlaser, Fields(words));
+  if (tag == "ROBOTLASER1") return parse_new_laser(CarmenTag::kRobotLaser, Fields(words));
+  if (tag == "RAWLASER1") return parse_new_laser(CarmenTag::kRawLaser, Fields(words));
+  if (tag == "ODOM") return parse_odometry(Fields(words));
+  if (tag == "PARAM") return parse_param(words);
+  if (!looks_like_a_tag(tag)) return CarmenBroken{"the line doesn't begin with a CARMEN tag"};
+  return CarmenOther{tag};
+}
+
+}  // namespace loopstone

@@ -1,0 +1,186 @@
+#include "formats/carmen_reader.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <utility>
+
+#include "formats/carmen_line.hpp"
+#include "formats/carmen_scan.hpp"
+#include "formats/carmen_survey.hpp"
+#include "formats/line_reader.hpp"
+#include "formats/stamp_order.hpp"
+
+namespace loopstone {
+namespace {
+
+class CarmenReader final : public LogReader {
+ public:
+  CarmenReader(std::string path, const CarmenFile& file, LogOptions options)
+      : path_(std::move(path)),
+        options_(std::move(options)),
+        survey_(survey_of(file)),
+        lines_(file.open(0)),
+        order_(survey_.scans_carry_odometry,
+               [this](std::int64_t line, const std::string& reason) { skip(line, reason); }) {}
+
+  std::optional<SensorMessage> next() override {
+    for (;;) {
+      if (auto record = order_.pop()) return std::move(record->message);
+      if (at_end_) return std::nullopt;
+      const auto line = lines_.next();
+      if (!line) {
+        at_end_ = true;
+        order_.close();
+      } else if (line->too_long) {
+        skip(line->number, "the line is longer than any scan");
+      } else {
+        take(*line);
+      }
+    }
+  }
+  ReadProgress progress() const override {
+    return {lines_.source().bytes_done(), lines_.source().bytes_total()};
+  }
+  std::string format() const override { return "carmen"; }
+  std::int64_t records_skipped() const override { return skipped_; }
+
+  RobotModel robot(RobotModel base) const override {
+    for (int lidar = 0; lidar < 2; ++lidar) {
+      const auto mount = carmen_mount(survey_, lidar);
+      const auto index = static_cast<std::size_t>(lidar);
+      // A rear laser is only known to exist when it was seen.
+      if (!mount || (lidar == 1 && !survey_.rear_mount)) continue;
+      if (base.lidars.size() <= index) base.lidars.resize(index + 1);
+      base.lidars[index].robot_T_lidar = *mount;
+      if (lidar == 1) base.lidars[index].name = "rear";
+    }
+    return base;
+  }
+
+  std::vector<std::string> notes() const override;
+
+ private:
+  CarmenSurvey survey_of(const CarmenFile& file) {
+    CarmenSurvey survey = survey_carmen(file);
+    if (!survey.any_record) {
+      throw DataError(
+          {path_},
+          "holds no line of a CARMEN log (FLASER, RLASER, ROBOTLASER1, RAWLASER1, ODOM, "
+          "PARAM); if it is another format, convert it first");
+    }
+    return survey;
+  }
+
+  void skip(std::int64_t line, const std::string& reason) {
+    const Location where{path_, line};
+    if (options_.strict) throw DataError(where, reason);
+    ++skipped_;
+    if (options_.on_problem) options_.on_problem({where, reason});
+  }
+
+  void take(const LineReader::Line& line) {
+    CarmenLine parsed = parse_carmen_line(line.text);
+    if (auto* scan = std::get_if<CarmenScan>(&parsed)) {
+      take_scan(std::move(*scan), line.number);
+    } else if (const auto* odometry = std::get_if<CarmenOdometry>(&parsed)) {
+      order_.push({OdometryPose{odometry->stamp, odometry->odom_T_robot}, line.number});
+    } else if (const auto* broken = std::get_if<CarmenBroken>(&parsed)) {
+      skip(line.number, broken->reason);
+    } else if (const auto* other = std::get_if<CarmenOther>(&parsed)) {
+      if (!other->tag.empty() && (unread_.size() < 50 || unread_.count(std::string(other->tag)))) {
+        ++unread_[std::string(other->tag)];
+      }
+    }
+  }
+
+  void take_scan(CarmenScan&& scan, std::int64_t line) {
+    if (is_second_report(scan)) {
+      ++second_reports_;
+      return;
+    }
+    const OdometryPose odometry{scan.stamp, scan.odom_T_robot};
+    const bool has_odometry = scan.has_poses;
+    order_.push({to_laser_scan(std::move(scan), survey_), line});
+    if (has_odometry) order_.push({odometry, line, true});
+  }
+
+  /// FLASER, ROBOTLASER1 and RAWLASER1 may all report the same sweep. The tag seen first is kept, until it falls
+  /// silent for some seconds while another goes on.
+  bool is_second_report(const CarmenScan& scan) {
+    if (lidar_of(scan.tag) != 0) return false;
+    const double silent_s = front_seen_ ? scan.stamp.seconds() - last_front_stamp_.seconds() : 0.0;
+    if (front_seen_ && scan.tag != front_tag_ && silent_s < 2.0) return true;
+    front_seen_ = true;
+    front_tag_ = scan.tag;
+    last_front_stamp_ = scan.stamp;
+    return false;
+  }
+
+  std::string path_;
+  LogOptions options_;
+  CarmenSurvey survey_;
+  LineReader lines_;
+  StampOrder order_;
+  std::map<std::string, std::int64_t> unread_;
+  std::int64_t skipped_ = 0;
+  std::int64_t second_reports_ = 0;
+  bool at_end_ = false;
+  bool front_seen_ = false;
+  CarmenTag front_tag_ = CarmenTag::kFlaser;
+  Stamp last_front_stamp_{};
+};
+
+std::string text(const char* format, double value) {
+  char buffer[160];
+  std::snprintf(buffer, sizeof buffer, format, value);
+  return buffer;
+}
+
+std::vector<std::string> CarmenReader::notes() const {
+  std::vector<std::string> notes;
+  if (survey_.made_by_a_mapper || survey_.pose_is_corrected) {
+    notes.emplace_back(
+        "the poses were corrected by another mapping program: they are its result, not odometry");
+  }
+  if (order_.records_out_of_order() > 0) {
+    notes.push_back(std::to_string(order_.records_out_of_order()) +
+                    " records stood out of the order of their stamps, by up to " +
+                    text("%.3f s; they were put in order", order_.largest_step_back().seconds()));
+  }
+  if (second_reports_ > 0) {
+    notes.push_back(std::to_string(second_reports_) +
+                    " scans were reported a second time under another tag; one of each is used");
+  }
+  if (survey_.no_return_by_histogram) {
+    notes.push_back(text("ranges of %.2f m stand for 'nothing within reach'", survey_.no_return_m));
+  }
+  for (const auto& [tag, count] : unread_) {
+    notes.push_back(std::to_string(count) + " lines of " + tag + " are not read");
+  }
+  return notes;
+}
+
+}  // namespace
+
+std::unique_ptr<LogReader> open_carmen_log(const std::string& path, const LogOptions& options) {
+  char magic[4] = {};
+  const std::size_t count = open_byte_source(path)->read(magic);
+  if (count == 0) throw DataError({path}, "the file is empty");
+  CarmenFile file;
+  file.open = [path](std::int64_t offset) { return open_byte_source(path, offset); };
+  file.can_seek = compression_of_file(path) == Compression::kNone;
+  return std::make_unique<CarmenReader>(path, file, options);
+}
+
+std::unique_ptr<LogReader> read_carmen_log(std::string_view bytes, const LogOptions& options,
+                                           const std::string& name) {
+  CarmenFile file;
+  file.can_seek = compression_of(bytes) == Compression::kNone;
+  file.open = [bytes, name](std::int64_t offset) {
+    return memory_byte_source(bytes.substr(static_cast<std::size_t>(offset)), name);
+  };
+  return std::make_unique<CarmenReader>(name, file, options);
+}
+
+}  // namespace loopstone

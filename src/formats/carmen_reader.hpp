@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "loopstone/formats/log_reader.hpp"
+
+namespace loopstone {
+
+/// Reads a CARMEN log, plain or compressed by gzip or bzip2. Throws DataError when no line of it can be understood.
+[[nodiscard]] std::unique_ptr<LogReader> open_carmen_log(const std::string& path,
+                                                         const LogOptions& options);
+
+/// The same over bytes in memory, which must outlive the reader.
+[[nodiscard]] std::unique_ptr<LogReader> read_carmen_log(std::string_view bytes,
+                                                         const LogOptions& options,
+                                                         const std::string& name = "memory");
+
+}  // namespace loopstone

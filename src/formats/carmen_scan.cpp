@@ -1,0 +1,85 @@
+#include "formats/carmen_scan.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "loopstone/geometry/angle.hpp"
+
+namespace loopstone {
+namespace {
+
+constexpr float kNoReturn = std::numeric_limits<float>::infinity();
+constexpr float kBad = std::numeric_limits<float>::quiet_NaN();
+constexpr float kBeyondAnyScanner_m = 1000.0F;
+
+void translate_ranges(std::vector<float>& ranges_m, double no_return_m) {
+  const auto limit_m = static_cast<float>(no_return_m);
+  for (float& range_m : ranges_m) {
+    if (!(range_m > 0.0F) || range_m > kBeyondAnyScanner_m) {
+      range_m = kBad;
+    } else if (range_m >= limit_m) {
+      range_m = kNoReturn;
+    }
+  }
+}
+
+BeamAngles stated_angles(const CarmenBeams& beams, std::size_t count) {
+  if (beams.resolution_rad != 0.0 || count < 2) {
+    return {beams.start_angle_rad, beams.resolution_rad};
+  }
+  return {beams.start_angle_rad, beams.field_of_view_rad / static_cast<double>(count - 1)};
+}
+
+}  // namespace
+
+BeamAngles carmen_beam_angles(std::size_t beams, const CarmenSurvey& survey, int lidar) {
+  if (beams < 2) return {};
+  const auto n = static_cast<double>(beams);
+  const auto resolution_deg =
+      survey.param(lidar == 0 ? "laser_front_laser_resolution" : "laser_rear_laser_resolution");
+  const bool resolution_fits = resolution_deg && *resolution_deg > 0.0 &&
+                               *resolution_deg * (n - 1.0) <= 360.0 && *resolution_deg * n >= 90.0;
+  if (resolution_fits) {
+    // A half circle starts at -90 deg even when its last beam is left out; other fans lie about the middle.
+    const double increment_rad = radians(*resolution_deg);
+    const bool half_circle = std::abs(*resolution_deg * n - 180.0) <= *resolution_deg * 1.01;
+    return {half_circle ? -kPi / 2 : -increment_rad * (n - 1.0) / 2.0, increment_rad};
+  }
+  if (beams == 181 || beams == 180) return {-kPi / 2, radians(1.0)};
+  if (beams == 361 || beams == 360) return {-kPi / 2, radians(0.5)};
+  if (beams == 401 || beams == 400) return {-radians(0.25) * (n - 1.0) / 2.0, radians(0.25)};
+  return {-kPi / 2, kPi / (n - 1.0)};
+}
+
+std::optional<Pose2> carmen_mount(const CarmenSurvey& survey, int lidar) {
+  const bool front = lidar == 0;
+  const auto offset_m = survey.param(front ? "robot_frontlaser_offset" : "robot_rearlaser_offset");
+  const auto& by_poses = front ? survey.front_mount : survey.rear_mount;
+  // Poses that are equal say nothing against an offset: many loggers wrote the robot's pose twice.
+  const bool poses_tell = by_poses && !(*by_poses == Pose2{});
+  if (poses_tell || (by_poses && !offset_m)) return by_poses;
+  if (offset_m) return front ? Pose2{*offset_m, 0.0, 0.0} : Pose2{*offset_m, 0.0, kPi};
+  if (survey.pose_is_corrected) return Pose2{};
+  return std::nullopt;
+}
+
+LaserScan to_laser_scan(CarmenScan&& scan, const CarmenSurvey& survey) {
+  LaserScan result;
+  result.stamp = scan.stamp;
+  result.lidar = lidar_of(scan.tag);
+  result.robot_T_lidar = carmen_mount(survey, result.lidar);
+  result.ranges_m = std::move(scan.raw_ranges_m);
+  const std::size_t count = result.ranges_m.size();
+  const BeamAngles angles = scan.beams ? stated_angles(*scan.beams, count)
+                                       : carmen_beam_angles(count, survey, result.lidar);
+  result.angle_min_rad = angles.angle_min_rad;
+  result.angle_increment_rad = angles.angle_increment_rad;
+  const bool states_range =
+      scan.beams && scan.beams->max_range_m > 0.0 && std::isfinite(scan.beams->max_range_m);
+  result.range_max_m = states_range ? scan.beams->max_range_m : survey.no_return_m;
+  translate_ranges(result.ranges_m, result.range_max_m);
+  return result;
+}
+
+}  // namespace loopstone

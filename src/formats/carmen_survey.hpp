@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "formats/byte_source.hpp"
+#include "loopstone/geometry/pose2.hpp"
+
+namespace loopstone {
+
+/// What a CARMEN log does not say line by line and a reader must know before the first scan: found by looking at a
+/// few hundred scans, spread over the file.
+struct CarmenSurvey {
+  bool any_record = false;  ///< at least one line that this reader understands
+  bool any_scan = false;
+  bool scans_carry_odometry = false;
+  bool pose_is_corrected =
+      false;  ///< the first pose of the scans wanders against the second: not a mount
+  bool made_by_a_mapper = false;  ///< NEFF and the like: the log is another program's result
+  std::optional<Pose2>
+      front_mount{};  ///< robot_T_lidar by the poses in the log, constant over the sample
+  std::optional<Pose2> rear_mount{};
+  /// FLASER and RLASER: this range and everything above it means "nothing within reach".
+  double no_return_m = 0.0;
+  /// Told by a value that many beams share at the very top of all ranges, not by the scanner's data sheet.
+  bool no_return_by_histogram = false;
+  std::map<std::string, std::string> params{};
+
+  [[nodiscard]] std::optional<double> param(const std::string& name) const;
+};
+
+/// Opens the log anew at a byte offset; offsets other than 0 are asked for only when `can_seek`.
+struct CarmenFile {
+  std::function<std::unique_ptr<ByteSource>(std::int64_t offset)> open;
+  bool can_seek = false;
+};
+
+[[nodiscard]] CarmenSurvey survey_carmen(const CarmenFile& file);
+
+}  // namespace loopstone

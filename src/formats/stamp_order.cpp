@@ -1,0 +1,169 @@
+#include "formats/stamp_order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <tuple>
+#include <utility>
+
+namespace loopstone {
+namespace {
+
+std::size_t bytes_of(const OrderedRecord& record) {
+  const auto* scan = std::get_if<LaserScan>(&record.message);
+  return sizeof(OrderedRecord) + (scan ? scan->ranges_m.capacity() * sizeof(float) : 0);
+}
+
+/// Among equal stamps odometry comes first, so that it is there when the scan is.
+int rank_of(const OrderedRecord& record) {
+  if (std::holds_alternative<LaserScan>(record.message)) return 2;
+  return record.is_part_of_a_scan ? 0 : 1;
+}
+
+/// Difference in seconds for people; stamps from rubbish may be so far apart that integers overflow.
+double seconds_between(Stamp later, Stamp earlier) { return later.seconds() - earlier.seconds(); }
+
+std::string seconds_text(double seconds) {
+  char text[40];
+  std::snprintf(text, sizeof text, std::abs(seconds) < 100.0 ? "%.3f s" : "%.0f s", seconds);
+  return text;
+}
+
+}  // namespace
+
+StampOrder::StampOrder(bool scans_lead, std::function<void(std::int64_t, const std::string&)> skip)
+    : scans_lead_(scans_lead), skip_(std::move(skip)), last_scan_out_(2) {}
+
+bool StampOrder::comes_later(const Waiting& a, const Waiting& b) {
+  return std::tie(a.stamp, a.rank, a.number) > std::tie(b.stamp, b.rank, b.number);
+}
+
+bool StampOrder::leads(const OrderedRecord& record) const {
+  return !scans_lead_ || std::holds_alternative<LaserScan>(record.message);
+}
+
+void StampOrder::push(OrderedRecord record) {
+  const Stamp stamp = stamp_of(record.message);
+  if (leads(record)) {
+    lead(std::move(record));
+  } else if (record.is_part_of_a_scan && !pending_.empty() &&
+             stamp == stamp_of(pending_.back().message)) {
+    pending_.push_back(std::move(record));  // shares the fate of its scan
+  } else {
+    enqueue(std::move(record));
+  }
+}
+
+void StampOrder::lead(OrderedRecord record) {
+  const Stamp stamp = stamp_of(record.message);
+  const bool jumps = !now_ || seconds_between(stamp, *now_) > kJump.seconds();
+  if (!jumps) {
+    refuse_pending();
+    now_ = std::max(*now_, stamp);
+    enqueue(std::move(record));
+    return;
+  }
+  if (!pending_.empty()) {
+    const double step_s = seconds_between(stamp, stamp_of(pending_.back().message));
+    if (step_s < -kJump.seconds()) refuse_pending();
+    if (step_s > kJump.seconds()) believe_pending();
+  }
+  pending_.push_back(std::move(record));
+  if (pending_.size() >= kRecordsToBelieveAJump) believe_pending();
+}
+
+void StampOrder::believe_pending() {
+  for (OrderedRecord& record : pending_) {
+    const Stamp stamp = stamp_of(record.message);
+    now_ = now_ ? std::max(*now_, stamp) : stamp;
+    enqueue(std::move(record));
+  }
+  pending_.clear();
+}
+
+void StampOrder::refuse_pending() {
+  for (const OrderedRecord& record : pending_) {
+    const Stamp stamp = stamp_of(record.message);
+    const std::string reason = now_ ? "the stamp lies " +
+                                          seconds_text(seconds_between(stamp, *now_)) +
+                                          " ahead of the records around it"
+                                    : "the stamp does not fit those of the records after it";
+    if (!record.is_part_of_a_scan) skip_(record.line, reason);
+  }
+  pending_.clear();
+}
+
+void StampOrder::enqueue(OrderedRecord record) {
+  const Stamp stamp = stamp_of(record.message);
+  if (newest_ && stamp < *newest_ && !record.is_part_of_a_scan) {
+    ++out_of_order_;
+    const double back_s = std::min(seconds_between(*newest_, stamp), 9e9);
+    largest_step_back_ = std::max(largest_step_back_, Duration::from_seconds(back_s));
+  }
+  newest_ = newest_ ? std::max(*newest_, stamp) : stamp;
+  if (last_out_ && stamp < *last_out_) {
+    if (record.is_part_of_a_scan) return;
+    skip_(record.line, "the stamp goes back by " +
+                           seconds_text(seconds_between(*last_out_, stamp)) +
+                           ", too far to be put in order");
+    return;
+  }
+  waiting_bytes_ += bytes_of(record);
+  const int rank = rank_of(record);
+  heap_.push_back({std::move(record), stamp, rank, number_++});
+  std::push_heap(heap_.begin(), heap_.end(), comes_later);
+  make_room();
+}
+
+/// Keeps odometry whose clock runs far ahead of the scans' from filling the memory.
+void StampOrder::make_room() {
+  if (!scans_lead_ || heap_.size() < kMostWaiting) return;
+  if (!now_ || seconds_between(heap_.front().stamp, *now_) <= kJump.seconds()) return;
+  const auto last = std::min_element(heap_.begin(), heap_.end(), comes_later);
+  skip_(last->record.line, "the stamp of this odometry lies " +
+                               seconds_text(seconds_between(last->stamp, *now_)) +
+                               " ahead of the laser's");
+  waiting_bytes_ -= bytes_of(last->record);
+  heap_.erase(last);
+  std::make_heap(heap_.begin(), heap_.end(), comes_later);
+}
+
+void StampOrder::close() {
+  closed_ = true;
+  believe_pending();
+}
+
+StampOrder::Waiting StampOrder::take() {
+  std::pop_heap(heap_.begin(), heap_.end(), comes_later);
+  Waiting first = std::move(heap_.back());
+  heap_.pop_back();
+  waiting_bytes_ -= bytes_of(first.record);
+  return first;
+}
+
+std::optional<OrderedRecord> StampOrder::pop() {
+  while (!heap_.empty()) {
+    const bool full = heap_.size() >= kMostWaiting || waiting_bytes_ >= kMostWaitingBytes;
+    const bool ripe = now_ && heap_.front().stamp + kWindow <= *now_;
+    if (!closed_ && !full && !ripe) return std::nullopt;
+
+    Waiting first = take();
+    auto* const scan = std::get_if<LaserScan>(&first.record.message);
+    auto& last = scan ? last_scan_out_[static_cast<std::size_t>(scan->lidar)] : last_odometry_out_;
+    if (last == first.stamp) {
+      if (scan) skip_(first.record.line, "a scan with the same stamp came before");
+      // A scan's own odometry and a line of odometry of the same moment say the same.
+      if (!scan && !last_odometry_is_of_a_scan_) {
+        skip_(first.record.line, "odometry with the same stamp came before");
+      }
+      continue;
+    }
+    last = first.stamp;
+    if (!scan) last_odometry_is_of_a_scan_ = first.record.is_part_of_a_scan;
+    last_out_ = first.stamp;
+    return std::move(first.record);
+  }
+  return std::nullopt;
+}
+
+}  // namespace loopstone
