@@ -20,6 +20,7 @@ set(LOOPSTONE_LINKED_LIBRARIES
     Threads::Threads
     TBB::tbb
     fmt::fmt
+    tomlplusplus::tomlplusplus
     yaml-cpp
     PNG::PNG
     ZLIB::ZLIB
@@ -28,4 +29,4 @@ set(LOOPSTONE_LINKED_LIBRARIES
     PkgConfig::loopstone_cairo)
 
 # Header-only libraries, needed only while building.
-set(LOOPSTONE_HEADER_LIBRARIES nanoflann::nanoflann nlohmann_json::nlohmann_json tomlplusplus::tomlplusplus)
+set(LOOPSTONE_HEADER_LIBRARIES nanoflann::nanoflann nlohmann_json::nlohmann_json)

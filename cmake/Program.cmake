@@ -9,6 +9,6 @@ if(sources)
   target_include_directories(loopstone_program PRIVATE "${PROJECT_SOURCE_DIR}/apps/loopstone")
   target_link_libraries(
     loopstone_program PRIVATE loopstone_build loopstone::loopstone CLI11::CLI11 spdlog::spdlog fmt::fmt Threads::Threads
-                              ${LOOPSTONE_HEADER_LIBRARIES})
+                              tomlplusplus::tomlplusplus ${LOOPSTONE_HEADER_LIBRARIES})
   install(TARGETS loopstone_program RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
