@@ -1,0 +1,98 @@
+#pragma once
+
+// What every subcommand shares: flags, exit codes, option files, interruption, messages to the user.
+//
+// A subcommand is one file with one function, listed in commands.hpp and main.cpp:
+//
+//   void add_info_command(CLI::App& app, AppContext& context) {
+//     struct Arguments { std::string log; };
+//     auto arguments = std::make_shared<Arguments>();
+//     CLI::App* command = app.add_subcommand("info", "Show what is in a log");
+//     command->add_option("LOG", arguments->log, "a log file or folder")->required();
+//     context.add_common_flags(*command);
+//     context.on_run(*command, [arguments, &context] { return run_info(*arguments, context); });
+//   }
+//
+// run_info returns an ExitCode and reports failure by throwing DataError or UsageError; main() turns that into one
+// line on stderr and the exit code.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "loopstone/base/parallel_for.hpp"
+#include "loopstone/formats/options_file.hpp"
+#include "loopstone/sensor/robot_model.hpp"
+
+namespace loopstone::app {
+
+enum ExitCode : int {
+  kExitDone = 0,
+  kExitBadData = 1,
+  kExitBadUsage = 2,
+  kExitBoundMissed = 3,    ///< a --require bound
+  kExitInterrupted = 130,  ///< by Ctrl-C; what was done by then is written
+};
+
+class AppContext {
+ public:
+  /// --json, --quiet.
+  void add_common_flags(CLI::App& command);
+  /// --threads.
+  void add_threads_flag(CLI::App& command);
+  /// -c FILE.toml, --set key=value.
+  void add_option_flags(CLI::App& command);
+  /// --robot FILE.
+  void add_robot_flag(CLI::App& command);
+
+  /// What main() calls when the user asked for this command.
+  void on_run(CLI::App& command, std::function<ExitCode()> action);
+
+  [[nodiscard]] bool json() const { return json_; }
+  [[nodiscard]] bool quiet() const { return quiet_; }
+  [[nodiscard]] Threads threads() const { return Threads{threads_}; }
+
+  /// The defaults of an option struct (one with visit_options), overridden by -c, overridden by --set.
+  /// Throws OptionsError with all problems of the file and the flags together.
+  template <typename Options>
+  [[nodiscard]] Options load_options() const {
+    Options options;
+    override_options(list_options(options));
+    return options;
+  }
+
+  /// The robot of --robot, else the default one.
+  [[nodiscard]] RobotModel robot() const;
+  /// True when the user named a robot; its file then beats what a log says about itself.
+  [[nodiscard]] bool robot_given() const { return !robot_path_.empty(); }
+
+  /// Ctrl-C was pressed. Read it between pieces of work, or let ProgressDisplay do it.
+  [[nodiscard]] static bool interrupted();
+
+  /// One line of the log on stderr, not in the way of the progress bar. note() is silent with --quiet.
+  void note(const std::string& text) const;
+  void warn(const std::string& text) const;
+
+  [[nodiscard]] ExitCode run() const { return action_(); }
+
+ private:
+  void override_options(const std::vector<OptionEntry>& options) const;
+
+  bool json_ = false;
+  bool quiet_ = false;
+  int threads_ = 0;
+  std::string options_path_;
+  std::vector<std::string> assignments_;
+  std::string robot_path_;
+  std::function<ExitCode()> action_;
+};
+
+/// The first Ctrl-C asks the run to stop, the second ends it.
+void install_interrupt_handler();
+
+/// Refuses an output folder that exists and holds something, unless forced; makes it otherwise. Throws UsageError
+/// (not empty) or DataError (can't be made).
+void prepare_output_folder(const std::string& path, bool force);
+
+}  // namespace loopstone::app

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "app.hpp"
+
+namespace loopstone::app {
+
+// One function for each subcommand, each in the file of its name.
+void add_config_command(CLI::App& app, AppContext& context);
+void add_convert_command(CLI::App& app, AppContext& context);
+void add_evaluate_command(CLI::App& app, AppContext& context);
+void add_info_command(CLI::App& app, AppContext& context);
+void add_map_command(CLI::App& app, AppContext& context);
+void add_odometry_command(CLI::App& app, AppContext& context);
+void add_simulate_command(CLI::App& app, AppContext& context);
+
+}  // namespace loopstone::app

@@ -1,0 +1,66 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "commands.hpp"
+#include "loopstone/base/error.hpp"
+#include "loopstone/version.hpp"
+#include "progress_display.hpp"
+
+namespace {
+
+using namespace loopstone::app;
+
+constexpr const char* kExamples = R"(
+Examples:
+  loopstone info LOG                               what is in a log, and what is odd about it
+  loopstone map LOG -o out                         map, trajectory, report: open out/report.html
+  loopstone simulate office -o sim --seed 1        a log whose truth is known
+  loopstone map sim -o out && \
+  loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum
+
+A LOG is a file (CARMEN text, also .gz and .bz2) or a folder (UCSD layout; DIR#20 names set 20).
+Exit codes: 0 done, 1 bad data, 2 bad usage or options, 3 a --require bound was missed, 130 interrupted.
+`loopstone COMMAND --help` explains a command.)";
+
+void add_commands(CLI::App& app, AppContext& context) { add_config_command(app, context); }
+
+int fail(ExitCode code, const char* reason) {
+  ProgressDisplay::clear_line();
+  std::fprintf(stderr, "loopstone: %s\n", reason);
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("loopstone"));
+  spdlog::set_pattern("%^%l%$: %v");
+  install_interrupt_handler();
+
+  CLI::App app{"Loopstone turns the log of a robot with a 2D laser scanner into a map.",
+               "loopstone"};
+  AppContext context;
+  app.set_version_flag("--version", "loopstone " + std::string(loopstone::kVersion));
+  app.require_subcommand(1);
+  app.footer(kExamples);
+  add_commands(app, context);
+
+  try {
+    app.parse(argc, argv);
+    const ExitCode code = context.run();
+    return code == kExitDone && AppContext::interrupted() ? kExitInterrupted : code;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return fail(kExitBadUsage, error.what());
+  } catch (const loopstone::UsageError& error) {
+    return fail(kExitBadUsage, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(kExitBadData, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(kExitBadData, error.what());
+  }
+}

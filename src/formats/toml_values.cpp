@@ -1,0 +1,181 @@
+#include "formats/toml_values.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace loopstone {
+
+namespace {
+
+std::string joined(const std::string& prefix, std::string_view key) {
+  return prefix.empty() ? std::string(key) : prefix + "." + std::string(key);
+}
+
+template <typename Node>
+std::string text_of(const Node& node) {
+  std::ostringstream out;
+  out << node;
+  return out.str();
+}
+
+bool all_tables(const toml::array& array) {
+  return !array.empty() &&
+         std::all_of(array.begin(), array.end(), [](const auto& node) { return node.is_table(); });
+}
+
+void flatten(const toml::node& node, const std::string& key, std::vector<TomlValue>& out) {
+  if (const auto* table = node.as_table()) {
+    for (const auto& [name, child] : *table) flatten(child, joined(key, name.str()), out);
+    return;
+  }
+  if (const auto* array = node.as_array(); array != nullptr && all_tables(*array)) {
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      flatten((*array)[i], fmt::format("{}[{}]", key, i), out);
+    }
+    return;
+  }
+  TomlValue leaf{key, static_cast<std::int64_t>(node.source().begin.line), {}, {}};
+  if (const auto* boolean = node.as_boolean()) {
+    leaf.value = boolean->get();
+    leaf.text = boolean->get() ? "true" : "false";
+  } else if (const auto* integer = node.as_integer()) {
+    leaf.value = integer->get();
+    leaf.text = fmt::format("{}", integer->get());
+  } else if (const auto* real = node.as_floating_point()) {
+    leaf.value = real->get();
+    leaf.text = toml_number(real->get());
+  } else if (const auto* text = node.as_string()) {
+    leaf.value = text->get();
+    leaf.text = toml_string(text->get());
+  } else {
+    node.visit([&leaf](const auto& other) { leaf.text = text_of(other); });
+  }
+  out.push_back(std::move(leaf));
+}
+
+const OptionEntry* find(const std::vector<OptionEntry>& options, std::string_view key) {
+  const auto found = std::find_if(options.begin(), options.end(),
+                                  [&](const OptionEntry& entry) { return entry.key == key; });
+  return found == options.end() ? nullptr : &*found;
+}
+
+std::string unknown_key_rule(const std::vector<OptionEntry>& options, std::string_view key) {
+  const std::string as_group = std::string(key) + ".";
+  std::vector<std::string> known;
+  for (const OptionEntry& entry : options) {
+    known.push_back(entry.key);
+    if (entry.key.starts_with(as_group)) {
+      return fmt::format("is a group of options, such as {}; it has no value of its own",
+                         entry.key);
+    }
+  }
+  const std::string nearest = nearest_key(key, known);
+  return nearest.empty() ? "unknown key; `loopstone config` lists all keys"
+                         : fmt::format("unknown key; did you mean {}?", nearest);
+}
+
+bool within(const OptionEntry& entry, double value) {
+  // Written so that NaN is outside.
+  return !entry.range || (value >= entry.range->lowest && value <= entry.range->highest);
+}
+
+/// Puts the value where the entry points; false when type or rule does not fit.
+bool assign(const OptionEntry& entry, const TomlValue& value) {
+  if (auto* const* target = std::get_if<bool*>(&entry.value)) {
+    const auto* given = std::get_if<bool>(&value.value);
+    if (given == nullptr) return false;
+    **target = *given;
+    return true;
+  }
+  if (auto* const* target = std::get_if<int*>(&entry.value)) {
+    const auto* given = std::get_if<std::int64_t>(&value.value);
+    if (given == nullptr || !std::in_range<int>(*given)) return false;
+    if (!within(entry, static_cast<double>(*given))) return false;
+    **target = static_cast<int>(*given);
+    return true;
+  }
+  if (auto* const* target = std::get_if<double*>(&entry.value)) {
+    const auto* real = std::get_if<double>(&value.value);
+    const auto* whole = std::get_if<std::int64_t>(&value.value);
+    if (real == nullptr && whole == nullptr) return false;
+    const double given = real != nullptr ? *real : static_cast<double>(*whole);
+    if (!within(entry, given)) return false;
+    **target = given;
+    return true;
+  }
+  const auto* given = std::get_if<std::string>(&value.value);
+  if (given == nullptr) return false;
+  if (!entry.words.empty() &&
+      std::find(entry.words.begin(), entry.words.end(), *given) == entry.words.end()) {
+    return false;
+  }
+  *std::get<std::string*>(entry.value) = *given;
+  return true;
+}
+
+}  // namespace
+
+TomlDocument parse_toml(std::string_view toml, const std::string& path) {
+  TomlDocument document;
+  try {
+    const toml::table table = toml::parse(toml, path);
+    flatten(table, {}, document.values);
+  } catch (const toml::parse_error& error) {
+    document.problems.push_back({{},
+                                 {},
+                                 fmt::format("not valid TOML: {}", error.description()),
+                                 {path, static_cast<std::int64_t>(error.source().begin.line), {}}});
+  }
+  std::stable_sort(document.values.begin(), document.values.end(),
+                   [](const TomlValue& a, const TomlValue& b) { return a.line < b.line; });
+  return document;
+}
+
+std::vector<OptionProblem> apply_values(const std::vector<OptionEntry>& options,
+                                        const std::vector<TomlValue>& values,
+                                        const std::string& path) {
+  std::vector<OptionProblem> problems;
+  for (const TomlValue& value : values) {
+    const auto line = value.line > 0 ? std::optional(value.line) : std::nullopt;
+    const OptionEntry* entry = find(options, value.key);
+    if (entry == nullptr) {
+      problems.push_back({value.key, {}, unknown_key_rule(options, value.key), {path, line, {}}});
+    } else if (!assign(*entry, value)) {
+      problems.push_back({value.key, value.text, "must be " + rule_of(*entry), {path, line, {}}});
+    }
+  }
+  return problems;
+}
+
+std::string toml_number(double value) {
+  std::string text = fmt::format("{}", value);  // the shortest text that reads back the same
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string toml_string(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      quoted += '\\';
+      quoted += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      quoted += fmt::format("\\u{:04X}", static_cast<int>(static_cast<unsigned char>(c)));
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+std::string toml_value(const OptionEntry& entry) {
+  if (const auto* value = std::get_if<bool*>(&entry.value)) return **value ? "true" : "false";
+  if (const auto* value = std::get_if<int*>(&entry.value)) return fmt::format("{}", **value);
+  if (const auto* value = std::get_if<double*>(&entry.value)) return toml_number(**value);
+  return toml_string(*std::get<std::string*>(entry.value));
+}
+
+}  // namespace loopstone
