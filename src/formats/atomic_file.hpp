@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace loopstone {
+
+/// A file that appears under its name whole or not at all: bytes go to a hidden temporary file in the target's folder,
+/// commit() puts it in place, and without commit() the destructor removes it. Every failure throws DataError that names
+/// the target. An existing target that is no regular file (a pipe, /dev/stdout) is written straight through.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::string path);
+  AtomicFile(AtomicFile&& other) noexcept;
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  AtomicFile& operator=(AtomicFile&&) = delete;
+  ~AtomicFile();
+
+  void write(std::string_view bytes);
+  /// Everything written so far reaches the disk or this throws; nothing may be written afterwards. Lets a writer of
+  /// several files find out that the disk is full before the first of them appears.
+  void finish_writing();
+  /// finish_writing(), then the target is replaced.
+  void commit();
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  /// Where the bytes are until commit(), for libraries that insist on opening a name themselves.
+  [[nodiscard]] const std::string& temporary_path() const { return temporary_path_; }
+
+ private:
+  void flush_buffer();
+  void discard() noexcept;
+
+  std::string path_;
+  std::string final_path_;      // path_ with symbolic links followed
+  std::string temporary_path_;  // equal to final_path_ when written straight through
+  std::string buffer_;
+  int descriptor_ = -1;
+  bool straight_through_ = false;
+  bool finished_ = false;
+};
+
+/// The usual case: all bytes at hand.
+void write_file_atomically(const std::string& path, std::string_view bytes);
+
+/// The whole content of a file. Throws DataError naming the path, also for folders and for files larger than
+/// `most_bytes`.
+[[nodiscard]] std::string read_whole_file(const std::string& path,
+                                          std::size_t most_bytes = std::size_t{4} << 30);
+
+}  // namespace loopstone
