@@ -1,5 +1,6 @@
 #include "loopstone/slam/front_end.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 

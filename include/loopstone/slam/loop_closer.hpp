@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "loopstone/base/options.hpp"
+#include "loopstone/base/parallel_for.hpp"
+#include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/mapping/submap.hpp"
+#include "loopstone/registration/grid_matcher.hpp"
+#include "loopstone/slam/front_end.hpp"
+#include "loopstone/slam/map_result.hpp"
+
+namespace loopstone {
+
+struct LoopOptions {
+  double min_score = 0.30;        ///< of the search: share of points on surfaces less share in free space
+  double min_overlap = 0.30;      ///< share of the points that fall where the other submap was observed
+  double min_agreement = 0.75;    ///< of those, share that lies on a surface facing the same way
+  double max_ambiguity = 0.85;    ///< a second pose elsewhere may reach this share of the best score
+  double drift_per_m = 0.03;      ///< position uncertainty gained per metre of travel since the places were connected
+  double drift_rad_per_m = 0.006; ///< heading uncertainty, likewise
+  double max_half_xy_m = 10.0;    ///< the search window grows no further
+  int candidates_max = 8;         ///< older submaps that a new one is compared with
+};
+
+template <typename Visitor>
+void visit_options(LoopOptions& options, Visitor&& visit) {
+  visit("min_score", options.min_score, Range{0.0, 1.0},
+        "a closure's share of points on surfaces less share in free space");
+  visit("min_overlap", options.min_overlap, Range{0.0, 1.0}, "share of a submap that the other one must have observed");
+  visit("min_agreement", options.min_agreement, Range{0.0, 1.0}, "share of the overlap that must agree");
+  visit("max_ambiguity", options.max_ambiguity, Range{0.0, 1.0},
+        "a second pose elsewhere may reach this share of the best score");
+  visit("drift_per_m", options.drift_per_m, Range{0.0, 1.0}, "position uncertainty gained per metre of travel");
+  visit("drift_rad_per_m", options.drift_rad_per_m, Range{0.0, 1.0}, "heading uncertainty gained per metre of travel");
+  visit("max_half_xy_m", options.max_half_xy_m, Range{0.1, 100.0}, "half side of the largest search window");
+  visit("candidates_max", options.candidates_max, Range{1, 1000}, "older submaps that a new one is compared with");
+}
+
+/// Recognises places: compares whole submaps, which are far more distinctive than single scans.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopOptions& options, const SubmapOptions& submap, const GridMatchOptions& match, Threads threads);
+  ~LoopCloser();
+
+  /// \param travelled_m  along the path, at the submap's first key scan
+  void add(FinishedSubmap submap, double travelled_m);
+
+  /// Compares the newest submap with older ones within reach at the present poses (one a key scan).
+  /// Everything tried that scored well enough to be considered is returned, accepted or not.
+  [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<const Pose2> map_T_key);
+
+  /// Compares all pairs within reach that have not been closed yet; for the end of a run, when poses are good.
+  [[nodiscard]] std::vector<LoopClosure> close_all(std::span<const Pose2> map_T_key);
+
+  /// Tells which closures stand, so that uncertainty can be followed through them.
+  void set_closures(std::span<const LoopClosure> closures);
+
+  [[nodiscard]] std::size_t submap_count() const;
+
+  /// The edge that a closure adds to the graph.
+  [[nodiscard]] RelativePoseEdge edge_of(const LoopClosure& closure) const;
+
+ private:
+  struct Entry;
+  struct Pair;
+  [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer, std::span<const Pose2> map_T_key) const;
+  [[nodiscard]] std::vector<double> travel_between(std::size_t from) const;
+  [[nodiscard]] std::vector<LoopClosure> compare(const std::vector<Pair>& pairs);
+
+  LoopOptions options_;
+  SubmapOptions submap_options_;
+  GridMatchOptions match_options_;
+  Threads threads_;
+  std::vector<Entry> entries_;
+  std::vector<LoopClosure> standing_;
+};
+
+}  // namespace loopstone

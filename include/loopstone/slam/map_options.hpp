@@ -1,0 +1,32 @@
+#pragma once
+
+#include "loopstone/base/options.hpp"
+#include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/mapping/submap.hpp"
+#include "loopstone/registration/grid_matcher.hpp"
+#include "loopstone/slam/front_end.hpp"
+#include "loopstone/slam/loop_closer.hpp"
+
+namespace loopstone {
+
+/// Every option of the mapper. The defaults serve every log.
+struct MapOptions {
+  bool loop_closure = true;
+  FrontEndOptions front_end{};
+  GridMatchOptions match{};
+  SubmapOptions submap{};
+  LoopOptions loop{};
+  OccupancyOptions map{};
+};
+
+template <typename Visitor>
+void visit_options(MapOptions& options, Visitor&& visit) {
+  visit("loop_closure", options.loop_closure, "recognise places seen before and correct the map");
+  visit.group("front_end", options.front_end);
+  visit.group("match", options.match);
+  visit.group("submap", options.submap);
+  visit.group("loop", options.loop);
+  visit.group("map", options.map);
+}
+
+}  // namespace loopstone

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loopstone/base/parallel_for.hpp"
+#include "loopstone/base/progress.hpp"
+#include "loopstone/odometry/odometer.hpp"
+#include "loopstone/sensor/messages.hpp"
+#include "loopstone/sensor/robot_model.hpp"
+#include "loopstone/slam/front_end.hpp"
+#include "loopstone/slam/map_options.hpp"
+#include "loopstone/slam/map_result.hpp"
+
+namespace loopstone {
+
+/// Turns a stream of sensor messages into a trajectory, a pose graph and a map.
+///
+///   Mapper mapper(robot, options, threads);
+///   while (auto message = log.next()) mapper.add(*message);
+///   MapResult result = mapper.finish();
+///
+/// The result is the same bytes for any number of threads.
+class Mapper {
+ public:
+  Mapper(const RobotModel& robot, const MapOptions& options, Threads threads = {});
+  ~Mapper();
+
+  /// Messages come in time order. A scan is worked on once odometry for its time has come, or after a moment's wait.
+  void add(const SensorMessage& message);
+
+  /// Ends the recording: last closures, last solution, the final map of all scans. Call once.
+  [[nodiscard]] MapResult finish();
+
+  [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(records_.size()); }
+
+ private:
+  struct ScanRecord;
+  class BackEndWorker;
+
+  void add_scan(LaserScan scan);
+  void process_waiting(bool all);
+
+  RobotModel robot_;
+  MapOptions options_;
+  Threads threads_;
+  Odometer odometer_;
+  FrontEnd front_end_;
+  std::unique_ptr<BackEndWorker> back_end_;
+  std::deque<LaserScan> waiting_{};
+  std::optional<Stamp> newest_{};
+  std::vector<ScanRecord> records_{};
+  std::vector<Stamp> key_stamps_{};
+  Pose2 last_mapped_{};
+  MapStatistics statistics_{};
+};
+
+}  // namespace loopstone

@@ -1,0 +1,123 @@
+#include "loopstone/slam/back_end.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "loopstone/graph/solver.hpp"
+#include "slam/stopwatch.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// What matching against a submap leaves uncertain between consecutive key scans, however good the match: its slow drift.
+constexpr double kChainRestM = 0.004;
+constexpr double kChainShare = 0.006;
+constexpr double kChainRestRad = 0.0012;
+constexpr double kChainTurnShare = 0.004;
+/// A closure whose residual is less likely than this (chi-square, 3 degrees of freedom, 1e-5) does not stand.
+constexpr double kRevokeChi2 = 26.0;
+/// Closures that disagree by more standard deviations than this pull less than in proportion.
+constexpr double kHuberWidth = 1.5;
+/// Rounds of looking everywhere with ever better poses.
+constexpr int kFinalRounds = 2;
+
+RelativePoseEdge chain_edge(int from, const KeyScan& previous, const Pose2& previous_pose, const KeyScan& next) {
+  const Pose2 motion = previous_pose.inverse() * next.local_T_robot;
+  const double distance = std::hypot(motion.x, motion.y);
+  const double sigma = kChainRestM + kChainShare * distance;
+  const double sigma_yaw = kChainRestRad + kChainTurnShare * std::abs(motion.yaw);
+  // The error of an edge lives in the frame of the pose it leads to.
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = next.local_T_robot.rotation().transpose();
+  Eigen::Matrix3d covariance = turn * (previous.covariance + next.covariance) * turn.transpose();
+  covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, sigma_yaw * sigma_yaw);
+  Eigen::Matrix3d information = covariance.inverse();
+  information = 0.5 * (information + information.transpose()).eval();
+  return {NodeId{from}, NodeId{from + 1}, motion, information, EdgeKind::kOdometry};
+}
+
+}  // namespace
+
+BackEnd::BackEnd(const MapOptions& options, Threads threads)
+    : loop_closure_(options.loop_closure), loops_(options.loop, options.submap, options.match, threads) {}
+
+void BackEnd::add_key(const KeyScan& key) {
+  if (keys_.empty()) {
+    graph_.poses.push_back(key.local_T_robot);
+    travelled_m_.push_back(0.0);
+  } else {
+    const Pose2& before = keys_.back().local_T_robot;
+    const Pose2 motion = before.inverse() * key.local_T_robot;
+    graph_.edges.push_back(chain_edge(static_cast<int>(keys_.size()) - 1, keys_.back(), before, key));
+    graph_.poses.push_back(graph_.poses.back() * motion);
+    travelled_m_.push_back(travelled_m_.back() + std::hypot(motion.x, motion.y));
+  }
+  keys_.push_back(key);
+}
+
+void BackEnd::add_submap(FinishedSubmap submap) {
+  const Stopwatch watch;
+  const double travelled = travelled_m_[submap.first_key];
+  loops_.add(std::move(submap), travelled);
+  std::vector<LoopClosure> found;
+  if (loop_closure_) found = loops_.close_newest(graph_.poses);
+  loop_closing_s_ += watch.seconds();
+  take(std::move(found));
+}
+
+void BackEnd::finish() {
+  for (int round = 0; loop_closure_ && round < kFinalRounds; ++round) {
+    const Stopwatch watch;
+    auto found = loops_.close_all(graph_.poses);
+    loop_closing_s_ += watch.seconds();
+    take(std::move(found));
+  }
+  for (const auto& closure : closures_) {
+    if (closure.accepted) graph_.edges.push_back(loops_.edge_of(closure));
+  }
+}
+
+void BackEnd::take(std::vector<LoopClosure> found) {
+  const bool news = std::any_of(found.begin(), found.end(), [](const LoopClosure& c) { return c.accepted; });
+  for (auto& closure : found) {
+    // What was tried before and failed is replaced by the newer attempt.
+    std::erase_if(closures_, [&](const LoopClosure& old) {
+      return !old.accepted && old.from_submap == closure.from_submap && old.to_submap == closure.to_submap;
+    });
+    closures_.push_back(std::move(closure));
+  }
+  if (!news) return;
+  solve();
+  loops_.set_closures(closures_);
+}
+
+void BackEnd::solve() {
+  const Stopwatch watch;
+  const SolverOptions solver{.robust_kernel = "huber", .robust_width = kHuberWidth};
+  while (true) {
+    PoseGraph whole = graph_;
+    for (const auto& closure : closures_) {
+      if (closure.accepted) whole.edges.push_back(loops_.edge_of(closure));
+    }
+    graph_.poses = optimize(whole, solver).poses;
+    // The worst closure that can't be reconciled goes; then the rest is solved again.
+    LoopClosure* worst = nullptr;
+    for (auto& closure : closures_) {
+      if (!closure.accepted) continue;
+      const auto edge = loops_.edge_of(closure);
+      const Eigen::Vector3d error = edge_error(edge, graph_.poses[static_cast<std::size_t>(edge.from.index)],
+                                               graph_.poses[static_cast<std::size_t>(edge.to.index)]);
+      closure.chi2 = error.dot(edge.information * error);
+      if (closure.chi2 > kRevokeChi2 && (worst == nullptr || closure.chi2 > worst->chi2)) worst = &closure;
+    }
+    if (worst == nullptr) break;
+    worst->accepted = false;
+    worst->reason = "revoked: contradicts the rest of the graph";
+  }
+  optimisation_s_ += watch.seconds();
+}
+
+}  // namespace loopstone

@@ -1,0 +1,202 @@
+#include "loopstone/slam/mapper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "loopstone/slam/back_end.hpp"
+#include "slam/stopwatch.hpp"
+#include "slam/task_queue.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// A scan waits this long for odometry of its time before it is worked on with what there is.
+constexpr Duration kPatience{250'000'000};
+/// Scans that differ less than this from the last one mapped add nothing to the final map.
+constexpr double kStillM = 0.01;
+constexpr double kStillRad = 0.005;
+
+}  // namespace
+
+/// A scan as the final map will need it.
+struct Mapper::ScanRecord {
+  LaserScan scan;              // ranges dropped when the robot stood still
+  Pose2 robot_T_lidar;
+  Pose2 local_T_robot;
+  Pose2 local_T_robot_end;     // at the end of its sweep
+  std::optional<Pose2> odom_T_robot;
+  std::size_t last_key = 0;    // the latest key scan up to and including this scan
+  bool mapped = false;
+};
+
+/// The back end, fed through a queue so that it runs beside the front end when there is more than one thread.
+class Mapper::BackEndWorker {
+ public:
+  BackEndWorker(const MapOptions& options, Threads threads)
+      : back_end_(options, threads), queue_(threads.resolved() > 1) {}
+
+  void add_key(const KeyScan& key) {
+    queue_.run([this, key] { back_end_.add_key(key); });
+  }
+  void add_submap(FinishedSubmap submap) {
+    auto shared = std::make_shared<FinishedSubmap>(std::move(submap));
+    queue_.run([this, shared] { back_end_.add_submap(std::move(*shared)); });
+  }
+  /// Waits for all that was queued, ends the back end and gives access to it.
+  [[nodiscard]] const BackEnd& finish() {
+    queue_.run([this] { back_end_.finish(); });
+    queue_.wait();
+    return back_end_;
+  }
+
+ private:
+  BackEnd back_end_;
+  TaskQueue queue_;
+};
+
+Mapper::Mapper(const RobotModel& robot, const MapOptions& options, Threads threads)
+    : robot_(robot),
+      options_(options),
+      threads_(threads),
+      odometer_(robot.wheels),
+      front_end_(options.front_end, options.match, options.submap),
+      back_end_(std::make_unique<BackEndWorker>(options, threads)) {}
+
+Mapper::~Mapper() = default;
+
+void Mapper::add(const SensorMessage& message) {
+  newest_ = stamp_of(message);
+  if (const auto* scan = std::get_if<LaserScan>(&message)) {
+    waiting_.push_back(*scan);
+  } else if (const auto* ticks = std::get_if<WheelTicks>(&message)) {
+    odometer_.add(*ticks);
+  } else if (const auto* imu = std::get_if<ImuSample>(&message)) {
+    odometer_.add(*imu);
+  } else if (const auto* pose = std::get_if<OdometryPose>(&message)) {
+    odometer_.add(*pose);
+  }
+  process_waiting(false);
+}
+
+void Mapper::process_waiting(bool all) {
+  while (!waiting_.empty()) {
+    const Stamp stamp = waiting_.front().stamp;
+    const auto known_until = odometer_.newest();
+    const bool ready = (known_until && *known_until >= stamp) || *newest_ - stamp >= kPatience;
+    if (!ready && !all) return;
+    LaserScan scan = std::move(waiting_.front());
+    waiting_.pop_front();
+    add_scan(std::move(scan));
+  }
+}
+
+void Mapper::add_scan(LaserScan scan) {
+  const Stopwatch watch;
+  const Pose2 robot_T_lidar = mount_of(scan, robot_);
+  const auto odometry = odometer_.pose_at(scan.stamp);
+  std::optional<Pose2> odom_T_robot;
+  if (odometry) odom_T_robot = odometry->pose;
+
+  TrackedScan tracked = front_end_.add(scan, robot_T_lidar, odom_T_robot);
+  if (!tracked.used) ++statistics_.scans_dropped;
+  if (tracked.searched) ++statistics_.searches;
+
+  ScanRecord record{.scan = std::move(scan),
+                    .robot_T_lidar = robot_T_lidar,
+                    .local_T_robot = tracked.local_T_robot,
+                    .local_T_robot_end = tracked.local_T_robot,
+                    .odom_T_robot = odom_T_robot};
+  const double sweep_s = record.scan.time_increment_s * static_cast<double>(record.scan.ranges_m.size());
+  if (!records_.empty()) {
+    const ScanRecord& before = records_.back();
+    const Pose2 motion = before.local_T_robot.inverse() * tracked.local_T_robot;
+    const double distance = std::hypot(motion.x, motion.y);
+    statistics_.path_length_m += distance;
+    if (tracked.status == MatchStatus::kDegenerate) statistics_.degenerate_travel_m += distance;
+    const double seconds = (record.scan.stamp - before.scan.stamp).seconds();
+    if (sweep_s != 0.0 && seconds > 0.0) {
+      record.local_T_robot_end = tracked.local_T_robot * exp(log(motion) * (sweep_s / seconds));
+    }
+  }
+  if (tracked.key) {
+    back_end_->add_key({record.scan.stamp, tracked.local_T_robot, tracked.covariance});
+    key_stamps_.push_back(record.scan.stamp);
+  }
+  for (auto& submap : tracked.finished) back_end_->add_submap(std::move(submap));
+
+  // Standing still adds nothing to the map.
+  const Pose2 since = last_mapped_.inverse() * tracked.local_T_robot;
+  record.mapped = tracked.used && (tracked.key || std::hypot(since.x, since.y) > kStillM || std::abs(since.yaw) > kStillRad);
+  if (record.mapped) {
+    last_mapped_ = tracked.local_T_robot;
+  } else {
+    record.scan.ranges_m = {};
+  }
+  record.last_key = key_stamps_.empty() ? 0 : key_stamps_.size() - 1;
+  records_.push_back(std::move(record));
+  statistics_.front_end_s += watch.seconds();
+}
+
+MapResult Mapper::finish() {
+  process_waiting(true);
+  for (auto& submap : front_end_.finish()) back_end_->add_submap(std::move(submap));
+  const BackEnd& back_end = back_end_->finish();
+
+  MapResult result;
+  result.node_stamps = key_stamps_;
+  result.graph = back_end.graph();
+  result.loop_closures = back_end.closures();
+  result.statistics = statistics_;
+
+  // Scans between two key scans share the correction of both, blended by time.
+  std::vector<Pose2> map_T_local;
+  for (std::size_t i = 0, key = 0; i < records_.size() && key < key_stamps_.size(); ++i) {
+    if (records_[i].scan.stamp != key_stamps_[key] || records_[i].last_key != key) continue;
+    map_T_local.push_back(result.graph.poses[key] * records_[i].local_T_robot.inverse());
+    ++key;
+  }
+  std::vector<PosedScan> posed;
+  for (const ScanRecord& record : records_) {
+    Pose2 correction;
+    if (!map_T_local.empty()) {
+      const std::size_t key = record.last_key;
+      correction = map_T_local[key];
+      if (key + 1 < map_T_local.size() && record.scan.stamp > key_stamps_[key]) {
+        const double ratio = (record.scan.stamp - key_stamps_[key]).seconds() /
+                             (key_stamps_[key + 1] - key_stamps_[key]).seconds();
+        const Pose2 first = map_T_local[key] * record.local_T_robot;
+        const Pose2 second = map_T_local[key + 1] * record.local_T_robot;
+        correction = interpolate(first, second, ratio) * record.local_T_robot.inverse();
+      }
+    }
+    const Pose2 map_T_robot = correction * record.local_T_robot;
+    result.trajectory.append(record.scan.stamp, map_T_robot);
+    if (record.odom_T_robot) result.odometry.append(record.scan.stamp, *record.odom_T_robot);
+    if (record.mapped) {
+      posed.push_back({&record.scan, map_T_robot * record.robot_T_lidar,
+                       correction * record.local_T_robot_end * record.robot_T_lidar, map_T_robot});
+    }
+  }
+
+  const Stopwatch rendering;
+  result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
+  auto& statistics = result.statistics;
+  statistics.rendering_s = rendering.seconds();
+  statistics.scans = static_cast<std::int64_t>(records_.size());
+  statistics.key_scans = static_cast<std::int64_t>(key_stamps_.size());
+  statistics.submaps = static_cast<std::int64_t>(back_end.submap_count());
+  for (const auto& closure : result.loop_closures) {
+    ++(closure.accepted ? statistics.loop_closures_accepted : statistics.loop_closures_rejected);
+  }
+  if (!result.trajectory.empty()) {
+    statistics.duration_s = (result.trajectory.back().stamp - result.trajectory.front().stamp).seconds();
+  }
+  statistics.loop_closing_s = back_end.loop_closing_s();
+  statistics.optimisation_s = back_end.optimisation_s();
+  statistics.graph_cost = graph_cost(result.graph);
+  return result;
+}
+
+}  // namespace loopstone

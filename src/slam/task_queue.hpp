@@ -1,0 +1,74 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace loopstone {
+
+/// Runs tasks one after the other, in the order given: on a thread of its own, or at once when not asked for one.
+/// An exception of a task ends the queue and is thrown by wait().
+class TaskQueue {
+ public:
+  explicit TaskQueue(bool own_thread) {
+    if (own_thread) {
+      thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+    }
+  }
+
+  void run(std::function<void()> task) {
+    if (!thread_.joinable()) {
+      task();
+      return;
+    }
+    {
+      const std::scoped_lock lock(mutex_);
+      tasks_.push_back(std::move(task));
+    }
+    changed_.notify_all();
+  }
+
+  /// Returns when every task given so far has ended.
+  void wait() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return tasks_.empty() && !busy_; });
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+ private:
+  void work(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (changed_.wait(lock, stop, [this] { return !tasks_.empty(); })) {
+      const auto task = std::move(tasks_.front());
+      tasks_.pop_front();
+      busy_ = true;
+      lock.unlock();
+      std::exception_ptr failure;
+      try {
+        task();
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      lock.lock();
+      busy_ = false;
+      if (failure) {
+        failure_ = failure;
+        tasks_.clear();
+      }
+      changed_.notify_all();
+    }
+  }
+
+  std::mutex mutex_{};
+  std::condition_variable_any changed_{};
+  std::deque<std::function<void()>> tasks_{};
+  bool busy_ = false;
+  std::exception_ptr failure_{};
+  std::jthread thread_{};  // last: it stops before what it uses goes
+};
+
+}  // namespace loopstone
