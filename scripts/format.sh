@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formats every source. scripts/format.sh [--check]: changes nothing, fails on the first difference, names the files.
+# Formats every source. scripts/format.sh [--check]: changes nothing, fails and names the files that differ.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -9,7 +9,11 @@ for folder in include src apps tests examples fuzz bench; do
 done
 mapfile -t files < <(find "${folders[@]}" -name '*.cpp' -o -name '*.hpp' | sort)
 if [[ ${1:-} == --check ]]; then
-  clang-format --dry-run -Werror "${files[@]}"
+  unformatted=$(clang-format --dry-run -Werror --ferror-limit=1 "${files[@]}" 2>&1 | sed -n 's/^\([^: ]*\):[0-9:]* error: .*/\1/p' | sort -u)
+  if [[ -n $unformatted ]]; then
+    printf 'not formatted (make format):\n%s\n' "$unformatted"
+    exit 1
+  fi
   echo "${#files[@]} files are formatted"
 else
   clang-format -i "${files[@]}"
