@@ -27,7 +27,8 @@ struct RelativePoseEdge {
   NodeId from;
   NodeId to;
   Pose2 from_T_to;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), symmetric positive definite
+  Eigen::Matrix3d information =
+      Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), symmetric positive definite
   EdgeKind kind = EdgeKind::kMatch;
 };
 
@@ -38,9 +39,32 @@ struct PoseGraph {
 };
 
 /// e of the definition above.
-[[nodiscard]] Eigen::Vector3d edge_error(const RelativePoseEdge& edge, const Pose2& from, const Pose2& to);
+[[nodiscard]] Eigen::Vector3d edge_error(const RelativePoseEdge& edge, const Pose2& from,
+                                         const Pose2& to);
+
+/// Derivatives of edge_error with respect to the coordinates (x, y, yaw) of the two poses.
+struct EdgeJacobians {
+  Eigen::Matrix3d from;
+  Eigen::Matrix3d to;
+};
+[[nodiscard]] EdgeJacobians edge_jacobians(const RelativePoseEdge& edge, const Pose2& from,
+                                           const Pose2& to);
+
+/// e^T information e of one edge.
+[[nodiscard]] double edge_chi2(const RelativePoseEdge& edge, const Pose2& from, const Pose2& to);
 
 /// Sum of e^T information e over all edges (no 1/2).
 [[nodiscard]] double graph_cost(const PoseGraph& graph);
+
+/// Throws UsageError naming the first edge that joins a node to itself or to one that does not exist, whose
+/// measurement is not finite, or whose information is not symmetric positive definite.
+void check_graph(const PoseGraph& graph);
+
+/// Which connected component each node belongs to, numbered by their lowest node.
+struct GraphComponents {
+  std::vector<int> of_node;
+  int count = 0;
+};
+[[nodiscard]] GraphComponents connected_components(const PoseGraph& graph);
 
 }  // namespace loopstone
