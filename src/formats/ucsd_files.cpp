@@ -1,0 +1,117 @@
+#include "formats/ucsd_files.hpp"
+
+#include <array>
+#include <set>
+#include <string_view>
+
+#include "formats/text_numbers.hpp"
+#include "loopstone/base/error.hpp"
+
+namespace loopstone {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 5> kSensors{"Encoders", "Imu", "Hokuyo", "Kinect",
+                                                   "Odometry"};
+
+/// The data folder itself, or where copies of the course's files keep the sensors inside it.
+std::vector<fs::path> sensor_folders(const fs::path& folder) {
+  return {folder, folder / "sensors", folder / "data"};
+}
+
+std::optional<int> set_of(const fs::path& file) {
+  const std::string name = file.filename().string();
+  for (const std::string_view sensor : kSensors) {
+    if (!name.starts_with(sensor) || !name.ends_with(".npz")) continue;
+    const auto digits =
+        std::string_view(name).substr(sensor.size(), name.size() - sensor.size() - 4);
+    const auto number = parse_integer(digits);
+    if (number && *number >= 0 && *number <= 1'000'000) return static_cast<int>(*number);
+  }
+  return std::nullopt;
+}
+
+fs::path first_existing(const std::vector<fs::path>& candidates) {
+  std::error_code ignored;
+  for (const fs::path& candidate : candidates) {
+    if (fs::exists(candidate, ignored)) return candidate;
+  }
+  return {};
+}
+
+fs::path find_sensor(const fs::path& folder, std::string_view sensor, int set) {
+  std::vector<fs::path> candidates;
+  const std::string name = std::string(sensor) + std::to_string(set) + ".npz";
+  for (const fs::path& place : sensor_folders(folder)) candidates.push_back(place / name);
+  return first_existing(candidates);
+}
+
+fs::path find_images(const fs::path& folder, const std::string& name) {
+  return first_existing({folder / "dataRGBD" / name, folder / "data" / "dataRGBD" / name,
+                         folder / name, folder.parent_path() / "dataRGBD" / name});
+}
+
+std::string listed(const std::vector<int>& sets) {
+  std::string text;
+  for (const int set : sets) text += (text.empty() ? "" : ", ") + std::to_string(set);
+  return text;
+}
+
+[[noreturn]] void fail_without_sets(const fs::path& folder) {
+  std::string hint;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const auto ends = [&](std::string_view suffix) { return name.ends_with(suffix); };
+    if (ends(".clf") || ends(".log") || ends(".clf.gz") || ends(".log.gz") || ends(".log.bz2")) {
+      hint = "; if you meant the file in it, give its name: " + entry.path().string();
+      break;
+    }
+  }
+  throw DataError(
+      {folder.string()},
+      "the folder holds no log: EncodersN.npz, HokuyoN.npz or ImuN.npz was expected" + hint);
+}
+
+}  // namespace
+
+std::vector<int> ucsd_sets(const fs::path& folder) {
+  std::set<int> sets;
+  std::error_code ignored;
+  for (const fs::path& place : sensor_folders(folder)) {
+    for (const auto& entry : fs::directory_iterator(place, ignored)) {
+      if (const auto set = set_of(entry.path())) sets.insert(*set);
+    }
+  }
+  return {sets.begin(), sets.end()};
+}
+
+UcsdFiles find_ucsd_files(const fs::path& folder, std::optional<int> set) {
+  const std::vector<int> sets = ucsd_sets(folder);
+  if (sets.empty()) fail_without_sets(folder);
+  if (!set && sets.size() > 1) {
+    throw UsageError(folder.string() + " holds several sets (" + listed(sets) +
+                     "): name one, for example " + folder.string() + "#" +
+                     std::to_string(sets.front()));
+  }
+  UcsdFiles files;
+  files.folder = folder;
+  files.set = set.value_or(sets.front());
+  files.encoders = find_sensor(folder, "Encoders", files.set);
+  files.imu = find_sensor(folder, "Imu", files.set);
+  files.hokuyo = find_sensor(folder, "Hokuyo", files.set);
+  files.kinect = find_sensor(folder, "Kinect", files.set);
+  files.odometry = find_sensor(folder, "Odometry", files.set);
+  if (files.encoders.empty() && files.imu.empty() && files.hokuyo.empty() && files.kinect.empty() &&
+      files.odometry.empty()) {
+    throw UsageError(folder.string() + " holds no set " + std::to_string(files.set) +
+                     "; it holds " + listed(sets));
+  }
+  const std::string number = std::to_string(files.set);
+  files.colour_folder = find_images(folder, "RGB" + number);
+  files.disparity_folder = find_images(folder, "Disparity" + number);
+  return files;
+}
+
+}  // namespace loopstone

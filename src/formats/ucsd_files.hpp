@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace loopstone {
+
+/// Where the parts of one set of the UCSD layout are. Missing parts are empty paths.
+struct UcsdFiles {
+  std::filesystem::path folder{};
+  int set = 0;
+  std::filesystem::path encoders{};
+  std::filesystem::path imu{};
+  std::filesystem::path hokuyo{};
+  std::filesystem::path kinect{};
+  std::filesystem::path odometry{};          ///< OdometryN.npz: our addition, see docs/formats.md
+  std::filesystem::path colour_folder{};     ///< .../dataRGBD/RGBN
+  std::filesystem::path disparity_folder{};  ///< .../dataRGBD/DisparityN
+};
+
+/// The numbers of the sets in a folder (or its sensors/ or data/), in order.
+[[nodiscard]] std::vector<int> ucsd_sets(const std::filesystem::path& folder);
+
+/// Throws UsageError when `set` is empty and there are several, or when there is no such set; DataError when the folder
+/// holds none at all.
+[[nodiscard]] UcsdFiles find_ucsd_files(const std::filesystem::path& folder,
+                                        std::optional<int> set);
+
+}  // namespace loopstone
