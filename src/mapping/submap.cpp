@@ -11,9 +11,8 @@ namespace loopstone {
 
 namespace {
 
-/// Each level's cell is three times the one below: the nine cells that a point enters cover one cell above.
+/// The coarse level's cell is three times the fine one: the nine cells that a point enters cover one cell above.
 constexpr double kLevelRatio = 3.0;
-constexpr int kLevels = 3;
 /// Thinned surfaces: one piece a cell of this size and side.
 constexpr double kThinCellM = 0.1;
 /// A piece of surface that many scans saw counts no more than this.
@@ -24,9 +23,26 @@ constexpr double kBlurM = 0.1;
 /// Rays are walked for at most this many beams of a scan: enough to know the free space.
 constexpr std::size_t kMaxRays = 180;
 
-std::array<double, kLevels> level_resolutions(double finest_m) {
-  return {finest_m, finest_m * kLevelRatio, finest_m * kLevelRatio * kLevelRatio};
-}
+std::array<double, 2> level_resolutions(double finest_m) { return {finest_m, finest_m * kLevelRatio}; }
+
+/// How near to a surface a cell counts as, by the squared distance of its centre in hundredths of the blur squared.
+class Nearness {
+ public:
+  Nearness() {
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const double near = std::exp(-0.5 * (static_cast<double>(i) + 0.5) / 100.0);
+      values_[i] = static_cast<std::uint8_t>(std::lround(kUnknown + near * (kSurface - kUnknown)));
+    }
+  }
+  /// The cell's value, kContradiction (no claim) when it is too far to be touched.
+  [[nodiscard]] std::uint8_t operator()(double distance2_m2) const {
+    const auto index = static_cast<std::size_t>(distance2_m2 * (100.0 / (kBlurM * kBlurM)));
+    return index < values_.size() ? values_[index] : kContradiction;
+  }
+
+ private:
+  std::array<std::uint8_t, 625> values_{};  // out to 2.5 blurs
+};
 
 void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal, float weight) {
   for (SurfaceSum& sum : cell.sums) {
@@ -132,13 +148,14 @@ FrozenSubmap Submap::freeze() const {
 }
 
 SurfaceGrid FrozenSubmap::surface_grid(const SubmapOptions& options) const {
-  SurfaceGrid grid(level_resolutions(options.cell_m));
+  SurfaceGrid grid(std::array{options.cell_m});
   grid.insert(surfaces, Pose2{});
   return grid;
 }
 
-MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options) const {
-  constexpr int kPyramidLevels = 7;
+MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options, double half_window_m) const {
+  int levels = 1;
+  while (levels < 8 && (1 << levels) * options.search_cell_m <= half_window_m) ++levels;
   Eigen::Vector2d low = free.empty() ? Eigen::Vector2d(0.0, 0.0) : free.frame().origin;
   Eigen::Vector2d high = low;
   if (!free.empty()) high += free.frame().resolution * Eigen::Vector2d(free.frame().columns, free.frame().rows);
@@ -149,15 +166,23 @@ MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options) const {
   Grid<std::uint8_t> cells(frame_covering(low, high, options.search_cell_m, 3.0 * kBlurM), kUnknown);
   const GridFrame& frame = cells.frame();
   if (!free.empty()) {
+    std::vector<int> free_columns(static_cast<std::size_t>(frame.columns));
+    for (int column = 0; column < frame.columns; ++column) {
+      free_columns[static_cast<std::size_t>(column)] =
+          free.frame().cell_of(frame.centre_of({column, 0})).column;
+    }
     for (int row = 0; row < frame.rows; ++row) {
+      const int free_row = free.frame().cell_of(frame.centre_of({0, row})).row;
+      if (free_row < 0 || free_row >= free.frame().rows) continue;
       for (int column = 0; column < frame.columns; ++column) {
-        if (free.value_or(free.frame().cell_of(frame.centre_of({column, row})), 0) != 0) {
-          cells[{column, row}] = kContradiction;
-        }
+        const int free_column = free_columns[static_cast<std::size_t>(column)];
+        if (free_column < 0 || free_column >= free.frame().columns) continue;
+        if (free[{free_column, free_row}] != 0) cells[{column, row}] = kContradiction;
       }
     }
   }
   // Surfaces last: near one, the record of free space is too coarse to contradict anything.
+  const Nearness nearness;
   const int reach = static_cast<int>(std::ceil(2.5 * kBlurM / frame.resolution));
   for (const SurfacePoint& surface : surfaces) {
     const Eigen::Vector2d point = surface.position.cast<double>();
@@ -165,16 +190,12 @@ MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options) const {
     for (int row = middle.row - reach; row <= middle.row + reach; ++row) {
       for (int column = middle.column - reach; column <= middle.column + reach; ++column) {
         if (!frame.contains({column, row})) continue;
-        const double distance2 = (frame.centre_of({column, row}) - point).squaredNorm();
-        if (distance2 > 6.25 * kBlurM * kBlurM) continue;
-        const double near = std::exp(-0.5 * distance2 / (kBlurM * kBlurM));
-        const auto value = static_cast<std::uint8_t>(std::lround(kUnknown + near * (kSurface - kUnknown)));
         auto& cell = cells[{column, row}];
-        cell = std::max(cell, value);
+        cell = std::max(cell, nearness((frame.centre_of({column, row}) - point).squaredNorm()));
       }
     }
   }
-  return MaxPyramid(cells, kPyramidLevels, kUnknown);
+  return MaxPyramid(cells, levels, kUnknown);
 }
 
 std::vector<Eigen::Vector2d> FrozenSubmap::probe(std::size_t count) const {

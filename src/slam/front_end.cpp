@@ -116,7 +116,7 @@ MatchResult FrontEnd::align(std::span<const SurfacePoint> surfaces, const Predic
 
   if (match.status == MatchStatus::kTooFewPairs || match.score < options_.trusted_score) {
     *searched = true;
-    const auto pyramid = target.submap.freeze().search_pyramid(submap_options_);
+    const auto pyramid = target.submap.freeze().search_pyramid(submap_options_, options_.search_half_xy_m);
     const auto found = search_branch_and_bound(
         thinned_positions(surfaces, kSearchPoints), pyramid,
         {prior.target_T_source, options_.search_half_xy_m, options_.search_half_yaw_rad}, kSearchMinScore);

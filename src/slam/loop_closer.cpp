@@ -27,6 +27,9 @@ constexpr double kClosureTravelM = 1.0;
 /// What a whole submap's own bending adds to the uncertainty of a closure.
 constexpr double kBendM = 0.03;
 constexpr double kBendRad = 0.005;
+/// A pair that failed is tried again once its poses have changed by this much.
+constexpr double kSameTryM = 0.25;
+constexpr double kSameTryRad = 0.03;
 /// A pose this far from the best one is another place.
 constexpr double kElsewhereM = 1.0;
 constexpr double kElsewhereRad = 0.35;
@@ -134,6 +137,7 @@ std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer, std:
               .half_yaw_rad = std::min(kRestRad + options_.drift_rad_per_m * travel[older], kMaxHalfYawRad),
               .distance_m = (centre - map_T_older * target.centre).norm()};
     if (pair.distance_m > 0.7 * (query.radius_m + target.radius_m) + pair.half_xy_m) continue;
+    if (was_tried(pair)) continue;
     pairs.push_back(pair);
   }
   std::stable_sort(pairs.begin(), pairs.end(),
@@ -142,6 +146,13 @@ std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer, std:
     pairs.resize(static_cast<std::size_t>(options_.candidates_max));
   }
   return pairs;
+}
+
+bool LoopCloser::was_tried(const Pair& pair) const {
+  const auto tried = tried_.find({pair.older, pair.newer});
+  if (tried == tried_.end()) return false;
+  const Pose2 change = tried->second.inverse() * pair.older_T_newer;
+  return std::hypot(change.x, change.y) < kSameTryM && std::abs(change.yaw) < kSameTryRad;
 }
 
 std::vector<LoopClosure> LoopCloser::close_newest(std::span<const Pose2> map_T_key) {
@@ -158,6 +169,7 @@ std::vector<LoopClosure> LoopCloser::close_all(std::span<const Pose2> map_T_key)
 }
 
 std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
+  for (const Pair& pair : pairs) tried_[{pair.older, pair.newer}] = pair.older_T_newer;
   std::vector<std::optional<LoopClosure>> found(pairs.size());
   parallel_for(pairs.size(), threads_, [&](std::size_t index) {
     const Pair& pair = pairs[index];
@@ -165,7 +177,7 @@ std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
     const Entry& query = entries_[pair.newer];
     const auto probe = query.submap.probe(kProbePoints);
     if (probe.empty() || target.submap.surfaces.empty()) return;
-    const MaxPyramid pyramid = target.submap.search_pyramid(submap_options_);
+    const MaxPyramid pyramid = target.submap.search_pyramid(submap_options_, pair.half_xy_m);
     const SearchWindow window{pair.older_T_newer, pair.half_xy_m, pair.half_yaw_rad};
     const SearchResult best = search_branch_and_bound(probe, pyramid, window, options_.min_score);
     if (!best.found) return;

@@ -37,8 +37,10 @@ struct FrozenSubmap {
   std::vector<SurfacePoint> surfaces;  ///< submap frame
   Grid<std::uint8_t> free;             ///< 1 where beams passed and nothing was ever hit
 
+  /// The finest level only: for a pose that is already good to half a cell or so.
   [[nodiscard]] SurfaceGrid surface_grid(const SubmapOptions& options) const;
-  [[nodiscard]] MaxPyramid search_pyramid(const SubmapOptions& options) const;
+  /// With as many levels as a window of that half side can use.
+  [[nodiscard]] MaxPyramid search_pyramid(const SubmapOptions& options, double half_window_m) const;
   /// About `count` positions of its surfaces, evenly spaced, to search other submaps with.
   [[nodiscard]] std::vector<Eigen::Vector2d> probe(std::size_t count) const;
 };

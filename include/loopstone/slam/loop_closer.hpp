@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -69,6 +70,7 @@ class LoopCloser {
   struct Pair;
   [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer, std::span<const Pose2> map_T_key) const;
   [[nodiscard]] std::vector<double> travel_between(std::size_t from) const;
+  [[nodiscard]] bool was_tried(const Pair& pair) const;
   [[nodiscard]] std::vector<LoopClosure> compare(const std::vector<Pair>& pairs);
 
   LoopOptions options_;
@@ -77,6 +79,7 @@ class LoopCloser {
   Threads threads_;
   std::vector<Entry> entries_;
   std::vector<LoopClosure> standing_;
+  std::map<std::pair<std::size_t, std::size_t>, Pose2> tried_;  ///< (older, newer): older_T_newer at the last attempt
 };
 
 }  // namespace loopstone
