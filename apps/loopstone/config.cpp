@@ -1,5 +1,5 @@
 #include "commands.hpp"
-#include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/slam/map_options.hpp"
 #include "result.hpp"
 
 namespace loopstone::app {
@@ -8,7 +8,7 @@ void add_config_command(CLI::App& app, AppContext& context) {
   CLI::App* command = app.add_subcommand("config", "Show the effective options as TOML");
   context.add_option_flags(*command);
   context.on_run(*command, [&context] {
-    auto options = context.load_options<OccupancyOptions>();
+    auto options = context.load_options<MapOptions>();
     print_to_stdout(options_to_toml(list_options(options)));
     return kExitDone;
   });

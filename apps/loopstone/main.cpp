@@ -1,6 +1,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -28,6 +29,19 @@ Exit codes: 0 done, 1 bad data, 2 bad usage or options, 3 a --require bound was 
 
 void add_commands(CLI::App& app, AppContext& context) { add_config_command(app, context); }
 
+/// CLI11 only says that a command is missing; a typing error deserves the right word.
+void refuse_unknown_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  const std::string word = argv[1];
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (std::find(known.begin(), known.end(), word) != known.end()) return;
+  const std::string nearest = loopstone::nearest_key(word, known);
+  throw loopstone::UsageError(
+      "there is no command " + word +
+      (nearest.empty() ? "; `loopstone --help` lists all" : "; did you mean " + nearest + "?"));
+}
+
 int fail(ExitCode code, const char* reason) {
   ProgressDisplay::clear_line();
   std::fprintf(stderr, "loopstone: %s\n", reason);
@@ -46,10 +60,11 @@ int main(int argc, char** argv) {
   AppContext context;
   app.set_version_flag("--version", "loopstone " + std::string(loopstone::kVersion));
   app.require_subcommand(1);
-  app.footer(kExamples);
   add_commands(app, context);
+  app.footer(kExamples);  // after the commands, which would inherit it
 
   try {
+    refuse_unknown_command(app, argc, argv);
     app.parse(argc, argv);
     const ExitCode code = context.run();
     return code == kExitDone && AppContext::interrupted() ? kExitInterrupted : code;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "formats/text_file.hpp"
+#include "formats/atomic_file.hpp"
 #include "formats/toml_values.hpp"
 
 namespace loopstone {
@@ -108,7 +108,7 @@ std::vector<OptionProblem> apply_options_file(const std::vector<OptionEntry>& op
                                               const std::string& path) {
   std::string text;
   try {
-    text = read_text_file(path);
+    text = read_whole_file(path);
   } catch (const DataError& error) {
     return {{{}, {}, std::string(error.what()).substr(path.size() + 2), {path, {}, {}}}};
   }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/text_file.hpp"
+#include "formats/atomic_file.hpp"
 #include "formats/toml_values.hpp"
 
 namespace loopstone {
@@ -126,7 +126,7 @@ RobotModel parse_robot(std::string_view toml, const std::string& path) {
 }
 
 RobotModel read_robot_file(const std::string& path) {
-  return parse_robot(read_text_file(path), path);
+  return parse_robot(read_whole_file(path), path);
 }
 
 std::string robot_to_toml(const RobotModel& robot) {

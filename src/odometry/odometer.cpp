@@ -122,7 +122,7 @@ void Odometer::integrate(Interval interval) {
                 interval.still};
   }
 
-  const bool standing = still_since_ && interval.to - *still_since_ > kStandstill;
+  const bool standing = options_.use_standstill && still_since_ && interval.to - *still_since_ > kStandstill;
   const bool nearest = options_.alignment == "nearest";
   const Rate* rate = nearest_rate(interval.to);
   const bool gyro = nearest ? rate != nullptr : gyro_covers(interval);

@@ -14,6 +14,7 @@ struct OdometryOptions {
       "arc";  ///< "arc": exact; "euler": straight along the old heading, as in textbooks
   std::string alignment =
       "interpolate";  ///< of sensors with different stamps: "interpolate" or "nearest"
+  bool use_standstill = true;  ///< while the wheels stand, learn the gyro's bias and hold the heading
   double max_extrapolation_s = 0.2;  ///< beyond the newest reading, at constant velocity
   double distance_noise = 0.03;      ///< standard deviation of position after 1 m [m/sqrt(m)]
   double heading_noise_per_metre =
@@ -30,6 +31,8 @@ void visit_options(OdometryOptions& options, Visitor&& visit) {
         "exact arcs, or straight steps as in textbooks");
   visit("alignment", options.alignment, OneOf{{"interpolate", "nearest"}},
         "how readings with different stamps are brought together");
+  visit("use_standstill", options.use_standstill,
+        "while the wheels stand, learn the gyro's bias and hold the heading");
   visit("max_extrapolation_s", options.max_extrapolation_s, Range{0.0, 5.0},
         "how far beyond the newest reading a pose is given, at constant velocity");
   visit("distance_noise", options.distance_noise, Range{0.0, 10.0},

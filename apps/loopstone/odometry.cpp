@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.hpp"
+#include "loopstone/formats/log_reader.hpp"
+#include "loopstone/formats/tum.hpp"
+#include "loopstone/odometry/dead_reckoning.hpp"
+#include "progress_display.hpp"
+#include "result.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+struct Arguments {
+  std::string log;
+  std::string output;
+  bool euler = false;
+  std::string yaw;
+  std::string align;
+  bool strict = false;
+};
+
+constexpr const char* kFooter = R"(
+Writes odom_T_robot for every scan, or for every wheel reading when the log has no scans, in TUM format
+(t x y z qx qy qz qw). Wheel counts are used if the log has any, else the odometry poses that it holds.
+
+Examples:
+  loopstone odometry intel.clf -o odometry.tum
+  loopstone odometry ucsd/sensors#20 -o odometry.tum --yaw wheels --euler)";
+
+OdometryOptions options_of(const Arguments& arguments, const AppContext& context) {
+  auto options = context.load_options<OdometryOptions>();
+  if (arguments.euler) options.integration = "euler";
+  if (!arguments.yaw.empty()) options.yaw = arguments.yaw;
+  if (!arguments.align.empty()) options.alignment = arguments.align;
+  return options;
+}
+
+void print(const DeadReckoningResult& dead_reckoning, const LogReader& log, bool interrupted,
+           const AppContext& context) {
+  const Trajectory& trajectory = dead_reckoning.trajectory;
+  const Pose2& last = trajectory.back().pose;
+  Result result;
+  result.add("poses", "poses written", trajectory.size())
+      .add("duration_s", "duration", (trajectory.back().stamp - trajectory.front().stamp).seconds(),
+           "s", 1)
+      .add("path_length_m", "path", trajectory.path_length_m(), "m", 2)
+      .add_row("last pose",
+               fmt::format("{:.3f} m, {:.3f} m, {:.2f} deg", last.x, last.y, degrees(last.yaw)))
+      .add_json("last_pose.x_m", last.x)
+      .add_json("last_pose.y_m", last.y)
+      .add_json("last_pose.yaw_rad", last.yaw)
+      .add("scans", "scans", dead_reckoning.scans)
+      .add("scans_without_pose", "scans without a pose", dead_reckoning.scans_without_pose)
+      .add("wheel_readings", "wheel readings", dead_reckoning.wheel_readings)
+      .add("odometry_poses", "odometry poses in the log", dead_reckoning.odometry_poses)
+      .add("gyro_samples", "gyro samples", dead_reckoning.gyro_samples)
+      .add("readings_turned_by_gyro", "readings turned by the gyro", dead_reckoning.turned_by_gyro)
+      .add("gyro_bias_rad_s", "gyro bias", dead_reckoning.gyro_bias_rad_s, "rad/s", 5)
+      .add("records_skipped", "records skipped", log.records_skipped())
+      .add("complete", "complete", !interrupted);
+  result.print(context);
+}
+
+ExitCode run(const Arguments& arguments, AppContext& context) {
+  const OdometryOptions options = options_of(arguments, context);
+  LogOptions log_options;
+  log_options.strict = arguments.strict;
+  const auto log = open_log(arguments.log, log_options);
+  const RobotModel robot = context.robot();
+
+  DeadReckoner reckoner(robot.wheels, options);
+  ProgressDisplay display(context);
+  std::int64_t messages = 0;
+  bool go_on = true;
+  while (go_on) {
+    const auto message = log->next();
+    if (!message) break;
+    reckoner.add(*message);
+    if (++messages % 256 == 0) {
+      const ReadProgress read = log->progress();
+      go_on = display.show({"dead reckoning", read.bytes_done, read.bytes_total});
+    }
+  }
+  const DeadReckoningResult dead_reckoning = reckoner.finish();
+  if (dead_reckoning.trajectory.empty()) {
+    throw DataError({arguments.log},
+                    "no odometry: the log has neither wheel counts nor odometry poses near its "
+                    "scans (`loopstone info` lists what it has)");
+  }
+  if (options.yaw == "gyro" && arguments.yaw == "gyro" && dead_reckoning.turned_by_gyro == 0) {
+    context.warn(
+        "the log has no usable gyro; the heading comes from " +
+        std::string(dead_reckoning.wheel_readings > 0 ? "the wheels" : "its own odometry"));
+  }
+  write_tum(arguments.output, dead_reckoning.trajectory);
+  print(dead_reckoning, *log, !go_on, context);
+  return go_on ? kExitDone : kExitInterrupted;
+}
+
+}  // namespace
+
+void add_odometry_command(CLI::App& app, AppContext& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("odometry", "Dead reckoning from wheels and gyro alone");
+  command->add_option("LOG", arguments->log, "a log file or folder")->required();
+  command->add_option("-o,--output", arguments->output, "the trajectory to write")
+      ->type_name("FILE.tum")
+      ->required();
+  command->add_flag("--euler", arguments->euler,
+                    "straight steps as in textbooks instead of exact arcs");
+  command
+      ->add_option("--yaw", arguments->yaw,
+                   "where the heading comes from (default: gyro where there is one)")
+      ->type_name("wheels|gyro")
+      ->check(CLI::IsMember({"wheels", "gyro"}));
+  command
+      ->add_option("--align", arguments->align,
+                   "how readings with different stamps are brought together (default: interpolate)")
+      ->type_name("nearest|interpolate")
+      ->check(CLI::IsMember({"nearest", "interpolate"}));
+  command->add_flag("--strict", arguments->strict, "damage in the log is an error");
+  context.add_robot_flag(*command);
+  context.add_option_flags(*command);
+  context.add_common_flags(*command);
+  command->footer(kFooter);
+  context.on_run(*command, [arguments, &context] { return run(*arguments, context); });
+}
+
+}  // namespace loopstone::app
