@@ -84,23 +84,14 @@ std::vector<OptionEntry> list_robot(RobotModel& robot, RollPitchYaw& camera_angl
   return entries;
 }
 
-/// How many lidars the document names: "lidars[3].x_m" makes four.
-std::size_t count_lidars(const std::vector<TomlValue>& values) {
-  std::size_t count = 0;
-  for (const TomlValue& value : values) {
-    if (!value.key.starts_with("lidars[")) continue;
-    count = std::max(count, static_cast<std::size_t>(std::stoul(value.key.substr(7))) + 1);
-  }
-  return count;
-}
-
 }  // namespace
 
 RobotModel parse_robot(std::string_view toml, const std::string& path) {
   TomlDocument document = parse_toml(toml, path);
   RobotModel robot;
-  if (const std::size_t lidars = count_lidars(document.values); lidars > 0) {
-    robot.lidars.assign(lidars, LidarMount{});
+  if (const auto lidars = document.table_arrays.find("lidars");
+      lidars != document.table_arrays.end()) {
+    robot.lidars.assign(lidars->second, LidarMount{});
   }
   // `lidars = []`: a robot without a lidar is a robot.
   const auto none = std::find_if(document.values.begin(), document.values.end(), [](const auto& v) {

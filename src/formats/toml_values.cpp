@@ -26,12 +26,13 @@ bool all_tables(const toml::array& array) {
          std::all_of(array.begin(), array.end(), [](const auto& node) { return node.is_table(); });
 }
 
-void flatten(const toml::node& node, const std::string& key, std::vector<TomlValue>& out) {
+void flatten(const toml::node& node, const std::string& key, TomlDocument& out) {
   if (const auto* table = node.as_table()) {
     for (const auto& [name, child] : *table) flatten(child, joined(key, name.str()), out);
     return;
   }
   if (const auto* array = node.as_array(); array != nullptr && all_tables(*array)) {
+    out.table_arrays[key] = array->size();
     for (std::size_t i = 0; i < array->size(); ++i) {
       flatten((*array)[i], fmt::format("{}[{}]", key, i), out);
     }
@@ -53,7 +54,7 @@ void flatten(const toml::node& node, const std::string& key, std::vector<TomlVal
   } else {
     node.visit([&leaf](const auto& other) { leaf.text = text_of(other); });
   }
-  out.push_back(std::move(leaf));
+  out.values.push_back(std::move(leaf));
 }
 
 const OptionEntry* find(const std::vector<OptionEntry>& options, std::string_view key) {
@@ -122,7 +123,7 @@ TomlDocument parse_toml(std::string_view toml, const std::string& path) {
   TomlDocument document;
   try {
     const toml::table table = toml::parse(toml, path);
-    flatten(table, {}, document.values);
+    flatten(table, {}, document);
   } catch (const toml::parse_error& error) {
     document.problems.push_back({{},
                                  {},

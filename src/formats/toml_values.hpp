@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -22,6 +23,7 @@ struct TomlValue {
 /// A TOML document as a list of leaves in the order of the file, or the reason why it is none.
 struct TomlDocument {
   std::vector<TomlValue> values{};
+  std::map<std::string, std::size_t> table_arrays{};  ///< how many tables each array of tables has
   std::vector<OptionProblem> problems{};
 };
 
