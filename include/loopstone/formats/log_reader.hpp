@@ -59,9 +59,11 @@ class LogWriter {
   virtual void write(const SensorMessage& message) = 0;
   /// Completes the files and moves them to their final names. Without it the destructor removes what was written.
   virtual void finish() = 0;
+  /// What the format could not carry or carries in its own way, in plain words; complete after finish().
+  [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };
 
-/// \param format "carmen" (path is a file: .clf, .log, also with .gz) or "ucsd" (path is a folder)
+/// \param format "carmen" (path is a file: .clf, .log, also with .gz or .bz2) or "ucsd" (path is a folder)
 /// \param set    number of the set, for the UCSD layout
 [[nodiscard]] std::unique_ptr<LogWriter> create_log(const std::string& path,
                                                     const std::string& format,
