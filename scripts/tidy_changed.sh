@@ -5,11 +5,11 @@
 #                                            of it, else the first parent of HEAD; nothing known: src/ and apps/
 #     scripts/tidy_changed.sh --everything   all sources, tests too
 #
-# At most LOOPSTONE_TIDY_MAX files (100) are read, those of src/ and apps/ first, so that CI stays within its time.
+# At most LOOPSTONE_TIDY_MAX files (60) are read, those of src/ and apps/ first, so that CI stays within its time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-limit=${LOOPSTONE_TIDY_MAX:-100}
+limit=${LOOPSTONE_TIDY_MAX:-60}
 base=${1:-${LOOPSTONE_TIDY_BASE:-}}
 
 # Every source of the compilation database, the program first and the tests last.
