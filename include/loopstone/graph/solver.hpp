@@ -13,7 +13,7 @@ namespace loopstone {
 struct SolverOptions {
   int max_iterations = 100;
   /// Stop when a step promises to lower the cost by less than this share.
-  double relative_tolerance = 1e-9;
+  double relative_tolerance = 1e-8;
   std::string robust_kernel = "none";
   /// In standard deviations of an edge.
   double robust_width = 1.0;
