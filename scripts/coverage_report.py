@@ -13,7 +13,7 @@ FOLDERS = ("include/", "src/", "apps/")
 
 
 def reports(build):
-    notes = [str(path.resolve()) for path in sorted(build.rglob("*.gcda"))]
+    notes = [str(path.resolve()) for path in sorted(build.rglob("*.gcno"))]
     with tempfile.TemporaryDirectory() as folder:
         for start in range(0, len(notes), 50):
             subprocess.run(["gcov", "--json-format", "--hash-filenames", *notes[start : start + 50]], cwd=folder,
