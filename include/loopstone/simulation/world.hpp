@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/simulation/floor_plan.hpp"
+
+namespace loopstone {
+
+/// A place in which a robot can drive and measure.
+struct World {
+  std::string name;
+  std::uint64_t seed = 0;
+  FloorPlan plan{};             ///< what a laser sees, map frame
+  std::vector<Box> keep_out{};  ///< a laser passes, a robot does not: table tops, racks
+  Pose2 map_T_start{};
+  std::vector<Eigen::Vector2d> places{};   ///< worth a visit; the first ones matter most
+  std::vector<Eigen::Vector2d> returns{};  ///< passed in this order after the visit, to close loops
+  double floor_area_m2 = 0.0;              ///< gross, inside the outer walls
+  std::optional<OccupancyMap> given_map{};  ///< the map that the world was made from, if it was
+};
+
+/// The names that make_world knows.
+[[nodiscard]] const std::vector<std::string_view>& world_names();
+
+/// A built-in world. Different seeds differ in walls, doors and furniture, not in kind.
+///   office     about 1,000 m2: two corridors, cross corridors, rooms with doors, furniture; loops of 60 to 130 m
+///   campus     about 10,000 m2: six buildings joined by passages; loops of several hundred metres
+///   corridor   100 m straight between two small rooms, nothing to hold on to on the way
+///   rooms      rows of rooms that are all alike
+///   warehouse  aisles between racks
+/// Throws UsageError for another name.
+[[nodiscard]] World make_world(std::string_view name, std::uint64_t seed);
+
+/// A world from an occupancy map. Cells that are occupied (p >= 0.65) or unknown are solid. The start and the places
+/// are chosen in its largest free region. Throws UsageError when there is no room for a robot of that radius.
+[[nodiscard]] World make_world(const OccupancyMap& map, const std::string& name,
+                               double robot_radius_m);
+
+/// The map that a perfect robot would draw: occupied where a solid comes within half a cell of a cell's centre or
+/// covers it, free where the rest can be reached from the start, unknown elsewhere. A given map is returned as it is.
+[[nodiscard]] OccupancyMap true_map(const World& world, double resolution_m = 0.05);
+
+}  // namespace loopstone

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "loopstone/base/rng.hpp"
+#include "loopstone/simulation/simulate.hpp"
+#include "loopstone/simulation/surface_index.hpp"
+#include "people.hpp"
+
+namespace loopstone {
+
+/// Moments of a sensor that fires at a steady rate, on whole microseconds, so that every format keeps the stamps exactly.
+class Clock {
+ public:
+  Clock(double rate_hz, double first_s) : period_s_(1.0 / rate_hz), first_s_(first_s) {}
+  /// Time of firing `index` since the start of the drive [s].
+  [[nodiscard]] double time_s(std::int64_t index) const;
+
+ private:
+  double period_s_;
+  double first_s_;
+};
+
+/// Encoder counts of the four wheels over a drive; the fraction of a count that a reading can't hold goes into the next.
+class WheelSensor {
+ public:
+  WheelSensor(const Drive& drive, const WheelModel& model, const SimulatedWheels& noise, Rng rng);
+
+  /// Counts since the previous call (or in all, as the model says), at a later time.
+  [[nodiscard]] std::array<std::int64_t, 4> read(double time_s);
+  /// What the robot itself makes of its counts: odom_T_robot after the last reading.
+  [[nodiscard]] const Pose2& dead_reckoning() const { return odom_T_robot_; }
+
+ private:
+  const Drive& drive_;
+  WheelModel model_;
+  SimulatedWheels noise_;
+  Rng rng_;
+  double left_scale_;
+  double right_scale_;
+  double turn_scale_;
+  double travelled_m_ = 0.0;
+  double turned_rad_ = 0.0;
+  std::array<double, 4> rolled_m_{};  ///< of each wheel since the start
+  std::array<std::int64_t, 4> counted_{};
+  Pose2 odom_T_robot_{};
+};
+
+/// Gyro and accelerometer; each sample is the mean over one period around its stamp.
+class ImuSensor {
+ public:
+  ImuSensor(const Drive& drive, const SimulatedImu& noise, Rng rng);
+  [[nodiscard]] ImuSample read(double time_s);
+
+ private:
+  const Drive& drive_;
+  SimulatedImu noise_;
+  Rng rng_;
+  double bias_rad_s_;
+  Eigen::Vector3d tilt_m_s2_;  ///< gravity that a not quite level mount leaks into the axes
+};
+
+/// Beams at their own times from a moving robot.
+class LaserSensor {
+ public:
+  LaserSensor(const Drive& drive, const SurfaceIndex& surfaces, const Crowd& crowd,
+              const LidarMount& mount, const SimulatedLaser& options, Rng rng);
+  /// A scan whose first beam leaves at this time; its stamp is for the caller to set.
+  [[nodiscard]] LaserScan read(double time_s);
+
+ private:
+  [[nodiscard]] double true_range(double time_s, double angle_rad,
+                                  const std::vector<Circle>& legs) const;
+
+  const Drive& drive_;
+  const SurfaceIndex& surfaces_;
+  const Crowd& crowd_;
+  Pose2 robot_T_lidar_;
+  SimulatedLaser options_;
+  Rng rng_;
+};
+
+}  // namespace loopstone

@@ -1,0 +1,151 @@
+#include "loopstone/simulation/simulate.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "loopstone/base/error.hpp"
+#include "sensor_models.hpp"
+
+namespace loopstone {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// Streams of the seed; each sensor draws from its own, so that one can be changed without the others.
+enum Stream : std::uint64_t { kClocks = 10, kWheels, kImu, kLaser, kPeople };
+
+/// Fires the sensors one after the other, by their stamps.
+class Simulator {
+ public:
+  Simulator(const World& world, const Drive& drive, const RobotModel& robot,
+            const SimulationOptions& options, std::uint64_t seed, const SimulationSink& sink)
+      : drive_(drive),
+        options_(options),
+        sink_(sink),
+        surfaces_(world.plan),
+        crowd_(world, drive, options.people, Rng(seed).fork(kPeople)),
+        wheels_(drive, robot.wheels, options.wheels, Rng(seed).fork(kWheels)),
+        imu_(drive, options.imu, Rng(seed).fork(kImu)),
+        laser_(drive, surfaces_, crowd_, robot.lidars.empty() ? LidarMount{} : robot.lidars.front(),
+               options.laser, Rng(seed).fork(kLaser)) {
+    // Nobody starts the sensors at the same moment.
+    Rng phases = Rng(seed).fork(kClocks);
+    wheel_clock_ = Clock(options.wheels.rate_hz, phases.uniform() / options.wheels.rate_hz);
+    imu_clock_ = Clock(options.imu.rate_hz, phases.uniform() / options.imu.rate_hz);
+    laser_clock_ = Clock(options.laser.rate_hz, 0.05 + phases.uniform() / options.laser.rate_hz);
+    read_wheels();
+  }
+
+  SimulationSummary run() {
+    while (true) {
+      const double wheel = wheel_time_;
+      const double imu = options_.odometry_poses ? kNever : imu_clock_.time_s(imu_index_);
+      const double laser = laser_clock_.time_s(laser_index_) + options_.laser.clock_offset_s;
+      const double next = std::min({wheel, imu, laser});
+      if (next > drive_.duration_s()) break;
+      if (next == wheel) {
+        emit_wheels();
+      } else if (next == imu) {
+        ImuSample sample = imu_.read(imu);
+        sample.stamp = stamp(imu);
+        emit(std::move(sample));
+        ++imu_index_;
+      } else if (!fire_laser(laser)) {
+        summary_.complete = false;
+        break;
+      }
+    }
+    return summary_;
+  }
+
+ private:
+  [[nodiscard]] Stamp stamp(double time_s) const {
+    return Stamp::from_seconds(options_.start_s) + Duration::from_seconds(time_s);
+  }
+
+  void emit(SensorMessage message) {
+    ++summary_.messages;
+    if (sink_.message) sink_.message(std::move(message));
+  }
+
+  /// Reads ahead: dead reckoning at a scan's stamp lies between two readings.
+  void read_wheels() {
+    previous_time_ = wheel_time_;
+    odom_T_previous_ = wheels_.dead_reckoning();
+    wheel_time_ = wheel_clock_.time_s(wheel_index_++);
+    counts_ = wheels_.read(wheel_time_);
+  }
+
+  void emit_wheels() {
+    if (options_.odometry_poses) {
+      emit(OdometryPose{stamp(wheel_time_), wheels_.dead_reckoning()});
+    } else {
+      emit(WheelTicks{stamp(wheel_time_), counts_});
+    }
+    read_wheels();
+  }
+
+  bool fire_laser(double stamp_s) {
+    const double time = laser_clock_.time_s(laser_index_++);
+    if (options_.odometry_poses) {
+      const double span = wheel_time_ - previous_time_;
+      const double ratio = span > 0.0 ? (stamp_s - previous_time_) / span : 0.0;
+      emit(OdometryPose{stamp(stamp_s),
+                        interpolate(odom_T_previous_, wheels_.dead_reckoning(), ratio)});
+    }
+    LaserScan scan = laser_.read(time);
+    scan.stamp = stamp(stamp_s);
+    ++summary_.scans;
+    if (sink_.truth) sink_.truth({scan.stamp, drive_.pose_at(time)});
+    emit(std::move(scan));
+    summary_.duration_s = stamp_s;
+    summary_.route_length_m = drive_.travelled_m(time);
+    return !sink_.progress || sink_.progress(time, drive_.duration_s());
+  }
+
+  const Drive& drive_;
+  const SimulationOptions& options_;
+  const SimulationSink& sink_;
+  SurfaceIndex surfaces_;
+  Crowd crowd_;
+  WheelSensor wheels_;
+  ImuSensor imu_;
+  LaserSensor laser_;
+  Clock wheel_clock_{1.0, 0.0};
+  Clock imu_clock_{1.0, 0.0};
+  Clock laser_clock_{1.0, 0.0};
+  std::int64_t wheel_index_ = 0;
+  std::int64_t imu_index_ = 0;
+  std::int64_t laser_index_ = 0;
+  double wheel_time_ = 0.0;
+  double previous_time_ = 0.0;
+  std::array<std::int64_t, 4> counts_{};
+  Pose2 odom_T_previous_{};
+  SimulationSummary summary_{};
+};
+
+}  // namespace
+
+SimulationSummary simulate_drive(const World& world, const Drive& drive, const RobotModel& robot,
+                                 const SimulationOptions& options, std::uint64_t seed,
+                                 const SimulationSink& sink) {
+  if (options.laser.beams < 2) throw UsageError("a scan needs at least 2 beams");
+  if (options.laser.sweep_s > 1.0 / options.laser.rate_hz) {
+    throw UsageError("a sweep of " + std::to_string(options.laser.sweep_s) +
+                     " s does not fit between scans at " + std::to_string(options.laser.rate_hz) +
+                     " Hz");
+  }
+  return Simulator(world, drive, robot, options, seed, sink).run();
+}
+
+SimulationSummary simulate(const World& world, const RobotModel& robot,
+                           const SimulationOptions& options, std::uint64_t seed,
+                           const SimulationSink& sink) {
+  Drive drive = drive_route(world, robot.footprint_radius_m, options.drive);
+  if (options.duration_s > 0.0) drive.cut(options.duration_s);
+  return simulate_drive(world, drive, robot, options, seed, sink);
+}
+
+}  // namespace loopstone
