@@ -86,7 +86,7 @@ void build_campus(World& world, Rng rng) {
     shape.crossings_m = {width * rng.uniform(0.12, 0.2), width * rng.uniform(0.46, 0.54),
                          width * rng.uniform(0.82, 0.88)};
     shape.open_block = 1 + static_cast<int>(rng.below(2));
-    shape.visited_share = 0.12;
+    shape.visited_share = 0.08;
     return shape;
   };
   const OfficeShape sw = shape_of(58.0, 13.0);
@@ -139,18 +139,17 @@ void build_campus(World& world, Rng rng) {
   for (const auto& [builder, c] :
        {std::pair{&in_sw, &c_sw}, std::pair{&in_s, &c_s}, std::pair{&in_se, &c_se},
         std::pair{&in_nw, &c_nw}, std::pair{&in_ne, &c_ne}}) {
-    for (const auto& corner : {c->south_middle, c->north_west, c->north_east})
-      builder->place(corner);
+    for (const auto& corner : {c->south_middle, c->north_east}) builder->place(corner);
   }
   in_hall.place({8.0, 0.6 * hall_depth});
   in_hall.place({38.0, 0.3 * hall_depth});
-  // Back through the middle passage, then round the western loop the other way.
-  in_se.return_to(c_se.north_middle);
+  // The visit ends in the southern middle. Close the outer ring, then go round the western loop the other way.
   in_s.return_to(c_s.south_middle);
-  in_hall.return_to({24.0, 0.6 * hall_depth});
-  in_ne.return_to(c_ne.north_west);
-  in_hall.return_to({12.0, 0.3 * hall_depth});
+  in_sw.return_to(c_sw.north_east);
   in_nw.return_to(c_nw.south_middle);
+  in_hall.return_to({24.0, 0.6 * hall_depth});
+  in_s.return_to(c_s.north_middle);
+  in_s.return_to(c_s.south_west);
   in_sw.return_to(c_sw.south_west);
 }
 

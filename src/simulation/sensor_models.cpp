@@ -43,11 +43,12 @@ std::array<std::int64_t, 4> WheelSensor::read(double time_s) {
   const double travelled = drive_.travelled_m(time_s);
   const double turned = drive_.turned_rad(time_s);
   const double ahead = travelled - travelled_m_;
+  // The track is an effective one, found by turning the robot, so it has absorbed the wheels' common error.
   const double aside = 0.5 * model_.track_width_m * turn_scale_ * (turned - turned_rad_);
   travelled_m_ = travelled;
   turned_rad_ = turned;
-  const double right = right_scale_ * (ahead + aside);
-  const double left = left_scale_ * (ahead - aside);
+  const double right = right_scale_ * ahead + aside;
+  const double left = left_scale_ * ahead - aside;
   const std::array<double, 4> rolls{right, left, right,
                                     left};  // front right, front left, rear right, rear left
   std::array<std::int64_t, 4> counts{};

@@ -32,7 +32,7 @@ struct SimulatedWheels {
   double rate_hz = 40.0;
   double scale_error = 0.02;  ///< both sides too large or too small, share of the distance
   double imbalance = 0.0003;  ///< one side against the other, share of the distance
-  double turn_slip = 0.03;    ///< skid: turning seen by the wheels beyond the robot's, share
+  double turn_slip = 0.01;    ///< skid: turning seen by the wheels beyond the robot's, share
   double slip_m_per_sqrt_m =
       0.003;  ///< random slip: standard deviation after 1 m of travel; grows with the root
 };
