@@ -1,8 +1,9 @@
 #include "formats/carmen_reader.hpp"
 
-#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "formats/carmen_line.hpp"
@@ -13,6 +14,21 @@
 
 namespace loopstone {
 namespace {
+
+/// How far the robot went over a row of its poses.
+class PathLength {
+ public:
+  void add(const SensorMessage& message) {
+    const Pose2& pose = std::get<OdometryPose>(message).odom_T_robot;
+    if (last_) length_m_ += std::hypot(pose.x - last_->x, pose.y - last_->y);
+    last_ = pose;
+  }
+  [[nodiscard]] double length_m() const { return length_m_; }
+
+ private:
+  std::optional<Pose2> last_;
+  double length_m_ = 0.0;
+};
 
 class CarmenReader final : public LogReader {
  public:
@@ -26,7 +42,10 @@ class CarmenReader final : public LogReader {
 
   std::optional<SensorMessage> next() override {
     for (;;) {
-      if (auto record = order_.pop()) return std::move(record->message);
+      if (auto record = order_.pop()) {
+        if (record->is_part_of_a_scan) path_by_stamp_.add(record->message);
+        return std::move(record->message);
+      }
       if (at_end_) return std::nullopt;
       const auto line = lines_.next();
       if (!line) {
@@ -102,7 +121,9 @@ class CarmenReader final : public LogReader {
     const OdometryPose odometry{scan.stamp, scan.odom_T_robot};
     const bool has_odometry = scan.has_poses;
     order_.push({to_laser_scan(std::move(scan), survey_), line});
-    if (has_odometry) order_.push({odometry, line, true});
+    if (!has_odometry) return;
+    path_as_recorded_.add(odometry);
+    order_.push({odometry, line, true});
   }
 
   /// FLASER, ROBOTLASER1 and RAWLASER1 may all report the same sweep. The tag seen first is kept, until it falls
@@ -122,6 +143,8 @@ class CarmenReader final : public LogReader {
   CarmenSurvey survey_;
   LineReader lines_;
   StampOrder order_;
+  PathLength path_as_recorded_;  ///< of the scans' poses, in the order of the file
+  PathLength path_by_stamp_;     ///< and as they come out
   std::map<std::string, std::int64_t> unread_;
   std::int64_t skipped_ = 0;
   std::int64_t second_reports_ = 0;
@@ -147,6 +170,12 @@ std::vector<std::string> CarmenReader::notes() const {
     notes.push_back(std::to_string(order_.records_out_of_order()) +
                     " records stood out of the order of their stamps, by up to " +
                     text("%.3f s; they were put in order", order_.largest_step_back().seconds()));
+  }
+  if (path_by_stamp_.length_m() > 1.1 * path_as_recorded_.length_m() + 1.0) {
+    notes.push_back(text("in the order of the stamps the robot runs to and fro: %.0f m instead of ",
+                         path_by_stamp_.length_m()) +
+                    text("%.0f m; the order of the file is right and some stamps are wrong",
+                         path_as_recorded_.length_m()));
   }
   if (second_reports_ > 0) {
     notes.push_back(std::to_string(second_reports_) +

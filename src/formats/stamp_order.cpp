@@ -44,6 +44,7 @@ bool StampOrder::leads(const OrderedRecord& record) const {
 
 void StampOrder::push(OrderedRecord record) {
   const Stamp stamp = stamp_of(record.message);
+  note_order(stamp, record.is_part_of_a_scan);
   if (leads(record)) {
     lead(std::move(record));
   } else if (record.is_part_of_a_scan && !pending_.empty() &&
@@ -52,6 +53,16 @@ void StampOrder::push(OrderedRecord record) {
   } else {
     enqueue(std::move(record));
   }
+}
+
+/// Counts the records that stand after a later one; a stamp from elsewhere does not count for those around it.
+void StampOrder::note_order(Stamp stamp, bool is_part_of_a_scan) {
+  const bool near = newest_ && std::abs(seconds_between(stamp, *newest_)) <= kJump.seconds();
+  if (near && stamp < *newest_ && !is_part_of_a_scan) {
+    ++out_of_order_;
+    largest_step_back_ = std::max(largest_step_back_, *newest_ - stamp);
+  }
+  if (!near || stamp > *newest_) newest_ = stamp;
 }
 
 void StampOrder::lead(OrderedRecord record) {
@@ -95,12 +106,6 @@ void StampOrder::refuse_pending() {
 
 void StampOrder::enqueue(OrderedRecord record) {
   const Stamp stamp = stamp_of(record.message);
-  if (newest_ && stamp < *newest_ && !record.is_part_of_a_scan) {
-    ++out_of_order_;
-    const double back_s = std::min(seconds_between(*newest_, stamp), 9e9);
-    largest_step_back_ = std::max(largest_step_back_, Duration::from_seconds(back_s));
-  }
-  newest_ = newest_ ? std::max(*newest_, stamp) : stamp;
   if (last_out_ && stamp < *last_out_) {
     if (record.is_part_of_a_scan) return;
     skip_(record.line, "the stamp goes back by " +

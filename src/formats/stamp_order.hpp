@@ -58,6 +58,7 @@ class StampOrder {
   static bool comes_later(const Waiting& a, const Waiting& b);
 
   [[nodiscard]] bool leads(const OrderedRecord& record) const;
+  void note_order(Stamp stamp, bool is_part_of_a_scan);
   void lead(OrderedRecord record);
   void enqueue(OrderedRecord record);
   void believe_pending();

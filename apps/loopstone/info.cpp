@@ -1,0 +1,383 @@
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <memory>
+
+#include "commands.hpp"
+#include "loopstone/formats/log_reader.hpp"
+#include "loopstone/formats/log_summary.hpp"
+#include "loopstone/geometry/angle.hpp"
+#include "progress_display.hpp"
+#include "result.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+struct Arguments {
+  std::string log;
+  bool strict = false;
+};
+
+constexpr const char* kFooter = R"(
+Reads the whole log once and says what is in it, what is wrong with it, and whether a map can be made of it.
+The first ten broken records are named on stderr.
+
+Examples:
+  loopstone info intel.clf
+  loopstone info data/ucsd#20 --json)";
+
+constexpr std::array<const char*, 8> kHistogramLabels{"below 0.5 m", "0.5 to 1 m",  "1 to 2 m",
+                                                      "2 to 4 m",    "4 to 8 m",    "8 to 16 m",
+                                                      "16 to 32 m",  "from 32 m on"};
+
+/// Colours where a person reads: a terminal, unless NO_COLOR says otherwise (https://no-color.org).
+class Paint {
+ public:
+  Paint() {
+    const char* const no_colour = std::getenv("NO_COLOR");
+    on_ = isatty(STDOUT_FILENO) != 0 && (no_colour == nullptr || *no_colour == '\0');
+  }
+  [[nodiscard]] std::string bold(const std::string& text) const { return dress("1", text); }
+  [[nodiscard]] std::string red(const std::string& text) const { return dress("1;31", text); }
+  [[nodiscard]] std::string yellow(const std::string& text) const { return dress("33", text); }
+  [[nodiscard]] std::string green(const std::string& text) const { return dress("1;32", text); }
+
+ private:
+  [[nodiscard]] std::string dress(const char* code, const std::string& text) const {
+    return on_ ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : text;
+  }
+  bool on_ = false;
+};
+
+double percent(std::int64_t part, std::int64_t whole) {
+  return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::string size_text(std::int64_t bytes) {
+  const auto value = static_cast<double>(bytes);
+  if (value < 1e3) return fmt::format("{} bytes", bytes);
+  return value < 1e6 ? fmt::format("{:.1f} kB", value / 1e3)
+                     : fmt::format("{:.1f} MB", value / 1e6);
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 60.0) return fmt::format("{:.1f} s", seconds);
+  const auto whole = static_cast<std::int64_t>(seconds);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+}
+
+/// The date, when the clock can be one that counts from 1970: later than 1990.
+std::string start_text(Stamp stamp) {
+  constexpr std::int64_t k1990_s = 631152000;
+  const std::int64_t seconds = stamp.nanoseconds / 1'000'000'000;
+  if (seconds < k1990_s) return fmt::format("{:.3f} s on its own clock", stamp.seconds());
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(static_cast<std::time_t>(seconds)));
+}
+
+std::string timing_row(const std::string& name, const TimingSummary& timing, Stamp start) {
+  const std::string rate = timing.rate_hz > 0.0 ? fmt::format("{:.1f} Hz", timing.rate_hz) : "";
+  const std::string gap = timing.records < 2
+                              ? ""
+                              : fmt::format("{:.3f} s at +{:.1f} s", timing.largest_gap_s,
+                                            (timing.largest_gap_at - start).seconds());
+  return fmt::format("  {:<12}{:>10}  {:>10}   {}\n", name, timing.records, rate, gap);
+}
+
+std::string lidar_name(const LogSummary& summary, const LidarSummary& lidar) {
+  return summary.lidars.size() == 1 ? "laser" : fmt::format("laser {}", lidar.lidar + 1);
+}
+
+std::string sensors_table(const LogSummary& summary, const Paint& paint) {
+  std::string text = paint.bold(fmt::format("  {:<12}{:>10}  {:>10}   {}", "sensor", "records",
+                                            "rate", "largest gap")) +
+                     "\n";
+  for (const LidarSummary& lidar : summary.lidars) {
+    text += timing_row(lidar_name(summary, lidar), lidar.timing, *summary.first);
+  }
+  if (summary.odometry) text += timing_row("odometry", summary.odometry->timing, *summary.first);
+  if (summary.wheels) text += timing_row("wheels", summary.wheels->timing, *summary.first);
+  if (summary.imu) text += timing_row("imu", summary.imu->timing, *summary.first);
+  if (summary.camera) text += timing_row("camera", *summary.camera, *summary.first);
+  return text;
+}
+
+std::string row(const char* label, const std::string& value) {
+  return fmt::format("  {:<12}{}\n", label, value);
+}
+
+std::string beams_text(const BeamLayout& layout) {
+  if (layout.beams == 1) return "1";
+  const double last_rad =
+      layout.angle_min_rad + static_cast<double>(layout.beams - 1) * layout.angle_increment_rad;
+  return fmt::format("{} every {:.4g} deg, {:+.1f} to {:+.1f} deg (field of view {:.1f} deg)",
+                     layout.beams, degrees(layout.angle_increment_rad),
+                     degrees(layout.angle_min_rad), degrees(last_rad),
+                     degrees(layout.field_of_view_rad()));
+}
+
+std::string classes_text(const RangeClasses& ranges) {
+  const auto part = [&](std::int64_t count, const char* name) {
+    return row("",
+               fmt::format("{:>6.2f} %  {:>10}  {}", percent(count, ranges.total()), count, name));
+  };
+  std::string text = part(ranges.returns, "returns");
+  text += part(ranges.no_return, "nothing within reach");
+  text += part(ranges.bad, "bad (not a number, 0, negative)");
+  if (ranges.too_near > 0) text += part(ranges.too_near, "nearer than the scanner can measure");
+  if (ranges.too_far > 0) text += part(ranges.too_far, "farther than the scanner can measure");
+  return text;
+}
+
+std::string histogram_text(const LidarSummary& lidar) {
+  std::int64_t most = 1;
+  for (const std::int64_t count : lidar.range_histogram) most = std::max(most, count);
+  std::string text;
+  for (std::size_t i = 0; i < lidar.range_histogram.size(); ++i) {
+    const std::int64_t count = lidar.range_histogram[i];
+    const auto width = static_cast<std::size_t>((count * 40 + most - 1) / most);
+    text += row("", fmt::format("{:>12}  {:>6.2f} %  {}", kHistogramLabels[i],
+                                percent(count, lidar.ranges.returns), std::string(width, '#')));
+  }
+  return text;
+}
+
+std::string lidar_text(const LogSummary& summary, const LidarSummary& lidar, const Paint& paint) {
+  std::string text = "\n" + paint.bold(lidar_name(summary, lidar)) + "\n";
+  for (const BeamLayout& layout : lidar.layouts) {
+    const std::string scans =
+        lidar.layouts.size() == 1 ? "" : fmt::format(" in {} scans", layout.scans);
+    text += row(&layout == &lidar.layouts.front() ? "beams" : "", beams_text(layout) + scans);
+  }
+  text += row("limits", fmt::format("{:.2f} to {:.2f} m", lidar.range_min_m, lidar.range_max_m));
+  if (lidar.time_increment_s != 0.0) {
+    const auto beams = static_cast<double>(lidar.layouts.front().beams);
+    text += row("sweep", fmt::format("{:.4f} s from the first to the last beam",
+                                     lidar.time_increment_s * beams));
+  }
+  text += row("mount", lidar.robot_T_lidar
+                           ? fmt::format("x {:.3f} m, y {:.3f} m, yaw {:.1f} deg (the log says so)",
+                                         lidar.robot_T_lidar->x, lidar.robot_T_lidar->y,
+                                         degrees(lidar.robot_T_lidar->yaw))
+                           : "not in the log; --robot FILE gives it");
+  text += row("ranges", fmt::format("{} beams", lidar.ranges.total()));
+  text += classes_text(lidar.ranges);
+  if (lidar.ranges.returns > 0) {
+    const auto& p = lidar.range_percentiles_m;
+    text +=
+        row("returns", fmt::format("{:.2f} to {:.2f} m, half of them {:.2f} to {:.2f} m, median "
+                                   "{:.2f} m",
+                                   p[0], p[6], p[2], p[4], p[3]));
+    text += histogram_text(lidar);
+  }
+  return text;
+}
+
+std::string motion_text(const LogSummary& summary, const Paint& paint) {
+  std::string text;
+  if (summary.odometry) {
+    text += row("path", fmt::format("{:.1f} m and {:.0f} turns by the log's own odometry",
+                                    summary.odometry->path_length_m,
+                                    summary.odometry->turned_rad / (2.0 * kPi)));
+  }
+  if (summary.wheels) {
+    const auto& counts = summary.wheels->travelled_counts;
+    text += row("wheels", fmt::format("{} / {} / {} / {} counts (front right, front left, rear "
+                                      "right, rear left)",
+                                      counts[0], counts[1], counts[2], counts[3]));
+  }
+  if (summary.imu) {
+    text += row("imu", fmt::format("{:.2f} m/s^2 at rest, {:.0f} % of it along z; yaw rate {:+.4f} "
+                                   "rad/s most of the time",
+                                   summary.imu->median_acceleration_m_s2,
+                                   100.0 * summary.imu->gravity_along_z,
+                                   summary.imu->median_yaw_rate_rad_s));
+  }
+  return text.empty() ? text : "\n" + paint.bold("motion") + "\n" + text;
+}
+
+std::string verdict_of(const LogSummary& summary) {
+  if (!summary.complete) return "interrupted: only a part of the log was looked at";
+  switch (summary.worst()) {
+    case Severity::kError:
+      return "no map can be made of this log";
+    case Severity::kWarning:
+      return "a map can be made, but look at the warnings first";
+    case Severity::kNote:
+      break;
+  }
+  return "ready: loopstone map LOG -o OUT";
+}
+
+std::string findings_text(const LogSummary& summary, const Paint& paint) {
+  std::string text;
+  for (const Finding& finding : summary.findings) {
+    const std::string mark = finding.severity == Severity::kError     ? paint.red("  error    ")
+                             : finding.severity == Severity::kWarning ? paint.yellow("  warning  ")
+                                                                      : "  note     ";
+    text += mark + finding.text + "\n";
+  }
+  return text.empty() ? text : "\n" + text;
+}
+
+std::string text_of(const std::string& path, const LogSummary& summary) {
+  const Paint paint;
+  std::string text =
+      fmt::format("{}  {} log, {}\n", paint.bold(path),
+                  summary.format == "carmen" ? "CARMEN" : "UCSD", size_text(summary.bytes));
+  if (summary.first) {
+    text += fmt::format("{}, from {}\n\n", duration_text(summary.duration_s()),
+                        start_text(*summary.first));
+    text += sensors_table(summary, paint);
+  }
+  for (const LidarSummary& lidar : summary.lidars) text += lidar_text(summary, lidar, paint);
+  text += motion_text(summary, paint);
+  text += findings_text(summary, paint);
+  const std::string verdict = verdict_of(summary);
+  const Severity worst = summary.worst();
+  text += "\n" +
+          (worst == Severity::kError     ? paint.red(verdict)
+           : worst == Severity::kWarning ? paint.yellow(verdict)
+                                         : paint.green(verdict)) +
+          "\n";
+  return text;
+}
+
+nlohmann::ordered_json timing_json(const TimingSummary& timing, Stamp start) {
+  return {{"records", timing.records},
+          {"rate_hz", timing.rate_hz},
+          {"first_s", timing.first.seconds()},
+          {"last_s", timing.last.seconds()},
+          {"gaps", timing.gaps},
+          {"largest_gap_s", timing.largest_gap_s},
+          {"largest_gap_after_s", (timing.largest_gap_at - start).seconds()}};
+}
+
+nlohmann::ordered_json lidar_json(const LidarSummary& lidar, Stamp start) {
+  auto json = timing_json(lidar.timing, start);
+  json["lidar"] = lidar.lidar;
+  json["layouts"] = nlohmann::ordered_json::array();
+  for (const BeamLayout& layout : lidar.layouts) {
+    json["layouts"].push_back({{"scans", layout.scans},
+                               {"beams", layout.beams},
+                               {"angle_min_rad", layout.angle_min_rad},
+                               {"angle_increment_rad", layout.angle_increment_rad},
+                               {"field_of_view_rad", layout.field_of_view_rad()}});
+  }
+  json["range_min_m"] = lidar.range_min_m;
+  json["range_max_m"] = lidar.range_max_m;
+  json["time_increment_s"] = lidar.time_increment_s;
+  if (lidar.robot_T_lidar) {
+    json["robot_T_lidar"] = {{"x_m", lidar.robot_T_lidar->x},
+                             {"y_m", lidar.robot_T_lidar->y},
+                             {"yaw_rad", lidar.robot_T_lidar->yaw}};
+  }
+  json["beams_returns"] = lidar.ranges.returns;
+  json["beams_no_return"] = lidar.ranges.no_return;
+  json["beams_bad"] = lidar.ranges.bad;
+  json["beams_too_near"] = lidar.ranges.too_near;
+  json["beams_too_far"] = lidar.ranges.too_far;
+  json["range_percentiles_0_5_25_50_75_95_100_m"] = lidar.range_percentiles_m;
+  json["range_histogram_octaves"] = lidar.range_histogram;
+  json["repeated_scans"] = lidar.repeated_scans;
+  return json;
+}
+
+nlohmann::ordered_json findings_json(const LogSummary& summary) {
+  auto json = nlohmann::ordered_json::array();
+  for (const Finding& finding : summary.findings) {
+    const char* const severity = finding.severity == Severity::kError     ? "error"
+                                 : finding.severity == Severity::kWarning ? "warning"
+                                                                          : "note";
+    json.push_back({{"severity", severity}, {"text", finding.text}});
+  }
+  return json;
+}
+
+void print_json(const std::string& path, const LogSummary& summary, const AppContext& context) {
+  const Stamp start = summary.first.value_or(Stamp{});
+  std::int64_t scans = 0;
+  for (const LidarSummary& lidar : summary.lidars) scans += lidar.timing.records;
+  Result result;
+  result.add_json("log", path)
+      .add_json("format", summary.format)
+      .add_json("bytes", summary.bytes)
+      .add_json("start_s", start.seconds())
+      .add_json("duration_s", summary.duration_s())
+      .add_json("scans", scans)
+      .add_json("records_skipped", summary.records_skipped)
+      .add_json("complete", summary.complete)
+      .add_json("lidars", nlohmann::ordered_json::array());
+  auto lidars = nlohmann::ordered_json::array();
+  for (const LidarSummary& lidar : summary.lidars) lidars.push_back(lidar_json(lidar, start));
+  result.add_json("lidars", lidars);
+  if (summary.odometry) {
+    auto json = timing_json(summary.odometry->timing, start);
+    json["path_length_m"] = summary.odometry->path_length_m;
+    json["turned_rad"] = summary.odometry->turned_rad;
+    json["largest_step_m"] = summary.odometry->largest_step_m;
+    json["jumps"] = summary.odometry->jumps;
+    result.add_json("odometry", json);
+  }
+  if (summary.wheels) {
+    auto json = timing_json(summary.wheels->timing, start);
+    json["travelled_counts"] = summary.wheels->travelled_counts;
+    result.add_json("wheels", json);
+  }
+  if (summary.imu) {
+    auto json = timing_json(summary.imu->timing, start);
+    json["median_acceleration_m_s2"] = summary.imu->median_acceleration_m_s2;
+    json["gravity_along_z"] = summary.imu->gravity_along_z;
+    json["median_yaw_rate_rad_s"] = summary.imu->median_yaw_rate_rad_s;
+    result.add_json("imu", json);
+  }
+  if (summary.camera) result.add_json("camera", timing_json(*summary.camera, start));
+  result.add_json("findings", findings_json(summary))
+      .add_json("mappable", summary.worst() != Severity::kError)
+      .add_json("verdict", verdict_of(summary));
+  result.print(context);
+}
+
+ExitCode run(const Arguments& arguments, AppContext& context) {
+  constexpr int kProblemsShown = 10;
+  int problems = 0;
+  LogOptions options;
+  options.strict = arguments.strict;
+  options.on_problem = [&](const Problem& problem) {
+    if (++problems <= kProblemsShown) {
+      context.warn(to_string(problem.location) + ": " + problem.reason);
+    }
+  };
+  const auto log = open_log(arguments.log, options);
+  ProgressDisplay display(context);
+  const LogSummary summary = analyse_log(*log, display.callback());
+  ProgressDisplay::clear_line();
+  if (problems > kProblemsShown) {
+    context.warn(fmt::format("and {} more problems of this kind", problems - kProblemsShown));
+  }
+  if (context.json()) {
+    print_json(arguments.log, summary, context);
+  } else {
+    print_to_stdout(text_of(arguments.log, summary));
+  }
+  return summary.complete ? kExitDone : kExitInterrupted;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, AppContext& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("info", "Show what is in a log and what is wrong with it");
+  command->add_option("LOG", arguments->log, "a log file or folder")->required();
+  command->add_flag("--strict", arguments->strict, "damage in the log is an error");
+  context.add_common_flags(*command);
+  command->footer(kFooter);
+  context.on_run(*command, [arguments, &context] { return run(*arguments, context); });
+}
+
+}  // namespace loopstone::app

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loopstone/base/progress.hpp"
+#include "loopstone/base/stamp.hpp"
+#include "loopstone/formats/log_reader.hpp"
+#include "loopstone/geometry/pose2.hpp"
+
+namespace loopstone {
+
+/// When the records of one sensor came.
+struct TimingSummary {
+  std::int64_t records = 0;
+  Stamp first{};
+  Stamp last{};
+  double rate_hz = 0.0;  ///< 1 / the median interval; 0 with fewer than two records
+  double largest_gap_s = 0.0;
+  Stamp largest_gap_at{};  ///< where it begins
+  std::int64_t gaps = 0;   ///< intervals of more than five medians and half a second
+};
+
+/// How many beams said what.
+struct RangeClasses {
+  std::int64_t returns = 0;    ///< finite and within the scanner's limits
+  std::int64_t no_return = 0;  ///< +inf
+  std::int64_t bad = 0;        ///< NaN
+  std::int64_t too_near = 0;   ///< finite, below range_min_m
+  std::int64_t too_far = 0;    ///< finite, above range_max_m
+
+  [[nodiscard]] std::int64_t total() const {
+    return returns + no_return + bad + too_near + too_far;
+  }
+};
+
+/// One beam layout that occurs in the log.
+struct BeamLayout {
+  std::size_t beams = 0;
+  double angle_min_rad = 0.0;
+  double angle_increment_rad = 0.0;
+  std::int64_t scans = 0;
+
+  [[nodiscard]] double field_of_view_rad() const;
+};
+
+struct LidarSummary {
+  int lidar = 0;
+  TimingSummary timing{};
+  std::vector<BeamLayout> layouts{};  ///< most frequent first
+  double range_min_m = 0.0;
+  double range_max_m = 0.0;
+  double time_increment_s = 0.0;
+  std::optional<Pose2> robot_T_lidar{};  ///< when the log states it
+  RangeClasses ranges{};
+  /// Of the returns, to 1 cm: smallest, 5 %, 25 %, 50 %, 75 %, 95 %, largest [m].
+  std::array<double, 7> range_percentiles_m{};
+  /// Returns by distance: [0, 0.5), [0.5, 1), [1, 2), [2, 4), [4, 8), [8, 16), [16, 32), from 32 m on.
+  std::array<std::int64_t, 8> range_histogram{};
+  std::int64_t repeated_scans = 0;  ///< bit for bit the same as the scan before
+};
+
+/// Where and how the robot went, as its own dead reckoning tells.
+struct OdometrySummary {
+  TimingSummary timing{};
+  double path_length_m = 0.0;
+  double turned_rad = 0.0;  ///< sum of all turns, either way
+  double largest_step_m = 0.0;
+  std::int64_t jumps = 0;  ///< steps of more than 0.5 m at more than 10 m/s
+};
+
+struct WheelSummary {
+  TimingSummary timing{};
+  std::array<std::int64_t, 4> travelled_counts{};  ///< sum of the absolute counts [FR, FL, RR, RL]
+};
+
+struct ImuSummary {
+  TimingSummary timing{};
+  double median_acceleration_m_s2 =
+      0.0;                       ///< of the length of the vector; 9.8 when gravity is in it
+  double gravity_along_z = 0.0;  ///< mean of z / length: 1 when z points up
+  double median_yaw_rate_rad_s =
+      0.0;  ///< about the bias, for a robot that drives straight or stands most of the time
+};
+
+enum class Severity { kNote, kWarning, kError };
+
+/// Something that a user should know, in plain words.
+struct Finding {
+  Severity severity = Severity::kNote;
+  std::string text;
+};
+
+struct LogSummary {
+  std::string format;
+  std::int64_t bytes = 0;
+  std::int64_t records_skipped = 0;
+  std::optional<Stamp> first{};
+  std::optional<Stamp> last{};
+  std::vector<LidarSummary> lidars{};
+  std::optional<OdometrySummary> odometry{};
+  std::optional<WheelSummary> wheels{};
+  std::optional<ImuSummary> imu{};
+  std::optional<TimingSummary> camera{};
+  bool complete = true;  ///< false when it was interrupted
+  /// Worst first. An error means that no map can be made.
+  std::vector<Finding> findings{};
+
+  [[nodiscard]] double duration_s() const { return first ? (*last - *first).seconds() : 0.0; }
+  [[nodiscard]] Severity worst() const;
+};
+
+/// Reads a log to its end and tells what is in it. One pass; memory grows with 4 bytes a record.
+/// Throws what the reader throws.
+[[nodiscard]] LogSummary analyse_log(LogReader& log, const ProgressCallback& progress = {});
+
+}  // namespace loopstone

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "loopstone/formats/log_summary.hpp"
+
+namespace loopstone {
+
+/// What is remarkable about a log, worst first. `notes` are those of the reader.
+[[nodiscard]] std::vector<Finding> find_suspicious(const LogSummary& summary,
+                                                   const std::vector<std::string>& notes);
+
+}  // namespace loopstone
