@@ -20,17 +20,6 @@ constexpr double kStillRad = 0.005;
 
 }  // namespace
 
-/// A scan as the final map will need it.
-struct Mapper::ScanRecord {
-  LaserScan scan;              // ranges dropped when the robot stood still
-  Pose2 robot_T_lidar;
-  Pose2 local_T_robot;
-  Pose2 local_T_robot_end;     // at the end of its sweep
-  std::optional<Pose2> odom_T_robot;
-  std::size_t last_key = 0;    // the latest key scan up to and including this scan
-  bool mapped = false;
-};
-
 /// The back end, fed through a queue so that it runs beside the front end when there is more than one thread.
 class Mapper::BackEndWorker {
  public:
@@ -117,7 +106,7 @@ void Mapper::add_scan(LaserScan scan) {
     if (tracked.status == MatchStatus::kDegenerate) statistics_.degenerate_travel_m += distance;
     const double seconds = (record.scan.stamp - before.scan.stamp).seconds();
     if (sweep_s != 0.0 && seconds > 0.0) {
-      record.local_T_robot_end = tracked.local_T_robot * exp(log(motion) * (sweep_s / seconds));
+      record.local_T_robot_end = tracked.local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
     }
   }
   if (tracked.key) {

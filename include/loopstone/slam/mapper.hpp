@@ -38,7 +38,16 @@ class Mapper {
   [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(records_.size()); }
 
  private:
-  struct ScanRecord;
+  /// A scan as the final map will need it.
+  struct ScanRecord {
+    LaserScan scan{};              ///< ranges dropped when it adds nothing to the map
+    Pose2 robot_T_lidar{};
+    Pose2 local_T_robot{};
+    Pose2 local_T_robot_end{};     ///< at the end of its sweep
+    std::optional<Pose2> odom_T_robot{};
+    std::size_t last_key = 0;      ///< the latest key scan up to and including this scan
+    bool mapped = false;
+  };
   class BackEndWorker;
 
   void add_scan(LaserScan scan);
