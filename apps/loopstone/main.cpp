@@ -27,7 +27,11 @@ A LOG is a file (CARMEN text, also .gz and .bz2) or a folder (UCSD layout; DIR#2
 Exit codes: 0 done, 1 bad data, 2 bad usage or options, 3 a --require bound was missed, 130 interrupted.
 `loopstone COMMAND --help` explains a command.)";
 
-void add_commands(CLI::App& app, AppContext& context) { add_config_command(app, context); }
+void add_commands(CLI::App& app, AppContext& context) {
+  add_info_command(app, context);
+  add_convert_command(app, context);
+  add_config_command(app, context);
+}
 
 /// CLI11 only says that a command is missing; a typing error deserves the right word.
 void refuse_unknown_command(const CLI::App& app, int argc, char** argv) {

@@ -12,6 +12,7 @@ constexpr Duration kMemory{10'000'000'000};
 constexpr Duration kGyroWait{100'000'000};        // how long a wheel reading waits for the gyro
 constexpr Duration kGyroSilence{500'000'000};     // a gyro silent for so long is not waited for
 constexpr Duration kLargestGyroGap{200'000'000};  // between samples that are interpolated
+constexpr Duration kGyroHold{50'000'000};         // for so long a rate is taken to stay the same
 constexpr Duration kStandstill{500'000'000};      // still wheels for so long: the robot stands
 constexpr Duration kVelocitySpan{20'000'000};     // time over which a velocity is taken
 // Counters that jump by more were reset (the base was switched off and on), not driven.
@@ -122,7 +123,8 @@ void Odometer::integrate(Interval interval) {
                 interval.still};
   }
 
-  const bool standing = options_.use_standstill && still_since_ && interval.to - *still_since_ > kStandstill;
+  const bool standing =
+      options_.use_standstill && still_since_ && interval.to - *still_since_ > kStandstill;
   const bool nearest = options_.alignment == "nearest";
   const Rate* rate = nearest_rate(interval.to);
   const bool gyro = nearest ? rate != nullptr : gyro_covers(interval);
@@ -197,7 +199,9 @@ void Odometer::forget_rates_before(Stamp stamp) {
 }
 
 bool Odometer::gyro_covers(const Interval& interval) const {
-  if (rates_.empty() || rates_.front().stamp > interval.from || rates_.back().stamp < interval.to) {
+  // At either end of its recording the gyro may miss a part of an interval: its nearest rate holds there.
+  if (rates_.empty() || rates_.front().stamp - interval.from > kGyroHold ||
+      interval.to - rates_.back().stamp > kGyroHold) {
     return false;
   }
   for (std::size_t i = 1; i < rates_.size(); ++i) {

@@ -1,0 +1,206 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "bounds.hpp"
+#include "commands.hpp"
+#include "loopstone/evaluation/relations.hpp"
+#include "loopstone/evaluation/trajectory_error.hpp"
+#include "loopstone/formats/decimal_stamp.hpp"
+#include "loopstone/formats/relations_file.hpp"
+#include "loopstone/formats/tum.hpp"
+#include "result.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+struct Arguments {
+  std::string estimate;
+  std::string reference;
+  std::string relations;
+  std::string align = "se2";
+  std::string rpe = "1m";
+  std::string order = "measured-first";
+  std::vector<std::string> require;
+};
+
+constexpr const char* kFooter = R"(
+Trajectories are TUM files (t x y z qx qy qz qw). Stamps that one file lacks are interpolated in the estimate; what lies
+outside its time is counted as missing.
+
+Examples:
+  loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum
+  loopstone evaluate --estimate out/trajectory.tum --relations intel.relations --json
+  loopstone evaluate --estimate a.tum --reference b.tum --require 'ate_rmse_m<=0.05'     exits with 3 if it is more)";
+
+struct Stretch {
+  double length;
+  Spacing spacing;
+};
+
+/// "1m", "0.5s", "10f".
+Stretch parse_stretch(const std::string& text) {
+  std::size_t used = 0;
+  double length = 0.0;
+  try {
+    length = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  const std::string unit = text.substr(used);
+  if (used > 0 && length > 0.0) {
+    if (unit == "m") return {length, Spacing::kMetres};
+    if (unit == "s") return {length, Spacing::kSeconds};
+    if (unit == "f") return {length, Spacing::kFrames};
+  }
+  throw UsageError("--rpe " + text + ": must be a length such as 1m, 0.5s or 10f (frames)");
+}
+
+std::string span_of(const Trajectory& trajectory) {
+  return format_decimal_stamp(trajectory.front().stamp) + " to " +
+         format_decimal_stamp(trajectory.back().stamp) + " s";
+}
+
+/// Mean, std, rmse, median and max under the key; one row for people.
+void add_statistics(Result& result, const std::string& key, std::string_view label,
+                    const ErrorStatistics& s, double scale, std::string_view unit) {
+  result.add_json(key + ".mean", s.mean * scale)
+      .add_json(key + ".std", s.std * scale)
+      .add_json(key + ".rmse", s.rmse * scale)
+      .add_json(key + ".median", s.median * scale)
+      .add_json(key + ".max", s.max * scale)
+      .add_row(
+          label,
+          fmt::format("{:.4f} +- {:.4f}   rmse {:.4f}   median {:.4f}   max {:.4f}", s.mean * scale,
+                      s.std * scale, s.rmse * scale, s.median * scale, s.max * scale),
+          unit);
+}
+
+AbsoluteError add_trajectory_errors(Result& result, const Arguments& arguments,
+                                    const Trajectory& estimate) {
+  const Stretch stretch = parse_stretch(arguments.rpe);
+  const Trajectory reference = read_tum(arguments.reference);
+  const auto alignment = arguments.align == "none" ? Alignment::kNone : Alignment::kSe2;
+  const AbsoluteError absolute = absolute_error(estimate, reference, alignment);
+  if (absolute.poses == 0) {
+    throw DataError({arguments.estimate}, "has no time in common with the reference: it covers " +
+                                              span_of(estimate) + ", the reference " +
+                                              span_of(reference));
+  }
+  const RelativeError relative =
+      relative_error(estimate, reference, stretch.length, stretch.spacing);
+  const double to_degrees = degrees(1.0);
+
+  result.add_json("ate_rmse_m", absolute.translation_m.rmse)
+      .add_json("ate_rmse_rad", absolute.rotation_rad.rmse);
+  add_statistics(result, "ate_translation_m", "absolute position error", absolute.translation_m,
+                 1.0, "m");
+  add_statistics(result, "ate_rotation_deg", "absolute heading error", absolute.rotation_rad,
+                 to_degrees, "deg");
+  const std::string over = relative.pairs > 0 ? "over " + arguments.rpe : "(no pair so far apart)";
+  add_statistics(result, "rpe.translation_m", "relative position error " + over,
+                 relative.translation_m, 1.0, "m");
+  add_statistics(result, "rpe.rotation_deg", "relative heading error " + over,
+                 relative.rotation_rad, to_degrees, "deg");
+  result.add_json("rpe.delta", arguments.rpe).add_json("rpe.pairs", relative.pairs);
+  const Pose2& aligned = absolute.reference_T_estimate;
+  result.add("align", "alignment", arguments.align)
+      .add_json("reference_T_estimate.x_m", aligned.x)
+      .add_json("reference_T_estimate.y_m", aligned.y)
+      .add_json("reference_T_estimate.yaw_rad", aligned.yaw)
+      .add("poses", "poses compared", absolute.poses)
+      .add("poses_missing", "reference poses outside the estimate", absolute.poses_missing);
+  return absolute;
+}
+
+void add_relations_error(Result& result, const Arguments& arguments, const Trajectory& estimate,
+                         const AppContext& context) {
+  const std::vector<Relation> relations = read_relations(arguments.relations);
+  const auto order = arguments.order == "measured-first"
+                         ? RelationErrorOrder::kMeasuredTimesInverseExpected
+                         : RelationErrorOrder::kInverseExpectedTimesMeasured;
+  const RelationsError error = relations_error(estimate, relations, order);
+  if (error.pairs == 0) {
+    throw DataError({arguments.estimate},
+                    fmt::format("none of the {} relations lies within its time, {}; relations with "
+                                "Unix stamps need a trajectory with Unix stamps",
+                                relations.size(), span_of(estimate)));
+  }
+  add_statistics(result, "translation_error_m", "translation error", error.translation_m, 1.0, "m");
+  add_statistics(result, "squared_translation_error_m2", "squared translation error",
+                 error.squared_translation_m2, 1.0, "m^2");
+  add_statistics(result, "rotation_error_deg", "rotation error", error.rotation_rad, degrees(1.0),
+                 "deg");
+  add_statistics(result, "squared_rotation_error_deg2", "squared rotation error",
+                 error.squared_rotation_deg2, 1.0, "deg^2");
+  result.add("pairs", "relations compared", error.pairs)
+      .add("pairs_interpolated", "of them between two poses", error.pairs_interpolated)
+      .add("pairs_missing", "relations outside the trajectory", error.missing.size());
+  for (const Relation& relation : error.missing) {
+    context.note(fmt::format("{}: relation {} {} lies outside the trajectory", arguments.relations,
+                             format_decimal_stamp(relation.from),
+                             format_decimal_stamp(relation.to)));
+  }
+}
+
+ExitCode run(const Arguments& arguments, const AppContext& context) {
+  std::vector<Bound> bounds;
+  for (const std::string& text : arguments.require) bounds.push_back(parse_bound(text));
+  if (arguments.reference.empty() && arguments.relations.empty()) {
+    throw UsageError("evaluate needs --reference or --relations to compare with");
+  }
+
+  Result result;
+  const Trajectory estimate = read_tum(arguments.estimate);
+  if (!arguments.reference.empty()) add_trajectory_errors(result, arguments, estimate);
+  if (!arguments.relations.empty()) add_relations_error(result, arguments, estimate, context);
+
+  const std::vector<std::string> missed = missed_bounds(bounds, result.json());
+  result.print(context);
+  for (const std::string& text : missed) context.warn("bound missed: " + text);
+  return missed.empty() ? kExitDone : kExitBoundMissed;
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app, AppContext& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Errors of a trajectory or a map against the truth");
+  command->add_option("--estimate", arguments->estimate, "the trajectory to judge")
+      ->type_name("A.tum")
+      ->required();
+  command->add_option("--reference", arguments->reference, "the true trajectory: ATE and RPE")
+      ->type_name("B.tum");
+  command
+      ->add_option("--relations", arguments->relations,
+                   "true relations (t1 t2 x y z roll pitch yaw): the metric of Kuemmerle 2009")
+      ->type_name("FILE");
+  command
+      ->add_option("--align", arguments->align,
+                   "bring the estimate onto the reference first, or take it as it is")
+      ->type_name("se2|none")
+      ->check(CLI::IsMember({"se2", "none"}))
+      ->capture_default_str();
+  command
+      ->add_option("--rpe", arguments->rpe, "stretch of the relative error: 1m, 0.5s, 10f (frames)")
+      ->type_name("LENGTH")
+      ->capture_default_str();
+  command
+      ->add_option("--order", arguments->order,
+                   "of the relation error: measured * expected^-1, or expected^-1 * measured")
+      ->type_name("measured-first|expected-first")
+      ->check(CLI::IsMember({"measured-first", "expected-first"}))
+      ->capture_default_str();
+  command
+      ->add_option("--require", arguments->require,
+                   "a bound on a figure of --json's result; may be given several times")
+      ->type_name("KEY<=VALUE")
+      ->allow_extra_args(false);
+  context.add_common_flags(*command);
+  command->footer(kFooter);
+  context.on_run(*command, [arguments, &context] { return run(*arguments, context); });
+}
+
+}  // namespace loopstone::app
