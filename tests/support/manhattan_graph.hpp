@@ -11,7 +11,7 @@
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
-namespace loopstone::testing {
+namespace loopstone::test {
 
 /// A pose graph whose true poses are known.
 struct SimulatedGraph {
@@ -85,4 +85,4 @@ inline SimulatedGraph manhattan_graph(const ManhattanOptions& options, Rng rng) 
   return result;
 }
 
-}  // namespace loopstone::testing
+}  // namespace loopstone::test

@@ -12,8 +12,8 @@
 namespace loopstone {
 namespace {
 
-using testing::manhattan_graph;
-using testing::SimulatedGraph;
+using test::manhattan_graph;
+using test::SimulatedGraph;
 
 void expect_near(const std::vector<Pose2>& actual, const std::vector<Pose2>& expected,
                  double tolerance) {

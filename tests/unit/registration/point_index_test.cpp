@@ -1,0 +1,97 @@
+#include "loopstone/registration/point_index.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "loopstone/base/rng.hpp"
+
+namespace loopstone {
+namespace {
+
+template <int kDimension>
+using Points = std::vector<Eigen::Matrix<double, kDimension, 1>>;
+
+template <int kDimension>
+Points<kDimension> random_points(std::size_t count, Rng& rng) {
+  Points<kDimension> points(count);
+  for (auto& point : points) {
+    for (int k = 0; k < kDimension; ++k) point(k) = rng.uniform(-3.0, 3.0);
+  }
+  return points;
+}
+
+template <int kDimension>
+void expect_same_as_brute_force() {
+  Rng rng(21);
+  const auto points = random_points<kDimension>(200, rng);
+  const PointIndex<kDimension> index(points);
+  for (const auto& query : random_points<kDimension>(100, rng)) {
+    std::vector<double> distances;
+    for (const auto& point : points) distances.push_back((point - query).norm());
+    std::vector<double> sorted = distances;
+    std::sort(sorted.begin(), sorted.end());
+
+    const auto nearest = index.nearest(query, 1.0);
+    ASSERT_EQ(nearest.has_value(), sorted.front() <= 1.0);
+    if (nearest) {
+      EXPECT_DOUBLE_EQ(nearest->distance_m, sorted.front());
+      EXPECT_DOUBLE_EQ(distances[nearest->index], sorted.front());
+    }
+    const auto several = index.nearest_several(query, 7);
+    ASSERT_EQ(several.size(), 7U);
+    for (std::size_t i = 0; i < several.size(); ++i) {
+      EXPECT_DOUBLE_EQ(several[i].distance_m, sorted[i]);
+    }
+  }
+}
+
+TEST(PointIndex, FindsWhatBruteForceFindsInThePlane) { expect_same_as_brute_force<2>(); }
+TEST(PointIndex, FindsWhatBruteForceFindsInSpace) { expect_same_as_brute_force<3>(); }
+
+TEST(PointIndex, IsEmptyWhenNothingIsFinite) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const PointIndex<2> index({{kInfinity, 0.0}, {0.0, std::nan("")}});
+  EXPECT_FALSE(index.nearest({0.0, 0.0}, 1e9).has_value());
+  EXPECT_TRUE(index.nearest_several({0.0, 0.0}, 3).empty());
+  EXPECT_FALSE(PointIndex<2>({}).nearest({0.0, 0.0}, 1e9).has_value());
+}
+
+TEST(PointIndex, KeepsTheNumbersOfPointsBesideBadOnes) {
+  const PointIndex<2> index({{std::nan(""), 0.0}, {1.0, 0.0}, {2.0, 0.0}});
+  EXPECT_EQ(index.nearest({1.9, 0.0}, 1.0)->index, 2U);
+  EXPECT_FALSE(index.nearest({std::nan(""), 0.0}, 1.0).has_value());
+  EXPECT_EQ(index.nearest_several({0.0, 0.0}, 10).size(), 2U);
+}
+
+TEST(LineNormals, StandAcrossALineOfAnyDirection) {
+  for (int degree = 0; degree < 180; degree += 15) {
+    const double angle = degree * 0.017453292519943295;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    Points<2> line;
+    for (int i = 0; i < 20; ++i) line.push_back(0.05 * i * direction);
+    for (const auto& normal : line_normals(PointIndex<2>(line), 5, 1.0)) {
+      ASSERT_TRUE(normal.has_value());
+      EXPECT_NEAR(normal->norm(), 1.0, 1e-12);
+      EXPECT_NEAR(normal->dot(direction), 0.0, 1e-9);
+    }
+  }
+}
+
+TEST(LineNormals, AreMissingInClutterAndForLonePoints) {
+  Rng rng(22);
+  Points<2> points = random_points<2>(300, rng);
+  points.emplace_back(100.0, 100.0);
+  points.emplace_back(std::nan(""), 0.0);
+  const auto normals = line_normals(PointIndex<2>(points), 20, 5.0);
+  EXPECT_FALSE(normals[300].has_value());
+  EXPECT_FALSE(normals[301].has_value());
+  const auto found =
+      std::count_if(normals.begin(), normals.end(), [](const auto& n) { return n.has_value(); });
+  EXPECT_LT(found, 60);
+}
+
+}  // namespace
+}  // namespace loopstone
