@@ -1,5 +1,6 @@
 #include "loopstone/base/parallel_for.hpp"
 
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -31,7 +32,8 @@ void parallel_for(std::size_t count, Threads threads,
   std::atomic<bool> started{false};
   std::atomic<std::size_t> finished{0};
   started.store(true, std::memory_order_release);
-  oneapi::tbb::task_arena arena(workers);
+  // More threads than processors gain nothing, and TBB would complain on stderr.
+  oneapi::tbb::task_arena arena(std::min(workers, oneapi::tbb::info::default_concurrency()));
   arena.execute([&] {
     oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       (void)started.load(std::memory_order_acquire);

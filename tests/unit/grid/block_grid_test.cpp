@@ -1,0 +1,90 @@
+#include "loopstone/grid/block_grid.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "support/generators.hpp"
+
+namespace loopstone {
+namespace {
+
+using Written = std::map<std::pair<int, int>, int>;
+
+std::vector<std::pair<Cell, int>> contents(const BlockGrid<int>& grid) {
+  std::vector<std::pair<Cell, int>> all;
+  grid.for_each([&](Cell cell, int value) {
+    if (value != 0) all.push_back({cell, value});
+  });
+  return all;
+}
+
+TEST(BlockGrid, StartsEmpty) {
+  const BlockGrid<int> grid(0.1);
+  EXPECT_TRUE(grid.empty());
+  EXPECT_EQ(grid.find({0, 0}), nullptr);
+  EXPECT_EQ(grid.find({-1000000, 1000000}), nullptr);
+  EXPECT_TRUE(contents(grid).empty());
+}
+
+TEST(BlockGrid, CellsMayBeNegative) {
+  const BlockGrid<int> grid(0.1);
+  EXPECT_EQ(grid.cell_of(0.05, -0.05), (Cell{0, -1}));
+  EXPECT_EQ(grid.cell_of(-0.25, 0.31), (Cell{-3, 3}));
+  EXPECT_TRUE(grid.centre_of({-3, 3}).isApprox(Eigen::Vector2d(-0.25, 0.35)));
+}
+
+RC_GTEST_PROP(BlockGridLaws, IsAMapFromCellsToValues, ()) {
+  // Clusters that force the directory to grow in all directions, and far jumps.
+  const auto coordinate = rc::gen::oneOf(rc::gen::inRange(-20, 20), rc::gen::inRange(-600, 600));
+  const auto writes = *rc::gen::container<std::vector<std::tuple<int, int, int>>>(
+      rc::gen::tuple(coordinate, coordinate, rc::gen::inRange(1, 100)));
+  BlockGrid<int> grid(0.05);
+  Written twin;
+  for (const auto& [column, row, value] : writes) {
+    RC_ASSERT(grid.at({column, row}) == (twin.contains({column, row}) ? twin[{column, row}] : 0));
+    grid.at({column, row}) = value;
+    twin[{column, row}] = value;
+  }
+  for (const auto& [cell, value] : twin) {
+    const int* found = grid.find({cell.first, cell.second});
+    RC_ASSERT(found != nullptr);
+    RC_ASSERT(*found == value);
+  }
+  for (int k = 0; k < 50; ++k) {
+    const std::pair<int, int> cell{*coordinate, *coordinate};
+    const int* found = grid.find({cell.first, cell.second});
+    const bool untouched = found == nullptr || *found == 0;
+    RC_ASSERT(untouched || twin.contains(cell));
+  }
+  const auto all = contents(grid);
+  RC_ASSERT(all.size() == twin.size());
+  for (const auto& [cell, value] : all) RC_ASSERT(twin.at({cell.column, cell.row}) == value);
+}
+
+RC_GTEST_PROP(BlockGridLaws, OrderOfVisitsDoesNotDependOnTheOrderOfWrites, ()) {
+  const auto coordinate = rc::gen::inRange(-300, 300);
+  const auto cells =
+      *rc::gen::container<std::vector<std::pair<int, int>>>(rc::gen::pair(coordinate, coordinate));
+  BlockGrid<int> forwards(1.0);
+  BlockGrid<int> backwards(1.0);
+  for (auto at = cells.begin(); at != cells.end(); ++at)
+    forwards.at({at->first, at->second}) = at->first + 1000;
+  for (auto at = cells.rbegin(); at != cells.rend(); ++at)
+    backwards.at({at->first, at->second}) = at->first + 1000;
+  RC_ASSERT(contents(forwards) == contents(backwards));
+}
+
+RC_GTEST_PROP(BlockGridLaws, CentresLieInTheirCell, ()) {
+  const BlockGrid<int> grid(*rc::gen::element(0.05, 0.1, 0.2, 0.3, 0.9));
+  const Cell cell{*rc::gen::inRange(-5000, 5000), *rc::gen::inRange(-5000, 5000)};
+  const Eigen::Vector2d centre = grid.centre_of(cell);
+  RC_ASSERT(grid.cell_of(centre.x(), centre.y()) == cell);
+}
+
+}  // namespace
+}  // namespace loopstone
