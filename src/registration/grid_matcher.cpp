@@ -16,6 +16,10 @@ constexpr double kStepM = 1e-4;
 constexpr double kStepRad = 2e-5;
 /// Translation counts as unobserved along a direction that has less than this share of the best direction's information.
 constexpr double kDegenerateShare = 0.01;
+/// ... or less than so many points facing along it give.
+constexpr double kDegeneratePoints = 2.0;
+/// Information [1/m^2, 1/rad^2] that stands in for none, so that matrices can be inverted.
+constexpr double kDamping = 1e-3;
 /// What no number of points averages away: the grid's own error.
 constexpr double kFloorM = 0.003;
 constexpr double kFloorRad = 0.001;
@@ -62,16 +66,27 @@ Eigen::Vector3d difference(const Pose2& pose, const Pose2& from) {
   return {pose.x - from.x, pose.y - from.y, wrap_angle(pose.yaw - from.yaw)};
 }
 
-bool translation_unobserved(const Eigen::Matrix3d& hessian) {
+/// Takes out of the normal equations the direction of translation that the points leave open, if there is one: what little
+/// they say along it is noise of the normals. Then only a prior holds the pose there.
+/// Source: Zhang, Kaess and Singh 2016, "On degeneracy of optimization-based state estimation problems".
+bool remove_unobserved(Linearisation& sum) {
   // Information on the translation once the heading is free too: the Schur complement.
-  const double heading = hessian(2, 2);
-  Eigen::Matrix2d translation = hessian.topLeftCorner<2, 2>();
-  if (heading > 0.0) {
-    translation -= hessian.topRightCorner<2, 1>() * hessian.bottomLeftCorner<1, 2>() / heading;
-  }
+  const double heading = sum.hessian(2, 2);
+  if (!(heading > 0.0)) return true;
+  const Eigen::Vector2d coupling = sum.hessian.topRightCorner<2, 1>();
+  const Eigen::Matrix2d translation = sum.hessian.topLeftCorner<2, 2>() - coupling * coupling.transpose() / heading;
   const double middle = 0.5 * (translation(0, 0) + translation(1, 1));
   const double spread = std::hypot(0.5 * (translation(0, 0) - translation(1, 1)), translation(0, 1));
-  return middle - spread < kDegenerateShare * (middle + spread);
+  if (middle - spread >= std::max(kDegenerateShare * (middle + spread), kDegeneratePoints)) return false;
+  const double strong = 0.5 * std::atan2(2.0 * translation(0, 1), translation(0, 0) - translation(1, 1));
+  Eigen::Vector3d open(-std::sin(strong), std::cos(strong), 0.0);
+  open.z() = -coupling.dot(open.head<2>()) / heading;
+  const Eigen::Vector3d along = sum.hessian * open;
+  const double information = open.dot(along);
+  if (!(information > 0.0)) return true;
+  sum.gradient -= along * (open.dot(sum.gradient) / information);
+  sum.hessian -= along * along.transpose() / information;
+  return true;
 }
 
 }  // namespace
@@ -85,6 +100,7 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
   Linearisation last;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   bool converged = false;
+  bool degenerate = false;
 
   for (std::size_t above = std::min(coarsest_level, target.level_count() - 1) + 1; above > 0; --above) {
     const std::size_t level = above - 1;
@@ -99,6 +115,7 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
         result.status = MatchStatus::kTooFewPairs;
         return result;
       }
+      degenerate = remove_unobserved(last);
       information = last.hessian * inverse_sigma2;
       Eigen::Vector3d gradient = last.gradient * inverse_sigma2;
       if (prior) {
@@ -107,7 +124,7 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
       }
       // A trace of damping keeps an unobserved direction where it is.
       Eigen::Matrix3d damped = information;
-      damped.diagonal() += 1e-6 * information.diagonal() + Eigen::Vector3d::Constant(1e-3);
+      damped.diagonal() += 1e-6 * information.diagonal() + Eigen::Vector3d::Constant(kDamping);
       const Eigen::Vector3d step = -damped.ldlt().solve(gradient);
       if (!step.allFinite()) break;
       pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};
@@ -121,10 +138,10 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
   result.score = last.total > 0.0 ? last.explained / last.total : 0.0;
   result.rmse_m = last.weight_sum > 0.0 ? std::sqrt(last.squared_sum / last.weight_sum) : 0.0;
   Eigen::Matrix3d invertible = information;
-  invertible.diagonal() += Eigen::Vector3d::Constant(1e-3);
+  invertible.diagonal() += Eigen::Vector3d::Constant(kDamping);
   result.covariance = invertible.ldlt().solve(Eigen::Matrix3d::Identity());
   result.covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
-  if (translation_unobserved(last.hessian)) {
+  if (degenerate) {
     result.status = MatchStatus::kDegenerate;
   } else {
     result.status = converged ? MatchStatus::kConverged : MatchStatus::kNotConverged;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace loopstone {
 
@@ -19,6 +20,7 @@ struct Return {
   Eigen::Vector2d point;      // robot frame at the scan's stamp
   Eigen::Vector2d direction;  // of the beam, robot frame
   double range = 0.0;
+  std::size_t beam = 0;
 };
 
 /// Moves what a beam saw from where the robot was then to where it was at the scan's stamp.
@@ -58,7 +60,7 @@ std::vector<Return> returns_of(const LaserScan& scan, const Pose2& robot_T_lidar
       translation = pose.translation();
     }
     const Eigen::Vector2d direction = rotation * directions[i];
-    returns.push_back({translation + range * direction, direction, range});
+    returns.push_back({translation + range * direction, direction, range, i});
   }
   return returns;
 }
@@ -112,14 +114,24 @@ Runs unbroken_runs(const std::vector<Return>& returns, double beam_spacing_rad) 
   return runs;
 }
 
-SurfacePoint guess_along_beam(const Return& seen) {
-  return {seen.point.cast<float>(), (-seen.direction).cast<float>(), kGuessedNormalWeight};
+/// Whether the beams on both sides of the run [first, last) see farther: then it is a small thing that stands free, not a
+/// piece of a wall seen at a grazing angle.
+bool stands_free(const std::vector<Return>& returns, std::size_t first, std::size_t last) {
+  const bool before = first == 0 || returns[first - 1].beam + 1 < returns[first].beam ||
+                      returns[first - 1].range > returns[first].range;
+  const bool after = last == returns.size() || returns[last].beam > returns[last - 1].beam + 1 ||
+                     returns[last].range > returns[last - 1].range;
+  return before && after;
 }
 
-/// Fits a line to the returns [first, last) and projects return i on it.
-SurfacePoint fit_line(const std::vector<Return>& returns, const std::vector<Moments>& prefix,
-                      std::size_t i, std::size_t first, std::size_t last) {
-  if (last - first < 3) return guess_along_beam(returns[i]);
+/// Fits a line to the returns [first, last) and projects return i on it. Nothing when no line fits and none can be guessed.
+std::optional<SurfacePoint> fit_line(const std::vector<Return>& returns, const std::vector<Moments>& prefix,
+                                     const Runs& runs, std::size_t i, std::size_t first, std::size_t last) {
+  const auto guess_along_beam = [&]() -> std::optional<SurfacePoint> {
+    if (!stands_free(returns, runs.first[i], runs.last[i])) return {};
+    return SurfacePoint{returns[i].point.cast<float>(), (-returns[i].direction).cast<float>(), kGuessedNormalWeight};
+  };
+  if (last - first < 3) return guess_along_beam();
   const Moments& low = prefix[first];
   const Moments& high = prefix[last];
   const double n = high.n - low.n;
@@ -132,14 +144,14 @@ SurfacePoint fit_line(const std::vector<Return>& returns, const std::vector<Mome
   const double thin = std::max(0.0, middle - spread);
   const double lengthy = middle + spread;
   if (!(lengthy > 0.0) || thin > kLineThickness * kLineThickness * lengthy) {
-    return guess_along_beam(returns[i]);
+    return guess_along_beam();
   }
   const double line_angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
   Eigen::Vector2d normal(-std::sin(line_angle), std::cos(line_angle));
   if (normal.dot(returns[i].direction) > 0.0) normal = -normal;
   const Eigen::Vector2d on_line =
       returns[i].point - normal.dot(returns[i].point - mean) * normal;
-  return {on_line.cast<float>(), normal.cast<float>(), 1.0F};
+  return SurfacePoint{on_line.cast<float>(), normal.cast<float>(), 1.0F};
 }
 
 std::vector<std::size_t> evenly_spaced(const std::vector<Return>& returns, double spacing_m) {
@@ -206,7 +218,7 @@ std::vector<SurfacePoint> surface_points(const LaserScan& scan, const Pose2& rob
         static_cast<std::size_t>(std::clamp(std::ceil(options.support_m / between), 1.0, 64.0));
     const std::size_t first = i - std::min(reach, i - runs.first[i]);
     const std::size_t last = std::min(i + reach + 1, runs.last[i]);
-    surfaces.push_back(fit_line(returns, prefix, i, first, last));
+    if (const auto surface = fit_line(returns, prefix, runs, i, first, last)) surfaces.push_back(*surface);
   }
   return surfaces;
 }

@@ -19,7 +19,7 @@ constexpr std::size_t kProbePoints = 350;
 /// Submaps this close in sequence share scans or are tied tightly already.
 constexpr std::size_t kNeighbours = 2;
 /// Uncertainty where two places are connected directly.
-constexpr double kRestM = 0.4;
+constexpr double kRestM = 0.35;
 constexpr double kRestRad = 0.06;
 constexpr double kMaxHalfYawRad = 0.8;
 /// Travelling through a closure costs this much travel.
@@ -188,9 +188,12 @@ std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
     closure.from_submap = pair.older;
     closure.to_submap = pair.newer;
     closure.score = best.score;
-    const SearchResult second =
-        search_branch_and_bound(probe, pyramid, window, options_.max_ambiguity * best.score,
-                                ExcludedPoses{best.target_T_source, kElsewhereM, kElsewhereRad});
+    // In a small window there is no elsewhere.
+    SearchResult second;
+    if (pair.half_xy_m > 0.5 * kElsewhereM || pair.half_yaw_rad > 0.5 * kElsewhereRad) {
+      second = search_branch_and_bound(probe, pyramid, window, options_.max_ambiguity * best.score,
+                                       ExcludedPoses{best.target_T_source, kElsewhereM, kElsewhereRad});
+    }
     closure.second_score = second.found ? second.score : 0.0;
 
     const SurfaceGrid surfaces = target.submap.surface_grid(submap_options_);

@@ -24,7 +24,7 @@ class BeamTable {
 struct SurfacePoint {
   Eigen::Vector2f position;  ///< [m]
   Eigen::Vector2f normal;    ///< unit, towards free space (the side it was seen from)
-  float weight = 1.0F;       ///< 1: normal fitted to neighbours; less: a guess along the beam
+  float weight = 1.0F;       ///< 1: normal fitted to neighbours; less: a small thing, its normal a guess along the beam
 };
 
 /// The returns of a scan as points in the robot frame at the scan's stamp, in beam order; beams without a return are
@@ -46,7 +46,8 @@ struct SurfaceOptions {
 
 /// Surfaces seen by a scan, in the robot frame at the scan's stamp, thinned to an even spacing.
 /// Each point lies on the line through its neighbours, so noise is averaged, not thrown away; breaks in the surface
-/// (neighbours farther apart than a slanted wall explains) are not bridged.
+/// (neighbours farther apart than a slanted wall explains) are not bridged, and lone returns on a wall seen at a grazing
+/// angle, whose normal can't be told, are left out.
 /// Cost: O(beams).
 [[nodiscard]] std::vector<SurfacePoint> surface_points(const LaserScan& scan, const Pose2& robot_T_lidar,
                                                        const Tangent2& velocity,

@@ -24,7 +24,7 @@ struct LoopOptions {
   double drift_per_m = 0.03;      ///< position uncertainty gained per metre of travel since the places were connected
   double drift_rad_per_m = 0.006; ///< heading uncertainty, likewise
   double max_half_xy_m = 10.0;    ///< the search window grows no further
-  int candidates_max = 8;         ///< older submaps that a new one is compared with
+  int candidates_max = 5;         ///< older submaps that a new one is compared with
 };
 
 template <typename Visitor>
