@@ -18,8 +18,8 @@ struct RollPitchYaw {
   double yaw_rad = 0.0;
 };
 
-/// To twelve digits, so that 0.36 rad is written as 0.36 after its way through a quaternion.
-double tidy(double value) { return std::stod(fmt::format("{:.12g}", value)); }
+/// To 1e-12 rad, so that 0.36 rad is written as 0.36 after its way through a quaternion.
+double tidy(double angle_rad) { return std::round(angle_rad * 1e12) / 1e12 + 0.0; }
 
 RollPitchYaw roll_pitch_yaw(const Eigen::Quaterniond& rotation) {
   const Eigen::Matrix3d r = rotation.toRotationMatrix();
