@@ -7,18 +7,20 @@
 namespace loopstone {
 namespace {
 
-constexpr double kOccupied = 0.65;  ///< map_server's occupied_thresh
+using CellStates = Grid<std::int8_t>;
+
+constexpr std::int8_t kOccupied = 65;  ///< [%], map_server's occupied_thresh
 
 /// 1 for cells that are not known to be free; everything beyond the map is solid too.
-bool is_solid(const OccupancyMap& map, Cell cell) {
-  if (!map.observed.frame().contains(cell)) return true;
-  return map.observed[cell] == 0 || map.probability(cell) >= kOccupied;
+bool is_solid(const CellStates& map, Cell cell) {
+  const std::int8_t occupancy = map.value_or(cell, -1);
+  return occupancy < 0 || occupancy >= kOccupied;
 }
 
 /// The borders between free and solid cells, neighbouring ones joined to one surface. So ranges in the world are exact
 /// for the map's cells.
-std::vector<Segment> borders(const OccupancyMap& map) {
-  const GridFrame& frame = map.observed.frame();
+std::vector<Segment> borders(const CellStates& map) {
+  const GridFrame& frame = map.frame();
   const auto corner = [&](int column, int row) {
     return Eigen::Vector2d(frame.origin + frame.resolution * Eigen::Vector2d(column, row));
   };
@@ -53,25 +55,27 @@ std::vector<Segment> borders(const OccupancyMap& map) {
 
 }  // namespace
 
-World make_world(const OccupancyMap& map, const std::string& name, double robot_radius_m) {
+World make_world(const CellStates& map, const std::string& name, double robot_radius_m) {
   World world;
   world.name = name;
   world.plan.surfaces = borders(map);
   world.given_map = map;
+  const auto refuse = [&] {
+    return UsageError("map '" + name + "' has no free space for a robot of radius " +
+                      std::to_string(robot_radius_m) + " m");
+  };
+  if (world.plan.surfaces.empty()) throw refuse();
   const SurfaceIndex obstacles(world.plan);
   RoutePlanner planner(obstacles, extent_of(world.plan), robot_radius_m + 0.1);
   const auto start = planner.reach_largest_region();
-  if (!start) {
-    throw UsageError("map '" + name + "' has no free space for a robot of radius " +
-                     std::to_string(robot_radius_m) + " m");
-  }
+  if (!start) throw refuse();
   world.map_T_start = {start->x(), start->y(), 0.0};
   world.places = planner.spread_points(4.0);
   for (std::size_t i = 0; i < world.places.size(); i += 7) world.returns.push_back(world.places[i]);
   world.returns.push_back(*start);
-  const double cell_area = map.observed.frame().resolution * map.observed.frame().resolution;
-  for (int row = 0; row < map.observed.frame().rows; ++row) {
-    for (int column = 0; column < map.observed.frame().columns; ++column) {
+  const double cell_area = map.frame().resolution * map.frame().resolution;
+  for (int row = 0; row < map.frame().rows; ++row) {
+    for (int column = 0; column < map.frame().columns; ++column) {
       if (!is_solid(map, {column, row})) world.floor_area_m2 += cell_area;
     }
   }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "loopstone/geometry/pose2.hpp"
-#include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/grid/grid.hpp"
 #include "loopstone/simulation/floor_plan.hpp"
 
 namespace loopstone {
@@ -23,7 +23,8 @@ struct World {
   std::vector<Eigen::Vector2d> places{};   ///< worth a visit; the first ones matter most
   std::vector<Eigen::Vector2d> returns{};  ///< passed in this order after the visit, to close loops
   double floor_area_m2 = 0.0;              ///< gross, inside the outer walls
-  std::optional<OccupancyMap> given_map{};  ///< the map that the world was made from, if it was
+  std::optional<Grid<std::int8_t>>
+      given_map{};  ///< the map that the world was made from, if it was
 };
 
 /// The names that make_world knows.
@@ -38,13 +39,14 @@ struct World {
 /// Throws UsageError for another name.
 [[nodiscard]] World make_world(std::string_view name, std::uint64_t seed);
 
-/// A world from an occupancy map. Cells that are occupied (p >= 0.65) or unknown are solid. The start and the places
-/// are chosen in its largest free region. Throws UsageError when there is no room for a robot of that radius.
-[[nodiscard]] World make_world(const OccupancyMap& map, const std::string& name,
+/// A world from a map: occupancy of the cells in percent, -1 where unknown, as nav_msgs/OccupancyGrid has it. Cells that
+/// are unknown or occupied by 65 % or more are solid. The start and the places are chosen in its largest free region.
+/// Throws UsageError when there is no room for a robot of that radius.
+[[nodiscard]] World make_world(const Grid<std::int8_t>& map, const std::string& name,
                                double robot_radius_m);
 
-/// The map that a perfect robot would draw: occupied where a solid comes within half a cell of a cell's centre or
-/// covers it, free where the rest can be reached from the start, unknown elsewhere. A given map is returned as it is.
-[[nodiscard]] OccupancyMap true_map(const World& world, double resolution_m = 0.05);
+/// The map that a perfect robot would draw: 100 where a solid covers a cell's centre or comes within half a cell of it,
+/// 0 where the rest can be reached from the start, -1 elsewhere. A given map is returned as it is.
+[[nodiscard]] Grid<std::int8_t> true_map(const World& world, double resolution_m = 0.05);
 
 }  // namespace loopstone

@@ -1,0 +1,174 @@
+#include "loopstone/simulation/world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/simulation/drive.hpp"
+#include "loopstone/simulation/surface_index.hpp"
+
+namespace loopstone {
+namespace {
+
+constexpr double kRadius = 0.25;
+
+/// How near the drive comes to a point.
+double nearest_pass(const Drive& drive, const Eigen::Vector2d& point) {
+  double nearest = 1e9;
+  for (double time = 0.0; time <= drive.duration_s(); time += 0.2) {
+    nearest = std::min(nearest, (drive.pose_at(time).translation() - point).norm());
+  }
+  return nearest;
+}
+
+double free_area(const Grid<std::int8_t>& map) {
+  double cells = 0.0;
+  for (const std::int8_t cell : map.cells()) cells += cell == 0 ? 1.0 : 0.0;
+  return cells * map.frame().resolution * map.frame().resolution;
+}
+
+/// No free cell at the grid's edge: the walls hold.
+bool is_closed(const Grid<std::int8_t>& map) {
+  const GridFrame& frame = map.frame();
+  const auto is_free = [&](int column, int row) { return map[{column, row}] == 0; };
+  for (int column = 0; column < frame.columns; ++column) {
+    if (is_free(column, 0) || is_free(column, frame.rows - 1)) return false;
+  }
+  for (int row = 0; row < frame.rows; ++row) {
+    if (is_free(0, row) || is_free(frame.columns - 1, row)) return false;
+  }
+  return true;
+}
+
+struct Kind {
+  const char* name;
+  double least_area_m2;
+  double most_area_m2;
+  double least_route_m;
+};
+
+class BuiltInWorld : public testing::TestWithParam<Kind> {};
+
+TEST_P(BuiltInWorld, HasItsSizeAndIsClosed) {
+  const World world = make_world(GetParam().name, 1);
+  EXPECT_GE(world.floor_area_m2, GetParam().least_area_m2);
+  EXPECT_LE(world.floor_area_m2, GetParam().most_area_m2);
+  const Grid<std::int8_t> map = true_map(world, 0.1);
+  EXPECT_TRUE(is_closed(map));
+  // Walls and furniture take their share, but most of the floor is one connected free space.
+  EXPECT_GT(free_area(map), 0.7 * world.floor_area_m2);
+  EXPECT_LT(free_area(map), world.floor_area_m2);
+}
+
+TEST_P(BuiltInWorld, IsVisitedWithoutTouchingAnything) {
+  const World world = make_world(GetParam().name, 2);
+  const Drive drive = drive_route(world, kRadius);
+  EXPECT_GT(drive.travelled_m(drive.duration_s()), GetParam().least_route_m);
+  for (const Eigen::Vector2d& place : world.places) {
+    EXPECT_LT(nearest_pass(drive, place), 0.8) << "place " << place.transpose();
+  }
+  for (const Eigen::Vector2d& point : world.returns) EXPECT_LT(nearest_pass(drive, point), 0.8);
+  EXPECT_LT((drive.last_pose().translation() - world.returns.back()).norm(), 0.5)
+      << "did not arrive";
+
+  FloorPlan obstacles = world.plan;
+  obstacles.boxes.insert(obstacles.boxes.end(), world.keep_out.begin(), world.keep_out.end());
+  const SurfaceIndex index(obstacles);
+  double least = 1.0;
+  for (double time = 0.0; time <= drive.duration_s(); time += 0.02) {
+    least = std::min(least, index.distance(drive.pose_at(time).translation(), 1.0));
+  }
+  EXPECT_GE(least, kRadius);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BuiltInWorld,
+                         testing::Values(Kind{"office", 950.0, 1100.0, 250.0},
+                                         Kind{"campus", 9000.0, 11000.0, 1000.0},
+                                         Kind{"corridor", 300.0, 400.0, 250.0},
+                                         Kind{"rooms", 1000.0, 1200.0, 250.0},
+                                         Kind{"warehouse", 2000.0, 2300.0, 300.0}),
+                         [](const auto& kind) { return std::string(kind.param.name); });
+
+TEST(World, OfficesOfManySeedsAreVisitedWhole) {
+  for (std::uint64_t seed = 10; seed < 14; ++seed) {
+    const World world = make_world("office", seed);
+    const Drive drive = drive_route(world, kRadius);
+    for (const Eigen::Vector2d& place : world.places) {
+      EXPECT_LT(nearest_pass(drive, place), 0.8)
+          << "seed " << seed << ", place " << place.transpose();
+    }
+    EXPECT_LT((drive.last_pose().translation() - world.returns.back()).norm(), 0.5)
+        << "seed " << seed;
+  }
+}
+
+TEST(World, SeedsDifferAndRepeat) {
+  const World one = make_world("office", 1);
+  const World again = make_world("office", 1);
+  const World other = make_world("office", 2);
+  ASSERT_EQ(one.plan.boxes.size(), again.plan.boxes.size());
+  for (std::size_t i = 0; i < one.plan.boxes.size(); ++i) {
+    EXPECT_EQ(one.plan.boxes[i].map_T_box, again.plan.boxes[i].map_T_box);
+  }
+  EXPECT_EQ(true_map(one).cells(), true_map(again).cells());
+  EXPECT_NE(one.plan.boxes.size(), other.plan.boxes.size());
+}
+
+TEST(World, RoomsOfTheSymmetricWorldLookAlike) {
+  const World world = make_world("rooms", 1);
+  const SurfaceIndex index(world.plan);
+  // Every second place is the same spot of a neighbouring room: from two of one row the near walls are equal.
+  const Eigen::Vector2d first = world.places[1];
+  const Eigen::Vector2d second = world.places[2];
+  EXPECT_NEAR((second - first).norm(), 5.0, 1e-9);
+  for (int i = 0; i < 360; ++i) {
+    const Eigen::Vector2d direction(std::cos(radians(i + 0.5)), std::sin(radians(i + 0.5)));
+    const double a = index.cast(first, direction, 2.0);
+    const double b = index.cast(second, direction, 2.0);
+    if (std::isfinite(a) || std::isfinite(b)) {
+      EXPECT_NEAR(a, b, 1e-9) << i << " deg";
+    }
+  }
+}
+
+TEST(World, AnUnknownNameListsTheKnownOnes) {
+  try {
+    (void)make_world("ofice", 1);
+    FAIL() << "accepted";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("office, campus, corridor"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(TrueMap, IsOccupiedAtWallsFreeInsideUnknownOutside) {
+  World world;
+  world.map_T_start = {1.0, 1.0, 0.0};
+  for (const auto& [x, y, length, width] :
+       {std::array{2.0, -0.1, 4.4, 0.2}, std::array{2.0, 3.1, 4.4, 0.2},
+        std::array{-0.1, 1.5, 0.2, 3.4}, std::array{4.1, 1.5, 0.2, 3.4}}) {
+    world.plan.boxes.push_back({{x, y, 0.0}, length, width});
+  }
+  world.plan.circles.push_back({{3.0, 2.0}, 0.015});  // thinner than a cell, on a corner of four
+  const Grid<std::int8_t> map = true_map(world, 0.05);
+  const GridFrame& frame = map.frame();
+  const auto state = [&](double x, double y) {
+    const std::int8_t cell = map[frame.cell_of({x, y})];
+    return cell < 0 ? '?' : cell > 0 ? '#' : '.';
+  };
+  EXPECT_EQ(state(0.51, 0.51), '.');
+  EXPECT_EQ(state(0.01, 1.51), '.') << "the wall's face lies on the border of this cell";
+  EXPECT_EQ(state(-0.01, 1.51), '#');
+  EXPECT_EQ(state(-0.1, 1.51), '#') << "walls are solid";
+  EXPECT_EQ(state(-0.19, 1.51), '#');
+  EXPECT_EQ(state(-0.21, 1.51), '?');
+  EXPECT_EQ(state(-0.4, -0.4), '?');
+  EXPECT_EQ(state(3.001, 2.001), '#') << "thin legs are not lost";
+}
+
+}  // namespace
+}  // namespace loopstone
