@@ -60,7 +60,8 @@ TEST(ScanPoints, BeamsPointCounterClockwiseFromTheLidarsXAxis) {
 
 TEST(ScanPoints, OnlyReturnsWithinTheScannersRangeArePoints) {
   LaserScan scan{.angle_increment_rad = 0.01, .range_min_m = 0.1, .range_max_m = 5.0};
-  scan.ranges_m = {kNaN, kInf, -kInf, -1.0F, 0.0F, 0.0999F, 0.5F, 4.999F, 5.0001F, 81.83F, 3e38F};
+  scan.ranges_m = {kNaN, kInf, -kInf,  -1.0F,   0.0F,   0.0999F,
+                   0.5F, kNaN, 4.999F, 5.0001F, 81.83F, 3e38F};
   EXPECT_EQ(scan_points(scan, {}).size(), 2U);
   EXPECT_EQ(surfaces_of(scan, {}, {.spacing_m = 0.001}).size(), 2U);
   EXPECT_EQ(surfaces_of(scan, {}, {.spacing_m = 0.001, .range_max_m = 1.0}).size(), 1U);
@@ -197,6 +198,18 @@ TEST(SurfacePoints, SmallThingsWithoutALineAreGuessesAlongTheBeam) {
   for (const auto& surface : surfaces) {
     EXPECT_LT(surface.weight, 1.0F);
     EXPECT_LT(surface.normal.dot(surface.position.normalized()), -0.9999F);
+  }
+}
+
+TEST(SurfacePoints, LoneReturnsOnAGrazingWallAreLeftOut) {
+  // Seen at 1 deg the returns lie metres apart: their normals can't be told, and along the beam would be wrong by 89 deg.
+  const Walls wall{{{1.0, 0.3}, {60.0, 1.3}}};
+  const Scanner coarse{
+      .angle_min_rad = 0.0, .angle_increment_rad = radians(0.25), .beams = 60, .range_max_m = 50.0};
+  const auto scan = test::scan_from(wall, {}, {}, coarse);
+  ASSERT_GT(scan_points(scan, {}).size(), 40U);
+  for (const auto& surface : surfaces_of(scan)) {
+    EXPECT_LT(surface.normal.y(), -0.99F) << "at " << surface.position.transpose();
   }
 }
 
