@@ -1,0 +1,15 @@
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/ros_map.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    (void)loopstone::parse_map_yaml({reinterpret_cast<const char*>(data), size});
+  } catch (const loopstone::DataError&) {
+    // Damage is expected to be refused, and nothing worse.
+  }
+  return 0;
+}

@@ -1,0 +1,36 @@
+#include "loopstone/formats/image.hpp"
+
+#include "formats/atomic_file.hpp"
+#include "loopstone/base/error.hpp"
+
+namespace loopstone {
+
+Image make_image(int width, int height, int channels, int bytes_per_sample) {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 32;
+  if (width <= 0 || height <= 0 || channels < 1 || channels > 4) {
+    throw UsageError("an image needs at least one pixel and one to four channels");
+  }
+  Image image{width, height, channels, bytes_per_sample, bytes_per_sample == 1 ? 255 : 65535};
+  const std::size_t bytes = image.sample_count() * static_cast<std::size_t>(bytes_per_sample);
+  if (bytes > kMostBytes) throw UsageError("the image is too large for memory");
+  image.bytes.resize(bytes);
+  return image;
+}
+
+Image decode_image(std::string_view bytes, const std::string& path_for_errors) {
+  if (bytes.starts_with("\x89PNG")) return decode_png(bytes, path_for_errors);
+  if (bytes.size() >= 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '7') {
+    return decode_pnm(bytes, path_for_errors);
+  }
+  if (bytes.empty()) throw DataError({path_for_errors}, "is empty; expected a PGM or PNG picture");
+  throw DataError({path_for_errors},
+                  "is no picture in a known format; convert it to PGM (P2, P5) or PNG");
+}
+
+Image read_image(const std::string& path) { return decode_image(read_whole_file(path), path); }
+
+void write_png(const std::string& path, const Image& image, int compression) {
+  write_file_atomically(path, encode_png(image, compression));
+}
+
+}  // namespace loopstone
