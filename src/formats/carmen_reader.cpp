@@ -37,7 +37,7 @@ class CarmenReader final : public LogReader {
         options_(std::move(options)),
         survey_(survey_of(file)),
         lines_(file.open(0)),
-        order_(survey_.scans_carry_odometry,
+        order_(survey_.scans_carry_odometry, survey_.early_stamp,
                [this](std::int64_t line, const std::string& reason) { skip(line, reason); }) {}
 
   std::optional<SensorMessage> next() override {
@@ -172,7 +172,7 @@ std::vector<std::string> CarmenReader::notes() const {
                     text("%.3f s; they were put in order", order_.largest_step_back().seconds()));
   }
   if (path_by_stamp_.length_m() > 1.1 * path_as_recorded_.length_m() + 1.0) {
-    notes.push_back(text("in the order of the stamps the robot runs to and fro: %.0f m instead of ",
+    notes.push_back(text("in the order of the stamps the scans run to and fro: %.0f m instead of ",
                          path_by_stamp_.length_m()) +
                     text("%.0f m; the order of the file is right and some stamps are wrong",
                          path_as_recorded_.length_m()));

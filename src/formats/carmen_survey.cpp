@@ -30,7 +30,7 @@ struct Sample {
   std::vector<Beam> beams{};
   std::vector<Pose2> front_mounts{};
   std::vector<Pose2> rear_mounts{};
-  int old_scans = 0;
+  std::vector<Stamp> stamps{};
 };
 
 void add_scan(const CarmenScan& scan, Sample& sample, CarmenSurvey& survey) {
@@ -40,8 +40,8 @@ void add_scan(const CarmenScan& scan, Sample& sample, CarmenSurvey& survey) {
     auto& mounts = lidar_of(scan.tag) == 0 ? sample.front_mounts : sample.rear_mounts;
     mounts.push_back(scan.odom_T_robot.inverse() * scan.odom_T_lidar);
   }
+  sample.stamps.push_back(scan.stamp);
   if (scan.beams) return;
-  ++sample.old_scans;
   for (std::size_t i = 0; i < scan.raw_ranges_m.size() && sample.beams.size() < kMostRanges; ++i) {
     const float range_m = scan.raw_ranges_m[i];
     if (range_m > 0.0F && std::isfinite(range_m)) {
@@ -79,7 +79,8 @@ void add_stretch(std::unique_ptr<ByteSource> source, bool from_middle, int scans
   }
 }
 
-double median(std::vector<double> values) {
+template <typename Value>
+Value median(std::vector<Value> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -155,6 +156,7 @@ CarmenSurvey survey_carmen(const CarmenFile& file) {
   const bool in_places = file.can_seek && total > kSmallFileBytes;
   add_stretch(std::move(source), false, in_places ? kScansPerPlace : kScansInOneStretch, sample,
               survey);
+  if (!sample.stamps.empty()) survey.early_stamp = median(sample.stamps);
   for (int place = 1; in_places && place < kPlaces; ++place) {
     add_stretch(file.open(total / kPlaces * place), true, kScansPerPlace, sample, survey);
   }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "formats/byte_source.hpp"
+#include "loopstone/base/stamp.hpp"
 #include "loopstone/geometry/pose2.hpp"
 
 namespace loopstone {
@@ -17,6 +18,8 @@ struct CarmenSurvey {
   bool any_record = false;  ///< at least one line that this reader understands
   bool any_scan = false;
   bool scans_carry_odometry = false;
+  std::optional<Stamp>
+      early_stamp{};  ///< of a scan near the beginning: the median of the first few
   bool pose_is_corrected =
       false;  ///< the first pose of the scans wanders against the second: not a mount
   bool made_by_a_mapper = false;  ///< NEFF and the like: the log is another program's result

@@ -220,7 +220,9 @@ std::vector<Finding> find_suspicious(const LogSummary& summary,
     const std::string text =
         fmt::format("{} of {} records are broken, repeated or out of order and are skipped",
                     summary.records_skipped, records);
-    if (share(summary.records_skipped, records) > 0.05) {
+    if (share(summary.records_skipped, records) > 0.5) {
+      findings.error(text);
+    } else if (share(summary.records_skipped, records) > 0.05) {
       findings.warn(text);
     } else {
       findings.note(text);

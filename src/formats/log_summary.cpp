@@ -42,8 +42,12 @@ class TimingCollector {
   }
 
   TimingSummary finish() {
-    const auto typical_s = static_cast<double>(median(intervals_s_));
-    if (typical_s > 0.0) timing_.rate_hz = 1.0 / typical_s;
+    // Recorders write in bursts: the median alone may be far below what is usual.
+    const double mean_s = timing_.records < 2 ? 0.0
+                                              : (timing_.last - timing_.first).seconds() /
+                                                    static_cast<double>(timing_.records - 1);
+    if (mean_s > 0.0) timing_.rate_hz = 1.0 / mean_s;
+    const double typical_s = std::max(mean_s, static_cast<double>(median(intervals_s_)));
     const double gap_s = std::max(0.5, 5.0 * typical_s);
     timing_.gaps = std::count_if(intervals_s_.begin(), intervals_s_.end(), [&](float interval_s) {
       return static_cast<double>(interval_s) > gap_s;

@@ -35,7 +35,9 @@ class StampOrder {
 
   /// \param scans_lead  scans move the clock, odometry waits for them; else every record moves it
   /// \param skip        told about every record that can't come out
-  StampOrder(bool scans_lead, std::function<void(std::int64_t line, const std::string&)> skip);
+  /// \param early       a stamp that the scans are known to have near the beginning, if any is known
+  StampOrder(bool scans_lead, std::optional<Stamp> early,
+             std::function<void(std::int64_t line, const std::string&)> skip);
 
   /// A scan's own odometry is pushed right after the scan.
   void push(OrderedRecord record);
@@ -67,6 +69,7 @@ class StampOrder {
   [[nodiscard]] Waiting take();
 
   bool scans_lead_;
+  std::optional<Stamp> early_;
   std::function<void(std::int64_t, const std::string&)> skip_;
   std::vector<Waiting> heap_;
   std::vector<OrderedRecord> pending_;

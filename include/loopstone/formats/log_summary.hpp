@@ -19,10 +19,10 @@ struct TimingSummary {
   std::int64_t records = 0;
   Stamp first{};
   Stamp last{};
-  double rate_hz = 0.0;  ///< 1 / the median interval; 0 with fewer than two records
+  double rate_hz = 0.0;  ///< mean over the log; 0 with fewer than two records
   double largest_gap_s = 0.0;
   Stamp largest_gap_at{};  ///< where it begins
-  std::int64_t gaps = 0;   ///< intervals of more than five medians and half a second
+  std::int64_t gaps = 0;   ///< intervals of more than five usual ones and half a second
 };
 
 /// How many beams said what.
