@@ -130,7 +130,8 @@ class Follower {
     const Eigen::Vector2d next =
         (pose * exp(Tangent2(Drive::kStep * speed_, 0.0, Drive::kStep * rate_))).translation();
     const double room = obstacles_.distance(next, radius_m_ + kDriveMargin);
-    if (room < radius_m_ + kDriveMargin && room <= obstacles_.distance(pose.translation(), 1.0)) {
+    if (room < radius_m_ + kDriveMargin &&
+        room <= obstacles_.distance(pose.translation(), radius_m_ + kDriveMargin)) {
       speed_ = 0.0;  // turn until the way is free
       rate_ =
           towards(rate_, std::clamp(2.0 * off, -options_.yaw_rate_rad_s, options_.yaw_rate_rad_s),

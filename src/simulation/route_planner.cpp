@@ -223,14 +223,14 @@ Path RoutePlanner::path_of(const std::vector<Cell>& cells) const {
 }
 
 Path RoutePlanner::smoothed(Path path) const {
+  const double enough = need_m_ + 0.1;  // where there is more room, some of it may be given up
   std::vector<double> clearance(path.size());
-  for (std::size_t i = 0; i < path.size(); ++i)
-    clearance[i] = obstacles_.distance(path[i], kClearanceCap);
+  for (std::size_t i = 0; i < path.size(); ++i) clearance[i] = obstacles_.distance(path[i], enough);
   for (int round = 0; round < kSmoothingRounds; ++round) {
     for (std::size_t i = 1; i + 1 < path.size(); ++i) {
       const Eigen::Vector2d candidate = 0.5 * path[i] + 0.25 * (path[i - 1] + path[i + 1]);
-      const double room = obstacles_.distance(candidate, kClearanceCap);
-      if (room >= std::min(clearance[i], need_m_ + 0.1)) {
+      const double room = obstacles_.distance(candidate, enough);
+      if (room >= clearance[i]) {
         path[i] = candidate;
         clearance[i] = room;
       }

@@ -19,7 +19,7 @@ constexpr double kRadius = 0.25;
 /// How near the drive comes to a point.
 double nearest_pass(const Drive& drive, const Eigen::Vector2d& point) {
   double nearest = 1e9;
-  for (double time = 0.0; time <= drive.duration_s(); time += 0.2) {
+  for (double time = 0.0; time <= drive.duration_s(); time += 0.4) {
     nearest = std::min(nearest, (drive.pose_at(time).translation() - point).norm());
   }
   return nearest;
@@ -80,7 +80,7 @@ TEST_P(BuiltInWorld, IsVisitedWithoutTouchingAnything) {
   const SurfaceIndex index(obstacles);
   double least = 1.0;
   for (double time = 0.0; time <= drive.duration_s(); time += 0.02) {
-    least = std::min(least, index.distance(drive.pose_at(time).translation(), 1.0));
+    least = std::min(least, index.distance(drive.pose_at(time).translation(), 0.3));
   }
   EXPECT_GE(least, kRadius);
 }
