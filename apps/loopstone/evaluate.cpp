@@ -4,10 +4,12 @@
 
 #include "bounds.hpp"
 #include "commands.hpp"
+#include "loopstone/evaluation/map_score.hpp"
 #include "loopstone/evaluation/relations.hpp"
 #include "loopstone/evaluation/trajectory_error.hpp"
 #include "loopstone/formats/decimal_stamp.hpp"
 #include "loopstone/formats/relations_file.hpp"
+#include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "result.hpp"
 
@@ -22,6 +24,9 @@ struct Arguments {
   std::string align = "se2";
   std::string rpe = "1m";
   std::string order = "measured-first";
+  std::string map;
+  std::string true_map;
+  double tolerance_m = 0.1;
   std::vector<std::string> require;
 };
 
@@ -32,6 +37,7 @@ outside its time is counted as missing.
 Examples:
   loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum
   loopstone evaluate --estimate out/trajectory.tum --relations intel.relations --json
+  loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum --map out/map.yaml --true-map sim/map.yaml
   loopstone evaluate --estimate a.tum --reference b.tum --require 'ate_rmse_m<=0.05'     exits with 3 if it is more)";
 
 struct Stretch {
@@ -144,17 +150,49 @@ void add_relations_error(Result& result, const Arguments& arguments, const Traje
   }
 }
 
+void add_map_score(Result& result, const Arguments& arguments, const Pose2& truth_T_map) {
+  const Grid<CellState> map = classify_cells(read_ros_map(arguments.map));
+  const Grid<CellState> truth = classify_cells(read_ros_map(arguments.true_map));
+  const MapScore score = score_map(map, truth, truth_T_map, arguments.tolerance_m);
+  result.add("map.precision", "map: occupied cells that are true", score.precision)
+      .add("map.recall", "map: true surfaces that were found", score.recall)
+      .add("map.f1", "map: F1 of both", score.f1)
+      .add("map.free_iou", "map: free space, intersection / union", score.free_iou)
+      .add("map.mean_distance_m", "map: occupied cell to the truth", score.mean_distance_m, "m")
+      .add("map.mean_gap_m", "map: true surface to the map", score.mean_gap_m, "m")
+      .add_json("map.tolerance_m", arguments.tolerance_m)
+      .add_json("map.occupied_cells", score.occupied_cells)
+      .add_json("map.surface_cells", score.surface_cells);
+}
+
+void check_usage(const Arguments& arguments) {
+  if (arguments.reference.empty() && arguments.relations.empty() && arguments.map.empty()) {
+    throw UsageError("evaluate needs something to compare with: --reference, --relations or --map");
+  }
+  if (arguments.estimate.empty() != (arguments.reference.empty() && arguments.relations.empty())) {
+    throw UsageError("--reference and --relations judge a trajectory: --estimate goes with them");
+  }
+  if (arguments.map.empty() != arguments.true_map.empty()) {
+    throw UsageError("--map and --true-map go together");
+  }
+}
+
 ExitCode run(const Arguments& arguments, const AppContext& context) {
   std::vector<Bound> bounds;
   for (const std::string& text : arguments.require) bounds.push_back(parse_bound(text));
-  if (arguments.reference.empty() && arguments.relations.empty()) {
-    throw UsageError("evaluate needs --reference or --relations to compare with");
-  }
+  check_usage(arguments);
 
   Result result;
-  const Trajectory estimate = read_tum(arguments.estimate);
-  if (!arguments.reference.empty()) add_trajectory_errors(result, arguments, estimate);
-  if (!arguments.relations.empty()) add_relations_error(result, arguments, estimate, context);
+  Pose2 truth_T_map;
+  if (!arguments.estimate.empty()) {
+    const Trajectory estimate = read_tum(arguments.estimate);
+    if (!arguments.reference.empty()) {
+      // The map stands in the estimate's frame, so what aligns the one aligns the other.
+      truth_T_map = add_trajectory_errors(result, arguments, estimate).reference_T_estimate;
+    }
+    if (!arguments.relations.empty()) add_relations_error(result, arguments, estimate, context);
+  }
+  if (!arguments.map.empty()) add_map_score(result, arguments, truth_T_map);
 
   const std::vector<std::string> missed = missed_bounds(bounds, result.json());
   result.print(context);
@@ -169,14 +207,25 @@ void add_evaluate_command(CLI::App& app, AppContext& context) {
   CLI::App* command =
       app.add_subcommand("evaluate", "Errors of a trajectory or a map against the truth");
   command->add_option("--estimate", arguments->estimate, "the trajectory to judge")
-      ->type_name("A.tum")
-      ->required();
+      ->type_name("A.tum");
   command->add_option("--reference", arguments->reference, "the true trajectory: ATE and RPE")
       ->type_name("B.tum");
   command
       ->add_option("--relations", arguments->relations,
                    "true relations (t1 t2 x y z roll pitch yaw): the metric of Kuemmerle 2009")
       ->type_name("FILE");
+  command->add_option("--map", arguments->map, "the map to judge, as map_server reads it")
+      ->type_name("A.yaml");
+  command
+      ->add_option("--true-map", arguments->true_map,
+                   "the true map; --reference's alignment is applied to --map")
+      ->type_name("B.yaml");
+  command
+      ->add_option("--tolerance", arguments->tolerance_m,
+                   "how far a wall may be off to count as found [m]")
+      ->type_name("M")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
   command
       ->add_option("--align", arguments->align,
                    "bring the estimate onto the reference first, or take it as it is")

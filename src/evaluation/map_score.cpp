@@ -93,6 +93,16 @@ double free_overlap(const Grid<CellState>& map, const Grid<CellState>& truth,
 
 }  // namespace
 
+Grid<CellState> classify_cells(const Grid<std::int8_t>& occupancy_percent) {
+  Grid<CellState> states(occupancy_percent.frame(), CellState::kUnknown);
+  for (std::size_t i = 0; i < states.cells().size(); ++i) {
+    const int percent = occupancy_percent.cells()[i];
+    if (percent >= 65) states.cells()[i] = CellState::kOccupied;
+    if (percent >= 0 && percent <= 20) states.cells()[i] = CellState::kFree;
+  }
+  return states;
+}
+
 MapScore score_map(const Grid<CellState>& map, const Grid<CellState>& truth,
                    const Pose2& truth_T_map, double tolerance_m, double largest_distance_m) {
   const Grid<std::uint8_t> occupied =

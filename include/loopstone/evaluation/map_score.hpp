@@ -10,6 +10,10 @@ namespace loopstone {
 /// What a map says about a cell.
 enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
 
+/// Cells that hold occupancy in percent, -1 where unknown (nav_msgs/OccupancyGrid): occupied from 65 up, free up to 20 (the
+/// thresholds of map_server), unknown between.
+[[nodiscard]] Grid<CellState> classify_cells(const Grid<std::int8_t>& occupancy_percent);
+
 /// How well a map agrees with the true one.
 struct MapScore {
   double precision =

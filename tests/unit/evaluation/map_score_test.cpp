@@ -26,6 +26,18 @@ Grid<CellState> room(double resolution, const Eigen::Vector2d& corner = {0.0, 0.
   return map;
 }
 
+TEST(ClassifyCells, FollowsTheThresholdsOfMapServer) {
+  GridFrame frame;
+  frame.columns = 6;
+  frame.rows = 1;
+  Grid<std::int8_t> percent(frame);
+  percent.cells() = {-1, 0, 20, 50, 65, 100};
+  const std::vector<CellState> expected{CellState::kUnknown,  CellState::kFree,
+                                        CellState::kFree,     CellState::kUnknown,
+                                        CellState::kOccupied, CellState::kOccupied};
+  EXPECT_EQ(classify_cells(percent).cells(), expected);
+}
+
 TEST(MapScore, OfTheTruthItselfIsPerfect) {
   const Grid<CellState> truth = room(0.1);
   const MapScore score = score_map(truth, truth);

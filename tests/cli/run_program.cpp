@@ -1,0 +1,63 @@
+#include "run_program.hpp"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "support/temp_dir.hpp"
+
+namespace loopstone::test {
+
+namespace {
+
+/// In the child: this descriptor becomes that file.
+void redirect(int descriptor, const char* path, int flags) {
+  const int file = ::open(path, flags, 0600);
+  if (file < 0 || ::dup2(file, descriptor) < 0) ::_exit(127);
+}
+
+}  // namespace
+
+ProgramResult run_program_into(const std::string& out_path,
+                               const std::vector<std::string>& arguments) {
+  const TempDir folder;
+  const std::string error_path = folder / "stderr";
+  std::vector<char*> argv;
+  std::string program = LOOPSTONE_PROGRAM;
+  std::vector<std::string> copies = arguments;
+  argv.push_back(program.data());
+  for (std::string& argument : copies) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) {
+    redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
+    redirect(STDOUT_FILENO, out_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC);
+    redirect(STDERR_FILENO, error_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC);
+    ::execv(program.c_str(), argv.data());
+    ::_exit(127);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ProgramResult result;
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.error = folder.read("stderr");
+  return result;
+}
+
+ProgramResult run_program(const std::vector<std::string>& arguments) {
+  const TempDir folder;
+  ProgramResult result = run_program_into(folder / "stdout", arguments);
+  result.out = folder.read("stdout");
+  return result;
+}
+
+std::size_t count_lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+}  // namespace loopstone::test

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace loopstone::test {
+
+struct ProgramResult {
+  int exit_code = -1;  ///< 128 + signal when a signal ended it
+  std::string out;
+  std::string error;
+};
+
+/// Runs the built program with these arguments and no standard input.
+[[nodiscard]] ProgramResult run_program(const std::vector<std::string>& arguments);
+
+/// The same with standard output going to a file, such as /dev/full.
+[[nodiscard]] ProgramResult run_program_into(const std::string& out_path,
+                                             const std::vector<std::string>& arguments);
+
+/// How many lines a text has.
+[[nodiscard]] std::size_t count_lines(const std::string& text);
+
+}  // namespace loopstone::test
