@@ -59,6 +59,8 @@ LoopCloser::LoopCloser(const LoopOptions& options, const SubmapOptions& submap, 
     : options_(options), submap_options_(submap), match_options_(match), threads_(threads) {}
 
 LoopCloser::~LoopCloser() = default;
+LoopCloser::LoopCloser(LoopCloser&&) noexcept = default;
+LoopCloser& LoopCloser::operator=(LoopCloser&&) noexcept = default;
 
 std::size_t LoopCloser::submap_count() const { return entries_.size(); }
 

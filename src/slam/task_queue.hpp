@@ -11,7 +11,7 @@
 namespace loopstone {
 
 /// Runs tasks one after the other, in the order given: on a thread of its own, or at once when not asked for one.
-/// An exception of a task ends the queue and is thrown by wait().
+/// After an exception nothing more is run until wait() has thrown it.
 class TaskQueue {
  public:
   explicit TaskQueue(bool own_thread) {
@@ -22,11 +22,17 @@ class TaskQueue {
 
   void run(std::function<void()> task) {
     if (!thread_.joinable()) {
-      task();
+      if (failure_) return;
+      try {
+        task();
+      } catch (...) {
+        failure_ = std::current_exception();
+      }
       return;
     }
     {
       const std::scoped_lock lock(mutex_);
+      if (failure_) return;
       tasks_.push_back(std::move(task));
     }
     changed_.notify_all();

@@ -46,6 +46,8 @@ class LoopCloser {
  public:
   LoopCloser(const LoopOptions& options, const SubmapOptions& submap, const GridMatchOptions& match, Threads threads);
   ~LoopCloser();
+  LoopCloser(LoopCloser&&) noexcept;
+  LoopCloser& operator=(LoopCloser&&) noexcept;
 
   /// \param travelled_m  along the path, at the submap's first key scan
   void add(FinishedSubmap submap, double travelled_m);
