@@ -46,11 +46,10 @@ class Nearness {
 
 void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal, float weight) {
   for (SurfaceSum& sum : cell.sums) {
-    const float length = std::hypot(sum.normal_x, sum.normal_y);
-    if (sum.weight != 0.0F &&
-        sum.normal_x * normal.x() + sum.normal_y * normal.y() <= kSameSurfaceCosine * length) {
-      continue;
-    }
+    const float dot = sum.normal_x * normal.x() + sum.normal_y * normal.y();
+    const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
+    const bool faces_alike = dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
+    if (sum.weight != 0.0F && !faces_alike) continue;
     sum.weight += weight;
     sum.x += weight * static_cast<float>(offset.x());
     sum.y += weight * static_cast<float>(offset.y());
@@ -120,7 +119,7 @@ FrozenSubmap Submap::freeze() const {
     for (const SurfaceSum& sum : sums.sums) {
       // Something seen once, without a normal, is as likely a passer-by as a wall.
       if (sum.weight < 0.6F) continue;
-      const float length = std::hypot(sum.normal_x, sum.normal_y);
+      const float length = std::sqrt(sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y);
       if (!(length > 0.0F)) continue;
       const Eigen::Vector2d centre = thin_surfaces_.centre_of(cell);
       frozen.surfaces.push_back({Eigen::Vector2f(static_cast<float>(centre.x()) + sum.x / sum.weight,
@@ -143,6 +142,11 @@ FrozenSubmap Submap::freeze() const {
     free_.for_each([&](Cell cell, std::uint8_t free) {
       if (free != 0) frozen.free[{cell.column - box.low_column, cell.row - box.low_row}] = 1;
     });
+    // Beams that graze a wall pass through its cells.
+    for (const SurfacePoint& surface : frozen.surfaces) {
+      const Cell cell = frozen.free.frame().cell_of(surface.position.cast<double>());
+      if (frozen.free.frame().contains(cell)) frozen.free[cell] = 0;
+    }
   }
   return frozen;
 }

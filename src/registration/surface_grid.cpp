@@ -10,16 +10,17 @@ namespace {
 /// Surfaces whose normals differ by more than 60 deg are different surfaces.
 constexpr float kSameSurfaceCosine = 0.5F;
 
-float cosine_to(const SurfaceSum& sum, float normal_x, float normal_y) {
+/// Whether a sum faces like a unit normal. Compares squares, so no root is needed.
+bool faces_like(const SurfaceSum& sum, float normal_x, float normal_y) {
   const float dot = sum.normal_x * normal_x + sum.normal_y * normal_y;
-  const float length = std::sqrt(sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y);
-  return length > 0.0F ? dot / length : -1.0F;
+  const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
+  return dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
 }
 
 /// The sum that a point belongs to: one that faces the same way, else an empty one, else none.
 SurfaceSum* sum_for(SurfaceCell& cell, float normal_x, float normal_y) {
   for (SurfaceSum& sum : cell.sums) {
-    if (sum.weight == 0.0F || cosine_to(sum, normal_x, normal_y) > kSameSurfaceCosine) return &sum;
+    if (sum.weight == 0.0F || faces_like(sum, normal_x, normal_y)) return &sum;
   }
   return nullptr;
 }
@@ -68,10 +69,10 @@ std::optional<SurfaceLine> SurfaceGrid::line_near(std::size_t level, const Eigen
   if (cell == nullptr) return {};
   for (const SurfaceSum& sum : cell->sums) {
     if (sum.weight == 0.0F) break;
-    const double length = std::hypot(sum.normal_x, sum.normal_y);
-    const Eigen::Vector2d line_normal(sum.normal_x / length, sum.normal_y / length);
-    if (line_normal.dot(normal) <= kSameSurfaceCosine) continue;
-    return SurfaceLine{grid.centre_of(at) + Eigen::Vector2d(sum.x, sum.y) / sum.weight, line_normal};
+    if (!faces_like(sum, static_cast<float>(normal.x()), static_cast<float>(normal.y()))) continue;
+    const Eigen::Vector2d total(sum.normal_x, sum.normal_y);
+    return SurfaceLine{grid.centre_of(at) + Eigen::Vector2d(sum.x, sum.y) / sum.weight,
+                       total / std::sqrt(total.squaredNorm())};
   }
   return {};
 }

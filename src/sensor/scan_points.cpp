@@ -23,44 +23,48 @@ struct Return {
   std::size_t beam = 0;
 };
 
-/// Moves what a beam saw from where the robot was then to where it was at the scan's stamp.
-class Deskew {
+/// Where the lidar was at each beam, in the frame of the robot at the scan's stamp. Goes from beam to beam by one small
+/// motion, so that no beam costs a sine.
+class MovingLidar {
  public:
-  Deskew(const LaserScan& scan, const Pose2& robot_T_lidar, const Tangent2& velocity)
-      : robot_T_lidar_(robot_T_lidar),
-        moves_(scan.time_increment_s != 0.0 && !velocity.isZero(0.0)),
-        step_(velocity * scan.time_increment_s) {}
-
-  [[nodiscard]] Pose2 robot_T_beam(std::size_t beam) const {
-    return moves_ ? exp(step_ * static_cast<double>(beam)) * robot_T_lidar_ : robot_T_lidar_;
+  MovingLidar(const LaserScan& scan, const Pose2& robot_T_lidar, const Tangent2& velocity)
+      : moves_(scan.time_increment_s != 0.0 && !velocity.isZero(0.0)),
+        rotation_(robot_T_lidar.rotation()),
+        translation_(robot_T_lidar.translation()) {
+    // robot_T_beam(i) = exp(i step) * robot_T_lidar = robot_T_lidar * exp(i step seen from the lidar)
+    const Pose2 step = robot_T_lidar.inverse() * exp(Tangent2(velocity * scan.time_increment_s)) * robot_T_lidar;
+    step_rotation_ = step.rotation();
+    step_translation_ = step.translation();
   }
-  [[nodiscard]] bool moves() const { return moves_; }
+
+  [[nodiscard]] const Eigen::Matrix2d& rotation() const { return rotation_; }
+  [[nodiscard]] const Eigen::Vector2d& translation() const { return translation_; }
+  void next_beam() {
+    if (!moves_) return;
+    translation_ += rotation_ * step_translation_;
+    rotation_ = (rotation_ * step_rotation_).eval();
+  }
 
  private:
-  Pose2 robot_T_lidar_;
   bool moves_;
-  Tangent2 step_;
+  Eigen::Matrix2d rotation_;
+  Eigen::Vector2d translation_;
+  Eigen::Matrix2d step_rotation_;
+  Eigen::Vector2d step_translation_;
 };
 
 std::vector<Return> returns_of(const LaserScan& scan, const Pose2& robot_T_lidar,
                                const Tangent2& velocity, double range_max_m,
                                const std::vector<Eigen::Vector2d>& directions) {
-  const Deskew deskew(scan, robot_T_lidar, velocity);
+  MovingLidar lidar(scan, robot_T_lidar, velocity);
   const double range_max = std::min(range_max_m, scan.range_max_m);
   std::vector<Return> returns;
   returns.reserve(scan.ranges_m.size());
-  Eigen::Matrix2d rotation = robot_T_lidar.rotation();
-  Eigen::Vector2d translation = robot_T_lidar.translation();
-  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i, lidar.next_beam()) {
     const double range = scan.ranges_m[i];
     if (!(range >= scan.range_min_m && range <= range_max && range > 0.0)) continue;
-    if (deskew.moves()) {
-      const Pose2 pose = deskew.robot_T_beam(i);
-      rotation = pose.rotation();
-      translation = pose.translation();
-    }
-    const Eigen::Vector2d direction = rotation * directions[i];
-    returns.push_back({translation + range * direction, direction, range, i});
+    const Eigen::Vector2d direction = lidar.rotation() * directions[i];
+    returns.push_back({lidar.translation() + range * direction, direction, range, i});
   }
   return returns;
 }

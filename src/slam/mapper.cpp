@@ -18,6 +18,32 @@ constexpr Duration kPatience{250'000'000};
 constexpr double kStillM = 0.01;
 constexpr double kStillRad = 0.005;
 
+/// What the user should know about the run, in plain words.
+std::vector<std::string> warnings_of(const MapResult& result, bool loop_closure) {
+  const MapStatistics& s = result.statistics;
+  std::vector<std::string> warnings;
+  const auto share = [&](std::int64_t count) {
+    return std::to_string(count) + " of " + std::to_string(s.scans) + " scans";
+  };
+  if (s.scans > 0 && result.odometry.empty()) {
+    warnings.emplace_back("no odometry in the log: the motion between scans is guessed from the last one");
+  }
+  if (s.scans_dropped > 0) {
+    warnings.push_back(share(s.scans_dropped) + " had too few returns to be used; odometry bridged them");
+  }
+  if (s.searches * 50 > s.scans) {
+    warnings.push_back(share(s.searches) + " fitted so badly that a search had to check them; look for places where the map is blurred");
+  }
+  if (s.degenerate_travel_m > 0.05 * s.path_length_m && s.degenerate_travel_m > 1.0) {
+    warnings.push_back(std::to_string(std::lround(s.degenerate_travel_m)) +
+                       " m of the path ran where the laser leaves one direction open (corridors); there the map is as long as odometry says");
+  }
+  if (loop_closure && s.loop_closures_accepted == 0 && s.path_length_m > 30.0) {
+    warnings.emplace_back("no place was recognised a second time: drift was not corrected");
+  }
+  return warnings;
+}
+
 }  // namespace
 
 /// The back end, fed through a queue so that it runs beside the front end when there is more than one thread.
@@ -185,6 +211,7 @@ MapResult Mapper::finish() {
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
   statistics.graph_cost = graph_cost(result.graph);
+  result.warnings = warnings_of(result, options_.loop_closure);
   return result;
 }
 
