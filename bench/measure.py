@@ -1,0 +1,126 @@
+"""What is measured: each function returns plain figures for one section of the tables."""
+import pathlib
+
+from program import Failed, median, say
+
+PIPELINES = [
+    ("scan to scan (baseline)", ["--pipeline", "scan_to_scan"]),
+    ("Loopstone without loop closing", ["--no-loop-closure"]),
+    ("Loopstone", []),
+]
+
+
+def map_row(loopstone, log, name, flags):
+    folder, summary, cost = loopstone.map(log, name, flags)
+    row = {**cost, "duration_s": summary["duration_s"], "closures": summary["loop_closures_accepted"],
+           "scans": summary["scans"]}
+    return folder, summary, row
+
+
+def relations_of(loopstone, trajectory, relations):
+    result = loopstone.evaluate("--estimate", trajectory, "--relations", relations)
+    return {"translation_m": result["translation_error_m"], "rotation_deg": result["rotation_error_deg"],
+            "pairs": result["pairs"], "pairs_missing": result["pairs_missing"]}
+
+
+def real_logs(loopstone, data):
+    """Relations error on recorded logs, for dead reckoning, the baseline and Loopstone; all with default options."""
+    logs = []
+    for name, title in [("intel", "Intel Research Lab"), ("aces", "ACES building"), ("mit-csail", "MIT CSAIL")]:
+        log = data / "carmen" / f"{name}.clf"
+        relations = data / "carmen" / f"{name}.relations"
+        if not log.exists():
+            say(f"  {log}: not there, skipped")
+            continue
+        rows = []
+        if relations.exists():
+            odometry = relations_of(loopstone, loopstone.odometry(log), relations)
+            rows.append({"system": "odometry alone", **odometry})
+        for system, flags in PIPELINES if relations.exists() else PIPELINES[-1:]:
+            say(f"  {title}: {system}")
+            folder, summary, row = map_row(loopstone, log, name, flags)
+            if relations.exists():
+                row |= relations_of(loopstone, folder / "trajectory.tum", relations)
+            rows.append({"system": system, **row})
+            if not flags:
+                loop = {"rejected": summary["loop_closures_rejected"], "area_m2": summary.get("map_area_m2")}
+        logs.append({"name": name, "title": title, "rows": rows, **loop})
+    return logs
+
+
+def ate_of(loopstone, estimate, sim, folder=None):
+    flags = ["--estimate", estimate, "--reference", sim / "truth.tum"]
+    if folder is not None:
+        flags += ["--map", folder / "map.yaml", "--true-map", sim / "map.yaml"]
+    return loopstone.evaluate(*flags)
+
+
+def simulated_run(loopstone, world, seed, flags, baseline):
+    sim = loopstone.simulate(world, seed, flags)
+    folder, summary, row = map_row(loopstone, sim, "sim", [])
+    errors = ate_of(loopstone, folder / "trajectory.tum", sim, folder)
+    row |= {"seed": seed, "ate_m": errors["ate_rmse_m"], "ate_rad": errors["ate_rmse_rad"],
+            "max_m": errors["ate_translation_m"]["max"], "f1": errors["map"]["f1"],
+            "path_m": summary["path_length_m"],
+            "odometry_m": ate_of(loopstone, folder / "odometry.tum", sim)["ate_rmse_m"]}
+    if baseline:
+        folder, _, cost = map_row(loopstone, sim, "baseline", ["--pipeline", "scan_to_scan"])
+        row |= {"baseline_m": ate_of(loopstone, folder / "trajectory.tum", sim)["ate_rmse_m"],
+                "baseline_cpu_s": cost["cpu_s"]}
+    return row
+
+
+SICK = ["--beams", "180", "--fov", "179"]
+CASES = [  # name, world, flags of simulate, seeds, seeds with --quick, seeds of the baseline
+    ("office", "office", [], 10, 2, 3),
+    ("office, 180 beams over 179 deg", "office", SICK, 3, 1, 1),
+    ("campus", "campus", [], 3, 1, 0),
+    ("rooms", "rooms", [], 1, 1, 0),
+    ("warehouse", "warehouse", [], 1, 1, 0),
+    ("corridor", "corridor", [], 1, 1, 0),
+]
+
+
+def simulated(loopstone, quick):
+    """Absolute trajectory error and map score where the truth is known."""
+    cases = []
+    for name, world, flags, seeds, few, baselines in CASES:
+        case = {"name": name, "world": world, "flags": flags, "runs": []}
+        for seed in range(1, (few if quick else seeds) + 1):
+            try:
+                run = simulated_run(loopstone, world, seed, flags, seed <= baselines)
+            except Failed as failure:
+                say(f"  {name} {seed}: FAILED\n{failure}")
+                run = {"seed": seed, "failed": True}
+            else:
+                say(f"  {name} {seed}: odometry {run['odometry_m']:.3f} m, Loopstone {run['ate_m']:.4f} m, "
+                    f"{run['cpu_s']:.1f} s CPU")
+            case["runs"].append(run)
+        cases.append(case)
+    return cases
+
+
+def speed(loopstone, data, repeats):
+    """The whole process on Intel, several times; the same log with one thread."""
+    log = data / "carmen" / "intel.clf"
+    if not log.exists():
+        say(f"  {log}: not there, skipped")
+        return None
+    result = {"repeats": repeats, "variants": []}
+    for name, flags in [("all processors", []), ("one thread", ["--threads", "1"])]:
+        costs = []
+        for _ in range(repeats):
+            _, summary, row = map_row(loopstone, log, "speed", flags)
+            costs.append(row)
+        say(f"  {name}: " + ", ".join(f"{row['wall_s']:.1f}" for row in costs) + " s wall")
+        variant = {key: median([row[key] for row in costs]) for key in ("wall_s", "cpu_s", "peak_mb")}
+        variant |= {"name": name, "flags": flags, "duration_s": summary["duration_s"],
+                    "fastest_wall_s": min(row["wall_s"] for row in costs),
+                    "stages": {key: value for key, value in summary.items()
+                               if key in ("front_end_s", "loop_closing_s", "optimisation_s", "rendering_s")}}
+        result["variants"].append(variant)
+    return result
+
+
+def data_folder(source, environment):
+    return pathlib.Path(environment.get("LOOPSTONE_DATA", source.parent / "shared" / "data"))

@@ -1,0 +1,85 @@
+"""Runs the program and measures what it takes: wall time, CPU time, peak memory, for the whole process."""
+import json
+import os
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import time
+
+MEGABYTE = 1e6
+
+
+class Failed(Exception):
+    """The program ended with an error; the text has the command and what it said."""
+
+
+def run(command, check=True):
+    """Runs a command; returns its stdout and what it took, as measured by the kernel for this one process."""
+    started = time.monotonic()
+    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    # stdout is small (a JSON object) and stderr quiet, so reading one after the other can't block.
+    output = process.stdout.read().decode()
+    errors = process.stderr.read().decode()
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    cost = {"wall_s": time.monotonic() - started, "cpu_s": usage.ru_utime + usage.ru_stime,
+            "peak_mb": usage.ru_maxrss * 1024 / MEGABYTE}
+    if check and process.returncode != 0:
+        raise Failed(f"{' '.join(map(str, command))}\nended with {process.returncode}\n{errors}")
+    return output, cost
+
+
+class Loopstone:
+    """The program, with the commands that the tables need. Outputs go into folders of their own under `work`."""
+
+    def __init__(self, program, work):
+        self.program = pathlib.Path(program)
+        self.work = pathlib.Path(work)
+        if not os.access(self.program, os.X_OK):
+            raise SystemExit(f"{self.program}: no such program; `make build` leaves it there")
+
+    def version(self):
+        return run([self.program, "--version"])[0].strip()
+
+    def simulate(self, world, seed, flags=()):
+        folder = self.work / "-".join(["sim", world, str(seed), *[str(f).strip("-") for f in flags]])
+        if not (folder / "truth.tum").exists():
+            run([self.program, "simulate", world, "-o", folder, "--seed", seed, *flags, "--force", "--quiet"])
+        return folder
+
+    def odometry(self, log):
+        path = self.work / "odometry.tum"
+        run([self.program, "odometry", log, "-o", path, "--quiet"])
+        return path
+
+    def map(self, log, name, flags=()):
+        """Maps a log; returns the output folder, the figures of summary.json and what the process took."""
+        folder = self.work / ("map-" + name)
+        _, cost = run([self.program, "map", log, "-o", folder, "--force", "--quiet", *flags])
+        return folder, json.loads((folder / "summary.json").read_text()), cost
+
+    def evaluate(self, *flags):
+        return json.loads(run([self.program, "evaluate", *flags, "--json", "--quiet"])[0])
+
+
+def machine():
+    """The processor and how many of it there are, and how busy it is."""
+    model = platform.processor() or platform.machine()
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as info:
+            names = [line.split(":", 1)[1].strip() for line in info if line.startswith("model name")]
+        model = names[0] if names else model
+    except OSError:
+        pass
+    count = len(os.sched_getaffinity(0))
+    return {"processor": model, "processors": count, "load": os.getloadavg()[0]}
+
+
+def median(values):
+    return statistics.median(values)
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,138 @@
+"""From measured figures to Markdown. Nothing is measured here, and no figure is typed here."""
+import targets
+from doc_blocks import table
+
+
+def provenance(section):
+    """What was run, where, and how busy the machine was."""
+    machine = section["machine"]
+    text = (f"`{section['command']}`, {section['version']}, {machine['processors']} x {machine['processor']}.")
+    if machine["load"] > 0.7:
+        text += (f" The machine was busy with other work (load {machine['load']:.1f} before the run), so wall times are"
+                 " longer than on a quiet one; CPU times suffer less.")
+    return text
+
+
+def targets_table(rows):
+    return table(["figure", "target", "measured", ""],
+                 [[name, target, measured, targets.verdict(met)] for name, target, measured, met in rows])
+
+
+def plus_minus(statistics, digits):
+    return f"{statistics['mean']:.{digits}f} +- {statistics['std']:.{digits}f}"
+
+
+def cost_cells(row):
+    if "cpu_s" not in row:
+        return ["", "", "", ""]
+    return [f"{row['cpu_s']:.1f}", f"{row['wall_s']:.1f}", f"{row['duration_s'] / row['wall_s']:.0f}",
+            f"{row['peak_mb']:.0f}"]
+
+
+COST_HEADER = ["CPU [s]>", "wall [s]>", "times real time>", "peak memory [MB]>"]
+
+
+def real_tables(section):
+    parts = [provenance(section), ""]
+    for log in section["figures"]:
+        rows = []
+        with_relations = "translation_m" in log["rows"][-1]
+        for row in log["rows"]:
+            cells = [row["system"]]
+            if with_relations:
+                cells += [plus_minus(row["translation_m"], 3), f"{row['translation_m']['median']:.3f}",
+                          plus_minus(row["rotation_deg"], 2)]
+            rows.append(cells + [str(row.get("closures", ""))] + cost_cells(row))
+        header = ["system"]
+        if with_relations:
+            header += ["translation [m]>", "median [m]>", "rotation [deg]>"]
+        mapped = log["rows"][-1]
+        intro = f"**{log['title']}**: {mapped['scans']} scans, {mapped['duration_s']:.0f} s."
+        if with_relations:
+            intro += f" {mapped['pairs']} relations compared, {mapped['pairs_missing']} missing."
+        else:
+            intro += " No independent relations exist for this log, so only what it took is stated."
+        parts += [intro, "", table(header + ["loop closures>"] + COST_HEADER, rows), ""]
+    parts += [targets_table(targets.of_real(section["figures"]))]
+    return "\n".join(parts)
+
+
+def summary_row(runs):
+    errors = sorted(run["ate_m"] for run in runs)
+    middle = errors[len(errors) // 2] if len(errors) % 2 else sum(errors[len(errors) // 2 - 1:][:2]) / 2
+    return f"Median {1000 * middle:.1f} mm, largest {1000 * errors[-1]:.1f} mm."
+
+
+def simulated_tables(section):
+    parts = [provenance(section), ""]
+    for case in section["figures"]:
+        good = [run for run in case["runs"] if not run.get("failed")]
+        baseline = any("baseline_m" in run for run in good)
+        header = ["seed>", "path [m]>", "odometry ATE [m]>"] + (["scan to scan ATE [m]>"] if baseline else [])
+        header += ["Loopstone ATE [m]>", "largest error [m]>", "heading [deg]>", "map F1>", "loop closures>",
+                   "times real time>", "peak memory [MB]>"]
+        rows = []
+        for run in case["runs"]:
+            if run.get("failed"):
+                rows.append([str(run["seed"]), "failed"] + [""] * (len(header) - 2))
+                continue
+            cells = [str(run["seed"]), f"{run['path_m']:.0f}", f"{run['odometry_m']:.2f}"]
+            if baseline:
+                cells += [f"{run['baseline_m']:.3f}" if "baseline_m" in run else ""]
+            cells += [f"{run['ate_m']:.4f}", f"{run['max_m']:.3f}", f"{57.29578 * run['ate_rad']:.3f}",
+                      f"{run['f1']:.3f}", str(run["closures"]), f"{run['duration_s'] / run['wall_s']:.0f}",
+                      f"{run['peak_mb']:.0f}"]
+            rows.append(cells)
+        command = " ".join(["loopstone simulate", case["world"], *case["flags"], "--seed N"])
+        parts += [f"**{case['name']}** (`{command}`). {summary_row(good) if good else ''}", "",
+                  table(header, rows), ""]
+    parts += [targets_table(targets.of_simulated(section["figures"]))]
+    return "\n".join(parts)
+
+
+def speed_tables(section):
+    speed = section["figures"]
+    rows = []
+    for run in speed["variants"]:
+        rows.append([run["name"], f"{run['wall_s']:.1f}", f"{run['fastest_wall_s']:.1f}", f"{run['cpu_s']:.1f}",
+                     f"{run['duration_s'] / run['wall_s']:.0f}", f"{run['peak_mb']:.0f}"])
+    parts = [provenance(section), "",
+             f"Intel, from the file to the written map and report; medians of {speed['repeats']} whole processes.", "",
+             table(["", "wall [s]>", "fastest wall [s]>", "CPU [s]>", "times real time>", "peak memory [MB]>"], rows),
+             "", targets_table(targets.of_speed(speed))]
+    return "\n".join(parts)
+
+
+STAGES = [("front_end_s", "front end: filter, predict, align, insert"),
+          ("loop_closing_s", "loop closing: search and refinement"),
+          ("optimisation_s", "pose graph"),
+          ("rendering_s", "final occupancy map")]
+
+
+def stage_table(section):
+    run = section["figures"]["variants"][-1]
+    known = [(title, run["stages"][key]) for key, title in STAGES if key in run["stages"]]
+    rest = run["wall_s"] - sum(seconds for _, seconds in known)
+    rows = [[title, f"{seconds:.2f}", f"{100 * seconds / run['wall_s']:.0f} %"] for title, seconds in known]
+    rows.append(["the rest: reading, writing, pictures, report", f"{rest:.2f}", f"{100 * rest / run['wall_s']:.0f} %"])
+    return "\n".join([f"Intel with one thread, last of {section['figures']['repeats']} runs.", "",
+                      table(["stage", "time [s]>", "share>"], rows)])
+
+
+def headline(sections):
+    rows = []
+    if "real" in sections:
+        for log in sections["real"]["figures"]:
+            row = log["rows"][-1]
+            if "translation_m" in row:
+                before = log["rows"][0]["translation_m"]["mean"]
+                rows.append([f"{log['title']} (recorded, {row['duration_s']:.0f} s)", "relations, mean", f"{before:.2f} m",
+                             f"{row['translation_m']['mean']:.3f} m", f"{row['wall_s']:.1f} s"])
+    if "simulated" in sections:
+        for case in sections["simulated"]["figures"]:
+            good = [run for run in case["runs"] if not run.get("failed")]
+            if case["name"] in ("office", "campus") and good:
+                worst = max(good, key=lambda run: run["ate_m"])
+                rows.append([f"{case['name']} (simulated, worst of {len(case['runs'])} seeds)", "ATE rmse",
+                             f"{worst['odometry_m']:.2f} m", f"{worst['ate_m']:.3f} m", f"{worst['wall_s']:.1f} s"])
+    return table(["log", "error", "odometry>", "Loopstone>", "time to map>"], rows)

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""Writes the parts of docs/command_line.md that the program itself knows: the help of every command and all options.
+
+  scripts/write_docs.py [--program build/release/bin/loopstone]            writes
+  scripts/write_docs.py [--program build/release/bin/loopstone] --check    tells whether the page is up to date (exit 1: no)
+"""
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+
+from doc_blocks import read_block, table, write_block
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs/command_line.md"
+
+
+def output_of(program, *arguments):
+    return subprocess.run([program, *arguments], check=True, stdout=subprocess.PIPE).stdout.decode()
+
+
+def commands_of(help_text):
+    listed = re.search(r"^Subcommands:\n((?:  .*\n)+)", help_text, re.M)
+    if not listed:
+        raise SystemExit("`loopstone --help` lists no subcommands")
+    return re.findall(r"^  (\w+)", listed.group(1), re.M)
+
+
+def help_block(title, text):
+    lines = [line.rstrip() for line in text.strip("\n").splitlines()]
+    return f"## {title}\n\n```text\n" + "\n".join(lines) + "\n```\n"
+
+
+def command_help(program):
+    general = output_of(program, "--help")
+    parts = [help_block("loopstone", general)]
+    for command in commands_of(general):
+        parts.append(help_block(f"loopstone {command}", output_of(program, command, "--help")))
+    return "\n".join(parts)
+
+
+def options_table(program):
+    """From the TOML of `loopstone config`: each option follows its help text, whose last brackets hold the rule."""
+    rows = []
+    group = ""
+    comment = ""
+    for line in output_of(program, "config").splitlines():
+        if line.startswith("["):
+            group = line.strip("[]") + "."
+        elif line.startswith("#"):
+            comment = (comment + " " + line.lstrip("# ")).strip()
+        elif "=" in line:
+            key, value = (part.strip() for part in line.split("=", 1))
+            meaning, rule = re.fullmatch(r"(.*?)(?: \(([^()]*)\))?", comment).groups()
+            rows.append([f"`{group}{key}`", f"`{value}`", rule or "", meaning])
+            comment = ""
+    if not rows:
+        raise SystemExit("`loopstone config` printed no options")
+    return table(["option", "default", "allowed", "meaning"], rows)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
+    parser.add_argument("--check", action="store_true")
+    arguments = parser.parse_args()
+
+    stale = []
+    for block, text in [("commands", command_help(arguments.program)), ("options", options_table(arguments.program))]:
+        if not arguments.check:
+            write_block(PAGE, block, text)
+            continue
+        written = read_block(PAGE, block)
+        if written is None or written.rstrip() != text.rstrip():
+            stale.append(block)
+    if stale:
+        page = PAGE.relative_to(ROOT)
+        sys.exit(f"{page}: out of date: {', '.join(stale)}. Run scripts/write_docs.py --program {arguments.program}")
+
+
+if __name__ == "__main__":
+    main()
