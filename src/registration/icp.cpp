@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "loopstone/base/error.hpp"
@@ -16,6 +17,9 @@ constexpr std::size_t kMinPairs = 3;
 constexpr std::size_t kNormalNeighbours = 7;
 constexpr double kNormalRadiusM = 0.6;
 constexpr double kLeastArmM = 1e-3;
+/// Pairs may change to and fro for ever. When the residuals have not shrunk by this share for so many steps, that is it.
+constexpr double kProgressShare = 0.002;
+constexpr int kPatientSteps = 5;
 
 enum class Metric { kPoint, kLine };
 
@@ -125,6 +129,17 @@ Eigen::Vector3d difference(const Pose2& pose, const Pose2& from) {
   return {pose.x - from.x, pose.y - from.y, wrap_angle(pose.yaw - from.yaw)};
 }
 
+double rmse_of(const std::vector<Pair>& pairs, Metric metric) {
+  double squared_sum = 0.0;
+  double weight_sum = 0.0;
+  for (const Pair& pair : pairs) {
+    const double residual = pair.residual(metric);
+    squared_sum += pair.weight * residual * residual;
+    weight_sum += pair.weight;
+  }
+  return std::sqrt(squared_sum / weight_sum);
+}
+
 /// Takes back what the pairs cannot tell: along unobserved directions the guess stands.
 void remap(MatchResult& result, const std::vector<Pair>& pairs, const Pose2& guess) {
   const Eigen::Vector3d kept =
@@ -136,20 +151,15 @@ void remap(MatchResult& result, const std::vector<Pair>& pairs, const Pose2& gue
 /// Fills in how well the pairs at the final pose agree.
 void judge(MatchResult& result, const std::vector<Pair>& pairs, std::size_t source_size,
            Metric metric, const IcpOptions& options) {
-  double squared_sum = 0.0;
-  double weight_sum = 0.0;
-  std::size_t explained = 0;
-  for (const Pair& pair : pairs) {
-    const double residual = pair.residual(metric);
-    squared_sum += pair.weight * residual * residual;
-    weight_sum += pair.weight;
-    if (std::abs(residual) <= 3.0 * options.point_sigma_m) ++explained;
-  }
+  const auto explained =
+      static_cast<std::size_t>(std::count_if(pairs.begin(), pairs.end(), [&](const Pair& pair) {
+        return std::abs(pair.residual(metric)) <= 3.0 * options.point_sigma_m;
+      }));
   const auto share = [source_size](std::size_t count) {
     return static_cast<double>(count) / static_cast<double>(source_size);
   };
   result.pairs = static_cast<int>(pairs.size());
-  result.rmse_m = std::sqrt(squared_sum / weight_sum);
+  result.rmse_m = rmse_of(pairs, metric);
   result.inlier_fraction = share(pairs.size());
   result.score = share(explained);
   const Observability observability = observability_of(pairs);
@@ -185,6 +195,8 @@ MatchResult match_icp(std::span<const Eigen::Vector2d> source, const IcpTarget& 
   result.status = MatchStatus::kNotConverged;
 
   auto pairs = find_pairs(source, target, result.target_T_source, metric, options);
+  double best_rmse_m = std::numeric_limits<double>::infinity();
+  int best_iteration = 0;
   while (result.iterations < options.max_iterations) {
     if (pairs.size() < kMinPairs) {
       return too_few_pairs(guess_target_T_source, pairs.size(), result.iterations);
@@ -196,6 +208,14 @@ MatchResult match_icp(std::span<const Eigen::Vector2d> source, const IcpTarget& 
     pairs = find_pairs(source, target, result.target_T_source, metric, options);
     const Eigen::Vector3d step = difference(result.target_T_source, before);
     if (step.head<2>().norm() < options.tolerance_m && std::abs(step.z()) < options.tolerance_rad) {
+      result.status = MatchStatus::kConverged;
+      break;
+    }
+    const double rmse_m = pairs.empty() ? 0.0 : rmse_of(pairs, metric);
+    if (rmse_m < (1.0 - kProgressShare) * best_rmse_m) {
+      best_rmse_m = rmse_m;
+      best_iteration = result.iterations;
+    } else if (result.iterations - best_iteration >= kPatientSteps) {
       result.status = MatchStatus::kConverged;
       break;
     }
