@@ -2,8 +2,8 @@
 
 namespace loopstone {
 
-GridFrame frame_covering(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
-                         double resolution, double margin_m) {
+GridFrame frame_covering(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double resolution,
+                         double margin_m) {
   const double first_column = std::floor((low.x() - margin_m) / resolution);
   const double first_row = std::floor((low.y() - margin_m) / resolution);
   const double last_column = std::floor((high.x() + margin_m) / resolution);

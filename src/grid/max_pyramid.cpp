@@ -26,8 +26,11 @@ MaxPyramid::MaxPyramid(const Grid<std::uint8_t>& grid, int levels, std::uint8_t 
   const std::size_t rows = rows_;
   std::vector<std::uint8_t> base(columns * rows, outside);
   for (int row = 0; row < frame_.rows; ++row) {
-    std::copy_n(grid.cells().begin() + static_cast<std::ptrdiff_t>(row) * frame_.columns, frame_.columns,
-                base.begin() + static_cast<std::ptrdiff_t>(row + margin_) * static_cast<std::ptrdiff_t>(columns) + margin_);
+    std::copy_n(
+        grid.cells().begin() + static_cast<std::ptrdiff_t>(row) * frame_.columns, frame_.columns,
+        base.begin() +
+            static_cast<std::ptrdiff_t>(row + margin_) * static_cast<std::ptrdiff_t>(columns) +
+            margin_);
   }
   levels_.push_back(std::move(base));
   std::vector<std::uint8_t> along_rows(columns * rows);
@@ -36,14 +39,17 @@ MaxPyramid::MaxPyramid(const Grid<std::uint8_t>& grid, int levels, std::uint8_t 
     const std::size_t shift = std::size_t{1} << (level - 1);
     const auto& below = levels_.back();
     for (std::size_t row = 0; row < rows; ++row) {
-      maximum_of_shifted(&below[row * columns], &along_rows[row * columns], columns, shift, outside);
+      maximum_of_shifted(&below[row * columns], &along_rows[row * columns], columns, shift,
+                         outside);
     }
     std::vector<std::uint8_t> next(columns * rows);
     for (std::size_t row = 0; row < rows; ++row) {
-      const std::uint8_t* upper = row + shift < rows ? &along_rows[(row + shift) * columns] : nothing.data();
+      const std::uint8_t* upper =
+          row + shift < rows ? &along_rows[(row + shift) * columns] : nothing.data();
       const std::uint8_t* lower = &along_rows[row * columns];
       std::uint8_t* out = &next[row * columns];
-      for (std::size_t column = 0; column < columns; ++column) out[column] = std::max(lower[column], upper[column]);
+      for (std::size_t column = 0; column < columns; ++column)
+        out[column] = std::max(lower[column], upper[column]);
     }
     levels_.push_back(std::move(next));
   }

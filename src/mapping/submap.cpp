@@ -23,7 +23,9 @@ constexpr double kBlurM = 0.1;
 /// Rays are walked for at most this many beams of a scan: enough to know the free space.
 constexpr std::size_t kMaxRays = 180;
 
-std::array<double, 2> level_resolutions(double finest_m) { return {finest_m, finest_m * kLevelRatio}; }
+std::array<double, 2> level_resolutions(double finest_m) {
+  return {finest_m, finest_m * kLevelRatio};
+}
 
 /// How near to a surface a cell counts as, by the squared distance of its centre in hundredths of the blur squared.
 class Nearness {
@@ -44,11 +46,13 @@ class Nearness {
   std::array<std::uint8_t, 625> values_{};  // out to 2.5 blurs
 };
 
-void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal, float weight) {
+void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal,
+            float weight) {
   for (SurfaceSum& sum : cell.sums) {
     const float dot = sum.normal_x * normal.x() + sum.normal_y * normal.y();
     const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
-    const bool faces_alike = dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
+    const bool faces_alike =
+        dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
     if (sum.weight != 0.0F && !faces_alike) continue;
     sum.weight += weight;
     sum.x += weight * static_cast<float>(offset.x());
@@ -83,12 +87,13 @@ Submap::Submap(const SubmapOptions& options)
       thin_surfaces_(kThinCellM),
       free_(options.free_cell_m) {}
 
-void Submap::insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan, const Pose2& robot_T_lidar,
-                    const Pose2& submap_T_robot, BeamTable& beams) {
+void Submap::insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
+                    const Pose2& robot_T_lidar, const Pose2& submap_T_robot, BeamTable& beams) {
   surfaces_.insert(surfaces, submap_T_robot);
   const Eigen::Matrix2d rotation = submap_T_robot.rotation();
   for (const SurfacePoint& surface : surfaces) {
-    const Eigen::Vector2d point = submap_T_robot.translation() + rotation * surface.position.cast<double>();
+    const Eigen::Vector2d point =
+        submap_T_robot.translation() + rotation * surface.position.cast<double>();
     const Eigen::Vector2f normal = (rotation * surface.normal.cast<double>()).cast<float>();
     const Cell cell = thin_surfaces_.cell_of(point.x(), point.y());
     add_to(thin_surfaces_.at(cell), point - thin_surfaces_.centre_of(cell), normal, surface.weight);
@@ -98,7 +103,8 @@ void Submap::insert(std::span<const SurfacePoint> surfaces, const LaserScan& sca
   const Eigen::Vector2d from = submap_T_lidar.translation();
   const Eigen::Matrix2d lidar_rotation = submap_T_lidar.rotation();
   const auto& directions = beams.directions(scan);
-  const std::size_t stride = std::max<std::size_t>(1, (directions.size() + kMaxRays - 1) / kMaxRays);
+  const std::size_t stride =
+      std::max<std::size_t>(1, (directions.size() + kMaxRays - 1) / kMaxRays);
   for (std::size_t i = 0; i < directions.size(); i += stride) {
     const double range = scan.ranges_m[i];
     double length = 0.0;
@@ -122,10 +128,11 @@ FrozenSubmap Submap::freeze() const {
       const float length = std::sqrt(sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y);
       if (!(length > 0.0F)) continue;
       const Eigen::Vector2d centre = thin_surfaces_.centre_of(cell);
-      frozen.surfaces.push_back({Eigen::Vector2f(static_cast<float>(centre.x()) + sum.x / sum.weight,
-                                                 static_cast<float>(centre.y()) + sum.y / sum.weight),
-                                 Eigen::Vector2f(sum.normal_x / length, sum.normal_y / length),
-                                 std::min(sum.weight, kMaxWeight)});
+      frozen.surfaces.push_back(
+          {Eigen::Vector2f(static_cast<float>(centre.x()) + sum.x / sum.weight,
+                           static_cast<float>(centre.y()) + sum.y / sum.weight),
+           Eigen::Vector2f(sum.normal_x / length, sum.normal_y / length),
+           std::min(sum.weight, kMaxWeight)});
     }
   });
 
@@ -134,11 +141,11 @@ FrozenSubmap Submap::freeze() const {
     if (free != 0) box.add(cell);
   });
   if (!box.empty()) {
-    frozen.free = Grid<std::uint8_t>(
-        GridFrame{.origin = {box.low_column * options_.free_cell_m, box.low_row * options_.free_cell_m},
-                  .resolution = options_.free_cell_m,
-                  .columns = box.high_column - box.low_column + 1,
-                  .rows = box.high_row - box.low_row + 1});
+    frozen.free = Grid<std::uint8_t>(GridFrame{
+        .origin = {box.low_column * options_.free_cell_m, box.low_row * options_.free_cell_m},
+        .resolution = options_.free_cell_m,
+        .columns = box.high_column - box.low_column + 1,
+        .rows = box.high_row - box.low_row + 1});
     free_.for_each([&](Cell cell, std::uint8_t free) {
       if (free != 0) frozen.free[{cell.column - box.low_column, cell.row - box.low_row}] = 1;
     });
@@ -162,12 +169,14 @@ MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options, double hal
   while (levels < 8 && (1 << levels) * options.search_cell_m <= half_window_m) ++levels;
   Eigen::Vector2d low = free.empty() ? Eigen::Vector2d(0.0, 0.0) : free.frame().origin;
   Eigen::Vector2d high = low;
-  if (!free.empty()) high += free.frame().resolution * Eigen::Vector2d(free.frame().columns, free.frame().rows);
+  if (!free.empty())
+    high += free.frame().resolution * Eigen::Vector2d(free.frame().columns, free.frame().rows);
   for (const SurfacePoint& surface : surfaces) {
     low = low.cwiseMin(surface.position.cast<double>());
     high = high.cwiseMax(surface.position.cast<double>());
   }
-  Grid<std::uint8_t> cells(frame_covering(low, high, options.search_cell_m, 3.0 * kBlurM), kUnknown);
+  Grid<std::uint8_t> cells(frame_covering(low, high, options.search_cell_m, 3.0 * kBlurM),
+                           kUnknown);
   const GridFrame& frame = cells.frame();
   if (!free.empty()) {
     std::vector<int> free_columns(static_cast<std::size_t>(frame.columns));
@@ -205,7 +214,8 @@ MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options, double hal
 std::vector<Eigen::Vector2d> FrozenSubmap::probe(std::size_t count) const {
   std::vector<Eigen::Vector2d> points;
   if (surfaces.empty()) return points;
-  const double stride = std::max(1.0, static_cast<double>(surfaces.size()) / static_cast<double>(count));
+  const double stride =
+      std::max(1.0, static_cast<double>(surfaces.size()) / static_cast<double>(count));
   for (double at = 0.0; at < static_cast<double>(surfaces.size()); at += stride) {
     points.push_back(surfaces[static_cast<std::size_t>(at)].position.cast<double>());
   }

@@ -15,11 +15,11 @@ using RotatedCells = std::vector<Cell>;
 
 /// The window cut into headings and whole-cell shifts around its centre.
 struct Lattice {
-  Eigen::Vector2d pivot;             // the source's centre of mass, source frame
-  Eigen::Vector2d pivot_in_target;   // where the window's centre puts it
+  Eigen::Vector2d pivot;            // the source's centre of mass, source frame
+  Eigen::Vector2d pivot_in_target;  // where the window's centre puts it
   std::vector<double> headings;
-  int half_cells = 0;                // shifts run over [-half_cells, half_cells] in column and row
-  std::vector<RotatedCells> cells;   // one entry a heading
+  int half_cells = 0;               // shifts run over [-half_cells, half_cells] in column and row
+  std::vector<RotatedCells> cells;  // one entry a heading
   double resolution_m = 0.0;
 
   [[nodiscard]] Pose2 pose_at(std::size_t heading, int column, int row) const {
@@ -79,7 +79,8 @@ std::int32_t block_sum(const MaxPyramid& target, const RotatedCells& cells, int 
 }
 
 bool is_excluded(const Pose2& pose, const std::optional<ExcludedPoses>& excluded) {
-  return excluded && std::hypot(pose.x - excluded->pose.x, pose.y - excluded->pose.y) < excluded->radius_m &&
+  return excluded &&
+         std::hypot(pose.x - excluded->pose.x, pose.y - excluded->pose.y) < excluded->radius_m &&
          std::abs(wrap_angle(pose.yaw - excluded->pose.yaw)) < excluded->half_yaw_rad;
 }
 
@@ -113,13 +114,14 @@ std::int32_t floor_of(double min_score, std::size_t points) {
 }
 
 double score_of(std::int32_t sum, std::size_t points) {
-  return (static_cast<double>(sum) / static_cast<double>(points) - kUnknown) / (kSurface - kUnknown);
+  return (static_cast<double>(sum) / static_cast<double>(points) - kUnknown) /
+         (kSurface - kUnknown);
 }
 
 class Search {
  public:
-  Search(const MaxPyramid& target, const Lattice& lattice, const std::optional<ExcludedPoses>& excluded,
-         std::int32_t floor)
+  Search(const MaxPyramid& target, const Lattice& lattice,
+         const std::optional<ExcludedPoses>& excluded, std::int32_t floor)
       : target_(target), lattice_(lattice), excluded_(excluded) {
     best_.bound = floor;
   }
@@ -154,7 +156,8 @@ class Search {
   [[nodiscard]] Block evaluated(Block block, int level) {
     ++evaluations_;
     // One less than the best, so that ties stay comparable.
-    block.bound = block_sum(target_, lattice_.cells[block.heading], level, block.column, block.row, best_.bound - 1);
+    block.bound = block_sum(target_, lattice_.cells[block.heading], level, block.column, block.row,
+                            best_.bound - 1);
     return block;
   }
 
@@ -172,7 +175,8 @@ class Search {
  private:
   /// Beats the best, or equals it and comes first. (A block's first shift is its earliest.)
   [[nodiscard]] bool may_win(const Block& block) const {
-    return block.bound > best_.bound || (found_ && block.bound == best_.bound && earlier(block, best_));
+    return block.bound > best_.bound ||
+           (found_ && block.bound == best_.bound && earlier(block, best_));
   }
 
   const MaxPyramid& target_;
@@ -185,14 +189,16 @@ class Search {
 
 }  // namespace
 
-SearchResult search_branch_and_bound(std::span<const Eigen::Vector2d> source, const MaxPyramid& target,
-                                     const SearchWindow& window, double min_score,
+SearchResult search_branch_and_bound(std::span<const Eigen::Vector2d> source,
+                                     const MaxPyramid& target, const SearchWindow& window,
+                                     double min_score,
                                      const std::optional<ExcludedPoses>& excluded) {
   if (source.empty()) return {};
   const Lattice lattice = make_lattice(source, target.frame(), window);
   // Blocks no larger than the window: a coarser start only loosens the bounds.
   int top_level = 0;
-  while (top_level + 1 < target.level_count() && (1 << (top_level + 1)) <= lattice.half_cells) ++top_level;
+  while (top_level + 1 < target.level_count() && (1 << (top_level + 1)) <= lattice.half_cells)
+    ++top_level;
   const int side = 1 << top_level;
 
   Search search(target, lattice, excluded, floor_of(min_score, source.size()));

@@ -44,7 +44,8 @@ Linearisation linearise(std::span<const SurfacePoint> source, const SurfaceGrid&
   for (const SurfacePoint& surface : source) {
     sum.total += surface.weight;
     const Eigen::Vector2d arm = rotation * surface.position.cast<double>();
-    const auto line = target.line_near(level, arm + translation, rotation * surface.normal.cast<double>());
+    const auto line =
+        target.line_near(level, arm + translation, rotation * surface.normal.cast<double>());
     if (!line) continue;
     const double residual = line->normal.dot(arm + translation - line->point);
     const double scaled2 = residual * residual * inverse_width2;
@@ -74,11 +75,15 @@ bool remove_unobserved(Linearisation& sum) {
   const double heading = sum.hessian(2, 2);
   if (!(heading > 0.0)) return true;
   const Eigen::Vector2d coupling = sum.hessian.topRightCorner<2, 1>();
-  const Eigen::Matrix2d translation = sum.hessian.topLeftCorner<2, 2>() - coupling * coupling.transpose() / heading;
+  const Eigen::Matrix2d translation =
+      sum.hessian.topLeftCorner<2, 2>() - coupling * coupling.transpose() / heading;
   const double middle = 0.5 * (translation(0, 0) + translation(1, 1));
-  const double spread = std::hypot(0.5 * (translation(0, 0) - translation(1, 1)), translation(0, 1));
-  if (middle - spread >= std::max(kDegenerateShare * (middle + spread), kDegeneratePoints)) return false;
-  const double strong = 0.5 * std::atan2(2.0 * translation(0, 1), translation(0, 0) - translation(1, 1));
+  const double spread =
+      std::hypot(0.5 * (translation(0, 0) - translation(1, 1)), translation(0, 1));
+  if (middle - spread >= std::max(kDegenerateShare * (middle + spread), kDegeneratePoints))
+    return false;
+  const double strong =
+      0.5 * std::atan2(2.0 * translation(0, 1), translation(0, 0) - translation(1, 1));
   Eigen::Vector3d open(-std::sin(strong), std::cos(strong), 0.0);
   open.z() = -coupling.dot(open.head<2>()) / heading;
   const Eigen::Vector3d along = sum.hessian * open;
@@ -102,7 +107,8 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
   bool converged = false;
   bool degenerate = false;
 
-  for (std::size_t above = std::min(coarsest_level, target.level_count() - 1) + 1; above > 0; --above) {
+  for (std::size_t above = std::min(coarsest_level, target.level_count() - 1) + 1; above > 0;
+       --above) {
     const std::size_t level = above - 1;
     const double width =
         options.kernel_width_m * target.resolution_m(level) / target.resolution_m(0);
@@ -134,13 +140,15 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
 
   result.target_T_source = pose;
   result.pairs = last.pairs;
-  result.inlier_fraction = source.empty() ? 0.0 : static_cast<double>(last.pairs) / static_cast<double>(source.size());
+  result.inlier_fraction =
+      source.empty() ? 0.0 : static_cast<double>(last.pairs) / static_cast<double>(source.size());
   result.score = last.total > 0.0 ? last.explained / last.total : 0.0;
   result.rmse_m = last.weight_sum > 0.0 ? std::sqrt(last.squared_sum / last.weight_sum) : 0.0;
   Eigen::Matrix3d invertible = information;
   invertible.diagonal() += Eigen::Vector3d::Constant(kDamping);
   result.covariance = invertible.ldlt().solve(Eigen::Matrix3d::Identity());
-  result.covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
+  result.covariance.diagonal() +=
+      Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
   if (degenerate) {
     result.status = MatchStatus::kDegenerate;
   } else {

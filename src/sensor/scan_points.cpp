@@ -32,7 +32,8 @@ class MovingLidar {
         rotation_(robot_T_lidar.rotation()),
         translation_(robot_T_lidar.translation()) {
     // robot_T_beam(i) = exp(i step) * robot_T_lidar = robot_T_lidar * exp(i step seen from the lidar)
-    const Pose2 step = robot_T_lidar.inverse() * exp(Tangent2(velocity * scan.time_increment_s)) * robot_T_lidar;
+    const Pose2 step =
+        robot_T_lidar.inverse() * exp(Tangent2(velocity * scan.time_increment_s)) * robot_T_lidar;
     step_rotation_ = step.rotation();
     step_translation_ = step.translation();
   }
@@ -129,11 +130,13 @@ bool stands_free(const std::vector<Return>& returns, std::size_t first, std::siz
 }
 
 /// Fits a line to the returns [first, last) and projects return i on it. Nothing when no line fits and none can be guessed.
-std::optional<SurfacePoint> fit_line(const std::vector<Return>& returns, const std::vector<Moments>& prefix,
-                                     const Runs& runs, std::size_t i, std::size_t first, std::size_t last) {
+std::optional<SurfacePoint> fit_line(const std::vector<Return>& returns,
+                                     const std::vector<Moments>& prefix, const Runs& runs,
+                                     std::size_t i, std::size_t first, std::size_t last) {
   const auto guess_along_beam = [&]() -> std::optional<SurfacePoint> {
     if (!stands_free(returns, runs.first[i], runs.last[i])) return {};
-    return SurfacePoint{returns[i].point.cast<float>(), (-returns[i].direction).cast<float>(), kGuessedNormalWeight};
+    return SurfacePoint{returns[i].point.cast<float>(), (-returns[i].direction).cast<float>(),
+                        kGuessedNormalWeight};
   };
   if (last - first < 3) return guess_along_beam();
   const Moments& low = prefix[first];
@@ -153,8 +156,7 @@ std::optional<SurfacePoint> fit_line(const std::vector<Return>& returns, const s
   const double line_angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
   Eigen::Vector2d normal(-std::sin(line_angle), std::cos(line_angle));
   if (normal.dot(returns[i].direction) > 0.0) normal = -normal;
-  const Eigen::Vector2d on_line =
-      returns[i].point - normal.dot(returns[i].point - mean) * normal;
+  const Eigen::Vector2d on_line = returns[i].point - normal.dot(returns[i].point - mean) * normal;
   return SurfacePoint{on_line.cast<float>(), normal.cast<float>(), 1.0F};
 }
 
@@ -201,8 +203,8 @@ std::vector<Eigen::Vector2d> scan_points(const LaserScan& scan, const Pose2& rob
 std::vector<SurfacePoint> surface_points(const LaserScan& scan, const Pose2& robot_T_lidar,
                                          const Tangent2& velocity, const SurfaceOptions& options,
                                          BeamTable& beams) {
-  const auto returns = returns_of(scan, robot_T_lidar, velocity, options.range_max_m,
-                                  beams.directions(scan));
+  const auto returns =
+      returns_of(scan, robot_T_lidar, velocity, options.range_max_m, beams.directions(scan));
   const double beam_spacing = std::abs(scan.angle_increment_rad);
   const auto runs = unbroken_runs(returns, beam_spacing);
   const auto prefix = prefix_moments(returns);
@@ -222,7 +224,8 @@ std::vector<SurfacePoint> surface_points(const LaserScan& scan, const Pose2& rob
         static_cast<std::size_t>(std::clamp(std::ceil(options.support_m / between), 1.0, 64.0));
     const std::size_t first = i - std::min(reach, i - runs.first[i]);
     const std::size_t last = std::min(i + reach + 1, runs.last[i]);
-    if (const auto surface = fit_line(returns, prefix, runs, i, first, last)) surfaces.push_back(*surface);
+    if (const auto surface = fit_line(returns, prefix, runs, i, first, last))
+      surfaces.push_back(*surface);
   }
   return surfaces;
 }

@@ -24,7 +24,8 @@ constexpr double kHuberWidth = 1.5;
 /// Rounds of looking everywhere with ever better poses.
 constexpr int kFinalRounds = 2;
 
-RelativePoseEdge chain_edge(int from, const KeyScan& previous, const Pose2& previous_pose, const KeyScan& next) {
+RelativePoseEdge chain_edge(int from, const KeyScan& previous, const Pose2& previous_pose,
+                            const KeyScan& next) {
   const Pose2 motion = previous_pose.inverse() * next.local_T_robot;
   const double distance = std::hypot(motion.x, motion.y);
   const double sigma = kChainRestM + kChainShare * distance;
@@ -42,7 +43,8 @@ RelativePoseEdge chain_edge(int from, const KeyScan& previous, const Pose2& prev
 }  // namespace
 
 BackEnd::BackEnd(const MapOptions& options, Threads threads)
-    : loop_closure_(options.loop_closure), loops_(options.loop, options.submap, options.match, threads) {}
+    : loop_closure_(options.loop_closure),
+      loops_(options.loop, options.submap, options.match, threads) {}
 
 void BackEnd::add_key(const KeyScan& key) {
   if (keys_.empty()) {
@@ -51,7 +53,8 @@ void BackEnd::add_key(const KeyScan& key) {
   } else {
     const Pose2& before = keys_.back().local_T_robot;
     const Pose2 motion = before.inverse() * key.local_T_robot;
-    graph_.edges.push_back(chain_edge(static_cast<int>(keys_.size()) - 1, keys_.back(), before, key));
+    graph_.edges.push_back(
+        chain_edge(static_cast<int>(keys_.size()) - 1, keys_.back(), before, key));
     graph_.poses.push_back(graph_.poses.back() * motion);
     travelled_m_.push_back(travelled_m_.back() + std::hypot(motion.x, motion.y));
   }
@@ -81,11 +84,13 @@ void BackEnd::finish() {
 }
 
 void BackEnd::take(std::vector<LoopClosure> found) {
-  const bool news = std::any_of(found.begin(), found.end(), [](const LoopClosure& c) { return c.accepted; });
+  const bool news =
+      std::any_of(found.begin(), found.end(), [](const LoopClosure& c) { return c.accepted; });
   for (auto& closure : found) {
     // What was tried before and failed is replaced by the newer attempt.
     std::erase_if(closures_, [&](const LoopClosure& old) {
-      return !old.accepted && old.from_submap == closure.from_submap && old.to_submap == closure.to_submap;
+      return !old.accepted && old.from_submap == closure.from_submap &&
+             old.to_submap == closure.to_submap;
     });
     closures_.push_back(std::move(closure));
   }
@@ -108,10 +113,12 @@ void BackEnd::solve() {
     for (auto& closure : closures_) {
       if (!closure.accepted) continue;
       const auto edge = loops_.edge_of(closure);
-      const Eigen::Vector3d error = edge_error(edge, graph_.poses[static_cast<std::size_t>(edge.from.index)],
-                                               graph_.poses[static_cast<std::size_t>(edge.to.index)]);
+      const Eigen::Vector3d error =
+          edge_error(edge, graph_.poses[static_cast<std::size_t>(edge.from.index)],
+                     graph_.poses[static_cast<std::size_t>(edge.to.index)]);
       closure.chi2 = error.dot(edge.information * error);
-      if (closure.chi2 > kRevokeChi2 && (worst == nullptr || closure.chi2 > worst->chi2)) worst = &closure;
+      if (closure.chi2 > kRevokeChi2 && (worst == nullptr || closure.chi2 > worst->chi2))
+        worst = &closure;
     }
     if (worst == nullptr) break;
     worst->accepted = false;

@@ -1,7 +1,6 @@
 #include "loopstone/slam/loop_closer.hpp"
 
 #include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -54,8 +53,8 @@ struct LoopCloser::Pair {
   double distance_m;
 };
 
-LoopCloser::LoopCloser(const LoopOptions& options, const SubmapOptions& submap, const GridMatchOptions& match,
-                       Threads threads)
+LoopCloser::LoopCloser(const LoopOptions& options, const SubmapOptions& submap,
+                       const GridMatchOptions& match, Threads threads)
     : options_(options), submap_options_(submap), match_options_(match), threads_(threads) {}
 
 LoopCloser::~LoopCloser() = default;
@@ -76,7 +75,8 @@ void LoopCloser::add(FinishedSubmap submap, double travelled_m) {
     for (const auto& surface : surfaces) entry.centre += surface.position.cast<double>();
     entry.centre /= static_cast<double>(surfaces.size());
     double sum = 0.0;
-    for (const auto& surface : surfaces) sum += (surface.position.cast<double>() - entry.centre).squaredNorm();
+    for (const auto& surface : surfaces)
+      sum += (surface.position.cast<double>() - entry.centre).squaredNorm();
     entry.radius_m = std::sqrt(sum / static_cast<double>(surfaces.size()));
   }
   entries_.push_back(std::move(entry));
@@ -119,24 +119,28 @@ std::vector<double> LoopCloser::travel_between(std::size_t from) const {
   return travel;
 }
 
-std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer, std::span<const Pose2> map_T_key) const {
+std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer,
+                                                         std::span<const Pose2> map_T_key) const {
   std::vector<Pair> pairs;
   const Entry& query = entries_[newer];
   const Pose2 map_T_newer = map_T_key[query.first_key];
   const Eigen::Vector2d centre = map_T_newer * query.centre;
   const auto travel = travel_between(newer);
   for (std::size_t older = 0; older + kNeighbours < newer; ++older) {
-    const bool closed = std::any_of(standing_.begin(), standing_.end(), [&](const LoopClosure& closure) {
-      return closure.from_submap == older && closure.to_submap == newer;
-    });
+    const bool closed =
+        std::any_of(standing_.begin(), standing_.end(), [&](const LoopClosure& closure) {
+          return closure.from_submap == older && closure.to_submap == newer;
+        });
     if (closed) continue;
     const Entry& target = entries_[older];
     const Pose2 map_T_older = map_T_key[target.first_key];
     Pair pair{.older = older,
               .newer = newer,
               .older_T_newer = map_T_older.inverse() * map_T_newer,
-              .half_xy_m = std::min(kRestM + options_.drift_per_m * travel[older], options_.max_half_xy_m),
-              .half_yaw_rad = std::min(kRestRad + options_.drift_rad_per_m * travel[older], kMaxHalfYawRad),
+              .half_xy_m =
+                  std::min(kRestM + options_.drift_per_m * travel[older], options_.max_half_xy_m),
+              .half_yaw_rad =
+                  std::min(kRestRad + options_.drift_rad_per_m * travel[older], kMaxHalfYawRad),
               .distance_m = (centre - map_T_older * target.centre).norm()};
     if (pair.distance_m > 0.7 * (query.radius_m + target.radius_m) + pair.half_xy_m) continue;
     if (was_tried(pair)) continue;
@@ -193,8 +197,9 @@ std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
     // In a small window there is no elsewhere.
     SearchResult second;
     if (pair.half_xy_m > 0.5 * kElsewhereM || pair.half_yaw_rad > 0.5 * kElsewhereRad) {
-      second = search_branch_and_bound(probe, pyramid, window, options_.max_ambiguity * best.score,
-                                       ExcludedPoses{best.target_T_source, kElsewhereM, kElsewhereRad});
+      second =
+          search_branch_and_bound(probe, pyramid, window, options_.max_ambiguity * best.score,
+                                  ExcludedPoses{best.target_T_source, kElsewhereM, kElsewhereRad});
     }
     closure.second_score = second.found ? second.score : 0.0;
 
@@ -203,11 +208,13 @@ std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
         match_to_grid(query.submap.surfaces, surfaces, best.target_T_source, {}, match_options_, 0);
     closure.from_T_to = match.target_T_source;
     closure.covariance = match.covariance;
-    closure.covariance.diagonal() += Eigen::Vector3d(kBendM * kBendM, kBendM * kBendM, kBendRad * kBendRad);
+    closure.covariance.diagonal() +=
+        Eigen::Vector3d(kBendM * kBendM, kBendM * kBendM, kBendRad * kBendRad);
 
     std::size_t seen = 0;
     for (const auto& surface : query.submap.surfaces) {
-      const Cell cell = pyramid.frame().cell_of(match.target_T_source * surface.position.cast<double>().eval());
+      const Cell cell =
+          pyramid.frame().cell_of(match.target_T_source * surface.position.cast<double>().eval());
       if (pyramid.bound(0, cell.column, cell.row) != kUnknown) ++seen;
     }
     closure.overlap = static_cast<double>(seen) / static_cast<double>(query.submap.surfaces.size());

@@ -26,17 +26,22 @@ std::vector<std::string> warnings_of(const MapResult& result, bool loop_closure)
     return std::to_string(count) + " of " + std::to_string(s.scans) + " scans";
   };
   if (s.scans > 0 && result.odometry.empty()) {
-    warnings.emplace_back("no odometry in the log: the motion between scans is guessed from the last one");
+    warnings.emplace_back(
+        "no odometry in the log: the motion between scans is guessed from the last one");
   }
   if (s.scans_dropped > 0) {
-    warnings.push_back(share(s.scans_dropped) + " had too few returns to be used; odometry bridged them");
+    warnings.push_back(share(s.scans_dropped) +
+                       " had too few returns to be used; odometry bridged them");
   }
   if (s.searches * 50 > s.scans) {
-    warnings.push_back(share(s.searches) + " fitted so badly that a search had to check them; look for places where the map is blurred");
+    warnings.push_back(share(s.searches) +
+                       " fitted so badly that a search had to check them; look for places where "
+                       "the map is blurred");
   }
   if (s.degenerate_travel_m > 0.05 * s.path_length_m && s.degenerate_travel_m > 1.0) {
     warnings.push_back(std::to_string(std::lround(s.degenerate_travel_m)) +
-                       " m of the path ran where the laser leaves one direction open (corridors); there the map is as long as odometry says");
+                       " m of the path ran where the laser leaves one direction open (corridors); "
+                       "there the map is as long as odometry says");
   }
   if (loop_closure && s.loop_closures_accepted == 0 && s.path_length_m > 30.0) {
     warnings.emplace_back("no place was recognised a second time: drift was not corrected");
@@ -123,7 +128,8 @@ void Mapper::add_scan(LaserScan scan) {
                     .local_T_robot = tracked.local_T_robot,
                     .local_T_robot_end = tracked.local_T_robot,
                     .odom_T_robot = odom_T_robot};
-  const double sweep_s = record.scan.time_increment_s * static_cast<double>(record.scan.ranges_m.size());
+  const double sweep_s =
+      record.scan.time_increment_s * static_cast<double>(record.scan.ranges_m.size());
   if (!records_.empty()) {
     const ScanRecord& before = records_.back();
     const Pose2 motion = before.local_T_robot.inverse() * tracked.local_T_robot;
@@ -132,7 +138,8 @@ void Mapper::add_scan(LaserScan scan) {
     if (tracked.status == MatchStatus::kDegenerate) statistics_.degenerate_travel_m += distance;
     const double seconds = (record.scan.stamp - before.scan.stamp).seconds();
     if (sweep_s != 0.0 && seconds > 0.0) {
-      record.local_T_robot_end = tracked.local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
+      record.local_T_robot_end =
+          tracked.local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
     }
   }
   if (tracked.key) {
@@ -143,7 +150,8 @@ void Mapper::add_scan(LaserScan scan) {
 
   // Standing still adds nothing to the map.
   const Pose2 since = last_mapped_.inverse() * tracked.local_T_robot;
-  record.mapped = tracked.used && (tracked.key || std::hypot(since.x, since.y) > kStillM || std::abs(since.yaw) > kStillRad);
+  record.mapped = tracked.used && (tracked.key || std::hypot(since.x, since.y) > kStillM ||
+                                   std::abs(since.yaw) > kStillRad);
   if (record.mapped) {
     last_mapped_ = tracked.local_T_robot;
   } else {
@@ -206,7 +214,8 @@ MapResult Mapper::finish() {
     ++(closure.accepted ? statistics.loop_closures_accepted : statistics.loop_closures_rejected);
   }
   if (!result.trajectory.empty()) {
-    statistics.duration_s = (result.trajectory.back().stamp - result.trajectory.front().stamp).seconds();
+    statistics.duration_s =
+        (result.trajectory.back().stamp - result.trajectory.front().stamp).seconds();
   }
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();

@@ -1,11 +1,11 @@
 #include "loopstone/slam/scan_to_scan.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "loopstone/sensor/scan_points.hpp"
+#include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
 
 namespace loopstone {
@@ -15,21 +15,8 @@ namespace {
 /// A scan waits this long for odometry of its time.
 constexpr Duration kPatience{250'000'000};
 constexpr std::size_t kMinPoints = 10;
-/// A match farther from where odometry expects it than this is not believed.
-constexpr double kGateM = 0.5;
-constexpr double kGateRad = 0.35;
-/// What a match is uncertain by at least: neighbouring points err alike, so their number does not average all away.
-constexpr double kFloorM = 0.005;
-constexpr double kFloorRad = 0.002;
-/// How sure a motion is that nothing measured: the motion of the pair before stands in.
-constexpr double kGuessedSigmaM = 0.3;
-constexpr double kGuessedSigmaRad = 0.2;
 /// Between two looks at the progress callback.
 constexpr std::size_t kBatch = 256;
-
-Eigen::Matrix3d diagonal(double sigma_m, double sigma_rad) {
-  return Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal();
-}
 
 /// Every point that is not too near to the last one kept.
 std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector2d>& points, double spacing_m) {
@@ -38,36 +25,6 @@ std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector2d>& points,
     if (result.empty() || (point - result.back()).norm() >= spacing_m) result.push_back(point);
   }
   return result;
-}
-
-/// From the covariance of (x, y, yaw) of from_T_to, axes of `from`, to the information of the edge's error, axes of `to`.
-RelativePoseEdge edge_between(int from, int to, const PoseWithCovariance2& from_T_to,
-                              EdgeKind kind) {
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = from_T_to.pose.rotation().transpose();
-  const Eigen::Matrix3d information = (turn * from_T_to.covariance * turn.transpose()).inverse();
-  return {NodeId{from}, NodeId{to}, from_T_to.pose, 0.5 * (information + information.transpose()),
-          kind};
-}
-
-bool near(const Pose2& pose, const Pose2& expected) {
-  const Pose2 off = expected.inverse() * pose;
-  return std::hypot(off.x, off.y) <= kGateM && std::abs(off.yaw) <= kGateRad;
-}
-
-/// What a match is worth beside odometry (or a guess): nothing; or the match, with odometry's word where walls say nothing.
-std::optional<PoseWithCovariance2> believed(const MatchResult& match,
-                                            const PoseWithCovariance2& expected) {
-  const bool usable =
-      match.status == MatchStatus::kConverged || match.status == MatchStatus::kDegenerate;
-  if (!usable || !near(match.target_T_source, expected.pose)) return std::nullopt;
-  Eigen::Matrix3d covariance = match.covariance + diagonal(kFloorM, kFloorRad);
-  if (match.status == MatchStatus::kDegenerate) {
-    // Along the open direction the pose is odometry's, and so is the covariance.
-    const Eigen::Matrix3d wide = expected.covariance + diagonal(kFloorM, kFloorRad);
-    covariance = (covariance.inverse() + wide.inverse()).inverse();
-  }
-  return PoseWithCovariance2{match.target_T_source, covariance};
 }
 
 }  // namespace
@@ -186,12 +143,10 @@ ScanToScanMapper::Links ScanToScanMapper::match_consecutive(
       if (begin + k > 0 && node.before_T_node) found[k] = match(begin + k, *node.before_T_node);
     });
     for (std::size_t i = std::max<std::size_t>(begin, 1); i < end; ++i) {
-      PoseWithCovariance2 expected{links.consecutive[i - 1].pose,
-                                   diagonal(kGuessedSigmaM, kGuessedSigmaRad)};
+      PoseWithCovariance2 expected = guessed_motion(links.consecutive[i - 1].pose);
       auto& motion = found[i - begin];
       if (nodes_[i].before_T_node) {
-        expected = *nodes_[i].before_T_node;
-        expected.covariance += diagonal(kFloorM, kFloorRad);
+        expected = with_floor(*nodes_[i].before_T_node);
       } else {
         motion = match(i, expected);
       }

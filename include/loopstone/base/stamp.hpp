@@ -13,9 +13,7 @@ struct Duration {
   [[nodiscard]] static Duration from_seconds(double seconds) {
     return {static_cast<std::int64_t>(std::llround(seconds * 1e9))};
   }
-  [[nodiscard]] constexpr double seconds() const {
-    return static_cast<double>(nanoseconds) * 1e-9;
-  }
+  [[nodiscard]] constexpr double seconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
   friend constexpr auto operator<=>(const Duration&, const Duration&) = default;
 };
 
@@ -29,9 +27,7 @@ struct Stamp {
   [[nodiscard]] static Stamp from_seconds(double seconds) {
     return {static_cast<std::int64_t>(std::llround(seconds * 1e9))};
   }
-  [[nodiscard]] constexpr double seconds() const {
-    return static_cast<double>(nanoseconds) * 1e-9;
-  }
+  [[nodiscard]] constexpr double seconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
   friend constexpr auto operator<=>(const Stamp&, const Stamp&) = default;
 };
 

@@ -9,8 +9,8 @@ namespace loopstone {
 
 /// A rigid motion of space, SE(3). `a_T_b` maps coordinates of frame b to frame a.
 struct Pose3 {
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();            ///< [m]
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();     ///< unit
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< [m]
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit
 
   [[nodiscard]] Pose3 inverse() const;
   /// REP-103 fixed axes: rotation = Rz(yaw) * Ry(pitch) * Rx(roll) [rad].

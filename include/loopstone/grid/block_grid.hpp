@@ -18,7 +18,8 @@ class BlockGrid {
   static constexpr int kBlockBits = 4;
   static constexpr int kBlockSide = 1 << kBlockBits;
 
-  explicit BlockGrid(double resolution_m) : resolution_m_(resolution_m), inverse_(1.0 / resolution_m) {}
+  explicit BlockGrid(double resolution_m)
+      : resolution_m_(resolution_m), inverse_(1.0 / resolution_m) {}
 
   [[nodiscard]] double resolution_m() const { return resolution_m_; }
 
@@ -37,8 +38,9 @@ class BlockGrid {
         static_cast<unsigned>(block_row) >= static_cast<unsigned>(block_rows_)) {
       return nullptr;
     }
-    const std::int32_t block = directory_[static_cast<std::size_t>(block_row) * static_cast<std::size_t>(block_columns_) +
-                                          static_cast<std::size_t>(block_column)];
+    const std::int32_t block =
+        directory_[static_cast<std::size_t>(block_row) * static_cast<std::size_t>(block_columns_) +
+                   static_cast<std::size_t>(block_column)];
     if (block < 0) return nullptr;
     return &cells_[offset_in(block, cell)];
   }
@@ -48,7 +50,8 @@ class BlockGrid {
     const Cell block_cell{cell.column >> kBlockBits, cell.row >> kBlockBits};
     if (!covers(block_cell)) grow_to(block_cell);
     std::int32_t& block =
-        directory_[static_cast<std::size_t>(block_cell.row - first_block_.row) * static_cast<std::size_t>(block_columns_) +
+        directory_[static_cast<std::size_t>(block_cell.row - first_block_.row) *
+                       static_cast<std::size_t>(block_columns_) +
                    static_cast<std::size_t>(block_cell.column - first_block_.column)];
     if (block < 0) {
       block = static_cast<std::int32_t>(cells_.size() / kBlockCells);
@@ -62,13 +65,16 @@ class BlockGrid {
   void for_each(Visitor&& visit) const {
     for (int row = 0; row < block_rows_; ++row) {
       for (int column = 0; column < block_columns_; ++column) {
-        const std::int32_t block = directory_[static_cast<std::size_t>(row) * static_cast<std::size_t>(block_columns_) +
-                                              static_cast<std::size_t>(column)];
+        const std::int32_t block =
+            directory_[static_cast<std::size_t>(row) * static_cast<std::size_t>(block_columns_) +
+                       static_cast<std::size_t>(column)];
         if (block < 0) continue;
         for (int inner = 0; inner < kBlockCells; ++inner) {
-          const Cell cell{((column + first_block_.column) << kBlockBits) + (inner & (kBlockSide - 1)),
-                          ((row + first_block_.row) << kBlockBits) + (inner >> kBlockBits)};
-          visit(cell, cells_[static_cast<std::size_t>(block) * kBlockCells + static_cast<std::size_t>(inner)]);
+          const Cell cell{
+              ((column + first_block_.column) << kBlockBits) + (inner & (kBlockSide - 1)),
+              ((row + first_block_.row) << kBlockBits) + (inner >> kBlockBits)};
+          visit(cell, cells_[static_cast<std::size_t>(block) * kBlockCells +
+                             static_cast<std::size_t>(inner)]);
         }
       }
     }
@@ -86,22 +92,30 @@ class BlockGrid {
   }
   [[nodiscard]] bool covers(Cell block) const {
     return block.column >= first_block_.column && block.row >= first_block_.row &&
-           block.column < first_block_.column + block_columns_ && block.row < first_block_.row + block_rows_;
+           block.column < first_block_.column + block_columns_ &&
+           block.row < first_block_.row + block_rows_;
   }
   void grow_to(Cell block) {
     constexpr int kMargin = 4;
     const bool fresh = directory_.empty();
-    const int low_column = fresh ? block.column - kMargin : std::min(first_block_.column, block.column - kMargin);
-    const int low_row = fresh ? block.row - kMargin : std::min(first_block_.row, block.row - kMargin);
+    const int low_column =
+        fresh ? block.column - kMargin : std::min(first_block_.column, block.column - kMargin);
+    const int low_row =
+        fresh ? block.row - kMargin : std::min(first_block_.row, block.row - kMargin);
     const int high_column =
-        fresh ? block.column + kMargin : std::max(first_block_.column + block_columns_ - 1, block.column + kMargin);
-    const int high_row = fresh ? block.row + kMargin : std::max(first_block_.row + block_rows_ - 1, block.row + kMargin);
+        fresh ? block.column + kMargin
+              : std::max(first_block_.column + block_columns_ - 1, block.column + kMargin);
+    const int high_row = fresh ? block.row + kMargin
+                               : std::max(first_block_.row + block_rows_ - 1, block.row + kMargin);
     const int columns = high_column - low_column + 1;
     const int rows = high_row - low_row + 1;
-    std::vector<std::int32_t> directory(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
+    std::vector<std::int32_t> directory(
+        static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
     for (int row = 0; row < block_rows_; ++row) {
-      std::copy_n(directory_.begin() + static_cast<std::ptrdiff_t>(row) * block_columns_, block_columns_,
-                  directory.begin() + static_cast<std::ptrdiff_t>(row + first_block_.row - low_row) * columns +
+      std::copy_n(directory_.begin() + static_cast<std::ptrdiff_t>(row) * block_columns_,
+                  block_columns_,
+                  directory.begin() +
+                      static_cast<std::ptrdiff_t>(row + first_block_.row - low_row) * columns +
                       (first_block_.column - low_column));
     }
     directory_ = std::move(directory);

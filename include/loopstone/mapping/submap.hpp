@@ -16,16 +16,18 @@
 namespace loopstone {
 
 struct SubmapOptions {
-  double cell_m = 0.10;          ///< finest cell of the surfaces that scans are aligned to
-  double search_cell_m = 0.10;   ///< cell of the grid that loop closing searches
-  double free_cell_m = 0.20;     ///< cell of the record of free space
+  double cell_m = 0.10;         ///< finest cell of the surfaces that scans are aligned to
+  double search_cell_m = 0.10;  ///< cell of the grid that loop closing searches
+  double free_cell_m = 0.20;    ///< cell of the record of free space
   double no_return_carve_m = 5.0;
 };
 
 template <typename Visitor>
 void visit_options(SubmapOptions& options, Visitor&& visit) {
-  visit("cell_m", options.cell_m, Range{0.01, 1.0}, "finest cell of the surfaces that scans are aligned to");
-  visit("search_cell_m", options.search_cell_m, Range{0.02, 1.0}, "cell of the grid that loop closing searches");
+  visit("cell_m", options.cell_m, Range{0.01, 1.0},
+        "finest cell of the surfaces that scans are aligned to");
+  visit("search_cell_m", options.search_cell_m, Range{0.02, 1.0},
+        "cell of the grid that loop closing searches");
   visit("free_cell_m", options.free_cell_m, Range{0.02, 1.0}, "cell of the record of free space");
   visit("no_return_carve_m", options.no_return_carve_m, Range{0.0, 100.0},
         "a beam without return frees space up to this far");
@@ -53,8 +55,8 @@ class Submap {
 
   /// \param surfaces  of the scan, robot frame
   /// \param scan      for its free beams
-  void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan, const Pose2& robot_T_lidar,
-              const Pose2& submap_T_robot, BeamTable& beams);
+  void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
+              const Pose2& robot_T_lidar, const Pose2& submap_T_robot, BeamTable& beams);
 
   [[nodiscard]] const SurfaceGrid& surfaces() const { return surfaces_; }
   [[nodiscard]] FrozenSubmap freeze() const;

@@ -32,9 +32,11 @@ struct ExcludedPoses {
 };
 
 struct SearchResult {
-  bool found = false;      ///< false: no pose in the window scores above the threshold; that is proven, not given up
+  bool found =
+      false;  ///< false: no pose in the window scores above the threshold; that is proven, not given up
   Pose2 target_T_source;
-  double score = 0.0;      ///< [-1, 1]: +1 all points on surfaces, 0 all in unknown, -1 all in free space
+  double score =
+      0.0;  ///< [-1, 1]: +1 all points on surfaces, 0 all in unknown, -1 all in free space
   std::int64_t evaluations = 0;  ///< poses and blocks of poses that were scored
 };
 
@@ -48,8 +50,8 @@ struct SearchResult {
 /// Cost: grows with the window's volume and with how many places look alike; usually under a few milliseconds.
 /// Deterministic. Thread-safe.
 /// Source: Olson 2009, "Real-time correlative scan matching"; Hess et al. 2016, algorithm 3.
-[[nodiscard]] SearchResult search_branch_and_bound(std::span<const Eigen::Vector2d> source, const MaxPyramid& target,
-                                                   const SearchWindow& window, double min_score,
-                                                   const std::optional<ExcludedPoses>& excluded = {});
+[[nodiscard]] SearchResult search_branch_and_bound(
+    std::span<const Eigen::Vector2d> source, const MaxPyramid& target, const SearchWindow& window,
+    double min_score, const std::optional<ExcludedPoses>& excluded = {});
 
 }  // namespace loopstone

@@ -13,14 +13,17 @@
 namespace loopstone {
 
 struct GridMatchOptions {
-  int max_iterations = 15;       ///< on each level
-  double kernel_width_m = 0.04;  ///< residuals beyond count less and less; on coarser levels in proportion to the cell
-  double residual_sigma_m = 0.04;  ///< of one point's distance to its line, with what neighbours share
+  int max_iterations = 15;  ///< on each level
+  double kernel_width_m =
+      0.04;  ///< residuals beyond count less and less; on coarser levels in proportion to the cell
+  double residual_sigma_m =
+      0.04;  ///< of one point's distance to its line, with what neighbours share
 };
 
 template <typename Visitor>
 void visit_options(GridMatchOptions& options, Visitor&& visit) {
-  visit("max_iterations", options.max_iterations, Range{1, 200}, "Gauss-Newton steps on each level");
+  visit("max_iterations", options.max_iterations, Range{1, 200},
+        "Gauss-Newton steps on each level");
   visit("kernel_width_m", options.kernel_width_m, Range{0.001, 1.0},
         "distances beyond this count less and less (Cauchy kernel)");
   visit("residual_sigma_m", options.residual_sigma_m, Range{0.001, 1.0},
@@ -47,8 +50,10 @@ struct PosePrior2 {
 ///         same way; covariance includes the prior. kTooFewPairs: fewer than 10 points found a surface, the pose is the guess.
 ///         kDegenerate: the points leave a direction of translation open (corridor), only the prior holds it.
 /// Cost: O(iterations * points). Deterministic. Thread-safe.
-[[nodiscard]] MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGrid& target,
-                                        const Pose2& guess, const std::optional<PosePrior2>& prior,
-                                        const GridMatchOptions& options, std::size_t coarsest_level);
+[[nodiscard]] MatchResult match_to_grid(std::span<const SurfacePoint> source,
+                                        const SurfaceGrid& target, const Pose2& guess,
+                                        const std::optional<PosePrior2>& prior,
+                                        const GridMatchOptions& options,
+                                        std::size_t coarsest_level);
 
 }  // namespace loopstone

@@ -46,10 +46,13 @@ class SurfaceGrid {
   void insert(std::span<const SurfacePoint> points, const Pose2& grid_T_points);
 
   [[nodiscard]] std::size_t level_count() const { return levels_.size(); }
-  [[nodiscard]] double resolution_m(std::size_t level) const { return levels_[level].resolution_m(); }
+  [[nodiscard]] double resolution_m(std::size_t level) const {
+    return levels_[level].resolution_m();
+  }
 
   /// The surface near a point that faces like `normal` (within 60 deg), if there is one. Cost: O(1).
-  [[nodiscard]] std::optional<SurfaceLine> line_near(std::size_t level, const Eigen::Vector2d& point,
+  [[nodiscard]] std::optional<SurfaceLine> line_near(std::size_t level,
+                                                     const Eigen::Vector2d& point,
                                                      const Eigen::Vector2d& normal) const;
 
  private:

@@ -15,14 +15,15 @@ namespace loopstone {
 /// (the beam is free up to range_max_m); NaN means the beam is bad and says nothing. Readers translate whatever a
 /// format uses (0, 81.83, max + 1) to these two and nothing else.
 struct LaserScan {
-  Stamp stamp;                        ///< of the first beam
+  Stamp stamp;  ///< of the first beam
   double angle_min_rad = 0.0;
-  double angle_increment_rad = 0.0;   ///< may be negative (clockwise scanners)
+  double angle_increment_rad = 0.0;  ///< may be negative (clockwise scanners)
   double range_min_m = 0.0;
   double range_max_m = 0.0;
-  double time_increment_s = 0.0;      ///< between neighbouring beams; 0 when unknown or simultaneous
-  int lidar = 0;                      ///< index into RobotModel::lidars
-  std::optional<Pose2> robot_T_lidar{};  ///< when the log itself states where the lidar sat; beats the RobotModel
+  double time_increment_s = 0.0;  ///< between neighbouring beams; 0 when unknown or simultaneous
+  int lidar = 0;                  ///< index into RobotModel::lidars
+  std::optional<Pose2>
+      robot_T_lidar{};  ///< when the log itself states where the lidar sat; beats the RobotModel
   std::vector<float> ranges_m{};
 
   [[nodiscard]] double angle_rad(std::size_t beam) const {

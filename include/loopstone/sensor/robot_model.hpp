@@ -11,9 +11,9 @@ namespace loopstone {
 /// A differential (skid-steered) drive.
 struct WheelModel {
   double metres_per_count = 0.0022;
-  double track_width_m = 0.39;          ///< effective: distance between the two virtual wheels
+  double track_width_m = 0.39;  ///< effective: distance between the two virtual wheels
   bool counts_are_cumulative = false;
-  int counter_bits = 32;                ///< where cumulative counters wrap
+  int counter_bits = 32;  ///< where cumulative counters wrap
 };
 
 /// Where a planar lidar sits on the robot.

@@ -24,7 +24,8 @@ class BeamTable {
 struct SurfacePoint {
   Eigen::Vector2f position;  ///< [m]
   Eigen::Vector2f normal;    ///< unit, towards free space (the side it was seen from)
-  float weight = 1.0F;       ///< 1: normal fitted to neighbours; less: a small thing, its normal a guess along the beam
+  float weight =
+      1.0F;  ///< 1: normal fitted to neighbours; less: a small thing, its normal a guess along the beam
 };
 
 /// The returns of a scan as points in the robot frame at the scan's stamp, in beam order; beams without a return are
@@ -38,10 +39,10 @@ struct SurfacePoint {
 
 /// How surfaces are read from a scan.
 struct SurfaceOptions {
-  double support_m = 0.12;   ///< neighbours up to this far along the surface define the normal
-  double spacing_m = 0.05;   ///< points closer than this to the last one kept are merged into it
-  double range_max_m = 60.0; ///< farther returns are left out
-  int points_max = 360;      ///< spacing grows until there are no more than this
+  double support_m = 0.12;    ///< neighbours up to this far along the surface define the normal
+  double spacing_m = 0.05;    ///< points closer than this to the last one kept are merged into it
+  double range_max_m = 60.0;  ///< farther returns are left out
+  int points_max = 360;       ///< spacing grows until there are no more than this
 };
 
 /// Surfaces seen by a scan, in the robot frame at the scan's stamp, thinned to an even spacing.
@@ -49,8 +50,10 @@ struct SurfaceOptions {
 /// (neighbours farther apart than a slanted wall explains) are not bridged, and lone returns on a wall seen at a grazing
 /// angle, whose normal can't be told, are left out.
 /// Cost: O(beams).
-[[nodiscard]] std::vector<SurfacePoint> surface_points(const LaserScan& scan, const Pose2& robot_T_lidar,
+[[nodiscard]] std::vector<SurfacePoint> surface_points(const LaserScan& scan,
+                                                       const Pose2& robot_T_lidar,
                                                        const Tangent2& velocity,
-                                                       const SurfaceOptions& options, BeamTable& beams);
+                                                       const SurfaceOptions& options,
+                                                       BeamTable& beams);
 
 }  // namespace loopstone

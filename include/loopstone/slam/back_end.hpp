@@ -15,8 +15,9 @@ namespace loopstone {
 /// A scan that is a node of the graph.
 struct KeyScan {
   Stamp stamp;
-  Pose2 local_T_robot;                                   ///< where the front end put it
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
+  Pose2 local_T_robot;  ///< where the front end put it
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
 };
 
 /// Keeps the graph: key scans in a chain, closures across it, solved whenever a closure was found.
@@ -42,7 +43,7 @@ class BackEnd {
 
   bool loop_closure_;
   LoopCloser loops_;
-  PoseGraph graph_{};                     ///< chain edges only, closures live in closures_
+  PoseGraph graph_{};  ///< chain edges only, closures live in closures_
   std::vector<KeyScan> keys_{};
   std::vector<double> travelled_m_{};
   std::vector<LoopClosure> closures_{};

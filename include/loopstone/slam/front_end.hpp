@@ -13,27 +13,34 @@
 namespace loopstone {
 
 struct FrontEndOptions {
-  double range_max_m = 60.0;        ///< farther returns are not used for matching
-  int points_max = 360;             ///< of a scan, after thinning
-  double key_distance_m = 0.15;     ///< a key scan after so much travel
-  double key_angle_rad = 0.12;      ///< or after so much turning
-  double submap_length_m = 8.0;     ///< travel that fills a submap; the next one starts at half of it
-  double trusted_score = 0.6;       ///< below it, a search checks whether another pose nearby explains more
-  double search_half_xy_m = 0.6;    ///< window of that search
+  double range_max_m = 60.0;     ///< farther returns are not used for matching
+  int points_max = 360;          ///< of a scan, after thinning
+  double key_distance_m = 0.15;  ///< a key scan after so much travel
+  double key_angle_rad = 0.12;   ///< or after so much turning
+  double submap_length_m = 8.0;  ///< travel that fills a submap; the next one starts at half of it
+  double trusted_score =
+      0.6;  ///< below it, a search checks whether another pose nearby explains more
+  double search_half_xy_m = 0.6;  ///< window of that search
   double search_half_yaw_rad = 0.5;
 };
 
 template <typename Visitor>
 void visit_options(FrontEndOptions& options, Visitor&& visit) {
-  visit("range_max_m", options.range_max_m, Range{0.5, 1000.0}, "farther returns are not used for matching");
-  visit("points_max", options.points_max, Range{20, 10000}, "points of a scan that are matched, after thinning");
-  visit("key_distance_m", options.key_distance_m, Range{0.01, 5.0}, "a key scan after so much travel");
+  visit("range_max_m", options.range_max_m, Range{0.5, 1000.0},
+        "farther returns are not used for matching");
+  visit("points_max", options.points_max, Range{20, 10000},
+        "points of a scan that are matched, after thinning");
+  visit("key_distance_m", options.key_distance_m, Range{0.01, 5.0},
+        "a key scan after so much travel");
   visit("key_angle_rad", options.key_angle_rad, Range{0.01, 3.2}, "or after so much turning");
-  visit("submap_length_m", options.submap_length_m, Range{0.5, 100.0}, "travel that fills a submap");
+  visit("submap_length_m", options.submap_length_m, Range{0.5, 100.0},
+        "travel that fills a submap");
   visit("trusted_score", options.trusted_score, Range{0.0, 1.0},
         "a match that explains less of the scan is checked by a search");
-  visit("search_half_xy_m", options.search_half_xy_m, Range{0.1, 10.0}, "half side of the window of that search");
-  visit("search_half_yaw_rad", options.search_half_yaw_rad, Range{0.01, 3.2}, "half heading range of that search");
+  visit("search_half_xy_m", options.search_half_xy_m, Range{0.1, 10.0},
+        "half side of the window of that search");
+  visit("search_half_yaw_rad", options.search_half_yaw_rad, Range{0.01, 3.2},
+        "half heading range of that search");
 }
 
 /// A submap that is full, and the key scans that are in it.
@@ -45,9 +52,10 @@ struct FinishedSubmap {
 
 /// What the front end says of one scan.
 struct TrackedScan {
-  bool used = false;             ///< false: too few returns; the pose is the prediction
-  Pose2 local_T_robot;           ///< smooth, drifts
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the match, (x, y, yaw) in the local frame
+  bool used = false;    ///< false: too few returns; the pose is the prediction
+  Pose2 local_T_robot;  ///< smooth, drifts
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  ///< of the match, (x, y, yaw) in the local frame
   MatchStatus status = MatchStatus::kTooFewPairs;
   double score = 0.0;
   bool searched = false;
@@ -60,7 +68,8 @@ struct TrackedScan {
 /// Frame `local`: that of the first scan; continuous, never corrected by loop closures.
 class FrontEnd {
  public:
-  FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match, const SubmapOptions& submap);
+  FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match,
+           const SubmapOptions& submap);
 
   /// \param odom_T_robot  dead reckoning at the scan's stamp, if there is any
   [[nodiscard]] TrackedScan add(const LaserScan& scan, const Pose2& robot_T_lidar,
@@ -81,12 +90,13 @@ class FrontEnd {
     Eigen::Matrix3d information;  ///< of (x, y, yaw), local frame
   };
 
-  [[nodiscard]] Prediction predict(const LaserScan& scan, const std::optional<Pose2>& odom_T_robot) const;
-  [[nodiscard]] MatchResult align(std::span<const SurfacePoint> surfaces, const Prediction& prediction,
-                                  bool* searched) const;
+  [[nodiscard]] Prediction predict(const LaserScan& scan,
+                                   const std::optional<Pose2>& odom_T_robot) const;
+  [[nodiscard]] MatchResult align(std::span<const SurfacePoint> surfaces,
+                                  const Prediction& prediction, bool* searched) const;
   [[nodiscard]] bool moved_enough(const Pose2& local_T_robot) const;
-  void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan, const Pose2& robot_T_lidar,
-              TrackedScan& tracked);
+  void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
+              const Pose2& robot_T_lidar, TrackedScan& tracked);
 
   FrontEndOptions options_;
   GridMatchOptions match_options_;

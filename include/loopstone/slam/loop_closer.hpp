@@ -17,34 +17,42 @@
 namespace loopstone {
 
 struct LoopOptions {
-  double min_score = 0.30;        ///< of the search: share of points on surfaces less share in free space
-  double min_overlap = 0.30;      ///< share of the points that fall where the other submap was observed
-  double min_agreement = 0.75;    ///< of those, share that lies on a surface facing the same way
-  double max_ambiguity = 0.85;    ///< a second pose elsewhere may reach this share of the best score
-  double drift_per_m = 0.03;      ///< position uncertainty gained per metre of travel since the places were connected
-  double drift_rad_per_m = 0.006; ///< heading uncertainty, likewise
-  double max_half_xy_m = 10.0;    ///< the search window grows no further
-  int candidates_max = 5;         ///< older submaps that a new one is compared with
+  double min_score = 0.30;  ///< of the search: share of points on surfaces less share in free space
+  double min_overlap = 0.30;  ///< share of the points that fall where the other submap was observed
+  double min_agreement = 0.75;  ///< of those, share that lies on a surface facing the same way
+  double max_ambiguity = 0.85;  ///< a second pose elsewhere may reach this share of the best score
+  double drift_per_m =
+      0.03;  ///< position uncertainty gained per metre of travel since the places were connected
+  double drift_rad_per_m = 0.006;  ///< heading uncertainty, likewise
+  double max_half_xy_m = 10.0;     ///< the search window grows no further
+  int candidates_max = 5;          ///< older submaps that a new one is compared with
 };
 
 template <typename Visitor>
 void visit_options(LoopOptions& options, Visitor&& visit) {
   visit("min_score", options.min_score, Range{0.0, 1.0},
         "a closure's share of points on surfaces less share in free space");
-  visit("min_overlap", options.min_overlap, Range{0.0, 1.0}, "share of a submap that the other one must have observed");
-  visit("min_agreement", options.min_agreement, Range{0.0, 1.0}, "share of the overlap that must agree");
+  visit("min_overlap", options.min_overlap, Range{0.0, 1.0},
+        "share of a submap that the other one must have observed");
+  visit("min_agreement", options.min_agreement, Range{0.0, 1.0},
+        "share of the overlap that must agree");
   visit("max_ambiguity", options.max_ambiguity, Range{0.0, 1.0},
         "a second pose elsewhere may reach this share of the best score");
-  visit("drift_per_m", options.drift_per_m, Range{0.0, 1.0}, "position uncertainty gained per metre of travel");
-  visit("drift_rad_per_m", options.drift_rad_per_m, Range{0.0, 1.0}, "heading uncertainty gained per metre of travel");
-  visit("max_half_xy_m", options.max_half_xy_m, Range{0.1, 100.0}, "half side of the largest search window");
-  visit("candidates_max", options.candidates_max, Range{1, 1000}, "older submaps that a new one is compared with");
+  visit("drift_per_m", options.drift_per_m, Range{0.0, 1.0},
+        "position uncertainty gained per metre of travel");
+  visit("drift_rad_per_m", options.drift_rad_per_m, Range{0.0, 1.0},
+        "heading uncertainty gained per metre of travel");
+  visit("max_half_xy_m", options.max_half_xy_m, Range{0.1, 100.0},
+        "half side of the largest search window");
+  visit("candidates_max", options.candidates_max, Range{1, 1000},
+        "older submaps that a new one is compared with");
 }
 
 /// Recognises places: compares whole submaps, which are far more distinctive than single scans.
 class LoopCloser {
  public:
-  LoopCloser(const LoopOptions& options, const SubmapOptions& submap, const GridMatchOptions& match, Threads threads);
+  LoopCloser(const LoopOptions& options, const SubmapOptions& submap, const GridMatchOptions& match,
+             Threads threads);
   ~LoopCloser();
   LoopCloser(LoopCloser&&) noexcept;
   LoopCloser& operator=(LoopCloser&&) noexcept;
@@ -70,7 +78,8 @@ class LoopCloser {
  private:
   struct Entry;
   struct Pair;
-  [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer, std::span<const Pose2> map_T_key) const;
+  [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer,
+                                                 std::span<const Pose2> map_T_key) const;
   [[nodiscard]] std::vector<double> travel_between(std::size_t from) const;
   [[nodiscard]] bool was_tried(const Pair& pair) const;
   [[nodiscard]] std::vector<LoopClosure> compare(const std::vector<Pair>& pairs);
@@ -81,7 +90,8 @@ class LoopCloser {
   Threads threads_;
   std::vector<Entry> entries_;
   std::vector<LoopClosure> standing_;
-  std::map<std::pair<std::size_t, std::size_t>, Pose2> tried_;  ///< (older, newer): older_T_newer at the last attempt
+  std::map<std::pair<std::size_t, std::size_t>, Pose2>
+      tried_;  ///< (older, newer): older_T_newer at the last attempt
 };
 
 }  // namespace loopstone

@@ -12,51 +12,51 @@ namespace loopstone {
 
 /// A place that was recognised, or looked like it.
 struct LoopClosure {
-  NodeId from;                ///< anchor of the older submap
-  NodeId to;                  ///< anchor of the newer submap (or a key scan)
+  NodeId from;  ///< anchor of the older submap
+  NodeId to;    ///< anchor of the newer submap (or a key scan)
   std::size_t from_submap = 0;
   std::size_t to_submap = 0;
-  Pose2 from_T_to;            ///< as measured by registration
+  Pose2 from_T_to;                                       ///< as measured by registration
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of from_T_to, (x, y, yaw)
-  double score = 0.0;         ///< [0, 1], share of points explained
+  double score = 0.0;                                    ///< [0, 1], share of points explained
   double second_score = 0.0;  ///< best score elsewhere in the window; near `score` means ambiguous
-  double overlap = 0.0;       ///< [0, 1], share of points that fall where the older submap was observed
-  double agreement = 0.0;     ///< [0, 1], of those, share that lies on a surface facing the same way
-  double chi2 = 0.0;          ///< at the final poses
+  double overlap = 0.0;  ///< [0, 1], share of points that fall where the older submap was observed
+  double agreement = 0.0;  ///< [0, 1], of those, share that lies on a surface facing the same way
+  double chi2 = 0.0;       ///< at the final poses
   bool accepted = false;
-  std::string reason;         ///< why it was rejected or revoked; empty when accepted
+  std::string reason;  ///< why it was rejected or revoked; empty when accepted
 };
 
 /// The figures of a run.
 struct MapStatistics {
   std::int64_t scans = 0;
-  std::int64_t scans_dropped = 0;       ///< too few valid beams to use
+  std::int64_t scans_dropped = 0;  ///< too few valid beams to use
   std::int64_t key_scans = 0;
   std::int64_t submaps = 0;
   std::int64_t loop_closures_accepted = 0;
   std::int64_t loop_closures_rejected = 0;
-  std::int64_t searches = 0;            ///< scans for which odometry and refinement alone were not trusted
-  double degenerate_travel_m = 0.0;     ///< path during which a direction was unobserved by the laser
+  std::int64_t searches = 0;  ///< scans for which odometry and refinement alone were not trusted
+  double degenerate_travel_m = 0.0;  ///< path during which a direction was unobserved by the laser
   double path_length_m = 0.0;
-  double duration_s = 0.0;              ///< of the recording
-  double front_end_s = 0.0;             ///< CPU time of the steps
+  double duration_s = 0.0;   ///< of the recording
+  double front_end_s = 0.0;  ///< CPU time of the steps
   double loop_closing_s = 0.0;
   double optimisation_s = 0.0;
   double rendering_s = 0.0;
-  double graph_cost = 0.0;              ///< sum e^T Omega e
+  double graph_cost = 0.0;  ///< sum e^T Omega e
 };
 
 /// What the mapper made of a log.
 struct MapResult {
-  Trajectory trajectory;               ///< map_T_robot at every scan
-  Trajectory odometry;                 ///< odom_T_robot at every scan, from dead reckoning alone
-  std::vector<Stamp> node_stamps;      ///< of the graph's poses
+  Trajectory trajectory;           ///< map_T_robot at every scan
+  Trajectory odometry;             ///< odom_T_robot at every scan, from dead reckoning alone
+  std::vector<Stamp> node_stamps;  ///< of the graph's poses
   PoseGraph graph;
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
   MapStatistics statistics;
-  std::vector<std::string> warnings;   ///< in plain words, for the user
-  bool complete = true;                ///< false when it was interrupted
+  std::vector<std::string> warnings;  ///< in plain words, for the user
+  bool complete = true;               ///< false when it was interrupted
 };
 
 }  // namespace loopstone

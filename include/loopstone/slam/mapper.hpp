@@ -40,12 +40,12 @@ class Mapper {
  private:
   /// A scan as the final map will need it.
   struct ScanRecord {
-    LaserScan scan{};              ///< ranges dropped when it adds nothing to the map
+    LaserScan scan{};  ///< ranges dropped when it adds nothing to the map
     Pose2 robot_T_lidar{};
     Pose2 local_T_robot{};
-    Pose2 local_T_robot_end{};     ///< at the end of its sweep
+    Pose2 local_T_robot_end{};  ///< at the end of its sweep
     std::optional<Pose2> odom_T_robot{};
-    std::size_t last_key = 0;      ///< the latest key scan up to and including this scan
+    std::size_t last_key = 0;  ///< the latest key scan up to and including this scan
     bool mapped = false;
   };
   class BackEndWorker;
