@@ -25,9 +25,9 @@ int main() {
   sink.truth = [&](const StampedPose2& pose) { map_T_robot.push_back(pose.pose); };
   simulate(world, robot, options, 1, sink);
 
-  // Two scans half a second apart, as points in the robot's frame. The target is indexed once.
-  const std::size_t target = 50;
-  const std::size_t source = 55;
+  // Two scans 0.3 s apart, as points in the robot's frame. The target is indexed once.
+  const std::size_t target = 60;
+  const std::size_t source = 63;
   const IcpTarget reference =
       make_icp_target(scan_points(scans[target], mount_of(scans[target], robot)));
   const auto points = scan_points(scans[source], mount_of(scans[source], robot));
