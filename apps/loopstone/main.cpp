@@ -32,6 +32,7 @@ void add_commands(CLI::App& app, AppContext& context) {
   add_info_command(app, context);
   add_odometry_command(app, context);
   add_evaluate_command(app, context);
+  add_simulate_command(app, context);
   add_convert_command(app, context);
   add_config_command(app, context);
 }
