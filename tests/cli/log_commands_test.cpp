@@ -1,0 +1,114 @@
+// simulate, info, convert and odometry, one after the other on the same small log, and each with bad input.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "loopstone/formats/tum.hpp"
+#include "run_program.hpp"
+#include "support/temp_dir.hpp"
+
+namespace loopstone::test {
+namespace {
+
+using testing::HasSubstr;
+
+nlohmann::json run_json(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--json", "--quiet"});
+  const ProgramResult result = run_program(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  return nlohmann::json::parse(result.out, nullptr, false);
+}
+
+class LogCommands : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempDir;
+    const auto result = run_json({"simulate", "office", "-o", log(), "--duration", "5", "--beams",
+                                  "181", "--fov", "180", "--seed", "3"});
+    ASSERT_FALSE(result.is_discarded());
+  }
+  static void TearDownTestSuite() { delete folder_; }
+  static std::string log() { return *folder_ / "sim"; }
+
+  static std::size_t scans() { return read_tum(log() + "/truth.tum").size(); }
+
+  static TempDir* folder_;
+};
+
+TempDir* LogCommands::folder_ = nullptr;
+
+TEST_F(LogCommands, SimulateLeavesLogTruthAndMap) {
+  for (const char* name : {"Encoders20.npz", "Hokuyo20.npz", "Imu20.npz", "truth.tum", "map.yaml",
+                           "map.pgm", "world.json"}) {
+    EXPECT_TRUE(std::filesystem::exists(log() + "/" + name)) << name;
+  }
+  EXPECT_NEAR(static_cast<double>(scans()), 50.0, 2.0) << "ten a second for five seconds";
+}
+
+TEST_F(LogCommands, SimulateGivesTheSameBytesForTheSameSeed) {
+  const TempDir folder;
+  const std::vector<std::string> same{"simulate",   "office", "-o",      folder / "again",
+                                      "--duration", "5",      "--beams", "181",
+                                      "--fov",      "180",    "--seed",  "3"};
+  (void)run_json(same);
+  EXPECT_EQ(folder.read("again/truth.tum"), folder_->read("sim/truth.tum"));
+  EXPECT_EQ(folder.read("again/Hokuyo20.npz"), folder_->read("sim/Hokuyo20.npz"));
+}
+
+TEST_F(LogCommands, SimulateRefusesAFolderInUseAndUnknownWorlds) {
+  EXPECT_EQ(run_program({"simulate", "office", "-o", log()}).exit_code, 2);
+  const TempDir folder;
+  const ProgramResult result = run_program({"simulate", "offise", "-o", folder / "out"});
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.error, HasSubstr("offise"));
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST_F(LogCommands, InfoShowsWhatIsInTheLog) {
+  const auto json = run_json({"info", log()});
+  EXPECT_EQ(json.at("format"), "ucsd");
+  const ProgramResult text = run_program({"info", log()});
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_THAT(text.out, HasSubstr("181"));
+}
+
+TEST_F(LogCommands, ConvertedLogsHaveTheSameOdometry) {
+  const std::string carmen = *folder_ / "sim.clf";
+  const auto converted = run_json({"convert", log(), carmen});
+  EXPECT_EQ(converted.at("scans"), scans());
+  const auto before = run_json({"odometry", log(), "-o", *folder_ / "before.tum"});
+  const auto after = run_json({"odometry", carmen, "-o", *folder_ / "after.tum"});
+  EXPECT_EQ(before.at("poses"), after.at("poses"));
+  const auto error = run_json(
+      {"evaluate", "--estimate", *folder_ / "after.tum", "--reference", *folder_ / "before.tum"});
+  EXPECT_LT(error.at("ate_rmse_m").get<double>(), 0.01);
+  EXPECT_EQ(run_program({"convert", log(), carmen}).exit_code, 2) << "there is one already";
+}
+
+TEST_F(LogCommands, OdometryStaysNearTheTruthForAWhile) {
+  (void)run_json({"odometry", log(), "-o", *folder_ / "odometry.tum"});
+  const auto error = run_json(
+      {"evaluate", "--estimate", *folder_ / "odometry.tum", "--reference", log() + "/truth.tum"});
+  EXPECT_LT(error.at("ate_rmse_m").get<double>(), 0.1);
+  EXPECT_EQ(error.at("poses"), scans());
+}
+
+TEST_F(LogCommands, MissingLogsAreNamedAndLeaveNothing) {
+  const TempDir folder;
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"info", "/no/such/log"},
+           {"convert", "/no/such/log", folder / "out.clf"},
+           {"odometry", "/no/such/log", "-o", folder / "out.tum"}}) {
+    const ProgramResult result = run_program(arguments);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.error, HasSubstr("/no/such/log"));
+    EXPECT_EQ(count_lines(result.error), 1u) << result.error;
+  }
+  EXPECT_TRUE(folder.names().empty());
+}
+
+}  // namespace
+}  // namespace loopstone::test
