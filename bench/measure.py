@@ -70,6 +70,8 @@ def simulated_run(loopstone, world, seed, flags, baseline):
     return row
 
 
+# What summary.json says about the time of the steps.
+STAGES = ("front_end_cpu_s", "loop_closing_cpu_s", "optimisation_cpu_s", "rendering_cpu_s")
 SICK = ["--beams", "180", "--fov", "179"]
 CASES = [  # name, world, flags of simulate, seeds, seeds with --quick, seeds of the baseline
     ("office", "office", [], 10, 2, 3),
@@ -117,7 +119,7 @@ def speed(loopstone, data, repeats):
         variant |= {"name": name, "flags": flags, "duration_s": summary["duration_s"],
                     "fastest_wall_s": min(row["wall_s"] for row in costs),
                     "stages": {key: value for key, value in summary.items()
-                               if key in ("front_end_s", "loop_closing_s", "optimisation_s", "rendering_s")}}
+                               if key in STAGES}}
         result["variants"].append(variant)
     return result
 
