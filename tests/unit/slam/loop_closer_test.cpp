@@ -1,0 +1,159 @@
+#include "loopstone/slam/loop_closer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "loop_scene.hpp"
+#include "loopstone/geometry/angle.hpp"
+#include "support/pose_near.hpp"
+
+namespace loopstone {
+namespace {
+
+using test::empty_submap;
+using test::pose_near;
+using test::submap_seen_from;
+using test::Walls;
+
+const std::vector<Pose2> kFirstVisit{
+    {4.0, 3.0, 0.0}, {4.6, 3.2, 0.8}, {5.2, 3.8, 2.0}, {3.2, 2.5, -2.0}};
+const std::vector<Pose2> kSecondVisit{
+    {3.4, 2.2, 1.7}, {3.3, 3.0, 2.6}, {2.6, 2.4, -1.0}, {4.6, 2.8, 0.2}};
+
+/// Five submaps, 15 m of travel apart; the last one is of the place of the first one, and the others saw nothing.
+LoopCloser closer_with(FinishedSubmap first, FinishedSubmap last, Threads threads = {1},
+                       double leg_m = 15.0) {
+  LoopCloser closer({}, {}, {}, threads);
+  closer.add(std::move(first), 0.0);
+  for (std::size_t key = 1; key < 4; ++key)
+    closer.add(empty_submap(key), leg_m * static_cast<double>(key));
+  closer.add(std::move(last), 4.0 * leg_m);
+  return closer;
+}
+
+std::vector<Pose2> key_poses(const Pose2& last) {
+  return {kFirstVisit.front(), {20.0, 0.0, 0.0}, {30.0, 10.0, 1.0}, {20.0, 10.0, 2.0}, last};
+}
+
+TEST(LoopCloser, FindsAPlaceSeenFromElsewhereDespiteDrift) {
+  const Pose2 truth = kFirstVisit.front().inverse() * kSecondVisit.front();
+  for (const Pose2& drift : {Pose2{}, Pose2{0.8, -0.6, 0.15}, Pose2{-1.2, 0.5, -0.2}}) {
+    auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
+                              submap_seen_from(test::furnished_room(), kSecondVisit, 4));
+    EXPECT_EQ(closer.submap_count(), 5U);
+    const auto closures = closer.close_newest(key_poses(kSecondVisit.front() * drift));
+    ASSERT_EQ(closures.size(), 1U);
+    const auto& closure = closures.front();
+    EXPECT_TRUE(closure.accepted) << closure.reason;
+    EXPECT_TRUE(closure.reason.empty());
+    EXPECT_EQ(closure.from, NodeId{0});
+    EXPECT_EQ(closure.to, NodeId{4});
+    EXPECT_EQ(closure.from_submap, 0U);
+    EXPECT_EQ(closure.to_submap, 4U);
+    EXPECT_TRUE(pose_near(closure.from_T_to, truth, 0.02, 0.006));
+    EXPECT_GT(closure.overlap, 0.7);
+    EXPECT_GT(closure.agreement, 0.8);
+    EXPECT_LT(closure.second_score, 0.85 * closure.score);
+  }
+}
+
+TEST(LoopCloser, RefusesAPlaceThatLooksTheSameElsewhere) {
+  // A hall with a column every 1.5 m: each looks like the next.
+  Walls hall{{{-60.0, 0.0}, {60.0, 0.0}}, {{60.0, 4.0}, {-60.0, 4.0}}};
+  for (double x = -60.0; x < 60.0; x += 1.5) {
+    hall = test::together({hall, test::rectangle({x, 0.0}, {x + 0.4, 0.4}),
+                           test::rectangle({x, 3.6}, {x + 0.4, 4.0})});
+  }
+  const test::Scanner scanner{.angle_min_rad = -kPi, .beams = 720, .range_max_m = 12.0};
+  const std::vector<Pose2> there{
+      {0.0, 2.0, 0.0}, {1.0, 2.0, 0.0}, {2.0, 2.0, 0.0}, {3.0, 2.0, 0.0}};
+  const std::vector<Pose2> back{{3.0, 2.2, kPi}, {2.0, 2.2, kPi}, {1.0, 2.2, kPi}, {0.0, 2.2, kPi}};
+  auto closer = closer_with(submap_seen_from(hall, there, 0, scanner),
+                            submap_seen_from(hall, back, 4, scanner));
+  auto poses = key_poses(back.front());
+  poses.front() = there.front();
+  const auto closures = closer.close_newest(poses);
+  ASSERT_EQ(closures.size(), 1U);
+  EXPECT_FALSE(closures.front().accepted);
+  EXPECT_EQ(closures.front().reason.find("ambiguous"), 0U) << closures.front().reason;
+  EXPECT_GT(closures.front().second_score, 0.85 * closures.front().score);
+}
+
+TEST(LoopCloser, RefusesAnotherPlaceWhereTheFirstShouldBe) {
+  const Walls other = test::together(
+      {test::rectangle({0.0, 0.5}, {5.0, 8.0}), test::rectangle({1.0, 3.5}, {2.2, 4.1}),
+       test::rectangle({3.4, 1.0}, {4.1, 1.4}), test::rectangle({2.0, 6.0}, {4.9, 6.3})});
+  auto closer =
+      closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
+                  submap_seen_from(other, {{3.0, 2.5, 1.7}, {3.0, 3.2, 2.6}, {2.6, 2.4, -1.0}}, 4));
+  for (const auto& closure : closer.close_newest(key_poses(kSecondVisit.front()))) {
+    EXPECT_FALSE(closure.accepted)
+        << "score " << closure.score << ", agreement " << closure.agreement;
+    EXPECT_FALSE(closure.reason.empty());
+  }
+}
+
+TEST(LoopCloser, LooksNoFartherThanTheDriftExplains) {
+  // 1 m of travel a leg: the poses can't be 3 m wrong.
+  auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
+                            submap_seen_from(test::furnished_room(), kSecondVisit, 4), {1}, 1.0);
+  for (const auto& closure :
+       closer.close_newest(key_poses(kSecondVisit.front() * Pose2{3.0, 0.0, 0.0}))) {
+    EXPECT_FALSE(closure.accepted);
+  }
+  EXPECT_TRUE(closer.close_newest(key_poses({500.0, 0.0, 0.0})).empty());
+}
+
+TEST(LoopCloser, ThreadsDoNotChangeTheAnswer) {
+  const auto run = [](int threads) {
+    auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
+                              submap_seen_from(test::furnished_room(), kSecondVisit, 4), {threads});
+    return closer.close_all(key_poses(kSecondVisit.front() * Pose2{0.3, 0.2, 0.1}));
+  };
+  const auto one = run(1);
+  const auto many = run(4);
+  ASSERT_EQ(one.size(), many.size());
+  ASSERT_FALSE(one.empty());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].from_T_to, many[i].from_T_to);
+    EXPECT_EQ(one[i].covariance, many[i].covariance);
+    EXPECT_EQ(one[i].score, many[i].score);
+    EXPECT_EQ(one[i].accepted, many[i].accepted);
+  }
+}
+
+TEST(LoopCloser, AStandingClosureIsNotTriedAgain) {
+  auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
+                            submap_seen_from(test::furnished_room(), kSecondVisit, 4));
+  const auto poses = key_poses(kSecondVisit.front());
+  const auto closures = closer.close_newest(poses);
+  ASSERT_EQ(closures.size(), 1U);
+  closer.set_closures(closures);
+  EXPECT_TRUE(closer.close_all(poses).empty());
+}
+
+TEST(LoopCloser, EdgeCarriesTheCovarianceIntoTheFrameOfTheGraphsError) {
+  const LoopCloser closer({}, {}, {}, {1});
+  LoopClosure closure;
+  closure.from = NodeId{0};
+  closure.to = NodeId{1};
+  closure.from_T_to = {2.0, 1.0, 0.9};
+  closure.covariance =
+      (Eigen::Matrix3d() << 0.04, 0.01, 0.001, 0.01, 0.01, 0.0, 0.001, 0.0, 0.0025).finished();
+  const auto edge = closer.edge_of(closure);
+  EXPECT_EQ(edge.kind, EdgeKind::kLoopClosure);
+  // An error d of from_T_to, in its own coordinates, must cost d^T C^-1 d wherever the two poses are.
+  const Eigen::Vector3d d(0.02, -0.03, 0.01);
+  const Pose2 from{-3.0, 5.0, -2.0};
+  const Pose2 off{closure.from_T_to.x + d.x(), closure.from_T_to.y + d.y(),
+                  closure.from_T_to.yaw + d.z()};
+  EXPECT_NEAR(edge_chi2(edge, from, from * off), d.dot(closure.covariance.inverse() * d), 1e-9);
+  EXPECT_NEAR(edge_chi2(edge, from, from * closure.from_T_to), 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace loopstone
