@@ -17,14 +17,16 @@ TEST(Program, HelpFitsOnOneScreenAndListsEveryCommand) {
   const ProgramResult result = run_program({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_LE(count_lines(result.out), 40u);
-  for (const char* command : {"info", "convert", "odometry", "evaluate", "config"}) {
+  for (const char* command :
+       {"info", "convert", "simulate", "map", "odometry", "evaluate", "config"}) {
     EXPECT_THAT(result.out, HasSubstr(std::string("  ") + command + " ")) << command;
   }
   EXPECT_THAT(result.out, HasSubstr("Examples:"));
 }
 
 TEST(Program, EveryCommandHasHelp) {
-  for (const char* command : {"info", "convert", "odometry", "evaluate", "config"}) {
+  for (const char* command :
+       {"info", "convert", "simulate", "map", "odometry", "evaluate", "config"}) {
     const ProgramResult result = run_program({command, "--help"});
     EXPECT_EQ(result.exit_code, 0) << command;
     EXPECT_THAT(result.out, HasSubstr(std::string("loopstone ") + command)) << command;
