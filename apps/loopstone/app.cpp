@@ -31,6 +31,15 @@ void install_interrupt_handler() {
   std::signal(SIGTERM, on_interrupt);
 }
 
+void AppContext::set_command_line(int argc, const char* const* argv) {
+  command_line_ = "loopstone";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = word.find_first_of(" \t\"'$&|;<>*?()") == std::string::npos && !word.empty();
+    command_line_ += plain ? " " + word : " '" + word + "'";
+  }
+}
+
 bool AppContext::interrupted() { return interrupt_requested.load(); }
 
 void AppContext::add_common_flags(CLI::App& command) {

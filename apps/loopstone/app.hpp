@@ -67,6 +67,10 @@ class AppContext {
   /// True when the user named a robot; its file then beats what a log says about itself.
   [[nodiscard]] bool robot_given() const { return !robot_path_.empty(); }
 
+  /// What the user typed, for the report.
+  [[nodiscard]] const std::string& command_line() const { return command_line_; }
+  void set_command_line(int argc, const char* const* argv);
+
   /// Ctrl-C was pressed. Read it between pieces of work, or let ProgressDisplay do it.
   [[nodiscard]] static bool interrupted();
 
@@ -85,6 +89,7 @@ class AppContext {
   std::string options_path_;
   std::vector<std::string> assignments_;
   std::string robot_path_;
+  std::string command_line_;
   std::function<ExitCode()> action_;
 };
 

@@ -66,6 +66,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Loopstone turns the log of a robot with a 2D laser scanner into a map.",
                "loopstone"};
   AppContext context;
+  context.set_command_line(argc, argv);
   app.set_version_flag("--version", "loopstone " + std::string(loopstone::kVersion));
   app.require_subcommand(1);
   add_commands(app, context);

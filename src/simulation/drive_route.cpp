@@ -3,7 +3,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/simulation/drive.hpp"
-#include "route_planner.hpp"
+#include "simulation/route_planner.hpp"
 
 namespace loopstone {
 namespace {

@@ -1,4 +1,4 @@
-#include "furniture.hpp"
+#include "simulation/furniture.hpp"
 
 #include <cmath>
 

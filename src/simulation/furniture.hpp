@@ -5,7 +5,7 @@
 
 #include "loopstone/base/rng.hpp"
 #include "loopstone/simulation/floor_plan.hpp"
-#include "plan_builder.hpp"
+#include "simulation/plan_builder.hpp"
 
 namespace loopstone {
 

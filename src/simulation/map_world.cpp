@@ -2,7 +2,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/simulation/world.hpp"
-#include "route_planner.hpp"
+#include "simulation/route_planner.hpp"
 
 namespace loopstone {
 namespace {

@@ -1,10 +1,10 @@
-#include "office_building.hpp"
+#include "simulation/office_building.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
-#include "furniture.hpp"
+#include "simulation/furniture.hpp"
 
 namespace loopstone {
 namespace {

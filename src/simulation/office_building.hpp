@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "loopstone/base/rng.hpp"
-#include "plan_builder.hpp"
+#include "simulation/plan_builder.hpp"
 
 namespace loopstone {
 

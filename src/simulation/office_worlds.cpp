@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
 
-#include "builtin_worlds.hpp"
-#include "office_building.hpp"
+#include "simulation/builtin_worlds.hpp"
+#include "simulation/office_building.hpp"
 
 namespace loopstone {
 namespace {

@@ -1,4 +1,4 @@
-#include "people.hpp"
+#include "simulation/people.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "loopstone/simulation/drive.hpp"
 #include "loopstone/simulation/floor_plan.hpp"
 #include "loopstone/simulation/world.hpp"
-#include "route_planner.hpp"
+#include "simulation/route_planner.hpp"
 
 namespace loopstone {
 

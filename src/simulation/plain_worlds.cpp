@@ -1,6 +1,6 @@
-#include "builtin_worlds.hpp"
-#include "furniture.hpp"
-#include "office_building.hpp"
+#include "simulation/builtin_worlds.hpp"
+#include "simulation/furniture.hpp"
+#include "simulation/office_building.hpp"
 
 namespace loopstone {
 namespace {

@@ -1,4 +1,4 @@
-#include "plan_builder.hpp"
+#include "simulation/plan_builder.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "route_planner.hpp"
+#include "simulation/route_planner.hpp"
 
 #include <algorithm>
 #include <array>

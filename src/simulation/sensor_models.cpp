@@ -1,4 +1,4 @@
-#include "sensor_models.hpp"
+#include "simulation/sensor_models.hpp"
 
 #include <algorithm>
 #include <cmath>

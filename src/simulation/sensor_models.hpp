@@ -6,7 +6,7 @@
 #include "loopstone/base/rng.hpp"
 #include "loopstone/simulation/simulate.hpp"
 #include "loopstone/simulation/surface_index.hpp"
-#include "people.hpp"
+#include "simulation/people.hpp"
 
 namespace loopstone {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
-#include "sensor_models.hpp"
+#include "simulation/sensor_models.hpp"
 
 namespace loopstone {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "builtin_worlds.hpp"
+#include "simulation/builtin_worlds.hpp"
 #include "loopstone/base/error.hpp"
 
 namespace loopstone {

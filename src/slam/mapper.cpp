@@ -163,6 +163,7 @@ void Mapper::add_scan(LaserScan scan) {
 }
 
 MapResult Mapper::finish() {
+  odometer_.finish();
   process_waiting(true);
   for (auto& submap : front_end_.finish()) back_end_->add_submap(std::move(submap));
   const BackEnd& back_end = back_end_->finish();
