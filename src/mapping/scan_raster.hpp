@@ -20,7 +20,7 @@ class ScanRaster {
   /// An empty raster of the cells with low.column <= column <= high.column, low.row <= row <= high.row.
   void start(Cell low, Cell high) {
     low_ = {low.column / kWordBits * kWordBits, low.row};
-    words_per_row_ = static_cast<std::size_t>((high.column - low_.column) / kWordBits + 1);
+    words_per_row_ = static_cast<std::size_t>((high.column - low_.column) / kWordBits) + 1;
     rows_ = high.row - low.row + 1;
     const std::size_t words = words_per_row_ * static_cast<std::size_t>(rows_);
     if (words > passed_.size()) {  // all words are 0 between scans: finish() leaves them so

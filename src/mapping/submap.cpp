@@ -217,7 +217,7 @@ std::vector<Eigen::Vector2d> FrozenSubmap::probe(std::size_t count) const {
   const double stride =
       std::max(1.0, static_cast<double>(surfaces.size()) / static_cast<double>(count));
   for (double at = 0.0; at < static_cast<double>(surfaces.size()); at += stride) {
-    points.push_back(surfaces[static_cast<std::size_t>(at)].position.cast<double>());
+    points.emplace_back(surfaces[static_cast<std::size_t>(at)].position.cast<double>());
   }
   return points;
 }

@@ -108,7 +108,7 @@ Pose2 step_to_points(const std::vector<Pair>& pairs, const Pose2& pose) {
   std::vector<double> weights;
   for (const Pair& pair : pairs) {
     source.push_back(pair.source);
-    target.push_back(pair.arm + pose.translation() - pair.offset);
+    target.emplace_back(pair.arm + pose.translation() - pair.offset);
     weights.push_back(pair.weight);
   }
   return to_pose(align_rigidly<2>(source, target, weights));

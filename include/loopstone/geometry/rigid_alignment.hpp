@@ -63,7 +63,7 @@ template <int kDimension>
   result.rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   result.translation = target_mean - result.rotation * source_mean;
   // The best rotation is unique when the two smallest singular values, the last with its sign, do not cancel.
-  const Vector values = svd.singularValues();
+  const auto& values = svd.singularValues();
   const double open = values(kDimension - 2) + signs(kDimension - 1) * values(kDimension - 1);
   result.unique = open > 1e-12 * values(0) && values(0) > 0.0;
   return result;
