@@ -1,0 +1,67 @@
+#include "report/summary.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "loopstone/report/map_outputs.hpp"
+
+namespace loopstone {
+
+MapFigures figures_of(const OccupancyMap& map) {
+  const GridFrame& frame = map.observed.frame();
+  std::int64_t known = 0;
+  std::int64_t free = 0;
+  for (std::size_t i = 0; i < map.observed.cells().size(); ++i) {
+    if (map.observed.cells()[i] == 0) continue;
+    ++known;
+    if (map.log_odds.cells()[i] < 0.0F) ++free;
+  }
+  const double cell_m2 = frame.resolution * frame.resolution;
+  return {static_cast<double>(known) * cell_m2, static_cast<double>(free) * cell_m2,
+          frame.columns * frame.resolution, frame.rows * frame.resolution};
+}
+
+std::string format_summary(const MapResult& result, const RunInfo& info) {
+  const MapStatistics& s = result.statistics;
+  const MapFigures map = figures_of(result.map);
+  // Key order is the order of this list. A number that is not finite becomes null.
+  const nlohmann::ordered_json summary = {
+      {"version", info.version},
+      {"log", info.log_path},
+      {"command", info.command_line},
+      {"complete", result.complete},
+      {"scans", s.scans},
+      {"scans_dropped", s.scans_dropped},
+      {"records_skipped", info.records_skipped},
+      {"key_scans", s.key_scans},
+      {"submaps", s.submaps},
+      {"searches", s.searches},
+      {"loop_closures_accepted", s.loop_closures_accepted},
+      {"loop_closures_rejected", s.loop_closures_rejected},
+      {"path_length_m", s.path_length_m},
+      {"degenerate_travel_m", s.degenerate_travel_m},
+      {"duration_s", s.duration_s},
+      {"wall_time_s", info.wall_time_s},
+      {"cpu_time_s", info.cpu_time_s},
+      {"front_end_cpu_s", s.front_end_s},
+      {"loop_closing_cpu_s", s.loop_closing_s},
+      {"optimisation_cpu_s", s.optimisation_s},
+      {"rendering_cpu_s", s.rendering_s},
+      {"realtime_factor", ratio_or_zero(s.duration_s, info.wall_time_s)},
+      {"scans_per_s", ratio_or_zero(static_cast<double>(s.scans), info.wall_time_s)},
+      {"threads", info.threads},
+      {"peak_memory_bytes", info.peak_memory_bytes},
+      {"map_area_m2", map.known_area_m2},
+      {"map_free_area_m2", map.free_area_m2},
+      {"map_width_m", map.width_m},
+      {"map_height_m", map.height_m},
+      {"map_resolution_m", result.map.log_odds.frame().resolution},
+      {"graph_nodes", result.graph.poses.size()},
+      {"graph_edges", result.graph.edges.size()},
+      {"graph_cost", s.graph_cost},
+      {"warnings", result.warnings},
+  };
+  // Paths need not be UTF-8; JSON must.
+  return summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace loopstone
