@@ -79,6 +79,14 @@ add_test(NAME layering.tree COMMAND Python3::Interpreter "${check_layering}" "${
 add_test(NAME layering.self_test COMMAND Python3::Interpreter "${check_layering}" --self-test)
 set_tests_properties(layering.tree layering.self_test PROPERTIES LABELS layering TIMEOUT 60)
 
+set(check_docs "${PROJECT_SOURCE_DIR}/tests/docs/check_docs.py")
+add_test(NAME docs.self_test COMMAND Python3::Interpreter "${check_docs}" --self-test)
+set_tests_properties(docs.self_test PROPERTIES LABELS docs TIMEOUT 60)
+if(TARGET loopstone_program)
+  add_test(NAME docs.are_true COMMAND Python3::Interpreter "${check_docs}" "$<TARGET_FILE:loopstone_program>")
+  set_tests_properties(docs.are_true PROPERTIES LABELS docs TIMEOUT 240)
+endif()
+
 # An outside project; of no use with a sanitizer, whose run-time library it would have to link.
 if(NOT LOOPSTONE_SANITIZE AND NOT CMAKE_CXX_FLAGS_DEBUG MATCHES "coverage")
   add_test(NAME install.outside_project COMMAND "${PROJECT_SOURCE_DIR}/tests/install/run.sh" "${CMAKE_BINARY_DIR}"
