@@ -30,6 +30,7 @@ Exit codes: 0 done, 1 bad data, 2 bad usage or options, 3 a --require bound was 
 void add_commands(CLI::App& app, AppContext& context) {
   // In the order in which a user meets them.
   add_info_command(app, context);
+  add_map_command(app, context);
   add_odometry_command(app, context);
   add_evaluate_command(app, context);
   add_simulate_command(app, context);
