@@ -79,12 +79,19 @@ class FileSet {
   std::vector<ListedFile> listed_{};
 };
 
+/// A run that ended before its first scan still leaves a map that every tool can open: one unknown cell.
+CellStates states_to_write(const OccupancyMap& map) {
+  if (!map.log_odds.empty()) return cell_states(map);
+  const GridFrame frame{.resolution = OccupancyOptions{}.resolution_m, .columns = 1, .rows = 1};
+  return CellStates(frame, kUnknownCell);
+}
+
 }  // namespace
 
 void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir) {
   OutputFolder folder(out_dir, info.force);
   FileSet files(folder);
-  const CellStates cells = cell_states(result.map);
+  const CellStates cells = states_to_write(result.map);
   const std::string picture = encode_png(draw_map_picture(result), kPngCompression);
   files.add("map.png", "the map, the path and the loop closures, to look at", picture);
   files.add("map.pgm", "occupancy as map_server reads it", encode_pgm(map_image(cells)));

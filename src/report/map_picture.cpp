@@ -104,8 +104,9 @@ void draw_marks(const Trajectory& trajectory, const MapView& view, const Sizes& 
   const bool start_above = !close || start.y <= end.y;
   const auto label = [&](Point at, const char* words, const Colour& colour, bool above) {
     at.y += above ? -1.6 * r : 1.6 * r + 0.75 * sizes.text;
-    at.x = std::clamp(at.x, 1.5 * sizes.text,
-                      std::max(1.5 * sizes.text, view.width_px - 1.5 * sizes.text));
+    const double edge_px = 1.6 * sizes.text;
+    at.x = std::clamp(at.x, edge_px, std::max(edge_px, view.width_px - edge_px));
+    at.y = std::clamp(at.y, sizes.text, std::max(sizes.text, view.height_px - 0.4 * sizes.text));
     canvas.text_with_halo(at, words, 0.95 * sizes.text, colour, kPaper, 0.5);
   };
   label(start, "start", kStart, start_above);

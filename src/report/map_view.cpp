@@ -9,7 +9,9 @@ namespace loopstone {
 namespace {
 
 constexpr double kStrayShare = 0.003;
-constexpr int kMarginCells = 8;
+/// Room around the content for markers and their labels.
+constexpr double kMarginShare = 0.035;
+constexpr int kLeastMarginCells = 6;
 
 /// The first and last index that stay when at most `most` counts are cut from each end.
 struct Kept {
@@ -100,8 +102,11 @@ MapView view_of(const OccupancyMap& map, const Trajectory& trajectory, int targe
     view.low = {std::min(view.low.column, cell.column), std::min(view.low.row, cell.row)};
     view.high = {std::max(view.high.column, cell.column), std::max(view.high.row, cell.row)};
   }
-  view.low = {view.low.column - kMarginCells, view.low.row - kMarginCells};
-  view.high = {view.high.column + kMarginCells, view.high.row + kMarginCells};
+  const int content =
+      std::max(view.high.column - view.low.column, view.high.row - view.low.row) + 1;
+  const int margin = std::max(kLeastMarginCells, static_cast<int>(kMarginShare * content));
+  view.low = {view.low.column - margin, view.low.row - margin};
+  view.high = {view.high.column + margin, view.high.row + margin};
 
   const int shown_columns = view.high.column - view.low.column + 1;
   const int shown_rows = view.high.row - view.low.row + 1;

@@ -1,7 +1,6 @@
 #include "report/motion_profile.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace loopstone {
 
@@ -29,12 +28,11 @@ MotionProfile motion_profile(const Trajectory& trajectory, int most_spans) {
     sum.turn_rad += motion.z();
     sum.time_s += (poses[i].stamp - poses[i - 1].stamp).seconds();
   }
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < spans; ++i) {
-    const bool known = sums[i].time_s > 0.0;
+    if (!(sums[i].time_s > 0.0)) continue;
     profile.time_s.push_back((static_cast<double>(i) + 0.5) * span_s);
-    profile.speed_m_s.push_back(known ? sums[i].forward_m / sums[i].time_s : kNone);
-    profile.yaw_rate_rad_s.push_back(known ? sums[i].turn_rad / sums[i].time_s : kNone);
+    profile.speed_m_s.push_back(sums[i].forward_m / sums[i].time_s);
+    profile.yaw_rate_rad_s.push_back(sums[i].turn_rad / sums[i].time_s);
   }
   return profile;
 }

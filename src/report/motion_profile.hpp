@@ -6,10 +6,10 @@
 
 namespace loopstone {
 
-/// How the robot moved, averaged over equal spans of time.
+/// How the robot moved, averaged over equal spans of time; spans without a pose are left out.
 struct MotionProfile {
   std::vector<double> time_s{};     ///< middle of each span, from the start of the trajectory
-  std::vector<double> speed_m_s{};  ///< forward positive; NaN where there is no pair of poses
+  std::vector<double> speed_m_s{};  ///< forward positive
   std::vector<double> yaw_rate_rad_s{};
 };
 

@@ -236,6 +236,7 @@ std::string loop_closures(const MapResult& result) {
 
 std::string file_list(const std::vector<ListedFile>& files) {
   std::string html = "<h2>Files</h2>\n<div class=\"scroll\"><table class=\"list\"><tbody>\n";
+  html += "<tr><td><code>report.html</code></td><td>this page</td><td></td></tr>\n";
   for (const ListedFile& file : files) {
     html +=
         fmt::format("<tr><td><code>{}</code></td><td>{}</td><td class=\"n\">{}</td></tr>\n",

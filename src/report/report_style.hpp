@@ -23,7 +23,7 @@ p { margin: .5rem 0; }
 img.map { display: block; max-width: 100%; max-height: 90vh; margin: 0 auto; border: 1px solid var(--line); border-radius: .5rem; background: #fff; }
 figure { margin: 1rem 0; }
 figcaption { color: var(--soft); font-size: .9rem; margin-top: .35rem; }
-.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(17rem, 1fr)); gap: 1rem; }
+.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); gap: .5rem 1.5rem; align-items: start; }
 .figures table { background: var(--card); border-radius: .5rem; }
 table { border-collapse: collapse; width: 100%; font-size: .93rem; }
 caption { text-align: left; font-weight: 600; padding: .6rem .75rem .3rem; }
