@@ -71,7 +71,7 @@ def simulated_run(loopstone, world, seed, flags, baseline):
 
 
 # What summary.json says about the time of the steps.
-STAGES = ("front_end_cpu_s", "loop_closing_cpu_s", "optimisation_cpu_s", "rendering_cpu_s")
+STAGES = ("front_end_wall_s", "loop_closing_wall_s", "optimisation_wall_s", "rendering_wall_s")
 SICK = ["--beams", "180", "--fov", "179"]
 CASES = [  # name, world, flags of simulate, seeds, seeds with --quick, seeds of the baseline
     ("office", "office", [], 10, 2, 3),

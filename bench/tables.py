@@ -103,20 +103,20 @@ def speed_tables(section):
     return "\n".join(parts)
 
 
-STAGES = [("front_end_cpu_s", "front end: filter, predict, align, insert"),
-          ("loop_closing_cpu_s", "loop closing: search and refinement"),
-          ("optimisation_cpu_s", "pose graph"),
-          ("rendering_cpu_s", "final occupancy map")]
+STAGES = [("front_end_wall_s", "front end: filter, predict, align, insert"),
+          ("loop_closing_wall_s", "loop closing: search and refinement"),
+          ("optimisation_wall_s", "pose graph"),
+          ("rendering_wall_s", "final occupancy map")]
 
 
 def stage_table(section):
     run = section["figures"]["variants"][-1]
     known = [(title, run["stages"][key]) for key, title in STAGES if key in run["stages"]]
-    rest = run["cpu_s"] - sum(seconds for _, seconds in known)
-    rows = [[title, f"{seconds:.2f}", f"{100 * seconds / run['cpu_s']:.0f} %"] for title, seconds in known]
-    rows.append(["the rest: reading, writing, pictures, report", f"{rest:.2f}", f"{100 * rest / run['cpu_s']:.0f} %"])
+    rest = run["wall_s"] - sum(seconds for _, seconds in known)
+    rows = [[title, f"{seconds:.2f}", f"{100 * seconds / run['wall_s']:.0f} %"] for title, seconds in known]
+    rows.append(["the rest: reading, writing, pictures, report", f"{rest:.2f}", f"{100 * rest / run['wall_s']:.0f} %"])
     return "\n".join([f"Intel with one thread, last of {section['figures']['repeats']} runs.", "",
-                      table(["stage", "CPU [s]>", "share>"], rows)])
+                      table(["stage", "wall [s]>", "share>"], rows)])
 
 
 def headline(sections):

@@ -64,14 +64,19 @@ void draw_loop_closures(const MapResult& result, const MapView& view, const Size
   const auto exists = [&](NodeId node) {
     return node.index >= 0 && static_cast<std::size_t>(node.index) < poses.size();
   };
+  // Hundreds of them must not hide the map.
+  const auto count = std::count_if(result.loop_closures.begin(), result.loop_closures.end(),
+                                   [](const LoopClosure& closure) { return closure.accepted; });
+  const double alpha = std::clamp(
+      0.55 * std::sqrt(50.0 / static_cast<double>(std::max<std::int64_t>(count, 1))), 0.1, 0.55);
   for (const LoopClosure& closure : result.loop_closures) {
     if (!closure.accepted || !exists(closure.from) || !exists(closure.to)) continue;
     const Point from =
         view.pixel_of(poses[static_cast<std::size_t>(closure.from.index)].translation());
     const Point to = view.pixel_of(poses[static_cast<std::size_t>(closure.to.index)].translation());
     Colour line = kClosure;
-    line.alpha = 0.55;
-    canvas.line({from, to}, 0.6 * sizes.path, line);
+    line.alpha = alpha;
+    canvas.line({from, to}, 0.45 * sizes.path, line);
     for (const Point& end : {from, to})
       canvas.disc(end, 0.75 * sizes.path, kClosure, 0.0, kClosure);
   }

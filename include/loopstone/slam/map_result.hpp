@@ -39,7 +39,7 @@ struct MapStatistics {
   double degenerate_travel_m = 0.0;  ///< path during which a direction was unobserved by the laser
   double path_length_m = 0.0;
   double duration_s = 0.0;   ///< of the recording
-  double front_end_s = 0.0;  ///< CPU time of the steps
+  double front_end_s = 0.0;  ///< wall time of the steps, which overlap
   double loop_closing_s = 0.0;
   double optimisation_s = 0.0;
   double rendering_s = 0.0;
