@@ -55,23 +55,27 @@ Examples:
   loopstone simulate campus -o campus --format carmen --people 20
   loopstone simulate warehouse -o sick --format carmen --beams 180 --fov 179 --scan-rate 5 --max-range 80)";
 
-/// A flag's value goes the way of --set: the same rule is checked, and a flag beats the file.
+/// A flag's value is held to the same rule as the option that it sets, and beats the file.
 SimulationOptions options_of(const Arguments& arguments, const AppContext& context) {
   auto options = context.load_options<SimulationOptions>();
   const std::vector<OptionEntry> entries = list_options(options);
   std::vector<OptionProblem> problems;
-  const auto override_with = [&](const char* key, const auto& value, double factor = 1.0) {
+  const auto override_with = [&](const char* flag, const char* key, const auto& value,
+                                 double factor = 1.0) {
     if (!value) return;
-    const auto found = apply_assignment(entries, fmt::format("{}={}", key, *value * factor));
-    problems.insert(problems.end(), found.begin(), found.end());
+    for (OptionProblem problem :
+         apply_assignment(entries, fmt::format("{}={}", key, *value * factor))) {
+      problem.where.path = flag;
+      problems.push_back(std::move(problem));
+    }
   };
-  override_with("duration_s", arguments.duration_s);
+  override_with("--duration", "duration_s", arguments.duration_s);
   if (arguments.beams) options.laser.beams = *arguments.beams;
   if (arguments.people) options.people = *arguments.people;
-  override_with("laser.fov_rad", arguments.fov_deg, radians(1.0));
-  override_with("laser.rate_hz", arguments.scan_rate_hz);
-  override_with("laser.range_max_m", arguments.max_range_m);
-  override_with("laser.noise_m", arguments.range_noise_m);
+  override_with("--fov", "laser.fov_rad", arguments.fov_deg, radians(1.0));
+  override_with("--scan-rate", "laser.rate_hz", arguments.scan_rate_hz);
+  override_with("--max-range", "laser.range_max_m", arguments.max_range_m);
+  override_with("--range-noise", "laser.noise_m", arguments.range_noise_m);
   if (!problems.empty()) throw OptionsError(problems);
   if (arguments.format == "carmen") options.odometry_poses = true;
   return options;
@@ -169,6 +173,8 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
       .add("messages", "messages", summary.messages)
       .add("complete", "complete", summary.complete);
   nlohmann::ordered_json description = result.json();
+  description["log"] =
+      arguments.format == "carmen" ? "log.clf" : ".";  // from here, so that a folder can be moved
   description["robot"] = to_json(robot);
   description["options"] = to_json(options);
   description["version"] = std::string(kVersion);
@@ -199,7 +205,8 @@ void add_simulate_command(CLI::App& app, AppContext& context) {
       ->type_name("N")
       ->check(CLI::Range(2, 20000));
   command->add_option("--fov", arguments->fov_deg, "from the first beam to the last (default: 270)")
-      ->type_name("DEG");
+      ->type_name("DEG")
+      ->check(CLI::Range(1.0, 360.0));
   command->add_option("--scan-rate", arguments->scan_rate_hz, "scans a second (default: 10)")
       ->type_name("HZ");
   command->add_option("--max-range", arguments->max_range_m, "of the laser (default: 30)")
