@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "commands.hpp"
-#include "formats/atomic_file.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/ros_map.hpp"
+#include "loopstone/formats/text_file.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/version.hpp"
 #include "progress_display.hpp"
@@ -178,7 +178,7 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   description["robot"] = to_json(robot);
   description["options"] = to_json(options);
   description["version"] = std::string(kVersion);
-  write_file_atomically((folder / "world.json").string(), description.dump(2) + "\n");
+  write_text_file((folder / "world.json").string(), description.dump(2) + "\n");
   result.print(context);
   return summary.complete ? kExitDone : kExitInterrupted;
 }
