@@ -25,7 +25,7 @@ import targets  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from program import Loopstone, machine, say  # noqa: E402
 
-SECTIONS = ["speed", "real", "simulated"]  # the timing first, while nothing else has warmed or filled the machine
+SECTIONS = ["speed", "real", "simulated", "demo"]  # the timing first, while nothing else has warmed or filled the machine
 
 
 def measure_section(name, loopstone, data, quick):
@@ -33,6 +33,8 @@ def measure_section(name, loopstone, data, quick):
         return measure.real_logs(loopstone, data)
     if name == "simulated":
         return measure.simulated(loopstone, quick)
+    if name == "demo":
+        return measure.demo(loopstone)
     return measure.speed(loopstone, data, 2 if quick else 5)
 
 
@@ -48,6 +50,8 @@ def blocks_of(sections):
         blocks.append(("docs/benchmarks.md", "stages", tables.stage_table(sections["speed"])))
     if "real" in sections or "simulated" in sections:
         blocks.append(("README.md", "headline", tables.headline(sections)))
+    if "demo" in sections:
+        blocks.append(("README.md", "demo", tables.session(sections["demo"])))
     return blocks
 
 

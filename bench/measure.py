@@ -1,7 +1,8 @@
 """What is measured: each function returns plain figures for one section of the tables."""
 import pathlib
+import shutil
 
-from program import Failed, median, say
+from program import Failed, median, run, say
 
 PIPELINES = [
     ("scan to scan (baseline)", ["--pipeline", "scan_to_scan"]),
@@ -122,6 +123,26 @@ def speed(loopstone, data, repeats):
                                if key in STAGES}}
         result["variants"].append(variant)
     return result
+
+
+DEMO = [
+    ["simulate", "office", "-o", "sim", "--seed", "1"],
+    ["map", "sim", "-o", "out"],
+    ["evaluate", "--estimate", "out/trajectory.tum", "--reference", "sim/truth.tum", "--map", "out/map.yaml",
+     "--true-map", "sim/map.yaml"],
+]
+
+
+def demo(loopstone):
+    """What a user types and sees: (command, output) of a first session."""
+    folder = loopstone.work / "demo"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    session = []
+    for words in DEMO:
+        output, _ = run([loopstone.program.resolve(), *words, "--quiet"], folder=folder)
+        session.append(("loopstone " + " ".join(words), output))
+    return session
 
 
 def data_folder(source, environment):

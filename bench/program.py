@@ -15,10 +15,11 @@ class Failed(Exception):
     """The program ended with an error; the text has the command and what it said."""
 
 
-def run(command, check=True):
+def run(command, check=True, folder=None):
     """Runs a command; returns its stdout and what it took, as measured by the kernel for this one process."""
     started = time.monotonic()
-    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               cwd=folder)
     # stdout is small (a JSON object) and stderr quiet, so reading one after the other can't block.
     output = process.stdout.read().decode()
     errors = process.stderr.read().decode()

@@ -135,4 +135,13 @@ def headline(sections):
                 worst = max(good, key=lambda run: run["ate_m"])
                 rows.append([f"{case['name']} (simulated, worst of {len(case['runs'])} seeds)", "ATE rmse",
                              f"{worst['odometry_m']:.2f} m", f"{worst['ate_m']:.3f} m", f"{worst['wall_s']:.1f} s"])
-    return table(["log", "error", "odometry>", "Loopstone>", "time to map>"], rows)
+    newest = sections.get("real") or sections["simulated"]
+    return table(["log", "error", "odometry>", "Loopstone>", "time to map>"], rows) + "\n\n" + provenance(newest)
+
+
+def session(section):
+    lines = ["```text"]
+    for command, output in section["figures"]:
+        lines += ["$ " + command, *[line.rstrip() for line in output.rstrip().splitlines()], ""]
+    lines[-1] = "```"
+    return "\n".join(lines)
