@@ -41,7 +41,7 @@ std::vector<Eigen::Vector2d> thinned_positions(std::span<const SurfacePoint> sur
   const std::size_t stride = std::max<std::size_t>(1, surfaces.size() / count);
   std::vector<Eigen::Vector2d> points;
   for (std::size_t i = 0; i < surfaces.size(); i += stride)
-    points.push_back(surfaces[i].position.cast<double>());
+    points.emplace_back(surfaces[i].position.cast<double>());
   return points;
 }
 
