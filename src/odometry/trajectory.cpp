@@ -13,9 +13,8 @@ bool earlier(const StampedPose2& pose, Stamp stamp) { return pose.stamp < stamp;
 }  // namespace
 
 Trajectory::Trajectory(std::vector<StampedPose2> poses) {
-  std::stable_sort(poses.begin(), poses.end(), [](const StampedPose2& a, const StampedPose2& b) {
-    return a.stamp < b.stamp;
-  });
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const StampedPose2& a, const StampedPose2& b) { return a.stamp < b.stamp; });
   poses_.reserve(poses.size());
   for (const auto& pose : poses) append(pose.stamp, pose.pose);
 }

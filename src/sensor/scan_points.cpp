@@ -209,9 +209,9 @@ std::vector<SurfacePoint> surface_points(const LaserScan& scan, const Pose2& rob
   const auto runs = unbroken_runs(returns, beam_spacing);
   const auto prefix = prefix_moments(returns);
 
-  double spacing = options.spacing_m;
+  double spacing = std::max(options.spacing_m, 0.001);
   auto kept = evenly_spaced(returns, spacing);
-  while (kept.size() > static_cast<std::size_t>(options.points_max)) {
+  while (kept.size() > static_cast<std::size_t>(std::max(options.points_max, 1))) {
     spacing *= 1.3;
     kept = evenly_spaced(returns, spacing);
   }

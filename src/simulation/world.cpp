@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "simulation/builtin_worlds.hpp"
 #include "loopstone/base/error.hpp"
+#include "simulation/builtin_worlds.hpp"
 
 namespace loopstone {
 namespace {

@@ -15,11 +15,12 @@ namespace loopstone {
 /// How measurements become occupancy. Source: Moravec and Elfes 1985; Thrun, Burgard and Fox 2005, table 9.1.
 struct OccupancyOptions {
   double resolution_m = 0.05;
-  double hit_probability = 0.7;        ///< p(occupied | a beam ended here)
-  double miss_probability = 0.4;       ///< p(occupied | a beam passed through)
-  double clamp_probability = 0.97;     ///< belief never leaves [1 - p, p], so a map can change its mind
-  double no_return_carve_m = 5.0;      ///< a beam without return frees cells up to this far
-  double max_range_m = 80.0;           ///< returns beyond are treated as beams without return
+  double hit_probability = 0.7;   ///< p(occupied | a beam ended here)
+  double miss_probability = 0.4;  ///< p(occupied | a beam passed through)
+  double clamp_probability =
+      0.97;                        ///< belief never leaves [1 - p, p], so a map can change its mind
+  double no_return_carve_m = 5.0;  ///< a beam without return frees cells up to this far
+  double max_range_m = 80.0;       ///< returns beyond are treated as beams without return
 };
 
 template <typename Visitor>
@@ -48,8 +49,8 @@ struct PosedScan {
 
 /// Log-odds occupancy: positive = occupied, negative = free, NaN-free; `observed` tells unknown cells from even ones.
 struct OccupancyMap {
-  Grid<float> log_odds;            ///< 0 where never observed
-  Grid<std::uint8_t> observed;     ///< 1 where a beam passed or ended, or the robot drove
+  Grid<float> log_odds;         ///< 0 where never observed
+  Grid<std::uint8_t> observed;  ///< 1 where a beam passed or ended, or the robot drove
 
   /// Probability of occupancy in [0, 1]; 0.5 where unknown.
   [[nodiscard]] double probability(Cell cell) const;
@@ -59,7 +60,9 @@ struct OccupancyMap {
 /// are free. Within a scan an end point wins over a pass-through, and each cell changes at most once.
 /// The same bytes for any number of threads.
 /// Cost: O(cells that beams cross).
-[[nodiscard]] OccupancyMap build_occupancy_map(std::span<const PosedScan> scans, double footprint_radius_m,
-                                               const OccupancyOptions& options = {}, Threads threads = {});
+[[nodiscard]] OccupancyMap build_occupancy_map(std::span<const PosedScan> scans,
+                                               double footprint_radius_m,
+                                               const OccupancyOptions& options = {},
+                                               Threads threads = {});
 
 }  // namespace loopstone

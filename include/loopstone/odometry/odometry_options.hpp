@@ -14,7 +14,8 @@ struct OdometryOptions {
       "arc";  ///< "arc": exact; "euler": straight along the old heading, as in textbooks
   std::string alignment =
       "interpolate";  ///< of sensors with different stamps: "interpolate" or "nearest"
-  bool use_standstill = true;  ///< while the wheels stand, learn the gyro's bias and hold the heading
+  bool use_standstill =
+      true;  ///< while the wheels stand, learn the gyro's bias and hold the heading
   double max_extrapolation_s = 0.2;  ///< beyond the newest reading, at constant velocity
   double distance_noise = 0.03;      ///< standard deviation of position after 1 m [m/sqrt(m)]
   double heading_noise_per_metre =
