@@ -13,6 +13,7 @@ for program in build/release/bin/bench_*; do
   printf '\n== %s\n' "$name"
   "$program" --benchmark_filter="${1:-.}" --benchmark_out="build/bench/$name.json" --benchmark_out_format=json
 done
+[[ $# -eq 0 ]] || exit 0 # with a REGEX only the inner loops
 for script in bench/*.sh; do
   printf '\n== %s\n' "$script"
   bash "$script"
