@@ -69,11 +69,6 @@ void draw_loop_closures(const MapResult& result, const MapView& view, const Size
                                    [](const LoopClosure& closure) { return closure.accepted; });
   const double alpha = std::clamp(
       0.55 * std::sqrt(50.0 / static_cast<double>(std::max<std::int64_t>(count, 1))), 0.1, 0.55);
-  // Hundreds of lines are drawn fainter, so that the map stays in sight.
-  const double count =
-      static_cast<double>(std::max<std::int64_t>(1, result.statistics.loop_closures_accepted));
-  Colour line = kClosure;
-  line.alpha = std::clamp(0.65 * std::sqrt(60.0 / count), 0.2, 0.65);
   for (const LoopClosure& closure : result.loop_closures) {
     if (!closure.accepted || !exists(closure.from) || !exists(closure.to)) continue;
     const Point from =
