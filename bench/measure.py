@@ -114,13 +114,13 @@ def speed(loopstone, data, repeats):
         costs = []
         for _ in range(repeats):
             _, summary, row = map_row(loopstone, log, "speed", flags)
+            row["stages"] = {key: summary[key] for key in STAGES}
             costs.append(row)
         say(f"  {name}: " + ", ".join(f"{row['wall_s']:.1f}" for row in costs) + " s wall")
         variant = {key: median([row[key] for row in costs]) for key in ("wall_s", "cpu_s", "peak_mb")}
-        variant |= {"name": name, "flags": flags, "duration_s": summary["duration_s"],
-                    "fastest_wall_s": min(row["wall_s"] for row in costs),
-                    "stages": {key: value for key, value in summary.items()
-                               if key in STAGES}}
+        fastest = min(costs, key=lambda row: row["wall_s"])
+        variant |= {"name": name, "flags": flags, "duration_s": fastest["duration_s"],
+                    "fastest_wall_s": fastest["wall_s"], "fastest_stages": fastest["stages"]}
         result["variants"].append(variant)
     return result
 
