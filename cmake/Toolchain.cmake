@@ -50,7 +50,7 @@ target_compile_options(
             -Wno-missing-field-initializers
             # GCC 12 reports both inside Eigen's fixed-size matrices at -O2 and under the sanitizers, wrongly.
             $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized
-            -Wno-array-bounds>)
+            -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict>)
 if(LOOPSTONE_WERROR)
   target_compile_options(loopstone_build INTERFACE -Werror)
 endif()
