@@ -142,6 +142,8 @@ void Mapper::add_scan(LaserScan scan) {
           tracked.local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
     }
   }
+  statistics_.front_end_s +=
+      watch.seconds();  // with one thread the back end works within the calls below
   if (tracked.key) {
     back_end_->add_key({record.scan.stamp, tracked.local_T_robot, tracked.covariance});
     key_stamps_.push_back(record.scan.stamp);
@@ -159,7 +161,6 @@ void Mapper::add_scan(LaserScan scan) {
   }
   record.last_key = key_stamps_.empty() ? 0 : key_stamps_.size() - 1;
   records_.push_back(std::move(record));
-  statistics_.front_end_s += watch.seconds();
 }
 
 MapResult Mapper::finish() {
