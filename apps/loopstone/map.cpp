@@ -104,14 +104,14 @@ void print_result(const MapResult& result, const RunInfo& info, const std::strin
     return;
   }
   const MapStatistics& s = result.statistics;
-  const double area_m2 = nlohmann::json::parse(summary).at("map_area_m2").get<double>();
+  const double free_m2 = nlohmann::json::parse(summary).at("map_free_area_m2").get<double>();
   Result table;
   table.add("scans", "scans", s.scans);
   if (info.records_skipped > 0)
     table.add("records_skipped", "records skipped", info.records_skipped);
   table.add("duration_s", "recording", s.duration_s, "s", 1);
   table.add("path_length_m", "path", s.path_length_m, "m", 1);
-  table.add("map_area_m2", "free area mapped", area_m2, "m2", 1);
+  table.add("map_free_area_m2", "free area mapped", free_m2, "m2", 1);
   table.add("submaps", "submaps", s.submaps);
   table.add_row("loop closures", fmt::format("{} accepted, {} rejected", s.loop_closures_accepted,
                                              s.loop_closures_rejected));

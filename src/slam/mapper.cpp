@@ -134,7 +134,6 @@ void Mapper::add_scan(LaserScan scan) {
     const ScanRecord& before = records_.back();
     const Pose2 motion = before.local_T_robot.inverse() * tracked.local_T_robot;
     const double distance = std::hypot(motion.x, motion.y);
-    statistics_.path_length_m += distance;
     if (tracked.status == MatchStatus::kDegenerate) statistics_.degenerate_travel_m += distance;
     const double seconds = (record.scan.stamp - before.scan.stamp).seconds();
     if (sweep_s != 0.0 && seconds > 0.0) {
@@ -142,8 +141,8 @@ void Mapper::add_scan(LaserScan scan) {
           tracked.local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
     }
   }
-  statistics_.front_end_s +=
-      watch.seconds();  // with one thread the back end works within the calls below
+  // With one thread the back end works within the calls below.
+  statistics_.front_end_s += watch.seconds();
   if (tracked.key) {
     back_end_->add_key({record.scan.stamp, tracked.local_T_robot, tracked.covariance});
     key_stamps_.push_back(record.scan.stamp);
@@ -218,6 +217,12 @@ MapResult Mapper::finish() {
   if (!result.trajectory.empty()) {
     statistics.duration_s =
         (result.trajectory.back().stamp - result.trajectory.front().stamp).seconds();
+  }
+  // From key scan to key scan: between them the robot only trembles.
+  const auto& poses = result.graph.poses;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    statistics.path_length_m +=
+        std::hypot(poses[i].x - poses[i - 1].x, poses[i].y - poses[i - 1].y);
   }
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
