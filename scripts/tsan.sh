@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Thread sanitizer over what is threaded: suites whose name holds Thread, Parallel or Determin.
+# Thread sanitizer over what is threaded: suites whose name holds Thread, Parallel, Determin, TaskQueue or Mapper.
 # Only the test programs that have such suites are built.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-words='Thread|Parallel|Determin'
+words='Thread|Parallel|Determin|TaskQueue|Mapper'
 targets=()
 for folder in tests/unit/*/ tests/property/ tests/scenario/; do
   [[ -d $folder ]] || continue

@@ -1,11 +1,11 @@
 #include "loopstone/slam/back_end.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "loopstone/graph/solver.hpp"
+#include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
 
 namespace loopstone {
@@ -24,20 +24,17 @@ constexpr double kHuberWidth = 1.5;
 /// Rounds of looking everywhere with ever better poses.
 constexpr int kFinalRounds = 2;
 
-RelativePoseEdge chain_edge(int from, const KeyScan& previous, const Pose2& previous_pose,
-                            const KeyScan& next) {
-  const Pose2 motion = previous_pose.inverse() * next.local_T_robot;
+RelativePoseEdge chain_edge(int from, const KeyScan& previous, const KeyScan& next) {
+  const Pose2 motion = previous.local_T_robot.inverse() * next.local_T_robot;
   const double distance = std::hypot(motion.x, motion.y);
   const double sigma = kChainRestM + kChainShare * distance;
   const double sigma_yaw = kChainRestRad + kChainTurnShare * std::abs(motion.yaw);
-  // The error of an edge lives in the frame of the pose it leads to.
+  // From the local frame to that of the previous key scan, in which the motion is told.
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = next.local_T_robot.rotation().transpose();
+  turn.topLeftCorner<2, 2>() = previous.local_T_robot.rotation().transpose();
   Eigen::Matrix3d covariance = turn * (previous.covariance + next.covariance) * turn.transpose();
   covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, sigma_yaw * sigma_yaw);
-  Eigen::Matrix3d information = covariance.inverse();
-  information = 0.5 * (information + information.transpose()).eval();
-  return {NodeId{from}, NodeId{from + 1}, motion, information, EdgeKind::kOdometry};
+  return edge_between(from, from + 1, {motion, covariance}, EdgeKind::kOdometry);
 }
 
 }  // namespace
@@ -51,10 +48,8 @@ void BackEnd::add_key(const KeyScan& key) {
     graph_.poses.push_back(key.local_T_robot);
     travelled_m_.push_back(0.0);
   } else {
-    const Pose2& before = keys_.back().local_T_robot;
-    const Pose2 motion = before.inverse() * key.local_T_robot;
-    graph_.edges.push_back(
-        chain_edge(static_cast<int>(keys_.size()) - 1, keys_.back(), before, key));
+    const Pose2 motion = keys_.back().local_T_robot.inverse() * key.local_T_robot;
+    graph_.edges.push_back(chain_edge(static_cast<int>(keys_.size()) - 1, keys_.back(), key));
     graph_.poses.push_back(graph_.poses.back() * motion);
     travelled_m_.push_back(travelled_m_.back() + std::hypot(motion.x, motion.y));
   }

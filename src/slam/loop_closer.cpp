@@ -1,6 +1,5 @@
 #include "loopstone/slam/loop_closer.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +8,7 @@
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "slam/scan_edges.hpp"
 
 namespace loopstone {
 
@@ -241,13 +241,8 @@ std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
 }
 
 RelativePoseEdge LoopCloser::edge_of(const LoopClosure& closure) const {
-  // g2o's error lives in the frame of the measured pose: turn the translation part.
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = closure.from_T_to.rotation().transpose();
-  const Eigen::Matrix3d covariance = turn * closure.covariance * turn.transpose();
-  Eigen::Matrix3d information = covariance.inverse();
-  information = 0.5 * (information + information.transpose()).eval();
-  return {closure.from, closure.to, closure.from_T_to, information, EdgeKind::kLoopClosure};
+  return edge_between(closure.from.index, closure.to.index, {closure.from_T_to, closure.covariance},
+                      EdgeKind::kLoopClosure);
 }
 
 }  // namespace loopstone

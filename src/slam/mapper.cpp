@@ -12,8 +12,6 @@ namespace loopstone {
 
 namespace {
 
-/// A scan waits this long for odometry of its time before it is worked on with what there is.
-constexpr Duration kPatience{250'000'000};
 /// Scans that differ less than this from the last one mapped add nothing to the final map.
 constexpr double kStillM = 0.01;
 constexpr double kStillRad = 0.005;
@@ -80,42 +78,21 @@ Mapper::Mapper(const RobotModel& robot, const MapOptions& options, Threads threa
     : robot_(robot),
       options_(options),
       threads_(threads),
-      odometer_(robot.wheels),
+      scan_queue_(robot.wheels),
       front_end_(options.front_end, options.match, options.submap),
       back_end_(std::make_unique<BackEndWorker>(options, threads)) {}
 
 Mapper::~Mapper() = default;
 
 void Mapper::add(const SensorMessage& message) {
-  newest_ = stamp_of(message);
-  if (const auto* scan = std::get_if<LaserScan>(&message)) {
-    waiting_.push_back(*scan);
-  } else if (const auto* ticks = std::get_if<WheelTicks>(&message)) {
-    odometer_.add(*ticks);
-  } else if (const auto* imu = std::get_if<ImuSample>(&message)) {
-    odometer_.add(*imu);
-  } else if (const auto* pose = std::get_if<OdometryPose>(&message)) {
-    odometer_.add(*pose);
-  }
-  process_waiting(false);
-}
-
-void Mapper::process_waiting(bool all) {
-  while (!waiting_.empty()) {
-    const Stamp stamp = waiting_.front().stamp;
-    const auto known_until = odometer_.newest();
-    const bool ready = (known_until && *known_until >= stamp) || *newest_ - stamp >= kPatience;
-    if (!ready && !all) return;
-    LaserScan scan = std::move(waiting_.front());
-    waiting_.pop_front();
-    add_scan(std::move(scan));
-  }
+  scan_queue_.add(message);
+  while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
 }
 
 void Mapper::add_scan(LaserScan scan) {
   const Stopwatch watch;
   const Pose2 robot_T_lidar = mount_of(scan, robot_);
-  const auto odometry = odometer_.pose_at(scan.stamp);
+  const auto odometry = scan_queue_.odometer().pose_at(scan.stamp);
   std::optional<Pose2> odom_T_robot;
   if (odometry) odom_T_robot = odometry->pose;
 
@@ -163,8 +140,8 @@ void Mapper::add_scan(LaserScan scan) {
 }
 
 MapResult Mapper::finish() {
-  odometer_.finish();
-  process_waiting(true);
+  scan_queue_.finish();
+  while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
   for (auto& submap : front_end_.finish()) back_end_->add_submap(std::move(submap));
   const BackEnd& back_end = back_end_->finish();
 

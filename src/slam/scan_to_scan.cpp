@@ -12,8 +12,6 @@ namespace loopstone {
 
 namespace {
 
-/// A scan waits this long for odometry of its time.
-constexpr Duration kPatience{250'000'000};
 constexpr std::size_t kMinPoints = 10;
 /// Between two looks at the progress callback.
 constexpr std::size_t kBatch = 256;
@@ -41,32 +39,11 @@ struct ScanToScanMapper::Links {
 
 ScanToScanMapper::ScanToScanMapper(const RobotModel& robot, const ScanToScanOptions& options,
                                    Threads threads)
-    : robot_(robot), options_(options), threads_(threads), odometer_(robot.wheels) {}
+    : robot_(robot), options_(options), threads_(threads), scan_queue_(robot.wheels) {}
 
 void ScanToScanMapper::add(const SensorMessage& message) {
-  newest_ = stamp_of(message);
-  if (const auto* scan = std::get_if<LaserScan>(&message)) {
-    waiting_.push_back(*scan);
-  } else if (const auto* ticks = std::get_if<WheelTicks>(&message)) {
-    odometer_.add(*ticks);
-  } else if (const auto* imu = std::get_if<ImuSample>(&message)) {
-    odometer_.add(*imu);
-  } else if (const auto* pose = std::get_if<OdometryPose>(&message)) {
-    odometer_.add(*pose);
-  }
-  take_waiting(false);
-}
-
-void ScanToScanMapper::take_waiting(bool all) {
-  while (!waiting_.empty()) {
-    const Stamp stamp = waiting_.front().stamp;
-    const auto known_until = odometer_.newest();
-    const bool ready = (known_until && *known_until >= stamp) || *newest_ - stamp >= kPatience;
-    if (!ready && !all) return;
-    LaserScan scan = std::move(waiting_.front());
-    waiting_.pop_front();
-    take(std::move(scan));
-  }
+  scan_queue_.add(message);
+  while (auto scan = scan_queue_.next()) take(std::move(*scan));
 }
 
 bool ScanToScanMapper::is_node(const Record& record) const {
@@ -91,7 +68,7 @@ void ScanToScanMapper::take(LaserScan scan) {
                 .node_T_robot = {}};
   const Stamp stamp = record.scan.stamp;
   record.robot_T_lidar = mount_of(record.scan, robot_);
-  if (const auto pose = odometer_.pose_at(stamp)) record.odom_T_robot = pose->pose;
+  if (const auto pose = scan_queue_.odometer().pose_at(stamp)) record.odom_T_robot = pose->pose;
   if (!records_.empty() && record.odom_T_robot && records_.back().odom_T_robot) {
     const double seconds = (stamp - records_.back().scan.stamp).seconds();
     const Pose2 motion = records_.back().odom_T_robot->inverse() * *record.odom_T_robot;
@@ -106,7 +83,8 @@ void ScanToScanMapper::take(LaserScan scan) {
               .record = records_.size(),
               .points = std::move(points),
               .before_T_node = {}};
-    if (!nodes_.empty()) node.before_T_node = odometer_.motion_between(nodes_.back().stamp, stamp);
+    if (!nodes_.empty())
+      node.before_T_node = scan_queue_.odometer().motion_between(nodes_.back().stamp, stamp);
     record.node = static_cast<int>(nodes_.size());
     nodes_.push_back(std::move(node));
   } else {
@@ -261,8 +239,8 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
 }
 
 MapResult ScanToScanMapper::finish(const ProgressCallback& progress) {
-  odometer_.finish();
-  take_waiting(true);
+  scan_queue_.finish();
+  while (auto scan = scan_queue_.next()) take(std::move(*scan));
   const Stopwatch matching;
   Links links = match_consecutive(progress);
   match_intervals(links, progress);

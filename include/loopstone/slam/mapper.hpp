@@ -1,6 +1,5 @@
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,12 +7,12 @@
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/base/progress.hpp"
-#include "loopstone/odometry/odometer.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/front_end.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
+#include "loopstone/slam/scan_queue.hpp"
 
 namespace loopstone {
 
@@ -51,16 +50,13 @@ class Mapper {
   class BackEndWorker;
 
   void add_scan(LaserScan scan);
-  void process_waiting(bool all);
 
   RobotModel robot_;
   MapOptions options_;
   Threads threads_;
-  Odometer odometer_;
+  ScanQueue scan_queue_;
   FrontEnd front_end_;
   std::unique_ptr<BackEndWorker> back_end_;
-  std::deque<LaserScan> waiting_{};
-  std::optional<Stamp> newest_{};
   std::vector<ScanRecord> records_{};
   std::vector<Stamp> key_stamps_{};
   Pose2 last_mapped_{};

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <vector>
 
@@ -10,11 +9,11 @@
 #include "loopstone/base/progress.hpp"
 #include "loopstone/graph/solver.hpp"
 #include "loopstone/mapping/occupancy.hpp"
-#include "loopstone/odometry/odometer.hpp"
 #include "loopstone/registration/icp.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/map_result.hpp"
+#include "loopstone/slam/scan_queue.hpp"
 
 namespace loopstone {
 
@@ -95,7 +94,6 @@ class ScanToScanMapper {
   };
   struct Links;
 
-  void take_waiting(bool all);
   void take(LaserScan scan);
   [[nodiscard]] bool is_node(const Record& record) const;
   [[nodiscard]] Links match_consecutive(const ProgressCallback& progress) const;
@@ -105,9 +103,7 @@ class ScanToScanMapper {
   RobotModel robot_;
   ScanToScanOptions options_;
   Threads threads_;
-  Odometer odometer_;
-  std::deque<LaserScan> waiting_{};
-  std::optional<Stamp> newest_{};
+  ScanQueue scan_queue_;
   std::vector<Record> records_{};
   std::vector<Node> nodes_{};
   std::int64_t dropped_ = 0;

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "loopstone/odometry/odometer.hpp"
+#include "loopstone/sensor/messages.hpp"
+#include "loopstone/sensor/robot_model.hpp"
+
+namespace loopstone {
+
+/// Holds each scan back until odometry for its time has come, at most 0.25 s of the recording.
+///
+///   queue.add(message);
+///   while (auto scan = queue.next()) use(*scan, queue.odometer().pose_at(scan->stamp));
+class ScanQueue {
+ public:
+  explicit ScanQueue(const WheelModel& wheels) : odometer_(wheels) {}
+
+  /// Messages come in time order.
+  void add(const SensorMessage& message);
+  /// No more messages will come: the scans that still wait are ready as they are.
+  void finish();
+
+  /// The oldest scan, once it is ready.
+  [[nodiscard]] std::optional<LaserScan> next();
+
+  [[nodiscard]] const Odometer& odometer() const { return odometer_; }
+
+ private:
+  Odometer odometer_;
+  std::deque<LaserScan> waiting_{};
+  Stamp newest_{};
+  bool finished_ = false;
+};
+
+}  // namespace loopstone
