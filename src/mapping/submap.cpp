@@ -17,7 +17,6 @@ constexpr double kLevelRatio = 3.0;
 constexpr double kThinCellM = 0.1;
 /// A piece of surface that many scans saw counts no more than this.
 constexpr float kMaxWeight = 8.0F;
-constexpr float kSameSurfaceCosine = 0.5F;
 /// In the search grid a surface fades out over about this distance.
 constexpr double kBlurM = 0.1;
 /// Rays are walked for at most this many beams of a scan: enough to know the free space.
@@ -45,23 +44,6 @@ class Nearness {
  private:
   std::array<std::uint8_t, 625> values_{};  // out to 2.5 blurs
 };
-
-void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal,
-            float weight) {
-  for (SurfaceSum& sum : cell.sums) {
-    const float dot = sum.normal_x * normal.x() + sum.normal_y * normal.y();
-    const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
-    const bool faces_alike =
-        dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
-    if (sum.weight != 0.0F && !faces_alike) continue;
-    sum.weight += weight;
-    sum.x += weight * static_cast<float>(offset.x());
-    sum.y += weight * static_cast<float>(offset.y());
-    sum.normal_x += weight * normal.x();
-    sum.normal_y += weight * normal.y();
-    return;
-  }
-}
 
 /// The bounding box of cells, growing.
 struct CellBox {

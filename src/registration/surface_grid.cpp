@@ -17,33 +17,32 @@ bool faces_like(const SurfaceSum& sum, float normal_x, float normal_y) {
   return dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
 }
 
-/// The sum that a point belongs to: one that faces the same way, else an empty one, else none.
-SurfaceSum* sum_for(SurfaceCell& cell, float normal_x, float normal_y) {
-  for (SurfaceSum& sum : cell.sums) {
-    if (sum.weight == 0.0F || faces_like(sum, normal_x, normal_y)) return &sum;
-  }
-  return nullptr;
-}
-
-void add_point(BlockGrid<SurfaceCell>& level, const Eigen::Vector2d& point, float normal_x,
-               float normal_y, float weight) {
+/// Adds a point to its cell and the eight around it.
+void add_point(BlockGrid<SurfaceCell>& level, const Eigen::Vector2d& point,
+               const Eigen::Vector2f& normal, float weight) {
   const Cell middle = level.cell_of(point.x(), point.y());
   for (int row = middle.row - 1; row <= middle.row + 1; ++row) {
     for (int column = middle.column - 1; column <= middle.column + 1; ++column) {
       const Cell cell{column, row};
-      SurfaceSum* sum = sum_for(level.at(cell), normal_x, normal_y);
-      if (sum == nullptr) continue;
-      const Eigen::Vector2d offset = point - level.centre_of(cell);
-      sum->weight += weight;
-      sum->x += weight * static_cast<float>(offset.x());
-      sum->y += weight * static_cast<float>(offset.y());
-      sum->normal_x += weight * normal_x;
-      sum->normal_y += weight * normal_y;
+      add_to(level.at(cell), point - level.centre_of(cell), normal, weight);
     }
   }
 }
 
 }  // namespace
+
+void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal,
+            float weight) {
+  for (SurfaceSum& sum : cell.sums) {
+    if (sum.weight != 0.0F && !faces_like(sum, normal.x(), normal.y())) continue;
+    sum.weight += weight;
+    sum.x += weight * static_cast<float>(offset.x());
+    sum.y += weight * static_cast<float>(offset.y());
+    sum.normal_x += weight * normal.x();
+    sum.normal_y += weight * normal.y();
+    return;
+  }
+}
 
 SurfaceGrid::SurfaceGrid(std::span<const double> resolutions_m) {
   assert(!resolutions_m.empty());
@@ -57,7 +56,7 @@ void SurfaceGrid::insert(std::span<const SurfacePoint> points, const Pose2& grid
   for (const SurfacePoint& surface : points) {
     const Eigen::Vector2d point = rotation * surface.position.cast<double>() + translation;
     const Eigen::Vector2f normal = (rotation * surface.normal.cast<double>()).cast<float>();
-    for (auto& level : levels_) add_point(level, point, normal.x(), normal.y(), surface.weight);
+    for (auto& level : levels_) add_point(level, point, normal, surface.weight);
   }
 }
 

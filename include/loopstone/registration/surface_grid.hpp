@@ -27,6 +27,11 @@ struct SurfaceCell {
   std::array<SurfaceSum, 2> sums{};
 };
 
+/// Adds a point to the cell's sum that faces the same way (within 60 deg), else to an empty one; left out when there is
+/// neither. `offset` is from the cell's centre [m], `normal` is unit.
+void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal,
+            float weight);
+
 /// A line in the plane: a point on it and its unit normal.
 struct SurfaceLine {
   Eigen::Vector2d point;
