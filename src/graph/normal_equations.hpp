@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "graph/block_cholesky.hpp"
+#include "loopstone/base/robust_kernel.hpp"
 #include "loopstone/graph/pose_graph.hpp"
-#include "loopstone/graph/robust_kernel.hpp"
 
 namespace loopstone {
 

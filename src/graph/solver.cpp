@@ -1,7 +1,6 @@
 #include "loopstone/graph/solver.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -19,17 +18,6 @@ constexpr double kNegligibleCost = 1e-18;
 constexpr double kFirstDamping = 1e-5;
 constexpr double kLeastDamping = 1e-10;  ///< below, Gauss-Newton again
 constexpr double kGreatestDamping = 1e12;
-
-RobustKernel kernel_from(const std::string& name) {
-  constexpr std::array kNames{std::pair{"none", RobustKernel::kNone},
-                              std::pair{"huber", RobustKernel::kHuber},
-                              std::pair{"cauchy", RobustKernel::kCauchy},
-                              std::pair{"geman_mcclure", RobustKernel::kGemanMcClure}};
-  for (const auto& [known, kernel] : kNames) {
-    if (name == known) return kernel;
-  }
-  throw UsageError("robust_kernel: '" + name + "' is none of none, huber, cauchy, geman_mcclure");
-}
 
 /// The first pose of each component.
 std::vector<bool> gauge_of(const GraphComponents& components) {
@@ -147,7 +135,7 @@ std::string_view to_string(SolveStatus status) {
 
 SolveResult optimize(const PoseGraph& graph, const SolverOptions& options) {
   check_graph(graph);
-  const RobustPolicy policy{kernel_from(options.robust_kernel), options.robust_width,
+  const RobustPolicy policy{robust_kernel_from(options.robust_kernel), options.robust_width,
                             options.robust_everywhere};
   const GraphComponents components = connected_components(graph);
   NormalEquations equations(graph, gauge_of(components), policy);

@@ -107,7 +107,7 @@ FrontEnd::Prediction FrontEnd::predict(const LaserScan& scan,
     return {pose, information_of(pose, sigma, sigma, sigma_yaw)};
   }
   const double seconds = std::clamp((scan.stamp - *last_stamp_).seconds(), 0.0, 1.0);
-  const Pose2 pose = last_pose_ * exp(velocity_ * seconds);
+  const Pose2 pose = last_pose_ * exp(Tangent2(velocity_ * seconds));
   return {pose, information_of(pose, kCoastRestM, kCoastRestM, kCoastRestRad)};
 }
 

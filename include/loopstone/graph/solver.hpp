@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "loopstone/base/options.hpp"
+#include "loopstone/base/robust_kernel.hpp"
 #include "loopstone/graph/pose_graph.hpp"
-#include "loopstone/graph/robust_kernel.hpp"
 
 namespace loopstone {
 
@@ -26,7 +26,8 @@ void visit_options(SolverOptions& options, Visitor&& visit) {
   visit("max_iterations", options.max_iterations, Range{1, 10000}, "stop after so many steps");
   visit("relative_tolerance", options.relative_tolerance, Range{0.0, 0.1},
         "stop when a step promises to lower the cost by less than this share");
-  visit("robust_kernel", options.robust_kernel, OneOf{{"none", "huber", "cauchy", "geman_mcclure"}},
+  visit("robust_kernel", options.robust_kernel,
+        OneOf{{"none", "huber", "cauchy", "geman_mcclure", "tukey"}},
         "how edges that disagree with the rest are softened");
   visit("robust_width", options.robust_width, Range{1e-3, 1e6},
         "standard deviations up to which an edge counts in full");

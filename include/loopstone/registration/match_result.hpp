@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <string_view>
 
-#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 
 namespace loopstone {
 
@@ -29,17 +29,26 @@ enum class MatchStatus {
   return "unknown";
 }
 
-/// Where a scan or cloud lies in the frame of another one, or of a map, and how far to trust that.
-struct MatchResult {
-  Pose2 target_T_source;
-  /// Of (x, y, yaw) of target_T_source [m^2, m rad, rad^2].
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+/// Where a scan or cloud lies in the frame of another one, or of a map, and how far to trust that. Every matcher, in the
+/// plane and in space, answers with this, so matchers can be swapped and chained.
+template <int kDimension>
+struct BasicMatchResult {
+  using Motion = RigidMotion<kDimension>;
+
+  typename Motion::Pose target_T_source{};
+  /// Of the small motion of target_T_source: (x, y, yaw), or (x, y, z, rotation vector), on the target's axes, turns about
+  /// the source's origin [m^2, m rad, rad^2].
+  Eigen::Matrix<double, Motion::kDof, Motion::kDof> covariance =
+      Eigen::Matrix<double, Motion::kDof, Motion::kDof>::Zero();
   double rmse_m = 0.0;           ///< of the residuals of the pairs used
   double inlier_fraction = 0.0;  ///< [0, 1], share of the source points that were paired
-  int pairs = 0;
+  int pairs = 0;                 ///< the inliers: source points that were paired
   int iterations = 0;
   MatchStatus status = MatchStatus::kNotConverged;
   double score = 0.0;  ///< [0, 1], share of the source that the target explains
 };
+
+using MatchResult = BasicMatchResult<2>;
+using MatchResult3 = BasicMatchResult<3>;
 
 }  // namespace loopstone

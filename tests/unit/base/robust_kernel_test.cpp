@@ -1,12 +1,15 @@
-#include "loopstone/graph/robust_kernel.hpp"
+#include "loopstone/base/robust_kernel.hpp"
 
 #include <gtest/gtest.h>
+
+#include "loopstone/base/error.hpp"
 
 namespace loopstone {
 namespace {
 
 constexpr RobustKernel kKernels[] = {RobustKernel::kNone, RobustKernel::kHuber,
-                                     RobustKernel::kCauchy, RobustKernel::kGemanMcClure};
+                                     RobustKernel::kCauchy, RobustKernel::kGemanMcClure,
+                                     RobustKernel::kTukey};
 constexpr double kChi2[] = {0.0, 1e-6, 0.1, 0.9, 1.1, 4.0, 100.0, 1e6};
 
 TEST(RobustKernel, WeightIsTheDerivativeOfTheCost) {
@@ -41,7 +44,8 @@ TEST(RobustKernel, ChangesNothingNearZeroAndNeverRaisesTheCost) {
       EXPECT_LE(value.cost, chi2);
       EXPECT_GE(value.cost, 0.0);
       EXPECT_LE(value.weight, 1.0);
-      EXPECT_GT(value.weight, 0.0);
+      EXPECT_TRUE(value.weight > 0.0 || kernel == RobustKernel::kTukey);
+      EXPECT_GE(value.weight, 0.0);
     }
   }
 }
@@ -49,6 +53,16 @@ TEST(RobustKernel, ChangesNothingNearZeroAndNeverRaisesTheCost) {
 TEST(RobustKernel, HuberWeightIsWidthOverResidual) {
   EXPECT_DOUBLE_EQ(evaluate(RobustKernel::kHuber, 2.0, 16.0).weight, 0.5);
   EXPECT_DOUBLE_EQ(evaluate(RobustKernel::kHuber, 2.0, 3.9).weight, 1.0);
+}
+
+TEST(RobustKernel, TukeyForgetsWhatLiesBeyondItsWidth) {
+  EXPECT_GT(evaluate(RobustKernel::kTukey, 2.0, 3.9).weight, 0.0);
+  EXPECT_EQ(evaluate(RobustKernel::kTukey, 2.0, 4.1).weight, 0.0);
+}
+
+TEST(RobustKernel, HasAName) {
+  for (const auto& [name, kernel] : kRobustKernelNames) EXPECT_EQ(robust_kernel_from(name), kernel);
+  EXPECT_THROW((void)robust_kernel_from("huger"), UsageError);
 }
 
 }  // namespace
