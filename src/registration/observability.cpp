@@ -1,7 +1,6 @@
 #include "registration/observability.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
 namespace loopstone {
 
@@ -10,53 +9,78 @@ namespace {
 /// A direction with less than this share of the best one's information counts as unobserved: noise of normals alone
 /// pretends to a few thousandths.
 constexpr double kObservedShare = 0.01;
-/// Standard deviation along an unobserved direction.
-constexpr double kUnobservedSigmaM = 10.0;
 
 }  // namespace
 
-Observability observability_of(const Eigen::Matrix3d& information, const Eigen::Vector2d& centre,
-                               double arm_m) {
-  Observability result;
-  // A point at `arm` moves by t + yaw * S arm = (t + yaw * S centre) + yaw * S (arm - centre), S = [0 -1; 1 0].
-  result.to_scaled << 1.0, 0.0, -centre.y(),  //
-      0.0, 1.0, centre.x(),                   //
-      0.0, 0.0, arm_m;
-  const Eigen::Matrix3d from_scaled = result.to_scaled.inverse();
-  const Eigen::Matrix3d scaled = from_scaled.transpose() * information * from_scaled;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scaled);
+template <int kDimension>
+Observability<kDimension> observability_of(
+    const typename Observability<kDimension>::Matrix& information,
+    const typename RigidMotion<kDimension>::Vector& centre, double arm_m) {
+  using Motion = RigidMotion<kDimension>;
+  constexpr int kTurns = Motion::kDof - kDimension;
+  Observability<kDimension> result;
+  // A point at `arm` moves by t + w x arm = (t + w x centre) + w x (arm - centre).
+  const auto centre_jacobian = Motion::point_jacobian(centre);
+  result.to_scaled.setIdentity();
+  result.to_scaled.template topRows<kDimension>() = centre_jacobian;
+  result.to_scaled.template bottomRightCorner<kTurns, kTurns>() *= arm_m;
+  result.from_scaled.setIdentity();
+  result.from_scaled.template topRightCorner<kDimension, kTurns>() =
+      -centre_jacobian.template rightCols<kTurns>() / arm_m;
+  result.from_scaled.template bottomRightCorner<kTurns, kTurns>() /= arm_m;
+  using Matrix = typename Observability<kDimension>::Matrix;
+  const Matrix scaled = result.from_scaled.transpose() * information * result.from_scaled;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(scaled);
   result.directions = eigen.eigenvectors();
   result.information = eigen.eigenvalues().cwiseMax(0.0);
-  result.observed = result.information.array() > kObservedShare * result.information(2);
+  result.observed =
+      result.information.array() > kObservedShare * result.information(Motion::kDof - 1);
   return result;
 }
 
-Eigen::Vector3d Observability::observed_part(const Eigen::Vector3d& motion) const {
+template <int kDimension>
+typename Observability<kDimension>::Tangent Observability<kDimension>::observed_part(
+    const Tangent& motion) const {
   if (complete()) return motion;
-  const Eigen::Vector3d along = directions.transpose() * (to_scaled * motion);
-  const Eigen::Vector3d kept = observed.select(along, Eigen::Vector3d::Zero());
-  return to_scaled.inverse() * (directions * kept);
+  const Tangent along = directions.transpose() * (to_scaled * motion);
+  const Tangent kept = observed.select(along, Tangent::Zero());
+  return from_scaled * (directions * kept);
 }
 
-Eigen::Vector3d Observability::solve(const Eigen::Vector3d& gradient) const {
-  const Eigen::Matrix3d from_scaled = to_scaled.inverse();
-  const Eigen::Vector3d along = directions.transpose() * (from_scaled.transpose() * gradient);
-  Eigen::Vector3d step = Eigen::Vector3d::Zero();
-  for (int i = 0; i < 3; ++i) {
+template <int kDimension>
+typename Observability<kDimension>::Tangent Observability<kDimension>::solve(
+    const Tangent& gradient) const {
+  const Tangent along = directions.transpose() * (from_scaled.transpose() * gradient);
+  Tangent step = Tangent::Zero();
+  for (int i = 0; i < kDof; ++i) {
     if (observed(i)) step(i) = -along(i) / information(i);
   }
   return from_scaled * (directions * step);
 }
 
-Eigen::Matrix3d Observability::covariance(double sigma) const {
-  Eigen::Vector3d variances;
-  for (int i = 0; i < 3; ++i) {
-    variances(i) =
-        observed(i) ? sigma * sigma / information(i) : kUnobservedSigmaM * kUnobservedSigmaM;
+template <int kDimension>
+typename Observability<kDimension>::Matrix Observability<kDimension>::covariance(
+    const Matrix& noise) const {
+  const Matrix basis = from_scaled * directions;
+  Matrix inverse = Matrix::Zero();
+  Matrix open = Matrix::Zero();
+  for (int i = 0; i < kDof; ++i) {
+    const Matrix along = basis.col(i) * basis.col(i).transpose();
+    if (observed(i)) {
+      inverse += along / information(i);
+    } else {
+      open += kUnobservedSigmaM * kUnobservedSigmaM * along;
+    }
   }
-  const Eigen::Matrix3d from_scaled = to_scaled.inverse();
-  const Eigen::Matrix3d basis = from_scaled * directions;
-  return basis * variances.asDiagonal() * basis.transpose();
+  const Matrix result = inverse * noise * inverse + open;
+  return 0.5 * (result + result.transpose());
 }
+
+template struct Observability<2>;
+template struct Observability<3>;
+template Observability<2> observability_of<2>(const Observability<2>::Matrix&,
+                                              const Eigen::Vector2d&, double);
+template Observability<3> observability_of<3>(const Observability<3>::Matrix&,
+                                              const Eigen::Vector3d&, double);
 
 }  // namespace loopstone

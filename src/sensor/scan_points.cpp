@@ -147,14 +147,17 @@ std::optional<SurfacePoint> fit_line(const std::vector<Return>& returns,
   const double xy = (high.xy - low.xy) / n - mean.x() * mean.y();
   const double yy = (high.yy - low.yy) / n - mean.y() * mean.y();
   const double middle = 0.5 * (xx + yy);
-  const double spread = std::hypot(0.5 * (xx - yy), xy);
+  const double difference = 0.5 * (xx - yy);
+  const double spread = std::sqrt(difference * difference + xy * xy);
   const double thin = std::max(0.0, middle - spread);
   const double lengthy = middle + spread;
   if (!(lengthy > 0.0) || thin > kLineThickness * kLineThickness * lengthy) {
     return guess_along_beam();
   }
-  const double line_angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
-  Eigen::Vector2d normal(-std::sin(line_angle), std::cos(line_angle));
+  // The eigenvector of the smaller eigenvalue, from the row of the matrix that cancels least.
+  Eigen::Vector2d normal = difference >= 0.0 ? Eigen::Vector2d(-xy, difference + spread)
+                                             : Eigen::Vector2d(spread - difference, -xy);
+  normal /= std::sqrt(normal.squaredNorm());
   if (normal.dot(returns[i].direction) > 0.0) normal = -normal;
   const Eigen::Vector2d on_line = returns[i].point - normal.dot(returns[i].point - mean) * normal;
   return SurfacePoint{on_line.cast<float>(), normal.cast<float>(), 1.0F};
