@@ -103,8 +103,9 @@ class Search {
       for (int first = 0; first < count; first += kLanes) {
         scan.choose_lanes(first);
         for (int line = 0; line < count; ++line) {
-          add_children(scan, {0, static_cast<std::int32_t>(heading),
-                              first * side - lattice_.half_cells, -lattice_.half_cells},
+          add_children(scan,
+                       {0, static_cast<std::int32_t>(heading), first * side - lattice_.half_cells,
+                        -lattice_.half_cells},
                        line, std::min(kLanes, count - first), side, blocks);
         }
       }
