@@ -1,0 +1,186 @@
+#include "loopstone/registration/field_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "loopstone/base/robust_kernel.hpp"
+#include "loopstone/geometry/angle.hpp"
+#include "registration/observability.hpp"
+
+namespace loopstone {
+
+namespace {
+
+constexpr int kMinPairs = 10;
+/// A step smaller than this ends a level.
+constexpr double kStepM = 1e-4;
+constexpr double kStepRad = 2e-5;
+
+/// A point that lies within reach of a wall.
+struct Pair {
+  Eigen::Vector2d arm;       // from the source's origin, target axes
+  Eigen::Vector2d gradient;  // of the distance
+  double distance_m;
+  double weight;  // of the kernel
+
+  /// Of the distance by (x, y, yaw).
+  [[nodiscard]] Eigen::Vector3d jacobian() const {
+    return {gradient.x(), gradient.y(), gradient.y() * arm.x() - gradient.x() * arm.y()};
+  }
+};
+
+std::vector<Pair> pairs_at(std::span<const Eigen::Vector2d> source, const MapField& field,
+                           std::size_t level, const Pose2& pose, double kernel_width_m) {
+  std::vector<Pair> pairs;
+  pairs.reserve(source.size());
+  const Eigen::Matrix2d rotation = pose.rotation();
+  const Eigen::Vector2d translation = pose.translation();
+  const double reach = field.reach_m(level);
+  for (const auto& point : source) {
+    const Eigen::Vector2d arm = rotation * point;
+    const FieldSample sample = field.sample(level, arm + translation);
+    if (!(sample.distance_m < reach)) continue;
+    const double weight =
+        evaluate(RobustKernel::kCauchy, kernel_width_m, sample.distance_m * sample.distance_m)
+            .weight;
+    pairs.push_back({arm, sample.gradient, sample.distance_m, weight});
+  }
+  return pairs;
+}
+
+struct NormalEquations {
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+};
+
+NormalEquations linearise(std::span<const Pair> pairs) {
+  NormalEquations sum;
+  for (const Pair& pair : pairs) {
+    const Eigen::Vector3d jacobian = pair.jacobian();
+    const Eigen::Vector3d weighted = pair.weight * jacobian;
+    sum.hessian.noalias() += weighted * jacobian.transpose();
+    sum.gradient += weighted * pair.distance_m;
+  }
+  return sum;
+}
+
+Observability<2> observability_at(std::span<const Pair> pairs, const Eigen::Matrix3d& hessian) {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (const Pair& pair : pairs) centre += pair.arm;
+  centre /= static_cast<double>(pairs.size());
+  double sum = 0.0;
+  for (const Pair& pair : pairs) sum += (pair.arm - centre).squaredNorm();
+  const double arm = std::sqrt(sum / static_cast<double>(pairs.size()));
+  return observability_of<2>(hessian, centre, std::max(arm, 1e-3));
+}
+
+/// What the errors of the points and of the walls add up to in the gradient. A face is rounded to cells, so all points on it
+/// share one error of variance resolution^2 / 12. Points share a face when it looks the same way and lies as far along that
+/// way; a slanted wall falls into several pieces, as its rounding changes along it.
+Eigen::Matrix3d noise_of(std::span<const Pair> pairs, const Eigen::Vector2d& translation,
+                         double sigma_m, double resolution_m) {
+  constexpr double kEighth = kPi / 4.0;
+  constexpr double kSameFaceM = 0.25;
+  Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
+  std::map<std::pair<int, int>, Eigen::Vector3d> faces;
+  for (const Pair& pair : pairs) {
+    const Eigen::Vector3d jacobian = pair.weight * pair.jacobian();
+    noise.noalias() += sigma_m * sigma_m * jacobian * jacobian.transpose();
+    // Either side of a face pulls it the same way: count the gradient with the sign that points to the upper half plane.
+    double sign = 1.0;
+    const Eigen::Vector2d& g = pair.gradient;
+    if (g.y() < -1e-9 || (std::abs(g.y()) <= 1e-9 && g.x() < 0.0)) sign = -1.0;
+    int way = static_cast<int>(std::lround(std::atan2(sign * g.y(), sign * g.x()) / kEighth));
+    if (way == 4) {
+      way = 0;
+      sign = -sign;
+    }
+    const Eigen::Vector2d normal(std::cos(way * kEighth), std::sin(way * kEighth));
+    const int offset =
+        static_cast<int>(std::lround(normal.dot(pair.arm + translation) / kSameFaceM));
+    faces.try_emplace({way, offset}, Eigen::Vector3d::Zero()).first->second += sign * jacobian;
+  }
+  const double rounding = resolution_m * resolution_m / 12.0;
+  for (const auto& [face, sum] : faces) noise.noalias() += rounding * sum * sum.transpose();
+  return noise;
+}
+
+}  // namespace
+
+MatchResult match_to_field(std::span<const Eigen::Vector2d> source, const MapField& field,
+                           const Pose2& guess, const FieldMatchOptions& options,
+                           std::size_t coarsest_level) {
+  MatchResult result{.target_T_source = guess};
+  Pose2 pose = guess;
+  bool converged = false;
+  std::vector<Pair> pairs;
+  for (std::size_t above = std::min(coarsest_level, field.level_count() - 1) + 1; above > 0;
+       --above) {
+    const std::size_t level = above - 1;
+    const double width = options.kernel_width_m * static_cast<double>(1U << level);
+    converged = false;
+    for (int iteration = 0; iteration < options.max_iterations && !converged; ++iteration) {
+      pairs = pairs_at(source, field, level, pose, width);
+      ++result.iterations;
+      if (pairs.size() < kMinPairs) {
+        result.status = MatchStatus::kTooFewPairs;
+        return result;
+      }
+      const NormalEquations sum = linearise(pairs);
+      const Eigen::Vector3d step = observability_at(pairs, sum.hessian).solve(sum.gradient);
+      if (!step.allFinite()) break;
+      pose = RigidMotion<2>::moved(pose, step);
+      converged = step.head<2>().norm() < kStepM && std::abs(step.z()) < kStepRad;
+    }
+  }
+
+  pairs = pairs_at(source, field, 0, pose, options.kernel_width_m);
+  if (pairs.size() < kMinPairs) {
+    result.status = MatchStatus::kTooFewPairs;
+    return result;
+  }
+  double squares = 0.0;
+  double weights = 0.0;
+  int explained = 0;
+  for (const Pair& pair : pairs) {
+    squares += pair.weight * pair.distance_m * pair.distance_m;
+    weights += pair.weight;
+    if (pair.distance_m < 2.0 * options.kernel_width_m) ++explained;
+  }
+  const auto count = static_cast<double>(source.size());
+  result.target_T_source = pose;
+  result.rmse_m = std::sqrt(squares / weights);
+  result.pairs = static_cast<int>(pairs.size());
+  result.inlier_fraction = static_cast<double>(pairs.size()) / count;
+  result.score = explained / count;
+  const auto observability = observability_at(pairs, linearise(pairs).hessian);
+  const double sigma = std::max(options.point_sigma_m, result.rmse_m);
+  result.covariance =
+      observability.covariance(noise_of(pairs, pose.translation(), sigma, field.resolution_m(0)));
+  if (!observability.complete()) {
+    result.status = MatchStatus::kDegenerate;
+  } else {
+    result.status = converged ? MatchStatus::kConverged : MatchStatus::kNotConverged;
+  }
+  return result;
+}
+
+FieldCost field_cost(std::span<const Eigen::Vector2d> source, const MapField& field,
+                     std::size_t level, const Pose2& target_T_source, double kernel_width_m) {
+  FieldCost result;
+  const auto pairs = pairs_at(source, field, level, target_T_source, kernel_width_m);
+  for (const Pair& pair : pairs) {
+    result.cost +=
+        evaluate(RobustKernel::kCauchy, kernel_width_m, pair.distance_m * pair.distance_m).cost;
+  }
+  result.gradient = 2.0 * linearise(pairs).gradient;
+  // A point out of reach costs as much as one at the reach.
+  const double reach = field.reach_m(level);
+  result.cost += static_cast<double>(source.size() - pairs.size()) *
+                 evaluate(RobustKernel::kCauchy, kernel_width_m, reach * reach).cost;
+  return result;
+}
+
+}  // namespace loopstone

@@ -1,0 +1,241 @@
+#include "registration/map_lattice_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "loopstone/geometry/angle.hpp"
+#include "registration/shift_sums.hpp"
+
+namespace loopstone {
+
+namespace {
+
+constexpr int kLanes = MaxPyramid::kLanes;
+constexpr std::size_t kChunk = 32;
+/// Blocks of 8 x 8 cells: larger ones bound too loosely, smaller ones are too many.
+constexpr int kTopLevel = 3;
+constexpr int kSide = 1 << kTopLevel;
+
+struct Block {
+  std::int32_t bound;
+  std::int32_t heading;
+  std::int32_t column;
+  std::int32_t row;
+};
+
+/// Highest bound first; ties by position, so that the order never depends on the sort.
+bool better(const Block& a, const Block& b) {
+  if (a.bound != b.bound) return a.bound > b.bound;
+  if (a.heading != b.heading) return a.heading < b.heading;
+  if (a.row != b.row) return a.row < b.row;
+  return a.column < b.column;
+}
+
+/// Offsets of the points' cells from the cell at whose centre the source's origin stands.
+CellList cells_at(std::span<const Eigen::Vector2d> points, double heading, double resolution_m) {
+  const double cosine = std::cos(heading) / resolution_m;
+  const double sine = std::sin(heading) / resolution_m;
+  CellList cells;
+  cells.columns.reserve(points.size());
+  cells.rows.reserve(points.size());
+  for (const auto& point : points) {
+    const double x = cosine * point.x() - sine * point.y() + 0.5;
+    const double y = sine * point.x() + cosine * point.y() + 0.5;
+    cells.columns.push_back(static_cast<std::int32_t>(std::floor(x)));
+    cells.rows.push_back(static_cast<std::int32_t>(std::floor(y)));
+  }
+  return cells;
+}
+
+class MapLatticeSearch {
+ public:
+  MapLatticeSearch(std::span<const Eigen::Vector2d> points, const MapSearch& map,
+                   const MapLattice& lattice, double min_score, double margin)
+      : points_(points),
+        map_(map),
+        frame_(map.pyramid().frame()),
+        lattice_(lattice),
+        count_(points.size()),
+        top_rows_(map.pyramid().level(kTopLevel), frame_.rows + kSide),
+        leaf_rows_(map.pyramid().level(0), kSide),
+        top_scan_(map.pyramid().level(kTopLevel), top_rows_),
+        leaf_scan_(map.pyramid().level(0), leaf_rows_) {
+    const auto per_point = static_cast<double>(kSurface - kUnknown);
+    margin_ =
+        static_cast<std::int32_t>(std::floor(static_cast<double>(count_) * margin * per_point));
+    floor_ = static_cast<std::int32_t>(
+        std::ceil(static_cast<double>(count_) * (kUnknown + min_score * per_point)));
+  }
+
+  [[nodiscard]] LatticePoses run() {
+    find_strips();
+    std::vector<Block> blocks;
+    for (std::size_t h = 0; h < lattice_.headings.size(); ++h) bound_heading(h, blocks);
+    std::sort(blocks.begin(), blocks.end(), better);
+    std::vector<Block> leaves;
+    for (const Block& block : blocks) {
+      if (block.bound < floor_) break;
+      const Block leaf = best_leaf(block);
+      if (leaf.bound < floor_) continue;
+      leaves.push_back(leaf);
+      floor_ = std::max(floor_, leaf.bound - margin_);
+    }
+    std::sort(leaves.begin(), leaves.end(), better);
+    LatticePoses result;
+    result.evaluations = evaluations_;
+    for (const Block& leaf : leaves) {
+      if (leaf.bound < floor_) break;
+      const Eigen::Vector2d at = frame_.centre_of({leaf.column, leaf.row});
+      const double mean = static_cast<double>(leaf.bound) / static_cast<double>(count_);
+      result.poses.push_back(
+          {{at.x(), at.y(), wrap_angle(lattice_.headings[static_cast<std::size_t>(leaf.heading)])},
+           (mean - kUnknown) / (kSurface - kUnknown)});
+    }
+    return result;
+  }
+
+ private:
+  /// kLanes blocks side by side, of which at least one has a place to stand.
+  struct Strip {
+    int first_block;  // from the lattice's first column
+    int line;         // from the lattice's first row
+    std::array<bool, kLanes> open;
+  };
+
+  void find_strips() {
+    const int blocks = (lattice_.last.column - lattice_.first.column) / kSide + 1;
+    const int lines = (lattice_.last.row - lattice_.first.row) / kSide + 1;
+    for (int first = 0; first < blocks; first += kLanes) {
+      for (int line = 0; line < lines; ++line) {
+        Strip strip{first, line, {}};
+        bool any = false;
+        for (int lane = 0; lane < std::min(kLanes, blocks - first); ++lane) {
+          const bool open = can_stand_in(
+              {lattice_.first.column + (first + lane) * kSide, lattice_.first.row + line * kSide});
+          strip.open[static_cast<std::size_t>(lane)] = open;
+          any = any || open;
+        }
+        if (any) strips_.push_back(strip);
+      }
+    }
+  }
+
+  [[nodiscard]] bool can_stand_in(Cell corner) const {
+    for (int row = corner.row; row <= std::min(corner.row + kSide - 1, lattice_.last.row); ++row) {
+      for (int column = corner.column;
+           column <= std::min(corner.column + kSide - 1, lattice_.last.column); ++column) {
+        if (map_.standable()[{column, row}] != 0) return true;
+      }
+    }
+    return false;
+  }
+
+  /// Sums the points for one row of blocks or shifts, or says early that none of them reaches the floor.
+  bool sum(const ScanOnLevel& scan, int row_shift, LaneSums& sums) const {
+    for (std::size_t begin = 0; begin < count_; begin += kChunk) {
+      const std::size_t end = std::min(begin + kChunk, count_);
+      scan.add(row_shift, begin, end, sums);
+      std::int32_t most = sums[0];
+      for (std::size_t lane = 1; lane < sums.size(); ++lane) most = std::max(most, sums[lane]);
+      if (most + static_cast<std::int32_t>(count_ - end) * kSurface < floor_) return false;
+    }
+    return true;
+  }
+
+  void bound_heading(std::size_t heading, std::vector<Block>& blocks) {
+    cells_.push_back(cells_at(points_, lattice_.headings[heading], frame_.resolution));
+    top_scan_.lay(cells_.back(), lattice_.first.column, lattice_.first.row);
+    int chosen = -1;
+    for (const Strip& strip : strips_) {
+      if (strip.first_block != chosen) {
+        chosen = strip.first_block;
+        top_scan_.choose_lanes(chosen);
+      }
+      LaneSums sums{};
+      evaluations_ += kLanes;
+      if (!sum(top_scan_, strip.line * kSide, sums)) continue;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const std::int32_t bound = sums[static_cast<std::size_t>(lane)];
+        if (bound < floor_ || !strip.open[static_cast<std::size_t>(lane)]) continue;
+        blocks.push_back({bound, static_cast<std::int32_t>(heading),
+                          lattice_.first.column + (strip.first_block + lane) * kSide,
+                          lattice_.first.row + strip.line * kSide});
+      }
+    }
+  }
+
+  /// The best pose of a block; its bound is below the floor when none reaches it.
+  [[nodiscard]] Block best_leaf(const Block& block) {
+    Block best = block;
+    best.bound = floor_ - 1;
+    leaf_scan_.lay(cells_[static_cast<std::size_t>(block.heading)], block.column, block.row);
+    leaf_scan_.choose_lanes(0);
+    for (int line = 0; line < std::min(kSide, lattice_.last.row - block.row + 1); ++line) {
+      LaneSums sums{};
+      evaluations_ += kSide;
+      if (!sum(leaf_scan_, line, sums)) continue;
+      for (int lane = 0; lane < std::min(kSide, lattice_.last.column - block.column + 1); ++lane) {
+        const std::int32_t score = sums[static_cast<std::size_t>(lane)];
+        const Cell cell{block.column + lane, block.row + line};
+        if (score <= best.bound || map_.standable()[cell] == 0) continue;
+        best = {score, block.heading, cell.column, cell.row};
+      }
+    }
+    return best;
+  }
+
+  std::span<const Eigen::Vector2d> points_;
+  const MapSearch& map_;
+  GridFrame frame_;
+  const MapLattice& lattice_;
+  std::size_t count_;
+  RowTable top_rows_;
+  RowTable leaf_rows_;
+  ScanOnLevel top_scan_;
+  ScanOnLevel leaf_scan_;
+  std::vector<Strip> strips_{};
+  std::vector<CellList> cells_{};
+  std::int32_t floor_ = 0;   // sums below are of no interest
+  std::int32_t margin_ = 0;  // nor are those so far below the best
+  std::int64_t evaluations_ = 0;
+};
+
+}  // namespace
+
+MapLattice make_map_lattice(std::span<const Eigen::Vector2d> points, const MapSearch& map,
+                            const std::optional<SearchWindow>& window) {
+  const GridFrame& frame = map.pyramid().frame();
+  double reach = frame.resolution;
+  for (const auto& point : points) reach = std::max(reach, point.norm());
+  const double centre = window ? window->centre.yaw : 0.0;
+  const double half = window ? std::min(window->half_yaw_rad, kPi) : kPi;
+  MapLattice lattice;
+  const int steps = static_cast<int>(std::ceil(2.0 * half * reach / frame.resolution));
+  // The full circle ends where it began.
+  const int count = half < kPi ? steps + 1 : steps;
+  for (int i = 0; i < count; ++i)
+    lattice.headings.push_back(centre - half + 2.0 * half * i / std::max(steps, 1));
+  lattice.first = {0, 0};
+  lattice.last = {frame.columns - 1, frame.rows - 1};
+  if (window) {
+    const Eigen::Vector2d side = Eigen::Vector2d::Constant(window->half_xy_m);
+    const Cell low = frame.cell_of(window->centre.translation() - side);
+    const Cell high = frame.cell_of(window->centre.translation() + side);
+    lattice.first = {std::max(low.column, 0), std::max(low.row, 0)};
+    lattice.last = {std::min(high.column, lattice.last.column),
+                    std::min(high.row, lattice.last.row)};
+  }
+  return lattice;
+}
+
+LatticePoses search_map_lattice(std::span<const Eigen::Vector2d> points, const MapSearch& map,
+                                const MapLattice& lattice, double min_score, double margin) {
+  if (points.empty() || lattice.first.column > lattice.last.column ||
+      lattice.first.row > lattice.last.row) {
+    return {};
+  }
+  return MapLatticeSearch(points, map, lattice, min_score, margin).run();
+}
+
+}  // namespace loopstone

@@ -1,0 +1,161 @@
+#include "loopstone/registration/map_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "loopstone/geometry/angle.hpp"
+#include "registration/map_lattice_search.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// Lattice poses that score so much less than the best are not refined: off the lattice, a pose gains less than that.
+constexpr double kMargin = 0.12;
+/// As many distinct lattice poses are refined.
+constexpr std::size_t kRefined = 64;
+constexpr std::size_t kRefinePoints = 400;
+/// A point is on a wall within this (standard deviation of a Gaussian) ...
+constexpr double kOnWallM = 0.04;
+/// ... and hidden when its beam comes so near to a wall ...
+constexpr double kBlockedM = 0.05;
+/// ... that is so far in front of it.
+constexpr double kInFrontM = 0.35;
+
+using Points = std::vector<Eigen::Vector2d>;
+
+/// Every n-th point so that no more than `count` are left.
+Points thinned(std::span<const Eigen::Vector2d> points, std::size_t count) {
+  Points kept;
+  const std::size_t wanted = std::min(count, points.size());
+  kept.reserve(wanted);
+  for (std::size_t i = 0; i < wanted; ++i) kept.push_back(points[i * points.size() / wanted]);
+  return kept;
+}
+
+/// Points at an even spacing along the surfaces: a beam's share of a scan is larger the nearer the surface is.
+Points evenly_spaced(std::span<const Eigen::Vector2d> points, double spacing_m) {
+  Points kept;
+  for (const auto& point : points) {
+    if (kept.empty() || (point - kept.back()).norm() >= spacing_m) kept.push_back(point);
+  }
+  return kept;
+}
+
+/// The order in which any first few are spread over all: indexes by their bits reversed.
+Points spread(const Points& points) {
+  unsigned bits = 0;
+  while ((std::size_t{1} << bits) < points.size()) ++bits;
+  Points ordered;
+  ordered.reserve(points.size());
+  for (std::size_t i = 0; i < std::size_t{1} << bits; ++i) {
+    std::size_t reversed = 0;
+    for (unsigned bit = 0; bit < bits; ++bit) reversed |= ((i >> bit) & 1U) << (bits - 1 - bit);
+    if (reversed < points.size()) ordered.push_back(points[reversed]);
+  }
+  return ordered;
+}
+
+Points search_points(std::span<const Eigen::Vector2d> source, const MapMatchOptions& options) {
+  Points near;
+  for (const auto& point : source) {
+    if (point.norm() <= options.range_max_m) near.push_back(point);
+  }
+  const bool enough = 2 * near.size() >= source.size();
+  Points spaced = evenly_spaced(enough ? std::span<const Eigen::Vector2d>(near) : source, 0.1);
+  return spread(thinned(spaced, static_cast<std::size_t>(options.points_max)));
+}
+
+bool same_place(const Pose2& a, const Pose2& b, const MapMatchOptions& options) {
+  return std::hypot(a.x - b.x, a.y - b.y) < options.distinct_m &&
+         std::abs(wrap_angle(a.yaw - b.yaw)) < options.distinct_rad;
+}
+
+/// Does the way from the laser to the point lead past every wall? Steps as far as the nearest wall is away.
+/// Source: Hart 1996, "Sphere tracing".
+bool is_clear(const MapField& field, const Eigen::Vector2d& laser, const Eigen::Vector2d& point) {
+  const Grid<float>& distances = field.distances();
+  const GridFrame& frame = distances.frame();
+  const double length = (point - laser).norm();
+  if (length <= kInFrontM) return true;
+  const Eigen::Vector2d direction = (point - laser) / length;
+  const double step_min = 0.5 * frame.resolution;
+  for (double range = kInFrontM; range < length - kInFrontM;) {
+    const Cell cell = frame.cell_of(laser + range * direction);
+    if (!frame.contains(cell)) return true;
+    const auto distance = static_cast<double>(distances[cell]);
+    if (distance < kBlockedM * 0.5) return false;
+    range += std::max(distance - frame.resolution, step_min);
+  }
+  return true;
+}
+
+/// Share of the points that are on a wall and in sight of the laser.
+double explained_share(std::span<const Eigen::Vector2d> source, const MapField& field,
+                       const Pose2& map_T_source) {
+  double sum = 0.0;
+  for (const auto& point : source) {
+    const Eigen::Vector2d on_map = map_T_source * point;
+    const double ratio = field.sample(0, on_map).distance_m / kOnWallM;
+    const double on_wall = std::exp(-0.5 * ratio * ratio);
+    if (on_wall > 0.05 && is_clear(field, map_T_source.translation(), on_map)) sum += on_wall;
+  }
+  return sum / static_cast<double>(source.size());
+}
+
+}  // namespace
+
+MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& map,
+                      const std::optional<SearchWindow>& window, const MapMatchOptions& options) {
+  MapMatch result;
+  if (source.empty()) return result;
+  const Points probe = search_points(source, options);
+  const auto lattice = make_map_lattice(probe, map, window);
+  const LatticePoses found = search_map_lattice(probe, map, lattice, options.min_score, kMargin);
+  result.evaluations = found.evaluations;
+
+  std::vector<Pose2> starts;
+  bool all_refined = true;
+  for (const LatticePose& candidate : found.poses) {
+    const bool known = std::any_of(starts.begin(), starts.end(), [&](const Pose2& start) {
+      return same_place(start, candidate.map_T_source, options);
+    });
+    if (known) continue;
+    if (starts.size() == kRefined) {
+      all_refined = false;
+      break;
+    }
+    starts.push_back(candidate.map_T_source);
+  }
+
+  const Points refine = thinned(source, kRefinePoints);
+  std::vector<MatchResult> refined;
+  for (const Pose2& start : starts) {
+    MatchResult match = match_to_field(refine, map.field(), start, {}, 1);
+    if (match.status == MatchStatus::kTooFewPairs) continue;
+    match.score = explained_share(refine, map.field(), match.target_T_source);
+    refined.push_back(std::move(match));
+  }
+  std::stable_sort(refined.begin(), refined.end(),
+                   [](const MatchResult& a, const MatchResult& b) { return a.score > b.score; });
+  // Two starts may have led to one pose.
+  std::vector<MatchResult> distinct;
+  for (MatchResult& match : refined) {
+    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const MatchResult& other) {
+      return same_place(other.target_T_source, match.target_T_source, options);
+    });
+    if (!known) distinct.push_back(std::move(match));
+  }
+  if (!distinct.empty()) {
+    const double next = distinct.size() > 1 ? distinct[1].score : 0.0;
+    result.sure = all_refined && distinct[0].score >= options.sure_score &&
+                  distinct[0].score - next > options.sure_gap &&
+                  distinct[0].status != MatchStatus::kDegenerate;
+  }
+  if (distinct.size() > static_cast<std::size_t>(options.poses_max))
+    distinct.resize(static_cast<std::size_t>(options.poses_max));
+  result.poses = std::move(distinct);
+  return result;
+}
+
+}  // namespace loopstone
