@@ -1,4 +1,4 @@
-// How far did the robot move between two scans? Iterated closest points, point to line, without any odometry.
+// How far did the robot move between two scans? Iterated closest points, point to fitted line, without any odometry.
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -28,8 +28,8 @@ int main() {
   // Two scans 0.3 s apart, as points in the robot's frame. The target is indexed once.
   const std::size_t target = 60;
   const std::size_t source = 63;
-  const IcpTarget reference =
-      make_icp_target(scan_points(scans[target], mount_of(scans[target], robot)));
+  const IcpCloud<2> reference =
+      make_icp_cloud<2>(scan_points(scans[target], mount_of(scans[target], robot)));
   const auto points = scan_points(scans[source], mount_of(scans[source], robot));
 
   const Pose2 guess_target_T_source;  // identity: nothing is known

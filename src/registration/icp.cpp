@@ -3,235 +3,191 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
-#include "loopstone/base/error.hpp"
-#include "loopstone/geometry/rigid_alignment.hpp"
-#include "registration/observability.hpp"
+#include "registration/icp_judge.hpp"
+#include "registration/icp_pairs.hpp"
+#include "registration/icp_step.hpp"
 
 namespace loopstone {
 
 namespace {
 
-constexpr std::size_t kMinPairs = 3;
-constexpr std::size_t kNormalNeighbours = 7;
-constexpr double kNormalRadiusM = 0.6;
-constexpr double kLeastArmM = 1e-3;
-/// Pairs may change to and fro for ever. When the residuals have not shrunk by this share for so many steps, that is it.
-constexpr double kProgressShare = 0.002;
+/// Pairs may change to and fro for ever. When the residuals have not shrunk by the tolerance for so many steps, that is it.
 constexpr int kPatientSteps = 5;
+/// After unobserved directions went back to the guess, the observed ones settle in so many steps.
+constexpr int kSettlingSteps = 5;
 
-enum class Metric { kPoint, kLine };
+/// The pair distance and the kernel's width of each step.
+struct Schedule {
+  double first_m;
+  double ratio;  ///< last / first
+  int steps;
 
-Metric metric_from(const std::string& name) {
-  if (name == "point") return Metric::kPoint;
-  if (name == "line") return Metric::kLine;
-  throw UsageError("metric: '" + name + "' is neither point nor line");
-}
-
-/// A source point and the target point it belongs to.
-struct Pair {
-  Eigen::Vector2d source;  ///< source frame
-  Eigen::Vector2d arm;     ///< from the source frame's origin to the point, target axes
-  Eigen::Vector2d offset;  ///< from the target point to the source point, target frame
-  std::optional<Eigen::Vector2d> normal;
-  double distance_m = 0.0;
-  double weight = 1.0;
-
-  [[nodiscard]] double residual(Metric metric) const {
-    return metric == Metric::kLine && normal ? normal->dot(offset) : distance_m;
+  explicit Schedule(const IcpOptions& options)
+      : first_m(options.max_pair_distance_m), ratio(1.0), steps(options.shrink_iterations) {
+    if (options.final_pair_distance_m > 0.0 && options.final_pair_distance_m < first_m) {
+      ratio = options.final_pair_distance_m / first_m;
+    }
   }
+  [[nodiscard]] double pair_distance_m(int step) const {
+    return first_m * std::pow(ratio, std::min(1.0, static_cast<double>(step) / steps));
+  }
+  /// How many times the final pair distance that of the step is.
+  [[nodiscard]] double excess(int step) const { return pair_distance_m(step) / (first_m * ratio); }
+  [[nodiscard]] bool ended(int step) const { return ratio == 1.0 || step >= steps; }
 };
 
-std::vector<Pair> find_pairs(std::span<const Eigen::Vector2d> source, const IcpTarget& target,
-                             const Pose2& target_T_source, Metric metric,
-                             const IcpOptions& options) {
-  std::vector<Pair> pairs;
-  pairs.reserve(source.size());
-  const Eigen::Matrix2d rotation = target_T_source.rotation();
-  for (const Eigen::Vector2d& point : source) {
-    const Eigen::Vector2d arm = rotation * point;
-    const Eigen::Vector2d moved = arm + target_T_source.translation();
-    const auto found = target.index.nearest(moved, options.max_pair_distance_m);
-    if (!found) continue;
-    const auto& normal = target.normals[found->index];
-    if (metric == Metric::kLine && !normal) continue;
-    pairs.push_back(
-        {point, arm, moved - target.index.points()[found->index], normal, found->distance_m, 1.0});
+template <int kDimension>
+class Icp {
+ public:
+  using Motion = RigidMotion<kDimension>;
+  using Pose = typename Motion::Pose;
+  using Result = BasicMatchResult<kDimension>;
+
+  Icp(const IcpSource<kDimension>& source, const IcpCloud<kDimension>& target,
+      const IcpOptions& options)
+      : target_(target),
+        options_(options),
+        schedule_(options),
+        metric_(icp_metric_from(options.metric, kDimension)),
+        kernel_(robust_kernel_from(options.kernel)),
+        finder_(source, target, metric_) {}
+
+  [[nodiscard]] Result match(const Pose& guess) {
+    Result result;
+    result.target_T_source = guess;
+    find_pairs(result);
+    double best_cost = std::numeric_limits<double>::infinity();
+    int best_iteration = 0;
+    while (result.iterations < options_.max_iterations) {
+      if (too_few()) return without_pose(result, guess);
+      const Pose before = result.target_T_source;
+      move(result);
+      ++result.iterations;
+      find_pairs(result);
+      if (!schedule_.ended(result.iterations)) continue;
+      if (is_small(Motion::difference(result.target_T_source, before))) {
+        result.status = MatchStatus::kConverged;
+        break;
+      }
+      // Squares of residuals shrink by twice the share.
+      if (cost_ < (1.0 - 2.0 * options_.tolerance_cost) * best_cost) {
+        best_cost = cost_;
+        best_iteration = result.iterations;
+      } else if (result.iterations - best_iteration >= kPatientSteps) {
+        result.status = MatchStatus::kConverged;
+        break;
+      }
+    }
+    if (too_few()) return without_pose(result, guess);
+    keep_guess_where_unobserved(result, guess);
+    if (too_few()) return without_pose(result, guess);
+    judge<kDimension>(result, pairs_, target_, metric_, overlapping(result),
+                      finder_.finite_points(), options_);
+    return result;
   }
-  const auto kept = static_cast<std::size_t>(
-      std::ceil(options.trim_fraction * static_cast<double>(pairs.size())));
-  if (kept < pairs.size()) {
-    std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const Pair& a, const Pair& b) { return a.distance_m < b.distance_m; });
-    pairs.resize(kept);
+
+ private:
+  void find_pairs(const Result& result) {
+    found_ = finder_.find(result.target_T_source, schedule_.pair_distance_m(result.iterations));
+    cost_ = weigh<kDimension>(found_, options_.trim_fraction, kernel_,
+                              options_.kernel_width_m * schedule_.excess(result.iterations));
+    pairs_ = found_;
   }
-  if (options.kernel_width_m > 0.0) {
-    for (Pair& pair : pairs) {
-      const double ratio = pair.residual(metric) / options.kernel_width_m;
-      pair.weight = 1.0 / (1.0 + ratio * ratio);
+
+  void move(Result& result) {
+    result.target_T_source = step<kDimension>(pairs_, metric_, result.target_T_source,
+                                              schedule_.pair_distance_m(result.iterations));
+  }
+
+  [[nodiscard]] bool too_few() const { return pairs_.size() < Motion::kDof; }
+
+  [[nodiscard]] bool is_small(const typename Motion::Tangent& motion) const {
+    constexpr int kTurns = Motion::kDof - kDimension;
+    return motion.template head<kDimension>().norm() < options_.tolerance_m &&
+           motion.template tail<kTurns>().norm() < options_.tolerance_rad;
+  }
+
+  /// Takes back what the pairs cannot tell: along unobserved directions the guess stands.
+  void keep_guess_where_unobserved(Result& result, const Pose& guess) {
+    const auto translation = Motion::translation(result.target_T_source);
+    const auto observability = surface_observability<kDimension>(pairs_, target_, translation);
+    if (observability.complete()) return;
+    result.target_T_source = Motion::moved(
+        guess, observability.observed_part(Motion::difference(result.target_T_source, guess)));
+    find_pairs(result);
+    if (metric_ == IcpMetric::kPoint) return;  // its steps would drift along again
+    for (int i = 0; i < kSettlingSteps && !too_few(); ++i) {
+      move(result);
+      find_pairs(result);
     }
   }
-  return pairs;
-}
 
-/// What the pairs say about (x, y, yaw), whatever the metric: a point on a line holds the motion across it, one
-/// without a clear line holds both directions.
-Observability observability_of(const std::vector<Pair>& pairs) {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  double total = 0.0;
-  for (const Pair& pair : pairs) {
-    Eigen::Matrix<double, 2, 3> jacobian;  // of the moved point
-    jacobian << 1.0, 0.0, -pair.arm.y(),   //
-        0.0, 1.0, pair.arm.x();
-    if (pair.normal) {
-      const Eigen::Vector3d across = jacobian.transpose() * *pair.normal;
-      information += pair.weight * across * across.transpose();
-    } else {
-      information += pair.weight * jacobian.transpose() * jacobian;
+  /// Source points that have a target point within the first pair distance.
+  [[nodiscard]] std::size_t overlapping(const Result& result) {
+    if (schedule_.ratio == 1.0 && metric_ != IcpMetric::kPlane && metric_ != IcpMetric::kLine) {
+      return pairs_.size();
     }
-    centre += pair.weight * pair.arm;
-    total += pair.weight;
+    return finder_.count_within(result.target_T_source, schedule_.first_m);
   }
-  centre /= total;
-  double squared_arms = 0.0;
-  for (const Pair& pair : pairs) squared_arms += pair.weight * (pair.arm - centre).squaredNorm();
-  const double arm_m = std::max(std::sqrt(squared_arms / total), kLeastArmM);
-  return loopstone::observability_of(information, centre, arm_m);
-}
 
-/// The pose after one step.
-Pose2 step_to_points(const std::vector<Pair>& pairs, const Pose2& pose) {
-  std::vector<Eigen::Vector2d> source;
-  std::vector<Eigen::Vector2d> target;
-  std::vector<double> weights;
-  for (const Pair& pair : pairs) {
-    source.push_back(pair.source);
-    target.emplace_back(pair.arm + pose.translation() - pair.offset);
-    weights.push_back(pair.weight);
+  Result without_pose(Result result, const Pose& guess) const {
+    result.target_T_source = guess;
+    result.covariance.setIdentity();
+    result.covariance *= kUnobservedSigmaM * kUnobservedSigmaM;
+    result.pairs = static_cast<int>(pairs_.size());
+    result.status = MatchStatus::kTooFewPairs;
+    return result;
   }
-  return to_pose(align_rigidly<2>(source, target, weights));
-}
 
-Pose2 step_to_lines(const std::vector<Pair>& pairs, const Pose2& pose) {
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  for (const Pair& pair : pairs) {
-    const Eigen::Vector2d& n = *pair.normal;
-    const double turn = n.y() * pair.arm.x() - n.x() * pair.arm.y();
-    gradient += pair.weight * n.dot(pair.offset) * Eigen::Vector3d(n.x(), n.y(), turn);
+  const IcpCloud<kDimension>& target_;
+  const IcpOptions& options_;
+  Schedule schedule_;
+  IcpMetric metric_;
+  RobustKernel kernel_;
+  IcpPairFinder<kDimension> finder_;
+  std::span<IcpPair<kDimension>> found_{};
+  std::span<const IcpPair<kDimension>> pairs_{};
+  double cost_ = 0.0;
+};
+
+template <int kDimension>
+BasicMatchResult<kDimension> match_points(
+    std::span<const Eigen::Matrix<double, kDimension, 1>> source,
+    const IcpCloud<kDimension>& target,
+    const typename RigidMotion<kDimension>::Pose& guess_target_T_source,
+    const IcpOptions& options) {
+  std::vector<SurfacePatch<kDimension>> patches;
+  if (icp_metric_from(options.metric, kDimension) == IcpMetric::kGicp) {
+    patches = surface_patches<kDimension>(PointIndex<kDimension>({source.begin(), source.end()}));
   }
-  const Eigen::Vector3d step = observability_of(pairs).solve(gradient);
-  return {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};
-}
-
-Eigen::Vector3d difference(const Pose2& pose, const Pose2& from) {
-  return {pose.x - from.x, pose.y - from.y, wrap_angle(pose.yaw - from.yaw)};
-}
-
-double rmse_of(const std::vector<Pair>& pairs, Metric metric) {
-  double squared_sum = 0.0;
-  double weight_sum = 0.0;
-  for (const Pair& pair : pairs) {
-    const double residual = pair.residual(metric);
-    squared_sum += pair.weight * residual * residual;
-    weight_sum += pair.weight;
-  }
-  return std::sqrt(squared_sum / weight_sum);
-}
-
-/// Takes back what the pairs cannot tell: along unobserved directions the guess stands.
-void remap(MatchResult& result, const std::vector<Pair>& pairs, const Pose2& guess) {
-  const Eigen::Vector3d kept =
-      observability_of(pairs).observed_part(difference(result.target_T_source, guess));
-  result.target_T_source = {guess.x + kept.x(), guess.y + kept.y(),
-                            wrap_angle(guess.yaw + kept.z())};
-}
-
-/// Fills in how well the pairs at the final pose agree.
-void judge(MatchResult& result, const std::vector<Pair>& pairs, std::size_t source_size,
-           Metric metric, const IcpOptions& options) {
-  const auto explained =
-      static_cast<std::size_t>(std::count_if(pairs.begin(), pairs.end(), [&](const Pair& pair) {
-        return std::abs(pair.residual(metric)) <= 3.0 * options.point_sigma_m;
-      }));
-  const auto share = [source_size](std::size_t count) {
-    return static_cast<double>(count) / static_cast<double>(source_size);
-  };
-  result.pairs = static_cast<int>(pairs.size());
-  result.rmse_m = rmse_of(pairs, metric);
-  result.inlier_fraction = share(pairs.size());
-  result.score = share(explained);
-  const Observability observability = observability_of(pairs);
-  result.covariance = observability.covariance(std::max(result.rmse_m, options.point_sigma_m));
-  if (result.status == MatchStatus::kConverged && !observability.complete()) {
-    result.status = MatchStatus::kDegenerate;
-  }
-}
-
-MatchResult too_few_pairs(const Pose2& guess, std::size_t pairs, int iterations) {
-  MatchResult result;
-  result.target_T_source = guess;
-  result.covariance = 100.0 * Eigen::Matrix3d::Identity();
-  result.pairs = static_cast<int>(pairs);
-  result.iterations = iterations;
-  result.status = MatchStatus::kTooFewPairs;
-  return result;
+  return Icp<kDimension>({source, patches}, target, options).match(guess_target_T_source);
 }
 
 }  // namespace
 
-IcpTarget make_icp_target(std::vector<Eigen::Vector2d> points) {
-  PointIndex<2> index(std::move(points));
-  auto normals = line_normals(index, kNormalNeighbours, kNormalRadiusM);
-  return {std::move(index), std::move(normals)};
+template <int kDimension>
+BasicMatchResult<kDimension> match_icp(
+    const IcpCloud<kDimension>& source, const IcpCloud<kDimension>& target,
+    const typename RigidMotion<kDimension>::Pose& guess_target_T_source,
+    const IcpOptions& options) {
+  return Icp<kDimension>({source.points(), source.patches}, target, options)
+      .match(guess_target_T_source);
 }
 
-MatchResult match_icp(std::span<const Eigen::Vector2d> source, const IcpTarget& target,
+MatchResult match_icp(std::span<const Eigen::Vector2d> source, const IcpCloud<2>& target,
                       const Pose2& guess_target_T_source, const IcpOptions& options) {
-  const Metric metric = metric_from(options.metric);
-  MatchResult result;
-  result.target_T_source = guess_target_T_source;
-  result.status = MatchStatus::kNotConverged;
-
-  auto pairs = find_pairs(source, target, result.target_T_source, metric, options);
-  double best_rmse_m = std::numeric_limits<double>::infinity();
-  int best_iteration = 0;
-  while (result.iterations < options.max_iterations) {
-    if (pairs.size() < kMinPairs) {
-      return too_few_pairs(guess_target_T_source, pairs.size(), result.iterations);
-    }
-    ++result.iterations;
-    const Pose2 before = result.target_T_source;
-    result.target_T_source =
-        metric == Metric::kPoint ? step_to_points(pairs, before) : step_to_lines(pairs, before);
-    pairs = find_pairs(source, target, result.target_T_source, metric, options);
-    const Eigen::Vector3d step = difference(result.target_T_source, before);
-    if (step.head<2>().norm() < options.tolerance_m && std::abs(step.z()) < options.tolerance_rad) {
-      result.status = MatchStatus::kConverged;
-      break;
-    }
-    const double rmse_m = pairs.empty() ? 0.0 : rmse_of(pairs, metric);
-    if (rmse_m < (1.0 - kProgressShare) * best_rmse_m) {
-      best_rmse_m = rmse_m;
-      best_iteration = result.iterations;
-    } else if (result.iterations - best_iteration >= kPatientSteps) {
-      result.status = MatchStatus::kConverged;
-      break;
-    }
-  }
-  if (pairs.size() < kMinPairs) {
-    return too_few_pairs(guess_target_T_source, pairs.size(), result.iterations);
-  }
-  if (!observability_of(pairs).complete()) {
-    remap(result, pairs, guess_target_T_source);
-    pairs = find_pairs(source, target, result.target_T_source, metric, options);
-    if (pairs.size() < kMinPairs) {
-      return too_few_pairs(guess_target_T_source, pairs.size(), result.iterations);
-    }
-  }
-  judge(result, pairs, source.size(), metric, options);
-  return result;
+  return match_points<2>(source, target, guess_target_T_source, options);
 }
+
+MatchResult3 match_icp(std::span<const Eigen::Vector3d> source, const IcpCloud<3>& target,
+                       const Pose3& guess_target_T_source, const IcpOptions& options) {
+  return match_points<3>(source, target, guess_target_T_source, options);
+}
+
+template MatchResult match_icp<2>(const IcpCloud<2>&, const IcpCloud<2>&, const Pose2&,
+                                  const IcpOptions&);
+template MatchResult3 match_icp<3>(const IcpCloud<3>&, const IcpCloud<3>&, const Pose3&,
+                                   const IcpOptions&);
 
 }  // namespace loopstone

@@ -101,7 +101,7 @@ ScanToScanMapper::Links ScanToScanMapper::match_consecutive(
   links.consecutive.resize(nodes_.size());
   links.matched.assign(nodes_.size(), false);
   const auto match = [&](std::size_t i, const PoseWithCovariance2& expected) {
-    const MatchResult result = match_icp(nodes_[i].points, make_icp_target(nodes_[i - 1].points),
+    const MatchResult result = match_icp(nodes_[i].points, make_icp_cloud<2>(nodes_[i - 1].points),
                                          expected.pose, options_.icp);
     return believed(result, expected);
   };
@@ -147,7 +147,7 @@ void ScanToScanMapper::match_intervals(Links& links, const ProgressCallback& pro
     const std::size_t last = last_nodes[k];
     // Backwards from the node before the last one; its own edge is there already.
     PoseWithCovariance2 first_T_last = links.consecutive[last];
-    const IcpTarget target = make_icp_target(nodes_[last].points);
+    const IcpCloud<2> target = make_icp_cloud<2>(nodes_[last].points);
     for (std::size_t first = last - 1; first-- > last - interval;) {
       first_T_last = compound(links.consecutive[first + 1], first_T_last);
       if (first != last - interval && !options_.interval_all) continue;

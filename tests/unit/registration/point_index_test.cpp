@@ -66,32 +66,5 @@ TEST(PointIndex, KeepsTheNumbersOfPointsBesideBadOnes) {
   EXPECT_EQ(index.nearest_several({0.0, 0.0}, 10).size(), 2U);
 }
 
-TEST(LineNormals, StandAcrossALineOfAnyDirection) {
-  for (int degree = 0; degree < 180; degree += 15) {
-    const double angle = degree * 0.017453292519943295;
-    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-    Points<2> line;
-    for (int i = 0; i < 20; ++i) line.push_back(0.05 * i * direction);
-    for (const auto& normal : line_normals(PointIndex<2>(line), 5, 1.0)) {
-      ASSERT_TRUE(normal.has_value());
-      EXPECT_NEAR(normal->norm(), 1.0, 1e-12);
-      EXPECT_NEAR(normal->dot(direction), 0.0, 1e-9);
-    }
-  }
-}
-
-TEST(LineNormals, AreMissingInClutterAndForLonePoints) {
-  Rng rng(22);
-  Points<2> points = random_points<2>(300, rng);
-  points.emplace_back(100.0, 100.0);
-  points.emplace_back(std::nan(""), 0.0);
-  const auto normals = line_normals(PointIndex<2>(points), 20, 5.0);
-  EXPECT_FALSE(normals[300].has_value());
-  EXPECT_FALSE(normals[301].has_value());
-  const auto found =
-      std::count_if(normals.begin(), normals.end(), [](const auto& n) { return n.has_value(); });
-  EXPECT_LT(found, 60);
-}
-
 }  // namespace
 }  // namespace loopstone
