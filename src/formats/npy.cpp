@@ -14,7 +14,7 @@ namespace loopstone {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
-              "numbers are copied as they stand in the file, which is little-endian");
+              "little-endian numbers are copied as they stand in the file");
 
 constexpr std::size_t kBlockElements = 8192;
 
@@ -36,6 +36,12 @@ void convert(const char* bytes, std::span<T> values) {
     bytes += sizeof stored;
     value = static_cast<T>(stored);
   }
+}
+
+/// Turns the bytes of every element round.
+void reverse_each(std::span<char> bytes, std::size_t element_bytes) {
+  const auto size = static_cast<std::ptrdiff_t>(element_bytes);
+  for (auto at = bytes.begin(); at != bytes.end(); at += size) std::reverse(at, at + size);
 }
 
 template <typename T>
@@ -119,6 +125,7 @@ void NpyReader::read_as(std::span<T> values) {
   while (!values.empty()) {
     const std::size_t count = std::min(values.size(), kBlockElements);
     fill(std::span(block).first(count * size));
+    if (header_.big_endian) reverse_each(std::span(block).first(count * size), size);
     convert_block(header_, block.data(), values.first(count));
     values = values.subspan(count);
   }

@@ -11,10 +11,11 @@
 namespace loopstone {
 
 /// What the head of a .npy file says (versions 1 to 3; numpy/lib/format.py). Numbers only: bool, signed, unsigned
-/// and floating point of 1 to 8 bytes, little-endian. Anything that numpy would have to unpickle is refused.
+/// and floating point of 1 to 8 bytes, in either byte order. Anything that numpy would have to unpickle is refused.
 struct NpyHeader {
   char kind = 'f';  ///< 'b', 'i', 'u', 'f'
   int element_bytes = 8;
+  bool big_endian = false;
   bool fortran_order = false;         ///< the first index runs fastest
   std::vector<std::int64_t> shape{};  ///< empty: a single number
 
@@ -25,7 +26,7 @@ struct NpyHeader {
 /// Reads an array front to back, converting to the type asked for, without ever holding all of it.
 class NpyReader {
  public:
-  /// Throws DataError when the head is not that of a numeric little-endian array.
+  /// Throws DataError when the head is not that of a numeric array.
   NpyReader(std::unique_ptr<ByteSource> source, std::string name);
 
   [[nodiscard]] const NpyHeader& header() const { return header_; }

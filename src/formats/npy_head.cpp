@@ -122,9 +122,7 @@ class DictParser {
     const bool real = header.kind == 'f' && (bytes == 2 || bytes == 4 || bytes == 8);
     const bool truth = header.kind == 'b' && bytes == 1;
     if (!whole && !real && !truth) fail("is of type '" + shown + "'; only numbers are read");
-    if (order == '>' && bytes > 1) {
-      fail("is of type '" + shown + "', which is big-endian; save it again as little-endian ('<')");
-    }
+    header.big_endian = order == '>';
     if (order != '<' && order != '|' && order != '=' && order != '>') {
       fail("is of type '" + shown + "'; only numbers are read");
     }

@@ -9,7 +9,7 @@ namespace loopstone {
 /// them.
 struct PointCloud {
   std::vector<Eigen::Vector3d> points{};  ///< [m]; z is 0 throughout when planar
-  bool planar = false;                    ///< the source had x and y alone
+  bool planar = false;                    ///< the source had x and y alone, or every z was 0
 };
 
 }  // namespace loopstone

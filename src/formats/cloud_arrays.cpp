@@ -1,0 +1,109 @@
+#include <fmt/format.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/cloud_parts.hpp"
+#include "formats/mat_file.hpp"
+#include "formats/npy.hpp"
+#include "loopstone/formats/point_cloud_file.hpp"
+
+namespace loopstone {
+namespace {
+
+/// How an array of numbers holds a cloud.
+struct CloudShape {
+  bool points_are_columns = false;
+  std::int64_t points = 0;
+  bool has_z = false;
+};
+
+/// Rows are points wherever that is possible, as everybody stores them; columns where rows can't be.
+std::optional<CloudShape> cloud_shape(std::int64_t rows, std::int64_t columns) {
+  const auto two_or_three = [](std::int64_t n) { return n == 2 || n == 3; };
+  if (two_or_three(columns)) return CloudShape{false, rows, columns == 3};
+  if (two_or_three(rows)) return CloudShape{true, columns, rows == 3};
+  if (columns >= 4 && columns <= 8 && rows > 8) return CloudShape{false, rows, true};
+  return std::nullopt;
+}
+
+PointCloud make_cloud(const CloudShape& shape,
+                      const std::function<double(std::int64_t, std::int64_t)>& at,
+                      const std::string& path) {
+  PointCloud cloud;
+  cloud.points.reserve(static_cast<std::size_t>(shape.points));
+  for (std::int64_t i = 0; i < shape.points; ++i) {
+    const auto value = [&](std::int64_t axis) {
+      return shape.points_are_columns ? at(axis, i) : at(i, axis);
+    };
+    cloud.points.emplace_back(value(0), value(1), shape.has_z ? value(2) : 0.0);
+  }
+  return finish_cloud(std::move(cloud), shape.has_z, path);
+}
+
+std::string list_of(const MatFile& file) {
+  std::string list;
+  for (const MatMatrix& matrix : file.matrices) {
+    list += fmt::format("{}{} ({} x {})", list.empty() ? "" : ", ", matrix.name, matrix.rows,
+                        matrix.columns);
+  }
+  for (const std::string& other : file.others) list += (list.empty() ? "" : ", ") + other;
+  return list.empty() ? "nothing" : list;
+}
+
+constexpr const char* kExpected = "a cloud is N x 2 or N x 3 (or 2 x N, 3 x N)";
+
+const MatMatrix& choose(const MatFile& file, const std::string& path, const std::string& variable) {
+  const MatMatrix* chosen = nullptr;
+  for (const MatMatrix& matrix : file.matrices) {
+    if (variable.empty() ? !cloud_shape(matrix.rows, matrix.columns) : matrix.name != variable)
+      continue;
+    if (chosen != nullptr && variable.empty()) {
+      throw DataError({path}, "holds several clouds; choose one by FILE#NAME: " + list_of(file));
+    }
+    chosen = &matrix;
+  }
+  if (chosen != nullptr) return *chosen;
+  if (!variable.empty()) {
+    throw DataError({path},
+                    "has no real matrix " + show_word(variable) + "; it holds " + list_of(file));
+  }
+  throw DataError({path}, fmt::format("holds no cloud: {}; it holds {}", kExpected, list_of(file)));
+}
+
+}  // namespace
+
+PointCloud decode_npy_cloud(std::string_view bytes, const std::string& path) {
+  const NpyArray array = read_npy(memory_byte_source(bytes, path), path);
+  const auto shape = cloud_shape(array.rows(), array.columns());
+  if (!shape || array.shape.size() != 2) {
+    throw DataError({path}, fmt::format("is of shape {}; {}",
+                                        array.shape.size() == 2
+                                            ? fmt::format("{} x {}", array.rows(), array.columns())
+                                            : std::to_string(array.rows()),
+                                        kExpected));
+  }
+  return make_cloud(
+      *shape, [&](std::int64_t row, std::int64_t column) { return array.at(row, column); }, path);
+}
+
+PointCloud decode_mat_cloud(std::string_view bytes, const std::string& path,
+                            const std::string& variable) {
+  const MatFile file = parse_mat(bytes, path);
+  const MatMatrix& matrix = choose(file, path, variable);
+  const auto shape = cloud_shape(matrix.rows, matrix.columns);
+  if (!shape) {
+    throw DataError({path}, fmt::format("{} is {} x {}; {}", show_word(matrix.name), matrix.rows,
+                                        matrix.columns, kExpected));
+  }
+  return make_cloud(
+      *shape,
+      [&](std::int64_t row, std::int64_t column) {
+        return matrix.values[static_cast<std::size_t>(column * matrix.rows + row)];
+      },
+      path);
+}
+
+}  // namespace loopstone

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace loopstone {
+
+/// How a number is stored in a binary file: 'f' floating point, 'i' signed, 'u' unsigned, and its size.
+struct ScalarType {
+  char kind = 'f';
+  int bytes = 4;  ///< 1, 2, 4, 8; 4 or 8 for 'f'
+
+  [[nodiscard]] bool valid() const {
+    const bool whole = kind == 'i' || kind == 'u';
+    return bytes == 4 || bytes == 8 || (whole && (bytes == 1 || bytes == 2));
+  }
+};
+
+/// The number at `at`, whatever its alignment.
+[[nodiscard]] inline double load_scalar(ScalarType type, const char* at, std::endian order) {
+  const auto size = static_cast<std::size_t>(type.bytes);
+  std::array<char, 8> raw{};
+  std::memcpy(raw.data(), at, size);
+  if (order != std::endian::native) {
+    std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
+  }
+  const auto as = [&raw]<typename T>(T value) {
+    std::memcpy(&value, raw.data(), sizeof value);
+    return static_cast<double>(value);
+  };
+  switch (type.kind) {
+    case 'f':
+      return size == 8 ? as(0.0) : as(0.0F);
+    case 'i':
+      if (size == 8) return as(std::int64_t{});
+      if (size == 4) return as(std::int32_t{});
+      return size == 2 ? as(std::int16_t{}) : as(std::int8_t{});
+    case 'u':
+      if (size == 8) return as(std::uint64_t{});
+      if (size == 4) return as(std::uint32_t{});
+      return size == 2 ? as(std::uint16_t{}) : as(std::uint8_t{});
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace loopstone
