@@ -70,8 +70,11 @@ class MapLatticeSearch {
 
   [[nodiscard]] LatticePoses run() {
     find_strips();
+    for (const double heading : lattice_.headings)
+      cells_.push_back(cells_at(points_, heading, frame_.resolution));
+    raise_floor();
     std::vector<Block> blocks;
-    for (std::size_t h = 0; h < lattice_.headings.size(); ++h) bound_heading(h, blocks);
+    for (std::size_t h = 0; h < cells_.size(); ++h) bound_heading(h, blocks);
     std::sort(blocks.begin(), blocks.end(), better);
     std::vector<Block> leaves;
     for (const Block& block : blocks) {
@@ -143,9 +146,32 @@ class MapLatticeSearch {
     return true;
   }
 
+  /// A good pose found early spares most of the work: blocks that can't come near it are given up after a few points. So looks
+  /// at some headings only, and into the most promising blocks at the headings between them too.
+  void raise_floor() {
+    constexpr int kStride = 8;
+    constexpr std::size_t kBlocks = 256;
+    const int headings = static_cast<int>(cells_.size());
+    if (headings < 2 * kStride) return;
+    std::vector<Block> blocks;
+    for (int h = kStride / 2; h < headings; h += kStride)
+      bound_heading(static_cast<std::size_t>(h), blocks);
+    const std::size_t few = std::min(kBlocks, blocks.size());
+    std::partial_sort(blocks.begin(), blocks.begin() + static_cast<std::ptrdiff_t>(few),
+                      blocks.end(), better);
+    blocks.resize(few);
+    for (Block block : blocks) {
+      const int middle = block.heading;
+      for (int h = std::max(0, middle - kStride / 2);
+           h <= std::min(headings - 1, middle + kStride / 2); ++h) {
+        block.heading = h;
+        floor_ = std::max(floor_, best_leaf(block).bound - margin_);
+      }
+    }
+  }
+
   void bound_heading(std::size_t heading, std::vector<Block>& blocks) {
-    cells_.push_back(cells_at(points_, lattice_.headings[heading], frame_.resolution));
-    top_scan_.lay(cells_.back(), lattice_.first.column, lattice_.first.row);
+    top_scan_.lay(cells_[heading], lattice_.first.column, lattice_.first.row);
     int chosen = -1;
     for (const Strip& strip : strips_) {
       if (strip.first_block != chosen) {
