@@ -1,0 +1,64 @@
+// This project's scan matchers over a file of pairs, structures included, see answers.hpp:
+//   measure_matchers FILE MATCHER COUNT        without arguments: the names of the matchers
+
+#include <array>
+
+#include "answers.hpp"
+#include "loopstone/registration/grid_matcher.hpp"
+#include "loopstone/registration/icp.hpp"
+#include "loopstone/registration/scan_matcher.hpp"
+#include "loopstone/registration/surface_grid.hpp"
+#include "loopstone/sensor/scan_points.hpp"
+
+namespace {
+
+using namespace loopstone;
+using namespace loopstone::bench;
+
+Answer answer_of(const MatchResult& match) {
+  return {match.target_T_source,
+          match.status == MatchStatus::kConverged || match.status == MatchStatus::kDegenerate,
+          match.covariance};
+}
+
+/// The directions of the beams are computed once, as long as the scanner stays the same.
+BeamTable& beams() {
+  static BeamTable table;
+  return table;
+}
+
+Answer scan_matcher(const PairToMatch& input) {
+  const ScanView target = view_scan(input.pair.target, Pose2{}, Tangent2::Zero(), beams());
+  const ScanView source = view_scan(input.pair.source, Pose2{}, Tangent2::Zero(), beams());
+  return answer_of(match_scans(source, target, input.pair.guess));
+}
+
+Matcher icp_matcher(const std::string& metric) {
+  return [=](const PairToMatch& input) {
+    IcpOptions options;
+    options.metric = metric;
+    return answer_of(
+        match_icp(input.source, make_icp_cloud<2>(input.target), input.pair.guess, options));
+  };
+}
+
+/// One scan as the whole map, as at the start of a submap, without a prior.
+Answer grid_matcher(const PairToMatch& input) {
+  const std::array<double, 2> resolutions_m{0.1, 0.3};
+  SurfaceGrid grid(resolutions_m);
+  grid.insert(surface_points(input.pair.target, Pose2{}, Tangent2::Zero(), {}, beams()), Pose2{});
+  const auto source = surface_points(input.pair.source, Pose2{}, Tangent2::Zero(), {}, beams());
+  return answer_of(match_to_grid(source, grid, input.pair.guess, {}, {}, 1));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return answer_main(argc, argv,
+                     {{"match_scans", scan_matcher},
+                      {"icp_point", icp_matcher("point")},
+                      {"icp_line", icp_matcher("line")},
+                      {"icp_plane", icp_matcher("plane")},
+                      {"icp_gicp", icp_matcher("gicp")},
+                      {"match_to_grid", grid_matcher}});
+}
