@@ -46,11 +46,11 @@ using PointMatcher =
 
 /// Asks a matcher of points about the first `count` pairs and prints its answers. A few calls before warm it up.
 inline void answer_pairs(const std::string& path, const PointMatcher& matcher, std::size_t count) {
-  std::vector<StoredPair> pairs = read_pairs(path);
-  pairs.resize(std::min(pairs.size(), count));
+  const std::vector<StoredPair> pairs = read_pairs(path);
+  count = std::min(pairs.size(), count);
   constexpr std::size_t kWarmUp = 3;
-  for (std::size_t i = 0; i < pairs.size() + kWarmUp; ++i) {
-    const std::size_t number = i < kWarmUp ? 0 : i - kWarmUp;
+  for (std::size_t i = 0; i < count + kWarmUp; ++i) {
+    const std::size_t number = i < kWarmUp ? 0 : (i - kWarmUp) * pairs.size() / count;
     const StoredPair& pair = pairs.at(number);
     const PairToMatch input{pair, points_of(pair.target), points_of(pair.source)};
     const double start = thread_seconds();

@@ -1,7 +1,9 @@
 // Writes pairs of scans of a recorded log, with the motion between them from relations or from a trajectory:
-//   measure_log_pairs FILE LOG relations RELATIONS.txt SECONDS GUESS   pairs that relations join, at most SECONDS apart
-//   measure_log_pairs FILE LOG trajectory TRAJECTORY.tum SECONDS GUESS scan and the first one at least SECONDS later
-// GUESS: "identity", or an odometry trajectory (TUM). Prints "pairs median_m median_deg" of the motions between scans.
+//   measure_log_pairs FILE LOG relations RELATIONS.txt SECONDS GUESS COUNT
+//     pairs that relations join, at most SECONDS apart
+//   measure_log_pairs FILE LOG trajectory TRAJECTORY.tum SECONDS GUESS COUNT
+//     a scan and the first one at least SECONDS later
+// At most COUNT pairs, evenly spread over the log. GUESS: "identity", or an odometry trajectory (TUM). Prints "pairs median_m median_deg" of the motions between scans.
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +53,7 @@ Pose2 between_lidars(const LaserScan& from, const LaserScan& to, const Pose2& fr
 
 class PairWriter {
  public:
-  explicit PairWriter(const std::string& guess) {
+  PairWriter(const std::string& guess, std::size_t count) : count_(count) {
     if (guess != "identity") odometry_ = read_tum(guess);
   }
 
@@ -67,6 +69,12 @@ class PairWriter {
   }
 
   void finish(const std::string& path) {
+    std::vector<StoredPair> chosen;
+    const std::size_t count = std::min(count_, pairs_.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      chosen.push_back(std::move(pairs_[i * pairs_.size() / count]));
+    }
+    pairs_ = std::move(chosen);
     write_pairs(path, pairs_);
     std::vector<double> metres;
     std::vector<double> degrees;
@@ -84,6 +92,7 @@ class PairWriter {
     std::nth_element(values.begin(), middle, values.end());
     return *middle;
   }
+  std::size_t count_;
   std::optional<Trajectory> odometry_{};
   std::vector<StoredPair> pairs_{};
 };
@@ -116,7 +125,7 @@ void from_trajectory(PairWriter& writer, const std::vector<LaserScan>& scans,
 
 void make(char** argv) {
   const std::string kind = argv[3];
-  PairWriter writer(argv[6]);
+  PairWriter writer(argv[6], std::stoul(argv[7]));
   auto scans = scans_of(argv[2]);
   std::stable_sort(scans.begin(), scans.end(),
                    [](const LaserScan& a, const LaserScan& b) { return a.stamp < b.stamp; });
@@ -131,9 +140,10 @@ void make(char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 7) {
+  if (argc != 8) {
     std::fprintf(
-        stderr, "usage: measure_log_pairs FILE LOG relations|trajectory REFERENCE SECONDS GUESS\n");
+        stderr,
+        "usage: measure_log_pairs FILE LOG relations|trajectory REFERENCE SECONDS GUESS COUNT\n");
     return 2;
   }
   try {

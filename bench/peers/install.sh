@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Puts the registration libraries that bench/registration.py compares with into build/bench/peers; nothing is installed into the
+# system. Whatever can't be had is left out, and the comparison goes on without it.
+#   small_gicp  its source package from PyPI (headers) and its wheel
+#   Open3D      wheel from PyPI (the CPU build), in a virtual environment with numpy and scipy
+#   PCL         Debian's packages, unpacked beside (no dependencies on VTK and the like are pulled in); needs apt-get and dpkg
+set -uo pipefail
+cd "$(dirname "$0")/../.."
+root=$PWD
+peers=$root/build/bench/peers
+mkdir -p "$peers"
+cxx=${CXX:-g++}
+flags=(-std=c++20 -O3 -DNDEBUG -I "$root/include" -isystem /usr/include/eigen3)
+
+say() { echo "bench/peers/install.sh: $*" >&2; }
+
+python_packages() {
+  [[ -x $peers/venv/bin/python ]] || python3 -m venv "$peers/venv" || return 1
+  "$peers/venv/bin/python" -c 'import numpy, scipy, small_gicp, open3d' 2>/dev/null && return 0
+  "$peers/venv/bin/pip" --quiet install numpy scipy small_gicp==1.0.1 open3d-cpu
+}
+
+small_gicp() {
+  local version=1.0.1
+  local source=$peers/small_gicp-$version
+  if [[ ! -d $source ]]; then
+    "$peers/venv/bin/pip" --quiet download --no-deps --no-binary small_gicp -d "$peers" "small_gicp==$version" &&
+      tar -xzf "$peers/small_gicp-$version.tar.gz" -C "$peers" || return 1
+  fi
+  "$cxx" "${flags[@]}" -isystem "$source/include" bench/peers/small_gicp_matchers.cpp -o "$peers/small_gicp_matchers" &&
+    echo "small_gicp $version" >"$peers/small_gicp_matchers.version"
+}
+
+pcl() {
+  local prefix=$peers/pcl
+  if [[ ! -d $prefix/usr/include/pcl-1.13 ]]; then
+    local parts=(registration common kdtree search features filters sample-consensus octree)
+    local debs=$peers/debs
+    mkdir -p "$debs"
+    (cd "$debs" && apt-get -qq download libpcl-dev $(printf 'libpcl-%s1.13 ' "${parts[@]}") libflann-dev libflann1.9 \
+      libboost1.74-dev liblz4-dev 2>/dev/null) || return 1
+    for deb in "$debs"/*.deb; do dpkg -x "$deb" "$prefix" || return 1; done
+  fi
+  local libraries=$prefix/usr/lib/$(uname -m)-linux-gnu
+  # The libraries need each other, so the path must hold for them too.
+  "$cxx" "${flags[@]}" -isystem "$prefix/usr/include/pcl-1.13" -isystem "$prefix/usr/include" bench/peers/pcl_matchers.cpp \
+    -o "$peers/pcl_matchers" -L "$libraries" -Wl,--disable-new-dtags,-rpath,"$libraries" \
+    -lpcl_registration -lpcl_search -lpcl_kdtree -lpcl_octree -lpcl_filters -lpcl_sample_consensus -lpcl_features \
+    -lpcl_common -llz4 &&
+    echo "PCL 1.13.0" >"$peers/pcl_matchers.version"
+}
+
+# What was built from the same sources stays.
+newer() { [[ -x $1 && $1 -nt $2 && $1 -nt bench/answers.hpp && $1 -nt bench/pairs_file.hpp ]]; }
+
+python_packages || say "Open3D and small_gicp's wheel: missing (no PyPI?)"
+newer "$peers/small_gicp_matchers" bench/peers/small_gicp_matchers.cpp || small_gicp || say "small_gicp: missing"
+newer "$peers/pcl_matchers" bench/peers/pcl_matchers.cpp || pcl || say "PCL: missing (needs apt-get with Debian's package lists)"
+exit 0
