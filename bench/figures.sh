@@ -12,3 +12,4 @@ if [[ -z ${BENCH_QUICK:-} && -e bench/compare_ucsd_odometry.py && -d ${LOOPSTONE
     echo "bench/compare_ucsd_odometry.py: skipped, it needs python3-numpy" >&2
   fi
 fi
+python3 bench/registration.py ${BENCH_QUICK:+--quick}

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Measures registration beside its peers and writes the tables of docs/benchmarks.md and docs/accuracy.md.
+
+The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). Peers (small_gicp, PCL, Open3D) are compared when they are in
+build/bench/peers; bench/peers/install.sh puts them there, and nothing into the system. Recorded logs and clouds are looked for in
+$LOOPSTONE_DATA, else in ../shared/data. What was measured is kept in build/bench/registration.json.
+
+  bench/registration.py                     everything, with the peers that are there (about a quarter of an hour)
+  bench/registration.py --peers             the same, after installing the peers
+  bench/registration.py --quick             a tenth of the pairs; to look at, writes nothing into docs/
+  bench/registration.py --only pairs nees   some sections
+  bench/registration.py --resume            the sections that have no figures yet
+  bench/registration.py --only              no measurement: writes the tables from registration.json again
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import registration_measure as measure  # noqa: E402
+import registration_tables as tables  # noqa: E402
+from doc_blocks import write_block  # noqa: E402
+from measure import data_folder  # noqa: E402
+from program import Failed, Loopstone, machine, say  # noqa: E402
+
+SECTIONS = ["tracking", "correlative", "pairs", "nees", "clouds", "map_match", "real"]
+
+
+def measure_section(name, arguments, loopstone, peers):
+    programs, work, quick = arguments.programs, arguments.work / "registration", arguments.quick
+    if name == "pairs":
+        return measure.synthetic(programs, work, peers, quick)
+    if name == "nees":
+        return measure.consistency(programs, work, peers, quick)
+    if name == "real":
+        return measure.recorded(programs, work, peers, quick, loopstone, arguments.data)
+    if name == "tracking":
+        return measure.tracking(programs, quick)
+    if name == "map_match":
+        return measure.map_match(programs, work, quick)
+    if name == "correlative":
+        return measure.correlative(programs, work, quick)
+    return measure.clouds(programs, work, arguments.work / "peers", arguments.data, quick)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
+    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
+    parser.add_argument("--only", nargs="*", choices=SECTIONS, default=SECTIONS)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--resume", action="store_true", help="leave out what has been measured")
+    parser.add_argument("--peers", action="store_true", help="install the peers into build/bench/peers first")
+    arguments = parser.parse_args()
+
+    (arguments.work / "registration").mkdir(parents=True, exist_ok=True)
+    if arguments.peers:
+        subprocess.run(["bash", str(ROOT / "bench/peers/install.sh")], check=False)
+    peers, versions, missing = measure.peer_matchers(arguments.work / "peers")
+    if missing:
+        say(f"peers not installed: {', '.join(missing)} (bench/peers/install.sh); going on without")
+    loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
+    kept = arguments.work / ("registration-quick.json" if arguments.quick else "registration.json")
+    sections = json.loads(kept.read_text()) if kept.exists() else {}
+    failed = []
+    for name in arguments.only:
+        if arguments.resume and name in sections:
+            continue
+        say(f"{name}:")
+        started = time.monotonic()
+        circumstances = {"machine": machine(), "version": loopstone.version(), "peers": versions, "missing": missing,
+                         "command": "bench/registration.py" + (" --quick" if arguments.quick else "")}
+        try:
+            figures = measure_section(name, arguments, loopstone, peers)
+        except (Failed, OSError, subprocess.SubprocessError, ValueError, KeyError) as failure:
+            say(f"  FAILED: {failure}")
+            failed.append(name)
+            continue
+        say(f"  took {time.monotonic() - started:.0f} s")
+        if figures:
+            sections[name] = {**circumstances, "figures": figures}
+            kept.write_text(json.dumps(sections, indent=1))
+
+    for page, block, text in tables.blocks_of(sections):
+        if arguments.quick:
+            print(f"\n{page}: {block}\n{text}")
+        else:
+            write_block(ROOT / page, block, text)
+    print(tables.summary(sections))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
