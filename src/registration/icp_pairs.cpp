@@ -1,6 +1,5 @@
 #include "registration/icp_pairs.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -50,8 +49,8 @@ IcpPairFinder<kDimension>::IcpPairFinder(const IcpSource<kDimension>& source,
 }
 
 template <int kDimension>
-NearestPoint IcpPairFinder<kDimension>::nearest(Query& query, const Vector& moved,
-                                                double reach_m) const {
+NearestPoint IcpPairFinder<kDimension>::nearest(Query& query, const Vector& moved, double reach_m,
+                                                std::int32_t hint) const {
   NearestPoint answer;
   if (query.nearest >= 0) {
     answer.index = query.nearest;
@@ -67,7 +66,8 @@ NearestPoint IcpPairFinder<kDimension>::nearest(Query& query, const Vector& move
       return answer;
     }
   }
-  answer = target_.nearest_point(moved, kBeyondReach * reach_m, query.nearest);
+  answer = target_.nearest_point(moved, kBeyondReach * reach_m,
+                                 query.nearest >= 0 ? query.nearest : hint);
   query.asked_at = moved;
   query.others_m = answer.others_m;
   query.nearest = answer.index;
@@ -141,13 +141,18 @@ bool IcpPairFinder<kDimension>::measure(Pair& pair, const Vector& moved, std::in
       }
       return false;
     }
-    case IcpMetric::kGicp:
+    case IcpMetric::kGicp: {
       pair.offset = moved - point;
       pair.normal = patch.normal;
       pair.turned_normal = rotation * source_.patches[static_cast<std::size_t>(source)].normal;
+      const GicpWeight weight(pair.normal.dot(pair.turned_normal));
+      const double n = pair.normal.dot(pair.offset);
+      const double m = pair.turned_normal.dot(pair.offset);
       pair.squared_residual_m2 =
-          pair.offset.dot(gicp_weight<kDimension>(pair.normal, pair.turned_normal) * pair.offset);
+          weight.scale *
+          (pair.offset.squaredNorm() + weight.same * (n * n + m * m) + 2.0 * weight.cross * n * m);
       return true;
+    }
   }
   return false;
 }
@@ -158,10 +163,12 @@ std::span<IcpPair<kDimension>> IcpPairFinder<kDimension>::find(
   pairs_.clear();
   const typename Motion::Matrix rotation = Motion::rotation(target_T_source);
   const Vector translation = Motion::translation(target_T_source);
+  std::int32_t hint = -1;  // source points that follow each other tend to be neighbours
   for (Query& query : queries_) {
     const Vector arm = rotation * query.point;
     const Vector moved = arm + translation;
-    const NearestPoint found = nearest(query, moved, max_pair_distance_m);
+    const NearestPoint found = nearest(query, moved, max_pair_distance_m, hint);
+    hint = query.nearest;
     if (found.index < 0) continue;
     Pair pair;
     pair.source = query.point;
@@ -181,19 +188,15 @@ std::size_t IcpPairFinder<kDimension>::count_within(const typename Motion::Pose&
   return static_cast<std::size_t>(
       std::count_if(queries_.begin(), queries_.end(), [&](Query& query) {
         const Vector moved = rotation * query.point + translation;
-        return nearest(query, moved, distance_m).index >= 0;
+        return nearest(query, moved, distance_m, -1).index >= 0;
       }));
 }
 
-template <int kDimension>
-Eigen::Matrix<double, kDimension, kDimension> gicp_weight(
-    const Eigen::Matrix<double, kDimension, 1>& target_normal,
-    const Eigen::Matrix<double, kDimension, 1>& source_normal) {
-  using Matrix = Eigen::Matrix<double, kDimension, kDimension>;
-  const Matrix sum =
-      2.0 * Matrix::Identity() - (1.0 - kAcross) * (target_normal * target_normal.transpose() +
-                                                    source_normal * source_normal.transpose());
-  return 2.0 * kAcross * sum.inverse();
+GicpWeight::GicpWeight(double cosine) : scale(kAcross), same(0.0), cross(0.0) {
+  constexpr double kDiagonal = 2.0 / (1.0 - kAcross) - 1.0;
+  const double determinant = kDiagonal * kDiagonal - cosine * cosine;
+  same = kDiagonal / determinant;
+  cross = cosine / determinant;
 }
 
 template <int kDimension>
@@ -229,8 +232,6 @@ double weigh(std::span<IcpPair<kDimension>> pairs, double trim_fraction, RobustK
 
 template class IcpPairFinder<2>;
 template class IcpPairFinder<3>;
-template Eigen::Matrix2d gicp_weight<2>(const Eigen::Vector2d&, const Eigen::Vector2d&);
-template Eigen::Matrix3d gicp_weight<3>(const Eigen::Vector3d&, const Eigen::Vector3d&);
 template double weigh<2>(std::span<IcpPair<2>>, double, RobustKernel, double);
 template double weigh<3>(std::span<IcpPair<3>>, double, RobustKernel, double);
 

@@ -80,7 +80,9 @@ class IcpPairFinder {
     bool known = false;
   };
 
-  [[nodiscard]] NearestPoint nearest(Query& query, const Vector& moved, double reach_m) const;
+  /// \param hint  a target point that may be near, when the query has none of its own
+  [[nodiscard]] NearestPoint nearest(Query& query, const Vector& moved, double reach_m,
+                                     std::int32_t hint) const;
   [[nodiscard]] const Segments& segments_of(std::int32_t target);
   /// False where the metric can't use the pair.
   [[nodiscard]] bool measure(Pair& pair, const Vector& moved, std::int32_t source,
@@ -94,11 +96,19 @@ class IcpPairFinder {
   std::vector<Segments> segments_{};
 };
 
-/// The weight matrix of generalised ICP for two normals on the target's axes; zero normals stand for no surface.
-template <int kDimension>
-[[nodiscard]] Eigen::Matrix<double, kDimension, kDimension> gicp_weight(
-    const Eigen::Matrix<double, kDimension, 1>& target_normal,
-    const Eigen::Matrix<double, kDimension, 1>& source_normal);
+/// The weight matrix of generalised ICP for two unit normals n, m on the target's axes (zero: no surface),
+///
+///   M = 2 e (C_n + C_m)^-1, C_n = 1 - (1 - e) n n^T,
+///
+/// which by Woodbury's identity is a unit matrix and two dyads: M = scale (1 + same (n n^T + m m^T) + cross (n m^T + m n^T)).
+struct GicpWeight {
+  double scale;
+  double same;
+  double cross;
+
+  /// \param cosine  n^T m
+  explicit GicpWeight(double cosine);
+};
 
 /// Sets the weight of all but the closest share to 0, of the others by the kernel. Returns the mean cost of those.
 template <int kDimension>

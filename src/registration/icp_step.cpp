@@ -60,6 +60,7 @@ IcpEquations<kDimension> equations_of(std::span<const IcpPair<kDimension>> pairs
                                       IcpMetric metric) {
   using Motion = RigidMotion<kDimension>;
   using Tangent = typename Motion::Tangent;
+  using Vector = typename Motion::Vector;
   IcpEquations<kDimension> result;
   double total = 0.0;
   double squared_arms = 0.0;
@@ -67,11 +68,20 @@ IcpEquations<kDimension> equations_of(std::span<const IcpPair<kDimension>> pairs
     if (pair.weight <= 0.0) continue;
     const auto jacobian = Motion::point_jacobian(pair.arm);
     if (metric == IcpMetric::kGicp) {
-      const auto weight =
-          (pair.weight * gicp_weight<kDimension>(pair.normal, pair.turned_normal)).eval();
-      const auto weighted = (weight * jacobian).eval();
-      result.information.noalias() += jacobian.transpose() * weighted;
-      result.gradient.noalias() += weighted.transpose() * pair.offset;
+      // J^T M J with M = a (1 + b (n n^T + m m^T) + c (n m^T + m n^T)) is a J^T J + u p^T + v q^T.
+      const Vector& n = pair.normal;
+      const Vector& m = pair.turned_normal;
+      const GicpWeight weight(n.dot(m));
+      const double scale = pair.weight * weight.scale;
+      const Tangent u = jacobian.transpose() * n;
+      const Tangent v = jacobian.transpose() * m;
+      const Tangent p = (scale * weight.same) * u + (scale * weight.cross) * v;
+      const Tangent q = (scale * weight.same) * v + (scale * weight.cross) * u;
+      result.information.noalias() += u * p.transpose();
+      result.information.noalias() += v * q.transpose();
+      result.information.noalias() += scale * (jacobian.transpose() * jacobian);
+      result.gradient += n.dot(pair.offset) * p + m.dot(pair.offset) * q +
+                         scale * (jacobian.transpose() * pair.offset);
     } else if (metric == IcpMetric::kPoint) {
       result.information.noalias() += pair.weight * (jacobian.transpose() * jacobian);
       result.gradient.noalias() += pair.weight * (jacobian.transpose() * pair.offset);
