@@ -1,12 +1,13 @@
 #include "loopstone/registration/scan_matcher.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "loopstone/geometry/angle.hpp"
-#include "registration/direction_index.hpp"
+#include "registration/observability.hpp"
+#include "registration/scan_fit.hpp"
 #include "registration/window_search.hpp"
 
 namespace loopstone {
@@ -14,140 +15,171 @@ namespace loopstone {
 namespace {
 
 constexpr int kMinPairs = 8;
-constexpr double kStepM = 2e-5;
-constexpr double kStepRad = 5e-6;
-constexpr double kFacingCosine = 0.5;
+/// A step smaller than this is the last one.
+constexpr double kStepM = 5e-5;
+constexpr double kStepRad = 1e-5;
+/// Pairs may change to and fro for ever: after so many steps, that much longer ones are good enough.
+constexpr int kPatientSteps = 10;
+constexpr double kFlipSlack = 20.0;
+/// Candidates are compared by this many surfaces of each scan.
+constexpr std::size_t kLookPoints = 80;
+/// How a candidate of the coarse search is pulled in: widths of the kernel, one a step.
+constexpr double kPullWidthsM[] = {0.2, 0.2, 0.1, 0.1, 0.05};
+constexpr double kLookWidthM = 0.05;
+/// Both scans explain each other so well that no other candidate needs a look.
+constexpr double kSureExplained = 0.95;
+constexpr double kSureVisible = 0.6;
+/// Each scan has to explain this share of what it could see of the other, and this share of the whole other.
+constexpr double kLeastOfVisible = 0.8;
+constexpr double kLeastOfWhole = 0.45;
 
-/// Which surfaces of the source are used, as indices with this step.
-struct Fit {
-  Pose2 pose;
-  double explained = 0.0;
-  double contradicted = 0.0;
-  double total = 0.0;
-  int pairs = 0;
-  int iterations = 0;
-  bool converged = false;
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double squared_sum = 0.0;
-  double weight_sum = 0.0;
+struct Look {
+  Pose2 target_T_source;
+  double rank = -4.0;
+  bool sure = false;
 };
 
-void linearise(Fit& fit, const ScanView& source, const ScanView& target, std::size_t stride,
-               double width_m) {
-  fit.hessian.setZero();
-  fit.gradient.setZero();
-  fit.squared_sum = fit.weight_sum = fit.explained = fit.contradicted = fit.total = 0.0;
-  fit.pairs = 0;
-  const double c = std::cos(fit.pose.yaw);
-  const double s = std::sin(fit.pose.yaw);
-  const double inverse_width2 = 1.0 / (width_m * width_m);
-  const double gate = 4.0 * width_m + 0.1;
-  const int last = static_cast<int>(target.surfaces.size()) - 1;
-  double h00 = 0, h01 = 0, h02 = 0, h11 = 0, h12 = 0, h22 = 0, g0 = 0, g1 = 0, g2 = 0;
-  for (std::size_t i = 0; i < source.surfaces.size(); i += stride) {
-    const SurfacePoint& surface = source.surfaces[i];
-    fit.total += surface.weight;
-    const double px = surface.position.x(), py = surface.position.y();
-    const double ax = c * px - s * py, ay = s * px + c * py;
-    const double x = ax + fit.pose.x, y = ay + fit.pose.y;
-    const double sx = c * surface.normal.x() - s * surface.normal.y();
-    const double sy = s * surface.normal.x() + c * surface.normal.y();
-    const double bx = x - target.lidar.x(), by = y - target.lidar.y();
-    const int at = target.by_direction[static_cast<std::size_t>(direction_bin(bx, by))];
-    if (at < 0) continue;
-    const SurfacePoint* best = nullptr;
-    double best_distance2 = gate * gate;
-    for (int j = std::max(0, at - 2); j <= std::min(last, at + 2); ++j) {
-      const SurfacePoint& other = target.surfaces[static_cast<std::size_t>(j)];
-      if (other.normal.x() * sx + other.normal.y() * sy < kFacingCosine) continue;
-      const double dx = x - other.position.x(), dy = y - other.position.y();
-      const double distance2 = dx * dx + dy * dy;
-      if (distance2 < best_distance2) {
-        best_distance2 = distance2;
-        best = &other;
-      }
-    }
-    if (best == nullptr) {
-      // Nothing there: seen through by the target's beam (contradiction), or hidden from it (no claim).
-      const SurfacePoint& seen = target.surfaces[static_cast<std::size_t>(at)];
-      const double tx = seen.position.x() - target.lidar.x(), ty = seen.position.y() - target.lidar.y();
-      if (bx * bx + by * by < tx * tx + ty * ty) fit.contradicted += surface.weight;
-      continue;
-    }
-    const double nx = best->normal.x(), ny = best->normal.y();
-    const double residual = nx * (x - best->position.x()) + ny * (y - best->position.y());
-    const double scaled2 = residual * residual * inverse_width2;
-    const double weight = surface.weight * best->weight / (1.0 + scaled2);
-    const double jw = ny * ax - nx * ay;
-    h00 += weight * nx * nx;
-    h01 += weight * nx * ny;
-    h02 += weight * nx * jw;
-    h11 += weight * ny * ny;
-    h12 += weight * ny * jw;
-    h22 += weight * jw * jw;
-    g0 += weight * residual * nx;
-    g1 += weight * residual * ny;
-    g2 += weight * residual * jw;
-    fit.squared_sum += weight * residual * residual;
-    fit.weight_sum += weight;
-    if (scaled2 < 4.0) fit.explained += surface.weight;
-    ++fit.pairs;
+std::size_t stride_of(const ScanView& view) {
+  return std::max<std::size_t>(1, view.surfaces.size() / kLookPoints);
+}
+
+/// One Gauss-Newton step; nothing when the equations can't be solved.
+std::optional<Eigen::Vector3d> solve(const ScanEquations& equations) {
+  if (equations.pairs < kMinPairs) return {};
+  Eigen::Matrix3d damped = equations.hessian;
+  // A trace of damping keeps an unobserved direction where it is.
+  damped.diagonal() += 1e-6 * equations.hessian.diagonal() + Eigen::Vector3d::Constant(1e-6);
+  const Eigen::Vector3d step = -damped.ldlt().solve(equations.gradient);
+  if (!step.allFinite()) return {};
+  return step;
+}
+
+/// Pulls a candidate in and judges it from both sides.
+Look look_into(const ScanView& source, const ScanView& target, const Pose2& candidate) {
+  Look look{.target_T_source = candidate};
+  const std::size_t stride = stride_of(source);
+  for (const double width : kPullWidthsM) {
+    const auto step = solve(scan_equations(source, target, look.target_T_source, {stride, width}));
+    if (!step) return look;
+    look.target_T_source = RigidMotion<2>::moved(look.target_T_source, *step);
   }
-  fit.hessian << h00, h01, h02, h01, h11, h12, h02, h12, h22;
-  fit.gradient << g0, g1, g2;
+  const Agreement there =
+      scan_equations(source, target, look.target_T_source, {stride, kLookWidthM}).agreement;
+  const Agreement back = scan_equations(target, source, look.target_T_source.inverse(),
+                                        {stride_of(target), kLookWidthM})
+                             .agreement;
+  const auto rank = [](const Agreement& a) {
+    return (a.explained - a.contradicted) / std::max(a.total(), 1e-9);
+  };
+  const auto sure = [](const Agreement& a) {
+    return a.explained > kSureExplained * a.visible() && a.visible() > kSureVisible * a.total();
+  };
+  look.rank = rank(there) + rank(back);
+  look.sure = sure(there) && sure(back);
+  return look;
 }
 
-void step(Fit& fit) {
-  Eigen::Matrix3d damped = fit.hessian;
-  damped.diagonal() += 1e-6 * fit.hessian.diagonal() + Eigen::Vector3d::Constant(1e-6);
-  const Eigen::Vector3d move = -damped.ldlt().solve(fit.gradient);
-  ++fit.iterations;
-  if (!move.allFinite()) return;
-  fit.pose = {fit.pose.x + move.x(), fit.pose.y + move.y(), wrap_angle(fit.pose.yaw + move.z())};
-  fit.converged = move.head<2>().norm() < kStepM && std::abs(move.z()) < kStepRad;
+/// The best candidate of the coarse search, pulled in.
+Look find_start(const ScanView& source, const ScanView& target, const Pose2& guess,
+                const ScanMatchOptions& options) {
+  Look best{.target_T_source = guess};
+  if (options.search_half_xy_m <= 0.0 && options.search_half_yaw_rad <= 0.0) return best;
+  for (const Candidate& candidate :
+       search_window(source, target, guess, options.search_half_xy_m, options.search_half_yaw_rad,
+                     options.candidates)) {
+    const Look look = look_into(source, target, candidate.target_T_source);
+    if (look.rank > best.rank) best = look;
+    if (look.sure) break;
+  }
+  return best;
 }
 
-double rank(const Fit& fit) { return (fit.explained - fit.contradicted) / std::max(1e-9, fit.total); }
+struct Fit {
+  Pose2 target_T_source;
+  ScanEquations equations{};
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Gauss-Newton to the end. Along directions that `known` leaves open the pose stays.
+Fit fit_finely(const ScanView& source, const ScanView& target, const Pose2& start,
+               const ScanMatchOptions& options, const Observability<2>* known = nullptr) {
+  Fit fit{.target_T_source = start};
+  while (fit.iterations < options.max_iterations) {
+    fit.equations =
+        scan_equations(source, target, fit.target_T_source, {1, options.kernel_width_m});
+    auto step = solve(fit.equations);
+    if (!step) return fit;
+    if (known != nullptr) step = known->observed_part(*step);
+    ++fit.iterations;
+    fit.target_T_source = RigidMotion<2>::moved(fit.target_T_source, *step);
+    const double slack = fit.iterations < kPatientSteps ? 1.0 : kFlipSlack;
+    fit.converged =
+        step->head<2>().norm() < slack * kStepM && std::abs(step->z()) < slack * kStepRad;
+    if (fit.converged) return fit;
+  }
+  return fit;
+}
+
+Observability<2> observability_of(const ScanKnowledge& knowledge) {
+  return loopstone::observability_of<2>(knowledge.hessian, knowledge.centre, knowledge.arm_m);
+}
+
+bool convinces(const Agreement& agreement) {
+  return agreement.explained >= kLeastOfVisible * agreement.visible() &&
+         agreement.explained >= kLeastOfWhole * agreement.total();
+}
+
+MatchStatus status_of(const Fit& fit, const Agreement& back,
+                      const Observability<2>& observability) {
+  if (!fit.converged || !convinces(fit.equations.agreement) || !convinces(back))
+    return MatchStatus::kNotConverged;
+  return observability.complete() ? MatchStatus::kConverged : MatchStatus::kDegenerate;
+}
+
+MatchResult too_few_pairs(const Pose2& guess) {
+  return {.target_T_source = guess,
+          .covariance = kUnobservedSigmaM * kUnobservedSigmaM * Eigen::Matrix3d::Identity(),
+          .status = MatchStatus::kTooFewPairs};
+}
 
 }  // namespace
 
 MatchResult match_scans(const ScanView& source, const ScanView& target,
                         const Pose2& guess_target_T_source, const ScanMatchOptions& options) {
-  MatchResult result{.target_T_source = guess_target_T_source};
-  const std::size_t stride = std::max<std::size_t>(1, source.surfaces.size() / 90);
-  const auto candidates = search_window(source, target, guess_target_T_source, options.search_half_xy_m,
-                                        options.search_half_yaw_rad, options.candidates);
-  Fit best;
-  double best_rank = -2.0;
-  int n = 0;
-  for (const Candidate& candidate : candidates) {
-    Fit fit{.pose = candidate.target_T_source};
-    for (const double width : {0.2, 0.2, 0.1, 0.1, 0.05}) {
-      linearise(fit, source, target, stride, width);
-      if (fit.pairs < kMinPairs) break;
-      step(fit);
+  const Look start = find_start(source, target, guess_target_T_source, options);
+  Fit fit = fit_finely(source, target, start.target_T_source, options);
+  if (fit.equations.pairs < kMinPairs) return too_few_pairs(guess_target_T_source);
+
+  const FitScale fine{1, options.kernel_width_m};
+  ScanKnowledge knowledge = scan_knowledge(source, target, fit.target_T_source, fine);
+  Observability<2> observability = observability_of(knowledge);
+  if (!observability.complete()) {
+    // What the scans can't tell is not for the search to decide: there the guess stands.
+    const Pose2& guess = guess_target_T_source;
+    const Pose2 remapped = RigidMotion<2>::moved(
+        guess, observability.observed_part(RigidMotion<2>::difference(fit.target_T_source, guess)));
+    Fit again = fit_finely(source, target, remapped, options, &observability);
+    if (again.equations.pairs >= kMinPairs) {
+      again.iterations += fit.iterations;
+      fit = again;
+      knowledge = scan_knowledge(source, target, fit.target_T_source, fine);
+      observability = observability_of(knowledge);
     }
-    linearise(fit, source, target, stride, 0.05);
-    const double r = rank(fit);
-    if (r > best_rank) { best_rank = r; best = fit; }
-    if (best_rank > 0.9) break;
-    ++n;
   }
-  for (int i = 0; i < options.max_iterations; ++i) {
-    linearise(best, source, target, 1, options.kernel_width_m);
-    if (best.pairs < kMinPairs) break;
-    step(best);
-    if (best.converged) break;
-  }
-  result.target_T_source = best.pose;
-  result.iterations = best.iterations;
-  result.score = best.explained / std::max(1e-9, best.total);
-  result.pairs = best.pairs;
-  result.rmse_m = std::sqrt(best.squared_sum / std::max(1e-9, best.weight_sum));
-  result.covariance = 1e-4 * (best.hessian + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
-  result.status = best.converged ? MatchStatus::kConverged : MatchStatus::kNotConverged;
-  return result;
+
+  const Agreement& agreement = fit.equations.agreement;
+  const Agreement back =
+      scan_equations(target, source, fit.target_T_source.inverse(), fine).agreement;
+  return {.target_T_source = fit.target_T_source,
+          .covariance = observability.covariance(knowledge.noise),
+          .rmse_m = std::sqrt(fit.equations.squared_sum / fit.equations.weight_sum),
+          .inlier_fraction = static_cast<double>(fit.equations.pairs) /
+                             static_cast<double>(source.surfaces.size()),
+          .pairs = fit.equations.pairs,
+          .iterations = fit.iterations,
+          .status = status_of(fit, back, observability),
+          .score = agreement.explained / agreement.total()};
 }
 
 }  // namespace loopstone

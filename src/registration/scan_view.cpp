@@ -1,5 +1,8 @@
+#include <cassert>
 #include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 
 #include "loopstone/registration/scan_matcher.hpp"
 #include "registration/direction_index.hpp"
@@ -12,31 +15,42 @@ namespace {
 constexpr int kGreatestGap = kDirectionBins / 24;
 
 /// Which surface lies in which direction: between two neighbours, the nearer one.
-std::vector<std::int16_t> index_directions(std::span<const SurfacePoint> surfaces,
-                                           const Eigen::Vector2d& lidar) {
-  std::vector<std::int16_t> index(kDirectionBins, -1);
-  int last_bin = -1;
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const Eigen::Vector2d beam = surfaces[i].position.cast<double>() - lidar;
-    const int bin = direction_bin(beam.x(), beam.y());
-    if (last_bin >= 0) {
-      // The shorter way round from the surface before to this one.
-      const int ahead = (bin - last_bin) & (kDirectionBins - 1);
-      const int step = ahead <= kDirectionBins / 2 ? 1 : -1;
-      const int gap = step > 0 ? ahead : kDirectionBins - ahead;
-      if (gap <= kGreatestGap) {
-        for (int k = 1; k < gap; ++k) {
-          const int between = (last_bin + step * k) & (kDirectionBins - 1);
-          index[static_cast<std::size_t>(between)] =
-              static_cast<std::int16_t>(2 * k < gap ? i - 1 : i);
-        }
-      }
+class DirectionIndex {
+ public:
+  DirectionIndex(std::span<const SurfacePoint> surfaces, const Eigen::Vector2d& lidar)
+      : index_(kDirectionBins, kNothing) {
+    assert(surfaces.size() <= std::numeric_limits<std::int16_t>::max());
+    std::vector<int> bins;
+    bins.reserve(surfaces.size());
+    for (const SurfacePoint& surface : surfaces) {
+      const Eigen::Vector2d beam = surface.position.cast<double>() - lidar;
+      bins.push_back(direction_bin(beam.x(), beam.y()));
     }
-    index[static_cast<std::size_t>(bin)] = static_cast<std::int16_t>(i);
-    last_bin = bin;
+    for (std::size_t i = 1; i < bins.size(); ++i) fill_between(bins, i - 1, i);
+    if (bins.size() > 2) fill_between(bins, bins.size() - 1, 0);  // a scanner that sees all round
+    for (std::size_t i = 0; i < bins.size(); ++i) set(bins[i], i);
   }
-  return index;
-}
+
+  [[nodiscard]] std::vector<std::int16_t> take() { return std::move(index_); }
+
+ private:
+  static constexpr std::int16_t kNothing = -1;
+
+  void set(int bin, std::size_t surface) {
+    index_[static_cast<std::size_t>(bin & (kDirectionBins - 1))] =
+        static_cast<std::int16_t>(surface);
+  }
+  /// The shorter way round.
+  void fill_between(const std::vector<int>& bins, std::size_t from, std::size_t to) {
+    const int ahead = (bins[to] - bins[from]) & (kDirectionBins - 1);
+    const int step = ahead <= kDirectionBins / 2 ? 1 : -1;
+    const int gap = step > 0 ? ahead : kDirectionBins - ahead;
+    if (gap > kGreatestGap) return;
+    for (int k = 1; k < gap; ++k) set(bins[from] + step * k, 2 * k < gap ? from : to);
+  }
+
+  std::vector<std::int16_t> index_;
+};
 
 }  // namespace
 
@@ -47,7 +61,8 @@ ScanView view_scan(const LaserScan& scan, const Pose2& robot_T_lidar, const Tang
   view.lidar = robot_T_lidar.translation();
   view.beam_spacing_rad = std::abs(scan.angle_increment_rad);
   view.surface_spacing_m = options.spacing_m;
-  view.by_direction = index_directions(view.surfaces, view.lidar);
+  view.support_m = options.support_m;
+  view.by_direction = DirectionIndex(view.surfaces, view.lidar).take();
   return view;
 }
 

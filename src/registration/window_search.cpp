@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/grid/grid_frame.hpp"
@@ -16,9 +17,11 @@ constexpr double kCellM = 0.2;
 constexpr std::size_t kPoints = 56;
 /// Farther surfaces say little that nearer ones do not.
 constexpr double kReachM = 12.0;
-constexpr std::size_t kRays = 180;
+constexpr std::size_t kRays = 90;
 /// Shifts along a row that are scored at once.
 constexpr int kLanes = 16;
+/// Candidates are farther apart than this many steps of the lattice, in some direction.
+constexpr int kApart = 2;
 constexpr std::uint8_t kFree = 0;
 constexpr std::uint8_t kUnseen = 100;
 constexpr std::uint8_t kNear = 160;
@@ -98,16 +101,155 @@ std::vector<Eigen::Vector2d> spread_points(const ScanView& source) {
   return points;
 }
 
+/// Sums of kLanes neighbouring shifts; 16 bits hold the sum of more points than are used.
+using Lanes = std::array<std::int16_t, kLanes>;
+
 /// Scores of all shifts at one heading, row by row.
 struct HeadingScores {
-  std::vector<std::uint16_t> scores;
-  std::size_t best = 0;
+  std::vector<Lanes> scores;
+  std::int16_t best = 0;
 
-  void find_best() {
-    best = static_cast<std::size_t>(
-        std::max_element(scores.begin(), scores.end()) - scores.begin());
-  }
+  void find_best();
 };
+
+/// The shifts of the lattice: [-half, half] cells in row and column, in runs of lanes.
+struct Shifts {
+  int half = 0;
+  int rows = 0;
+  int runs = 0;  // of lanes, a row
+
+  explicit Shifts(double half_xy_m)
+      : half(static_cast<int>(std::ceil(half_xy_m / kCellM))),
+        rows(2 * half + 1),
+        runs((rows + kLanes - 1) / kLanes) {}
+  /// Cells that a row of shifts reaches over.
+  [[nodiscard]] int width() const { return runs * kLanes; }
+};
+
+/// Adds up the cells of all points for kLanes neighbouring shifts. Sums and cells are in arrays of their own, which
+/// nothing else can point to, so the compiler keeps all lanes in registers (and does so only when this isn't inlined).
+[[gnu::noinline]] void sum_lanes(const std::uint8_t* cells, std::span<const std::int32_t> offsets,
+                                 std::int16_t start, Lanes& result) {
+  std::int16_t sums[kLanes];  // NOLINT(modernize-avoid-c-arrays)
+  for (int k = 0; k < kLanes; ++k) sums[k] = start;
+  for (const std::int32_t offset : offsets) {
+    std::uint8_t values[kLanes];  // NOLINT(modernize-avoid-c-arrays)
+    std::memcpy(values, cells + offset, kLanes);
+    std::int16_t wide[kLanes];  // NOLINT(modernize-avoid-c-arrays)
+    for (int k = 0; k < kLanes; ++k) wide[k] = values[k];
+    for (int k = 0; k < kLanes; ++k) sums[k] = static_cast<std::int16_t>(sums[k] + wide[k]);
+  }
+  std::memcpy(result.data(), sums, sizeof(sums));
+}
+
+[[gnu::noinline]] std::int16_t greatest_of(const std::vector<Lanes>& scores) {
+  std::int16_t greatest[kLanes] = {};  // NOLINT(modernize-avoid-c-arrays)
+  for (const Lanes& lanes : scores) {
+    std::int16_t values[kLanes];  // NOLINT(modernize-avoid-c-arrays)
+    std::memcpy(values, lanes.data(), sizeof(values));
+    for (int k = 0; k < kLanes; ++k)
+      greatest[k] = values[k] > greatest[k] ? values[k] : greatest[k];
+  }
+  return *std::max_element(std::begin(greatest), std::end(greatest));
+}
+
+void HeadingScores::find_best() { best = greatest_of(scores); }
+
+/// Scores every shift of the points, which are given in cells around the pivot, at one heading.
+class HeadingScorer {
+ public:
+  HeadingScorer(const CoarseGrid& grid, const std::vector<Eigen::Vector2d>& points,
+                const Eigen::Vector2d& centre, const Shifts& shifts)
+      : grid_(grid), shifts_(shifts), offsets_(points.size()) {
+    for (const auto& point : points) {
+      xs_.push_back(static_cast<float>(point.x() / kCellM));
+      ys_.push_back(static_cast<float>(point.y() / kCellM));
+    }
+    const Eigen::Vector2d cell = (centre - grid.frame.origin) / kCellM;
+    x_ = static_cast<float>(cell.x()) - static_cast<float>(shifts.half);
+    y_ = static_cast<float>(cell.y()) - static_cast<float>(shifts.half);
+  }
+
+  [[nodiscard]] HeadingScores operator()(double heading) {
+    const auto cosine = static_cast<float>(std::cos(heading));
+    const auto sine = static_cast<float>(std::sin(heading));
+    const auto columns_inside = static_cast<float>(grid_.frame.columns - shifts_.width());
+    const auto rows_inside = static_cast<float>(grid_.frame.rows - shifts_.rows);
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i < xs_.size(); ++i) {
+      const float x = cosine * xs_[i] - sine * ys_[i] + x_;
+      const float y = sine * xs_[i] + cosine * ys_[i] + y_;
+      if (!(x >= 0.0F && y >= 0.0F && x < columns_inside && y < rows_inside)) continue;
+      offsets_[inside++] =
+          static_cast<std::int32_t>(y) * grid_.frame.columns + static_cast<std::int32_t>(x);
+    }
+    // What falls off the grid is unseen, whatever the shift.
+    const auto start = static_cast<std::int16_t>((xs_.size() - inside) * kUnseen);
+    HeadingScores result;
+    result.scores.reserve(static_cast<std::size_t>(shifts_.rows * shifts_.runs));
+    for (int row = 0; row < shifts_.rows; ++row) {
+      for (int run = 0; run < shifts_.runs; ++run) {
+        const std::ptrdiff_t shift =
+            static_cast<std::ptrdiff_t>(row) * grid_.frame.columns + run * kLanes;
+        Lanes& lanes = result.scores.emplace_back();
+        sum_lanes(grid_.cells.data() + shift, std::span(offsets_).first(inside), start, lanes);
+        // Beyond the window: never the best.
+        const int lanes_inside = std::min(kLanes, shifts_.rows - run * kLanes);
+        std::fill(lanes.begin() + lanes_inside, lanes.end(), std::int16_t{0});
+      }
+    }
+    result.find_best();
+    return result;
+  }
+
+ private:
+  const CoarseGrid& grid_;
+  const Shifts& shifts_;
+  std::vector<float> xs_{};
+  std::vector<float> ys_{};
+  std::vector<std::int32_t> offsets_;
+  float x_ = 0.0F;
+  float y_ = 0.0F;
+};
+
+/// A shift at a heading.
+struct Place {
+  int heading = 0;
+  int row = 0;
+  int column = 0;
+};
+
+Place best_place(const std::vector<HeadingScores>& headings, const Shifts& shifts) {
+  const auto best = std::max_element(headings.begin(), headings.end(),
+                                     [](const auto& a, const auto& b) { return a.best < b.best; });
+  for (std::size_t run = 0; run < best->scores.size(); ++run) {
+    const Lanes& lanes = best->scores[run];
+    const auto found = std::find(lanes.begin(), lanes.end(), best->best);
+    if (found == lanes.end()) continue;
+    const int at = static_cast<int>(run);
+    return {static_cast<int>(best - headings.begin()), at / shifts.runs,
+            at % shifts.runs * kLanes + static_cast<int>(found - lanes.begin())};
+  }
+  return {};
+}
+
+/// Strikes out a place that was taken, and what lies next to it.
+void strike_out(std::vector<HeadingScores>& headings, const Shifts& shifts, const Place& place) {
+  const int last_heading = static_cast<int>(headings.size()) - 1;
+  const int last_heading_near = std::min(last_heading, place.heading + kApart);
+  for (int h = std::max(0, place.heading - kApart); h <= last_heading_near; ++h) {
+    HeadingScores& near = headings[static_cast<std::size_t>(h)];
+    const int last_row = std::min(shifts.rows - 1, place.row + kApart);
+    for (int row = std::max(0, place.row - kApart); row <= last_row; ++row) {
+      const int last_column = std::min(shifts.rows - 1, place.column + kApart);
+      for (int column = std::max(0, place.column - kApart); column <= last_column; ++column) {
+        near.scores[static_cast<std::size_t>(row * shifts.runs + column / kLanes)]
+                   [static_cast<std::size_t>(column % kLanes)] = 0;
+      }
+    }
+    near.find_best();
+  }
+}
 
 }  // namespace
 
@@ -116,76 +258,33 @@ std::vector<Candidate> search_window(const ScanView& source, const ScanView& tar
                                      int count) {
   const std::vector<Eigen::Vector2d> points = spread_points(source);
   if (points.empty() || target.surfaces.empty()) return {};
-  const CoarseGrid grid = draw(target, half_xy_m + kLanes * kCellM);
-  const GridFrame& frame = grid.frame;
+  const Shifts shifts(half_xy_m);
+  const CoarseGrid grid = draw(target, (shifts.width() + 1) * kCellM);
 
-  const int half = static_cast<int>(std::ceil(half_xy_m / kCellM));
-  const int rows = 2 * half + 1;
-  const int columns = (rows + kLanes - 1) / kLanes * kLanes;
   double squares = 0.0;
   for (const auto& point : points) squares += point.squaredNorm();
-  const double arm = std::max(1.0, std::sqrt(squares / static_cast<double>(points.size())));
-  const double yaw_step = kCellM / arm;
-  const int half_headings =
-      std::min(static_cast<int>(std::ceil(half_yaw_rad / yaw_step)), static_cast<int>(kPi / yaw_step));
+  const double arm_m = std::max(1.0, std::sqrt(squares / static_cast<double>(points.size())));
+  const double yaw_step = kCellM / arm_m;
+  const int half_headings = std::min(static_cast<int>(std::ceil(half_yaw_rad / yaw_step)),
+                                     static_cast<int>(kPi / yaw_step));
 
-  std::vector<HeadingScores> headings(static_cast<std::size_t>(2 * half_headings + 1));
-  std::vector<const std::uint8_t*> cells(points.size());
-  for (int h = -half_headings; h <= half_headings; ++h) {
-    const Pose2 pose{centre.x, centre.y, centre.yaw + h * yaw_step};
-    const Eigen::Matrix2d rotation = pose.rotation();
-    std::size_t inside = 0;
-    for (const auto& point : points) {
-      const Cell cell = frame.cell_of(rotation * point + pose.translation());
-      const int column = cell.column - half;
-      const int row = cell.row - half;
-      if (column < 0 || row < 0 || column + columns > frame.columns ||
-          row + rows > frame.rows)
-        continue;
-      cells[inside++] = &grid.cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.columns) + static_cast<std::size_t>(column)];
-    }
-    HeadingScores& result = headings[static_cast<std::size_t>(h + half_headings)];
-    result.scores.resize(static_cast<std::size_t>(rows * columns));
-    const auto outside = static_cast<std::uint16_t>((points.size() - inside) * kUnseen);
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; column += kLanes) {
-        std::array<std::uint16_t, kLanes> sum;
-        sum.fill(outside);
-        const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row) * frame.columns + column;
-        for (std::size_t i = 0; i < inside; ++i) {
-          const std::uint8_t* values = cells[i] + offset;
-          for (int k = 0; k < kLanes; ++k)
-            sum[static_cast<std::size_t>(k)] = static_cast<std::uint16_t>(sum[static_cast<std::size_t>(k)] + values[k]);
-        }
-        // Lanes beyond the window stay 0.
-        std::copy_n(sum.begin(), std::min(kLanes, rows - column),
-                    result.scores.begin() + row * columns + column);
-      }
-    }
-    result.find_best();
-  }
+  HeadingScorer score(grid, points, centre.translation(), shifts);
+  std::vector<HeadingScores> headings;
+  headings.reserve(static_cast<std::size_t>(2 * half_headings + 1));
+  for (int h = -half_headings; h <= half_headings; ++h)
+    headings.push_back(score(centre.yaw + h * yaw_step));
 
   std::vector<Candidate> candidates;
   while (static_cast<int>(candidates.size()) < count) {
-    const auto best = std::max_element(headings.begin(), headings.end(), [](const auto& a, const auto& b) {
-      return a.scores[a.best] < b.scores[b.best];
-    });
-    const std::uint16_t value = best->scores[best->best];
-    if (value == 0) break;
-    const int h = static_cast<int>(best - headings.begin());
-    const int row = static_cast<int>(best->best) / columns;
-    const int column = static_cast<int>(best->best) % columns;
-    candidates.push_back(
-        {{centre.x + (column - half) * kCellM, centre.y + (row - half) * kCellM,
-          wrap_angle(centre.yaw + (h - half_headings) * yaw_step)},
-         (static_cast<double>(value) / static_cast<double>(points.size()) - kUnseen) / (kHit - kUnseen)});
-    for (int k = std::max(0, h - 2); k <= std::min<int>(static_cast<int>(headings.size()) - 1, h + 2); ++k) {
-      HeadingScores& near = headings[static_cast<std::size_t>(k)];
-      for (int r = std::max(0, row - 2); r <= std::min(rows - 1, row + 2); ++r)
-        for (int c = std::max(0, column - 2); c <= std::min(columns - 1, column + 2); ++c)
-          near.scores[static_cast<std::size_t>(r * columns + c)] = 0;
-      near.find_best();
-    }
+    const Place place = best_place(headings, shifts);
+    const double mean =
+        headings[static_cast<std::size_t>(place.heading)].best / static_cast<double>(points.size());
+    if (mean <= kUnseen) break;
+    candidates.push_back({{centre.x + (place.column - shifts.half) * kCellM,
+                           centre.y + (place.row - shifts.half) * kCellM,
+                           wrap_angle(centre.yaw + (place.heading - half_headings) * yaw_step)},
+                          (mean - kUnseen) / (kHit - kUnseen)});
+    strike_out(headings, shifts, place);
   }
   return candidates;
 }

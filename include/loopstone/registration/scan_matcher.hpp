@@ -14,10 +14,11 @@ namespace loopstone {
 
 /// A scan made ready for matching: its surfaces, and which of them lies in which direction from the lidar.
 struct ScanView {
-  std::vector<SurfacePoint> surfaces{};      ///< frame of the robot at the scan's stamp
-  Eigen::Vector2d lidar{0.0, 0.0};           ///< where the lidar stood, same frame [m]
-  double beam_spacing_rad = 0.0;             ///< between neighbouring beams, > 0
-  double surface_spacing_m = 0.05;           ///< at least this far apart are the surfaces
+  std::vector<SurfacePoint> surfaces{};  ///< frame of the robot at the scan's stamp
+  Eigen::Vector2d lidar{0.0, 0.0};       ///< where the lidar stood, same frame [m]
+  double beam_spacing_rad = 0.0;         ///< between neighbouring beams, > 0
+  double surface_spacing_m = 0.05;       ///< at least this far apart are the surfaces
+  double support_m = 0.12;  ///< a surface is fitted to the returns up to this far on both sides
   std::vector<std::int16_t> by_direction{};  ///< index into surfaces, -1: nothing that way
 };
 
@@ -28,7 +29,7 @@ struct ScanView {
                                  const SurfaceOptions& options = {});
 
 struct ScanMatchOptions {
-  double search_half_xy_m = 1.0;    ///< the guess may be wrong by so much; 0 and 0: it is good
+  double search_half_xy_m = 1.0;  ///< the guess may be wrong by so much; 0 and 0: it is good
   double search_half_yaw_rad = 0.87;
   int candidates = 6;
   int max_iterations = 30;
