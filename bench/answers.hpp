@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -41,11 +42,17 @@ struct Answer {
 }
 
 using Points = std::vector<Eigen::Vector2d>;
-using PointMatcher =
-    std::function<Answer(const Points& target, const Points& source, const Pose2&)>;
 
-/// Asks a matcher of points about the first `count` pairs and prints its answers. A few calls before warm it up.
-inline void answer_pairs(const std::string& path, const PointMatcher& matcher, std::size_t count) {
+/// A pair with its returns as points, which are made outside the measured time.
+struct PairToMatch {
+  const StoredPair& pair;
+  Points target;
+  Points source;
+};
+using Matcher = std::function<Answer(const PairToMatch&)>;
+
+/// Asks a matcher about `count` pairs, evenly spread over the file, and prints its answers. A few calls before warm it up.
+inline void answer_pairs(const std::string& path, const Matcher& matcher, std::size_t count) {
   const std::vector<StoredPair> pairs = read_pairs(path);
   count = std::min(pairs.size(), count);
   constexpr std::size_t kWarmUp = 3;
@@ -65,8 +72,7 @@ inline void answer_pairs(const std::string& path, const PointMatcher& matcher, s
       std::printf(" %.9g %.9g %.9g %.9g %.9g %.9g", c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2),
                   c(2, 2));
     }
-    std::printf("
-");
+    std::printf("\n");
   }
 }
 

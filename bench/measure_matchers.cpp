@@ -4,6 +4,7 @@
 #include <array>
 
 #include "answers.hpp"
+#include "loopstone/registration/correlative_match.hpp"
 #include "loopstone/registration/grid_matcher.hpp"
 #include "loopstone/registration/icp.hpp"
 #include "loopstone/registration/scan_matcher.hpp"
@@ -16,9 +17,7 @@ using namespace loopstone;
 using namespace loopstone::bench;
 
 Answer answer_of(const MatchResult& match) {
-  return {match.target_T_source,
-          match.status == MatchStatus::kConverged || match.status == MatchStatus::kDegenerate,
-          match.covariance};
+  return {match.target_T_source, match.status == MatchStatus::kConverged, match.covariance};
 }
 
 /// The directions of the beams are computed once, as long as the scanner stays the same.
@@ -42,6 +41,14 @@ Matcher icp_matcher(const std::string& metric) {
   };
 }
 
+/// The window of match_scans.
+Answer correlative_matcher(const PairToMatch& input) {
+  const ScanMatchOptions like;
+  const SearchWindow window{input.pair.guess, like.search_half_xy_m, like.search_half_yaw_rad};
+  const MaxPyramid target = make_correlative_target(input.target, window.half_xy_m);
+  return answer_of(match_correlative(input.source, target, window).match);
+}
+
 /// One scan as the whole map, as at the start of a submap, without a prior.
 Answer grid_matcher(const PairToMatch& input) {
   const std::array<double, 2> resolutions_m{0.1, 0.3};
@@ -56,6 +63,7 @@ Answer grid_matcher(const PairToMatch& input) {
 int main(int argc, char** argv) {
   return answer_main(argc, argv,
                      {{"match_scans", scan_matcher},
+                      {"match_correlative", correlative_matcher},
                       {"icp_point", icp_matcher("point")},
                       {"icp_line", icp_matcher("line")},
                       {"icp_plane", icp_matcher("plane")},

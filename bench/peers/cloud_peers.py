@@ -15,7 +15,9 @@ import numpy as np  # noqa: E402
 import scipy.io  # noqa: E402
 import scipy.spatial  # noqa: E402
 
-POINTS = 2500  # as many as the reference used; the rmse takes every observed point
+POINTS = 2500  # of the observed cloud, as the reference had it; the rmse takes all of them
+METRES = 1e-3  # the models are in millimetres
+MAX_DISTANCE_M = 0.1
 
 
 def thinned(cloud, count):
@@ -40,7 +42,7 @@ def small_gicp_gicp(model, observed, starts):
     small_gicp.estimate_covariances(target, tree, 20, 1)
     small_gicp.estimate_covariances(source, small_gicp.KdTree(source), 20, 1)
     return [small_gicp.align(target, source, tree, init_T_target_source=start, registration_type="GICP", num_threads=1,
-                             max_correspondence_distance=1.0, max_iterations=100).T_target_source for start in starts]
+                             max_correspondence_distance=MAX_DISTANCE_M, max_iterations=100).T_target_source for start in starts]
 
 
 def open3d_clouds(model, observed, normals):
@@ -62,7 +64,7 @@ def open3d_runs(call_name, estimation_name, normals):
         criteria = registration.ICPConvergenceCriteria(max_iteration=100)
         call = getattr(registration, call_name)
         estimation = getattr(registration, estimation_name)()
-        return [np.asarray(call(source, target, 1.0, start, estimation, criteria).transformation) for start in starts]
+        return [np.asarray(call(source, target, MAX_DISTANCE_M, start, estimation, criteria).transformation) for start in starts]
     return align
 
 
@@ -82,14 +84,14 @@ def main():
     rows = []
     for thing in ("drill", "liq_container"):
         model = np.asarray(scipy.io.loadmat(folder / thing / "model.mat")["Mdata"], dtype=float)
-        model = np.ascontiguousarray(model if model.shape[1] == 3 else model.T)
+        model = METRES * np.ascontiguousarray(model if model.shape[1] == 3 else model.T)
         whole_tree = scipy.spatial.cKDTree(model)
         for number in range(1 if quick else 4):
             observed = np.load(folder / thing / f"{number}.npy").astype(float)
             for title, align in PEERS:
                 started = time.process_time()
-                few_model, few_observed = thinned(model, POINTS), thinned(observed, POINTS)
-                poses = align(few_model, few_observed, list(starts_of(few_model, few_observed, count)))
+                few = thinned(observed, POINTS)
+                poses = align(model, few, list(starts_of(model, few, count)))
                 took_s = time.process_time() - started
                 errors = []
                 for pose in poses:
