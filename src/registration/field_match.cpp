@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "loopstone/base/robust_kernel.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -14,9 +16,12 @@ namespace loopstone {
 namespace {
 
 constexpr int kMinPairs = 10;
-/// A step smaller than this ends a level.
-constexpr double kStepM = 1e-4;
+/// A step smaller than this share of a cell ends a level, as does a turn of so much.
+constexpr double kStepShare = 0.002;
 constexpr double kStepRad = 2e-5;
+/// So does a cost that has not fallen by this share for some steps: the field has kinks where steps go to and fro.
+constexpr double kGainShare = 1e-3;
+constexpr int kStalledSteps = 2;
 
 /// A point that lies within reach of a wall.
 struct Pair {
@@ -48,6 +53,17 @@ std::vector<Pair> pairs_at(std::span<const Eigen::Vector2d> source, const MapFie
     pairs.push_back({arm, sample.gradient, sample.distance_m, weight});
   }
   return pairs;
+}
+
+double cost_of(std::span<const Pair> pairs, std::size_t points, double kernel_width_m,
+               double reach_m) {
+  double cost = 0.0;
+  for (const Pair& pair : pairs) {
+    cost += evaluate(RobustKernel::kCauchy, kernel_width_m, pair.distance_m * pair.distance_m).cost;
+  }
+  // A point out of reach costs as much as one at the reach.
+  return cost + static_cast<double>(points - pairs.size()) *
+                    evaluate(RobustKernel::kCauchy, kernel_width_m, reach_m * reach_m).cost;
 }
 
 struct NormalEquations {
@@ -121,19 +137,31 @@ MatchResult match_to_field(std::span<const Eigen::Vector2d> source, const MapFie
     const std::size_t level = above - 1;
     const double width = options.kernel_width_m * static_cast<double>(1U << level);
     converged = false;
+    Pose2 best = pose;
+    double best_cost = std::numeric_limits<double>::infinity();
+    int stalled = 0;
     for (int iteration = 0; iteration < options.max_iterations && !converged; ++iteration) {
       pairs = pairs_at(source, field, level, pose, width);
       ++result.iterations;
-      if (pairs.size() < kMinPairs) {
-        result.status = MatchStatus::kTooFewPairs;
-        return result;
+      if (pairs.size() < kMinPairs) break;
+      const double cost = cost_of(pairs, source.size(), width, field.reach_m(level));
+      stalled = cost < (1.0 - kGainShare) * best_cost ? 0 : stalled + 1;
+      if (cost < best_cost) {
+        best_cost = cost;
+        best = pose;
+      }
+      if (stalled == kStalledSteps) {
+        converged = true;
+        break;
       }
       const NormalEquations sum = linearise(pairs);
       const Eigen::Vector3d step = observability_at(pairs, sum.hessian).solve(sum.gradient);
       if (!step.allFinite()) break;
       pose = RigidMotion<2>::moved(pose, step);
-      converged = step.head<2>().norm() < kStepM && std::abs(step.z()) < kStepRad;
+      converged = step.head<2>().norm() < kStepShare * field.resolution_m(level) &&
+                  std::abs(step.z()) < kStepRad;
     }
+    pose = best;
   }
 
   pairs = pairs_at(source, field, 0, pose, options.kernel_width_m);
@@ -171,15 +199,8 @@ FieldCost field_cost(std::span<const Eigen::Vector2d> source, const MapField& fi
                      std::size_t level, const Pose2& target_T_source, double kernel_width_m) {
   FieldCost result;
   const auto pairs = pairs_at(source, field, level, target_T_source, kernel_width_m);
-  for (const Pair& pair : pairs) {
-    result.cost +=
-        evaluate(RobustKernel::kCauchy, kernel_width_m, pair.distance_m * pair.distance_m).cost;
-  }
+  result.cost = cost_of(pairs, source.size(), kernel_width_m, field.reach_m(level));
   result.gradient = 2.0 * linearise(pairs).gradient;
-  // A point out of reach costs as much as one at the reach.
-  const double reach = field.reach_m(level);
-  result.cost += static_cast<double>(source.size() - pairs.size()) *
-                 evaluate(RobustKernel::kCauchy, kernel_width_m, reach * reach).cost;
   return result;
 }
 

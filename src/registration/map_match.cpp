@@ -15,6 +15,9 @@ constexpr double kMargin = 0.12;
 /// As many distinct lattice poses are refined.
 constexpr std::size_t kRefined = 64;
 constexpr std::size_t kRefinePoints = 400;
+/// The best of them are started again from around where they came to rest.
+constexpr std::size_t kPolished = 4;
+constexpr double kPolishM = 0.1;
 /// A point is on a wall within this (standard deviation of a Gaussian) ...
 constexpr double kOnWallM = 0.04;
 /// ... and hidden when its beam comes so near to a wall ...
@@ -103,6 +106,29 @@ double explained_share(std::span<const Eigen::Vector2d> source, const MapField& 
   return sum / static_cast<double>(source.size());
 }
 
+/// The lattice is coarse, and between furniture the field has more than one valley: the best of what is found from all around.
+MatchResult polished(const Points& points, const MapField& field, const MatchResult& match) {
+  const Pose2& middle = match.target_T_source;
+  MatchResult best = match;
+  const auto cost_at = [&](const MatchResult& at) {
+    return field_cost(points, field, 0, at.target_T_source, FieldMatchOptions{}.kernel_width_m)
+        .cost;
+  };
+  double best_cost = cost_at(match);
+  for (const double x : {-kPolishM, 0.0, kPolishM}) {
+    for (const double y : {-kPolishM, 0.0, kPolishM}) {
+      const MatchResult other =
+          match_to_field(points, field, {middle.x + x, middle.y + y, middle.yaw}, {}, 0);
+      const double cost = cost_at(other);
+      if (other.status == MatchStatus::kTooFewPairs || !(cost < best_cost)) continue;
+      best = other;
+      best_cost = cost;
+    }
+  }
+  best.score = explained_share(points, field, best.target_T_source);
+  return best;
+}
+
 }  // namespace
 
 MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& map,
@@ -136,8 +162,13 @@ MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& 
     match.score = explained_share(refine, map.field(), match.target_T_source);
     refined.push_back(std::move(match));
   }
-  std::stable_sort(refined.begin(), refined.end(),
-                   [](const MatchResult& a, const MatchResult& b) { return a.score > b.score; });
+  const auto by_score = [](const MatchResult& a, const MatchResult& b) {
+    return a.score > b.score;
+  };
+  std::stable_sort(refined.begin(), refined.end(), by_score);
+  for (std::size_t i = 0; i < std::min(kPolished, refined.size()); ++i)
+    refined[i] = polished(refine, map.field(), refined[i]);
+  std::stable_sort(refined.begin(), refined.end(), by_score);
   // Two starts may have led to one pose.
   std::vector<MatchResult> distinct;
   for (MatchResult& match : refined) {
