@@ -17,24 +17,33 @@ constexpr int kPatientSteps = 5;
 /// After unobserved directions went back to the guess, the observed ones settle in so many steps.
 constexpr int kSettlingSteps = 5;
 
-/// The pair distance and the kernel's width of each step.
-struct Schedule {
-  double first_m;
-  double ratio;  ///< last / first
-  int steps;
+/// The pair distance shrinks at once to so many times the last step's length: what is left is no longer than that.
+constexpr double kStepsAhead = 10.0;
 
+/// The pair distance and the kernel's width of the next step.
+class Schedule {
+ public:
   explicit Schedule(const IcpOptions& options)
-      : first_m(options.max_pair_distance_m), ratio(1.0), steps(options.shrink_iterations) {
-    if (options.final_pair_distance_m > 0.0 && options.final_pair_distance_m < first_m) {
-      ratio = options.final_pair_distance_m / first_m;
+      : distance_m_(options.max_pair_distance_m), final_m_(options.max_pair_distance_m) {
+    if (options.final_pair_distance_m > 0.0) {
+      final_m_ = std::min(options.final_pair_distance_m, final_m_);
     }
+    factor_ = std::pow(final_m_ / distance_m_, 1.0 / options.shrink_iterations);
   }
-  [[nodiscard]] double pair_distance_m(int step) const {
-    return first_m * std::pow(ratio, std::min(1.0, static_cast<double>(step) / steps));
+  [[nodiscard]] double pair_distance_m() const { return distance_m_; }
+  /// How many times the final pair distance it is.
+  [[nodiscard]] double excess() const { return distance_m_ / final_m_; }
+  [[nodiscard]] bool ended() const { return distance_m_ <= final_m_; }
+  /// \param moved_m  by how much the last step moved the points
+  void shrink(double moved_m) {
+    distance_m_ = std::min(factor_ * distance_m_, kStepsAhead * moved_m);
+    if (distance_m_ < final_m_ * (1.0 + 1e-9)) distance_m_ = final_m_;
   }
-  /// How many times the final pair distance that of the step is.
-  [[nodiscard]] double excess(int step) const { return pair_distance_m(step) / (first_m * ratio); }
-  [[nodiscard]] bool ended(int step) const { return ratio == 1.0 || step >= steps; }
+
+ private:
+  double distance_m_;
+  double final_m_;
+  double factor_;
 };
 
 template <int kDimension>
@@ -64,8 +73,10 @@ class Icp {
       const Pose before = result.target_T_source;
       move(result);
       ++result.iterations;
+      const bool at_final_distance = schedule_.ended();
+      schedule_.shrink(moved_m(before, result.target_T_source));
       find_pairs(result);
-      if (!schedule_.ended(result.iterations)) continue;
+      if (!at_final_distance) continue;
       if (is_small(Motion::difference(result.target_T_source, before))) {
         result.status = MatchStatus::kConverged;
         break;
@@ -89,15 +100,24 @@ class Icp {
 
  private:
   void find_pairs(const Result& result) {
-    found_ = finder_.find(result.target_T_source, schedule_.pair_distance_m(result.iterations));
+    found_ = finder_.find(result.target_T_source, schedule_.pair_distance_m());
     cost_ = weigh<kDimension>(found_, options_.trim_fraction, kernel_,
-                              options_.kernel_width_m * schedule_.excess(result.iterations));
+                              options_.kernel_width_m * schedule_.excess());
     pairs_ = found_;
   }
 
   void move(Result& result) {
-    result.target_T_source = step<kDimension>(pairs_, metric_, result.target_T_source,
-                                              schedule_.pair_distance_m(result.iterations));
+    result.target_T_source =
+        step<kDimension>(pairs_, metric_, result.target_T_source, schedule_.pair_distance_m());
+  }
+
+  /// Root mean square over the pairs.
+  [[nodiscard]] double moved_m(const Pose& before, const Pose& after) const {
+    const auto change = (Motion::rotation(after) - Motion::rotation(before)).eval();
+    const auto shift = (Motion::translation(after) - Motion::translation(before)).eval();
+    double sum = 0.0;
+    for (const auto& pair : pairs_) sum += (change * pair.source + shift).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(pairs_.size()));
   }
 
   [[nodiscard]] bool too_few() const { return pairs_.size() < Motion::kDof; }
@@ -125,10 +145,7 @@ class Icp {
 
   /// Source points that have a target point within the first pair distance.
   [[nodiscard]] std::size_t overlapping(const Result& result) {
-    if (schedule_.ratio == 1.0 && metric_ != IcpMetric::kPlane && metric_ != IcpMetric::kLine) {
-      return pairs_.size();
-    }
-    return finder_.count_within(result.target_T_source, schedule_.first_m);
+    return finder_.count_within(result.target_T_source, options_.max_pair_distance_m);
   }
 
   Result without_pose(Result result, const Pose& guess) const {

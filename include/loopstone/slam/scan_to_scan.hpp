@@ -28,7 +28,8 @@ struct ScanToScanOptions {
   double node_angle_rad = 0.0;
   /// Points of a scan nearer to the last one kept are left out.
   double point_spacing_m = 0.03;
-  IcpOptions icp{};
+  /// Odometry is a good guess: what is farther away belongs to something else.
+  IcpOptions icp{.max_pair_distance_m = 0.5};
   SolverOptions solver{};
   OccupancyOptions map{};
 };
