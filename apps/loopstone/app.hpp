@@ -56,8 +56,7 @@ class AppContext {
   /// The defaults of an option struct (one with visit_options), overridden by -c, overridden by --set.
   /// Throws OptionsError with all problems of the file and the flags together.
   template <typename Options>
-  [[nodiscard]] Options load_options() const {
-    Options options;
+  [[nodiscard]] Options load_options(Options options = {}) const {
     override_options(list_options(options));
     return options;
   }

@@ -31,6 +31,7 @@ void add_commands(CLI::App& app, AppContext& context) {
   // In the order in which a user meets them.
   add_info_command(app, context);
   add_map_command(app, context);
+  add_match_command(app, context);
   add_odometry_command(app, context);
   add_evaluate_command(app, context);
   add_simulate_command(app, context);

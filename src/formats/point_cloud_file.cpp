@@ -115,6 +115,11 @@ std::string encode_pcd(const PointCloud& cloud) {
   return bytes;
 }
 
+bool can_write_point_cloud(std::string_view path) {
+  const std::string ending = ending_of(path);
+  return ending == ".ply" || ending == ".pcd";
+}
+
 void write_point_cloud(const std::string& path, const PointCloud& cloud) {
   const std::string ending = ending_of(path);
   if (ending == ".ply") return write_file_atomically(path, encode_ply(cloud));

@@ -46,6 +46,8 @@ namespace loopstone {
 [[nodiscard]] std::string encode_ply(const PointCloud& cloud);
 /// Binary with x, y, z as 4-byte floats, which is what PCL's own programs expect: exact to 4 um at 60 m.
 [[nodiscard]] std::string encode_pcd(const PointCloud& cloud);
+/// Whether the name ends in .ply or .pcd.
+[[nodiscard]] bool can_write_point_cloud(std::string_view path);
 /// PLY or PCD by the ending of the name; throws UsageError for any other.
 void write_point_cloud(const std::string& path, const PointCloud& cloud);
 

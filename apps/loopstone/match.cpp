@@ -1,0 +1,292 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "bounds.hpp"
+#include "commands.hpp"
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/point_cloud_file.hpp"
+#include "loopstone/report/match_picture.hpp"
+#include "match_plane.hpp"
+#include "match_report.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+struct Arguments {
+  std::string source;
+  std::string target;
+  std::string method = "auto";
+  std::string initial;
+  std::string target_pose;
+  std::optional<double> search_xy_m;
+  std::optional<double> search_yaw_rad;
+  bool global = false;
+  int sweep_yaw = 0;
+  std::string png;
+  std::string aligned;
+  std::vector<std::string> require;
+};
+
+constexpr const char* kFooter = R"(
+SOURCE and TARGET: a scan of a log, LOG#120 (number, from 0) or LOG@+12.5 (seconds after the first scan; LOG@1000.5 by the
+log's clock), of a folder with several sets DIR#20#120; a point cloud, .pcd .ply .npy .mat (FILE.mat#variable) .csv .xyz .txt;
+TARGET may also be a map, map.yaml. Clouds whose z is 0 or absent are in the plane. A scan stands for the robot's pose.
+
+Methods: auto     scan to scan: search about the guess, then Gauss-Newton; scan to map: from --initial on the map's distances,
+                  in the window of --search-xy, or without either anywhere; clouds: icp_plane from --initial, else from the
+                  better of identity and centroids, else by search
+         icp_*    iterated closest points to points, lines or planes; gicp: planes of both sides
+         grid     Gauss-Newton on a grid; correlative: every pose in a window (branch and bound), then refinement
+--set reaches the options of each: icp, icp_cloud, cloud_search, scans, map, map_match, field, grid.
+
+Status: converged; degenerate (a direction or a choice is left open; see covariance); not_converged and too_few_pairs are no
+match. A match that fails is a result, too (exit code 0); for scripts, --require converged makes it exit code 3.
+
+Examples:
+  loopstone match sim#120 sim#119                                            motion between two scans
+  loopstone match sim#120 sim#119 --target-pose 4,3,0.5                      and where that leads in the world
+  loopstone match sim#120 map.yaml --initial 4,3,0 --search-xy 5 --search-yaw 3.15   from a guess that is wrong by metres
+  loopstone match sim#120 map.yaml --global --png where.png                  from no guess at all
+  loopstone match scan.ply model.mat --sweep-yaw 36 --aligned scan_on_model.ply)";
+
+std::vector<double> parse_numbers(const std::string& flag, const std::string& text) {
+  std::vector<double> numbers;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    std::size_t used = 0;
+    try {
+      numbers.push_back(std::stod(word, &used));
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used == 0 || used != word.size() || !std::isfinite(numbers.back())) {
+      throw UsageError(flag + " " + text + ": '" + word + "' is no number");
+    }
+    begin = end + 1;
+  }
+  return numbers;
+}
+
+Pose2 parse_pose2(const std::string& flag, const std::string& text) {
+  const std::vector<double> v = parse_numbers(flag, text);
+  if (v.size() != 3) throw UsageError(flag + " " + text + ": must be X,Y,YAW [m, m, rad]");
+  return {v[0], v[1], wrap_angle(v[2])};
+}
+
+Pose3 parse_pose3(const std::string& flag, const std::string& text) {
+  const std::vector<double> v = parse_numbers(flag, text);
+  if (v.size() != 6) {
+    throw UsageError(flag + " " + text + ": must be X,Y,Z,ROLL,PITCH,YAW [m, rad] in space");
+  }
+  return Pose3::from_roll_pitch_yaw({v[0], v[1], v[2]}, v[3], v[4], v[5]);
+}
+
+template <int kDimension>
+MatchRequest<kDimension> request_of(const Arguments& arguments, const AppContext& context) {
+  MatchRequest<kDimension> request;
+  request.method = arguments.method;
+  request.search_xy_m = arguments.search_xy_m;
+  request.search_yaw_rad = arguments.search_yaw_rad;
+  request.global = arguments.global;
+  request.sweep_yaw = arguments.sweep_yaw;
+  request.threads = context.threads();
+  if (arguments.initial == "identity") {
+    request.initial.emplace();
+  } else if (arguments.initial == "centroids") {
+    request.from_centroids = true;
+  } else if (!arguments.initial.empty()) {
+    if constexpr (kDimension == 2) {
+      request.initial = parse_pose2("--initial", arguments.initial);
+    } else {
+      request.initial = parse_pose3("--initial", arguments.initial);
+    }
+  }
+  return request;
+}
+
+void check_usage(const Arguments& arguments) {
+  if (arguments.global && !arguments.initial.empty()) {
+    throw UsageError("--global needs no guess: leave out --initial, or give it with --search-xy");
+  }
+  if (arguments.global && (arguments.search_xy_m || arguments.search_yaw_rad)) {
+    throw UsageError("--global searches everywhere: leave out --search-xy and --search-yaw");
+  }
+  // Wrong options are refused before anything is read; --initial once it is known whether space or plane.
+  if (!arguments.target_pose.empty()) (void)parse_pose2("--target-pose", arguments.target_pose);
+  if (!arguments.aligned.empty() && !can_write_point_cloud(arguments.aligned)) {
+    throw UsageError("--aligned " + arguments.aligned + ": a cloud is written as .ply or .pcd");
+  }
+}
+
+void check_pair(const MatchInput& source, const MatchInput& target, const Arguments& arguments) {
+  if (source.map) throw UsageError("a map can only be the target: match SCAN " + source.name);
+  if (source.planar() != target.planar()) {
+    const MatchInput& flat = source.planar() ? source : target;
+    const MatchInput& deep = source.planar() ? target : source;
+    throw UsageError("'" + flat.name + "' lies in the plane and '" + deep.name +
+                     "' in space: they have no common motion");
+  }
+  if (!source.planar() && !arguments.target_pose.empty()) {
+    throw UsageError("--target-pose is for the plane");
+  }
+}
+
+template <int kDimension>
+void write_png(const Arguments& arguments, const MatchInput& source, const MatchInput& target,
+               const std::vector<Eigen::Matrix<double, kDimension, 1>>& source_points,
+               const std::vector<Eigen::Matrix<double, kDimension, 1>>& target_points,
+               const MatchOutcome<kDimension>& outcome) {
+  if (arguments.png.empty()) return;
+  MatchScene<kDimension> scene;
+  scene.source = source_points;
+  scene.target = target_points;
+  if (target.map) scene.map = &*target.map;
+  scene.guess_target_T_source = outcome.guess;
+  scene.target_T_source = outcome.match.target_T_source;
+  scene.after = fmt::format("after: {}, {:.0f} % explained", to_string(outcome.match.status),
+                            100.0 * outcome.match.score);
+  scene.shows_robot = source.scan.has_value();
+  loopstone::write_png(arguments.png, draw_match_picture<kDimension>(scene));
+}
+
+template <typename Points, typename Pose>
+PointCloud moved(const Points& points, const Pose& target_T_source) {
+  PointCloud cloud;
+  for (const auto& point : points) {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    const auto target_point = (target_T_source * point).eval();
+    place.head(target_point.size()) = target_point;
+    cloud.points.push_back(place);
+  }
+  return cloud;
+}
+
+template <int kDimension>
+Result run_in(const Arguments& arguments, const MatchInput& source, const MatchInput& target,
+              const AppContext& context) {
+  const auto request = request_of<kDimension>(arguments, context);
+  MatchOutcome<kDimension> outcome;
+  Result result;
+  std::vector<Eigen::Matrix<double, kDimension, 1>> source_points;
+  std::vector<Eigen::Matrix<double, kDimension, 1>> target_points;
+  if constexpr (kDimension == 2) {
+    outcome = match_in_plane(source, target, request, context);
+    source_points = source.points2();
+    target_points = target.points2();
+  } else {
+    outcome = match_in_space(source, target, request, context);
+    source_points = source.points3();
+    target_points = target.points3();
+  }
+  result = report_match<kDimension>(source, target, outcome);
+  if constexpr (kDimension == 2) {
+    if (!arguments.target_pose.empty()) {
+      add_world_pose(result, parse_pose2("--target-pose", arguments.target_pose), outcome.match);
+    }
+  }
+  write_png<kDimension>(arguments, source, target, source_points, target_points, outcome);
+  if (!arguments.aligned.empty()) {
+    write_point_cloud(arguments.aligned, moved(source_points, outcome.match.target_T_source));
+  }
+  return result;
+}
+
+/// "converged" demands the status; everything else is a bound on a figure.
+std::vector<std::string> missed_demands(const Arguments& arguments, const Result& result) {
+  std::vector<Bound> bounds;
+  std::vector<std::string> missed;
+  const auto status = result.json().at("status").get<std::string>();
+  for (const std::string& text : arguments.require) {
+    if (text != "converged") {
+      bounds.push_back(parse_bound(text));
+    } else if (status != "converged") {
+      missed.push_back("the match is " + status);
+    }
+  }
+  for (std::string& text : missed_bounds(bounds, result.json())) missed.push_back(std::move(text));
+  return missed;
+}
+
+ExitCode run(const Arguments& arguments, const AppContext& context) {
+  check_usage(arguments);
+  for (const std::string& text : arguments.require) {
+    if (text != "converged") (void)parse_bound(text);
+  }
+  (void)context.load_options<MatchSettings<2>>();
+  const MatchInput source = read_match_input(arguments.source, context);
+  const MatchInput target = read_match_input(arguments.target, context);
+  check_pair(source, target, arguments);
+  const Result result = source.planar() ? run_in<2>(arguments, source, target, context)
+                                        : run_in<3>(arguments, source, target, context);
+  const std::vector<std::string> missed = missed_demands(arguments, result);
+  result.print(context);
+  for (const std::string& text : missed) context.warn("bound missed: " + text);
+  return missed.empty() ? kExitDone : kExitBoundMissed;
+}
+
+}  // namespace
+
+void add_match_command(CLI::App& app, AppContext& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("match", "Align two scans or clouds, or a scan with a map");
+  command->add_option("SOURCE", arguments->source, "scan or point cloud to move")->required();
+  command->add_option("TARGET", arguments->target, "scan, point cloud or map to move it onto")
+      ->required();
+  command->add_option("--method", arguments->method, "how")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember(
+          {"auto", "icp_point", "icp_line", "icp_plane", "gicp", "correlative", "grid"}))
+      ->capture_default_str();
+  command
+      ->add_option("--initial", arguments->initial,
+                   "guess of target_T_source: X,Y,YAW [m, rad]; in space X,Y,Z,ROLL,PITCH,YAW; or "
+                   "identity, or centroids")
+      ->type_name("POSE");
+  command
+      ->add_option("--search-xy", arguments->search_xy_m,
+                   "search this far about the guess, in x and in y [m]")
+      ->type_name("M")
+      ->check(CLI::Range(0.0, 1000.0));
+  command
+      ->add_option("--search-yaw", arguments->search_yaw_rad,
+                   "and this far about its heading [rad]; 3.15: all around")
+      ->type_name("RAD")
+      ->check(CLI::Range(0.0, 6.3));
+  command->add_flag("--global", arguments->global, "no guess at all: search everywhere");
+  command
+      ->add_option("--sweep-yaw", arguments->sweep_yaw,
+                   "match from so many headings around the guess and tell how many agree")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100000));
+  command
+      ->add_option("--target-pose", arguments->target_pose,
+                   "where the target stands in the world; prints world_T_source, too")
+      ->type_name("X,Y,YAW");
+  command->add_option("--png", arguments->png, "picture of before and after")
+      ->type_name("FILE.png");
+  command
+      ->add_option("--aligned", arguments->aligned,
+                   "write the source's points in the target's frame")
+      ->type_name("FILE.ply|FILE.pcd");
+  command
+      ->add_option(
+          "--require", arguments->require,
+          "converged, or a bound on a figure of --json's result; may be given several times")
+      ->type_name("KEY<=VALUE")
+      ->allow_extra_args(false);
+  context.add_common_flags(*command);
+  context.add_threads_flag(*command);
+  context.add_option_flags(*command);
+  context.add_robot_flag(*command);
+  command->footer(kFooter);
+  context.on_run(*command, [arguments, &context] { return run(*arguments, context); });
+}
+
+}  // namespace loopstone::app

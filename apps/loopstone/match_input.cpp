@@ -1,0 +1,99 @@
+#include "match_input.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/decimal_stamp.hpp"
+#include "loopstone/formats/point_cloud_file.hpp"
+#include "loopstone/registration/likelihood_field.hpp"
+#include "loopstone/sensor/scan_points.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool ends_with_any(const std::string& name, std::initializer_list<const char*> endings) {
+  for (const char* ending : endings) {
+    if (name.ends_with(ending)) return true;
+  }
+  return false;
+}
+
+std::vector<Eigen::Vector2d> wall_points(const CellStates& map) {
+  const Grid<std::uint8_t> walls = visible_walls(map, MapFieldOptions{}.occupied_percent);
+  std::vector<Eigen::Vector2d> points;
+  for (int row = 0; row < walls.frame().rows; ++row) {
+    for (int column = 0; column < walls.frame().columns; ++column) {
+      if (walls[{column, row}] != 0) points.push_back(walls.frame().centre_of({column, row}));
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> MatchInput::points2() const {
+  if (scan) return scan_points(scan->scan, scan->robot_T_lidar, scan->velocity);
+  if (map) return wall_points(*map);
+  std::vector<Eigen::Vector2d> points;
+  for (const Eigen::Vector3d& point : cloud->points) {
+    if (point.allFinite()) points.push_back(point.head<2>());
+  }
+  return points;
+}
+
+std::vector<Eigen::Vector3d> MatchInput::points3() const {
+  std::vector<Eigen::Vector3d> points;
+  for (const Eigen::Vector3d& point : cloud->points) {
+    if (point.allFinite()) points.push_back(point);
+  }
+  return points;
+}
+
+std::string MatchInput::kind() const { return scan ? "scan" : cloud ? "cloud" : "map"; }
+
+std::string MatchInput::description() const {
+  if (scan) {
+    return fmt::format("scan {} at {} s, {} beams", scan->index,
+                       format_decimal_stamp(scan->scan.stamp), scan->scan.ranges_m.size());
+  }
+  if (map) {
+    const GridFrame& frame = map->frame();
+    return fmt::format("map of {:.1f} m x {:.1f} m, cells of {:g} m",
+                       frame.columns * frame.resolution, frame.rows * frame.resolution,
+                       frame.resolution);
+  }
+  return fmt::format("cloud of {} points, {}", cloud->points.size(),
+                     cloud->planar ? "in the plane" : "in space");
+}
+
+MatchInput read_match_input(const std::string& name, const AppContext& context) {
+  MatchInput input{.name = name};
+  if (ends_with_any(name, {".yaml", ".yml"})) {
+    input.map = read_ros_map(name);
+    return input;
+  }
+  if (const auto scan = parse_scan_name(name)) {
+    input.scan = read_log_scan(*scan, context.robot(), context.robot_given());
+    return input;
+  }
+  std::error_code ignored;
+  if (fs::is_directory(name, ignored) ||
+      (fs::exists(name, ignored) && ends_with_any(name, {".clf", ".log", ".clf.gz", ".log.gz",
+                                                         ".clf.bz2", ".log.bz2", ".npz"}))) {
+    throw UsageError("'" + name + "' is a whole log; name one scan of it: " + name + "#120 or " +
+                     name + "@+12.5 (seconds after the first scan)");
+  }
+  const std::size_t mark = name.find_last_of("#@");
+  if (mark != std::string::npos && !is_point_cloud_name(name) && !fs::exists(name, ignored)) {
+    throw DataError({name.substr(0, mark)}, "there is no such file or folder");
+  }
+  input.cloud = read_point_cloud(name);
+  return input;
+}
+
+}  // namespace loopstone::app
