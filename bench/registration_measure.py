@@ -237,6 +237,7 @@ def consistency(programs, work, peers, quick):
 
 
 LOGS = [("intel", "Intel Research Lab", True), ("aces", "ACES building", True), ("mit-csail", "MIT CSAIL", False)]
+WHOLE_MAP = "the whole log's map"  # no guess to match from: how well the map keeps the relations, for comparison
 REAL = ["match_scans", "icp_plane"]
 REAL_PEERS = ["small_gicp GICP, k 5", "PCL GICP, k 10", "Open3D generalized ICP"]
 
@@ -251,6 +252,8 @@ def real_cases(name, log, loopstone, has_odometry, data):
         cases.append(("joined by a relation, at most 1.5 s apart", "relations", relations, 1.5))
     cases += [("consecutive", "trajectory", trajectory, 0.0), ("one second apart", "trajectory", trajectory, 1.0)]
     guesses = [("identity", "identity")]
+    if relations.exists():
+        guesses.append((WHOLE_MAP, trajectory))
     if has_odometry:
         path = loopstone.work / f"registration-{name}-odometry.tum"
         run([loopstone.program, "odometry", log, "-o", path, "--quiet"])
@@ -273,6 +276,9 @@ def recorded(programs, work, peers, quick, loopstone, data):
         rows = []
         for case, kind, reference, seconds in cases:
             for guess_title, guess in guesses:
+                only_guess = guess_title == WHOLE_MAP
+                if only_guess and kind != "relations":
+                    continue
                 path = work / "log.pairs"
                 output, _ = run([programs / "measure_log_pairs", path, log, kind, reference, seconds, guess, count])
                 pairs, metres, degrees = output.split()
@@ -281,7 +287,7 @@ def recorded(programs, work, peers, quick, loopstone, data):
                 row = {"case": case, "reference": kind, "guess": guess_title, "pairs": int(pairs),
                        "motion_m": float(metres), "motion_deg": float(degrees),
                        "matchers": [{"title": "the guess itself", **score(untouched, poses, AGREE_M, AGREE_DEG)}]}
-                for matcher in matchers:
+                for matcher in [] if only_guess else matchers:
                     answers = answers_or_none(matcher, path, count)
                     if answers:
                         row["matchers"].append({"title": matcher.title, **score(answers, poses, AGREE_M, AGREE_DEG)})
