@@ -130,8 +130,7 @@ class Icp {
 
   /// Takes back what the pairs cannot tell: along unobserved directions the guess stands.
   void keep_guess_where_unobserved(Result& result, const Pose& guess) {
-    const auto translation = Motion::translation(result.target_T_source);
-    const auto observability = surface_observability<kDimension>(pairs_, target_, translation);
+    const auto observability = surface_observability<kDimension>(pairs_, target_);
     if (observability.complete()) return;
     result.target_T_source = Motion::moved(
         guess, observability.observed_part(Motion::difference(result.target_T_source, guess)));

@@ -87,22 +87,55 @@ Noise noise_of(std::span<const IcpPair<kDimension>> pairs, const IcpCloud<kDimen
   return noise;
 }
 
-/// sum over target points j of G_j G_j^T, G_j = sum of w_i J_i^T P_i over the pairs of j, P_i = n n^T or 1: how noise of the
-/// target points, each shared by all pairs of the point, moves the gradient.
+/// What the target's surfaces make of the pairs, P_i = n n^T on a surface, 1 where there is none.
 template <int kDimension>
-typename Observability<kDimension>::Matrix shared_information(
-    std::span<const IcpPair<kDimension>> pairs, const IcpCloud<kDimension>& target) {
+struct SurfaceInformation {
+  using Matrix = typename Observability<kDimension>::Matrix;
+
+  IcpEquations<kDimension> equations{};  ///< information: sum_i w_i J_i^T P_i J_i; no gradient
+  Matrix source_noise = Matrix::Zero();  ///< sum_i w_i^2 J_i^T P_i J_i
+  /// sum over target points j of G_j G_j^T, G_j the sum of w_i J_i^T P_i over the pairs of j: noise of a target point moves
+  /// all its pairs alike.
+  Matrix target_noise = Matrix::Zero();
+};
+
+/// Edges and corners are no surfaces; taken for landmarks, the edges of a corridor would hold its axis. So points
+/// without a surface count only when most are such.
+template <int kDimension>
+bool surfaces_alone(std::span<const IcpPair<kDimension>> pairs,
+                    const IcpCloud<kDimension>& target) {
+  const auto flat = std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
+    return target.patches[static_cast<std::size_t>(pair.target)].flat;
+  });
+  return 2 * static_cast<std::size_t>(flat) >= pairs.size();
+}
+
+template <int kDimension>
+SurfaceInformation<kDimension> surface_information(std::span<const IcpPair<kDimension>> pairs,
+                                                   const IcpCloud<kDimension>& target) {
   using Motion = RigidMotion<kDimension>;
+  using Tangent = typename Motion::Tangent;
   using Rows = Eigen::Matrix<double, Motion::kDof, kDimension>;
+  SurfaceInformation<kDimension> result;
+  const bool alone = surfaces_alone(pairs, target);
   std::vector<std::int32_t> slot(target.points().size(), -1);
   std::vector<Rows> sums;
   sums.reserve(pairs.size());
   for (const auto& pair : pairs) {
-    if (pair.weight <= 0.0) continue;
     const auto j = static_cast<std::size_t>(pair.target);
     const SurfacePatch<kDimension>& patch = target.patches[j];
+    if (pair.weight <= 0.0 || (alone && !patch.flat)) continue;
     Rows rows = Motion::point_jacobian(pair.arm).transpose();
-    if (patch.flat) rows = ((rows * patch.normal) * patch.normal.transpose()).eval();
+    if (patch.flat) {
+      const Tangent across = rows * patch.normal;
+      rows.noalias() = across * patch.normal.transpose();
+      const Tangent weighted = pair.weight * across;
+      result.equations.information.noalias() += weighted * across.transpose();
+      result.source_noise.noalias() += weighted * weighted.transpose();
+    } else {
+      result.equations.information.noalias() += pair.weight * (rows * rows.transpose());
+      result.source_noise.noalias() += (pair.weight * pair.weight) * (rows * rows.transpose());
+    }
     if (slot[j] < 0) {
       slot[j] = static_cast<std::int32_t>(sums.size());
       sums.push_back(pair.weight * rows);
@@ -110,33 +143,8 @@ typename Observability<kDimension>::Matrix shared_information(
       sums[static_cast<std::size_t>(slot[j])] += pair.weight * rows;
     }
   }
-  typename Observability<kDimension>::Matrix result;
-  result.setZero();
-  for (const Rows& rows : sums) result.noalias() += rows * rows.transpose();
-  return result;
-}
-
-/// sum_i w_i^power J_i^T P_i J_i.
-template <int kDimension>
-IcpEquations<kDimension> surface_equations(std::span<const IcpPair<kDimension>> pairs,
-                                           const IcpCloud<kDimension>& target, bool squared) {
-  std::vector<IcpPair<kDimension>> on_surfaces;
-  std::vector<IcpPair<kDimension>> at_points;
-  for (const auto& pair : pairs) {
-    const SurfacePatch<kDimension>& patch = target.patches[static_cast<std::size_t>(pair.target)];
-    auto& list = patch.flat ? on_surfaces : at_points;
-    list.push_back(pair);
-    list.back().normal = patch.normal;
-    if (squared) list.back().weight *= pair.weight;
-  }
-  IcpEquations<kDimension> result = equations_of<kDimension>(
-      std::span<const IcpPair<kDimension>>(on_surfaces), IcpMetric::kPlane);
-  const IcpEquations<kDimension> points =
-      equations_of<kDimension>(std::span<const IcpPair<kDimension>>(at_points), IcpMetric::kPoint);
-  const IcpEquations<kDimension> all = equations_of<kDimension>(pairs, IcpMetric::kPoint);
-  result.information += points.information;
-  result.centre = all.centre;
-  result.arm_m = all.arm_m;
+  for (const Rows& rows : sums) result.target_noise.noalias() += rows * rows.transpose();
+  set_extent(result.equations, pairs);
   return result;
 }
 
@@ -144,9 +152,8 @@ IcpEquations<kDimension> surface_equations(std::span<const IcpPair<kDimension>> 
 
 template <int kDimension>
 Observability<kDimension> surface_observability(std::span<const IcpPair<kDimension>> pairs,
-                                                const IcpCloud<kDimension>& target,
-                                                const typename RigidMotion<kDimension>::Vector&) {
-  return surface_equations<kDimension>(pairs, target, false).observability();
+                                                const IcpCloud<kDimension>& target) {
+  return surface_information<kDimension>(pairs, target).equations.observability();
 }
 
 template <int kDimension>
@@ -174,12 +181,11 @@ void judge(BasicMatchResult<kDimension>& result, std::span<const IcpPair<kDimens
 
   const Noise noise = noise_of<kDimension>(pairs, target, translation, metric,
                                            kLeastSigmaShare * options.point_sigma_m);
-  const Observability<kDimension> observability =
-      surface_equations<kDimension>(pairs, target, false).observability();
-  result.covariance = observability.covariance(
-      noise.source_sigma_m * noise.source_sigma_m *
-          surface_equations<kDimension>(pairs, target, true).information +
-      noise.target_sigma_m * noise.target_sigma_m * shared_information<kDimension>(pairs, target));
+  const SurfaceInformation<kDimension> surfaces = surface_information<kDimension>(pairs, target);
+  const Observability<kDimension> observability = surfaces.equations.observability();
+  result.covariance =
+      observability.covariance(noise.source_sigma_m * noise.source_sigma_m * surfaces.source_noise +
+                               noise.target_sigma_m * noise.target_sigma_m * surfaces.target_noise);
   if (result.status == MatchStatus::kConverged && !observability.complete()) {
     result.status = MatchStatus::kDegenerate;
   }
@@ -188,10 +194,8 @@ void judge(BasicMatchResult<kDimension>& result, std::span<const IcpPair<kDimens
   }
 }
 
-template Observability<2> surface_observability<2>(std::span<const IcpPair<2>>, const IcpCloud<2>&,
-                                                   const Eigen::Vector2d&);
-template Observability<3> surface_observability<3>(std::span<const IcpPair<3>>, const IcpCloud<3>&,
-                                                   const Eigen::Vector3d&);
+template Observability<2> surface_observability<2>(std::span<const IcpPair<2>>, const IcpCloud<2>&);
+template Observability<3> surface_observability<3>(std::span<const IcpPair<3>>, const IcpCloud<3>&);
 template void judge<2>(MatchResult&, std::span<const IcpPair<2>>, const IcpCloud<2>&, IcpMetric,
                        std::size_t, std::size_t, const IcpOptions&);
 template void judge<3>(MatchResult3&, std::span<const IcpPair<3>>, const IcpCloud<3>&, IcpMetric,

@@ -62,8 +62,6 @@ IcpEquations<kDimension> equations_of(std::span<const IcpPair<kDimension>> pairs
   using Tangent = typename Motion::Tangent;
   using Vector = typename Motion::Vector;
   IcpEquations<kDimension> result;
-  double total = 0.0;
-  double squared_arms = 0.0;
   for (const auto& pair : pairs) {
     if (pair.weight <= 0.0) continue;
     const auto jacobian = Motion::point_jacobian(pair.arm);
@@ -91,16 +89,27 @@ IcpEquations<kDimension> equations_of(std::span<const IcpPair<kDimension>> pairs
       result.information.noalias() += weighted * across.transpose();
       result.gradient += pair.normal.dot(pair.offset) * weighted;
     }
+  }
+  set_extent(result, pairs);
+  return result;
+}
+
+template <int kDimension>
+void set_extent(IcpEquations<kDimension>& equations, std::span<const IcpPair<kDimension>> pairs) {
+  double total = 0.0;
+  double squared_arms = 0.0;
+  typename RigidMotion<kDimension>::Vector sum = RigidMotion<kDimension>::Vector::Zero();
+  for (const auto& pair : pairs) {
     total += pair.weight;
-    result.centre += pair.weight * pair.arm;
+    sum += pair.weight * pair.arm;
     squared_arms += pair.weight * pair.arm.squaredNorm();
   }
   if (total > 0.0) {
-    result.centre /= total;
+    sum /= total;
     squared_arms /= total;
   }
-  result.arm_m = std::sqrt(std::max(squared_arms - result.centre.squaredNorm(), 0.0)) + kLeastArmM;
-  return result;
+  equations.centre = sum;
+  equations.arm_m = std::sqrt(std::max(squared_arms - sum.squaredNorm(), 0.0)) + kLeastArmM;
 }
 
 template <int kDimension>
@@ -131,6 +140,8 @@ Pose<kDimension> step(std::span<const IcpPair<kDimension>> pairs, IcpMetric metr
 
 template IcpEquations<2> equations_of<2>(std::span<const IcpPair<2>>, IcpMetric);
 template IcpEquations<3> equations_of<3>(std::span<const IcpPair<3>>, IcpMetric);
+template void set_extent<2>(IcpEquations<2>&, std::span<const IcpPair<2>>);
+template void set_extent<3>(IcpEquations<3>&, std::span<const IcpPair<3>>);
 template Pose2 step<2>(std::span<const IcpPair<2>>, IcpMetric, const Pose2&, double);
 template Pose3 step<3>(std::span<const IcpPair<3>>, IcpMetric, const Pose3&, double);
 

@@ -31,6 +31,10 @@ template <int kDimension>
 [[nodiscard]] IcpEquations<kDimension> equations_of(std::span<const IcpPair<kDimension>> pairs,
                                                     IcpMetric metric);
 
+/// Fills in centre and arm_m from the pairs that have weight.
+template <int kDimension>
+void set_extent(IcpEquations<kDimension>& equations, std::span<const IcpPair<kDimension>> pairs);
+
 /// The pose after one step: closed form for the metrics point and line, Gauss-Newton for the others and wherever a
 /// direction is unobserved; along that the pose stays.
 template <int kDimension>
