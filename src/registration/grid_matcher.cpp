@@ -38,28 +38,62 @@ struct Linearisation {
 Linearisation linearise(std::span<const SurfacePoint> source, const SurfaceGrid& target,
                         std::size_t level, const Pose2& pose, double kernel_width_m) {
   Linearisation sum;
-  const Eigen::Matrix2d rotation = pose.rotation();
-  const Eigen::Vector2d translation = pose.translation();
+  const BlockGrid<SurfaceCell>& grid = target.level(level);
+  const double cosine = std::cos(pose.yaw);
+  const double sine = std::sin(pose.yaw);
   const double inverse_width2 = 1.0 / (kernel_width_m * kernel_width_m);
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  double xw = 0.0;
+  double yw = 0.0;
+  double ww = 0.0;
+  double x = 0.0;
+  double y = 0.0;
+  double w = 0.0;
   for (const SurfacePoint& surface : source) {
     sum.total += surface.weight;
-    const Eigen::Vector2d arm = rotation * surface.position.cast<double>();
-    const auto line =
-        target.line_near(level, arm + translation, rotation * surface.normal.cast<double>());
-    if (!line) continue;
-    const double residual = line->normal.dot(arm + translation - line->point);
+    const double px = surface.position.x();
+    const double py = surface.position.y();
+    const double arm_x = cosine * px - sine * py;
+    const double arm_y = sine * px + cosine * py;
+    const Cell at = grid.cell_of(arm_x + pose.x, arm_y + pose.y);
+    const SurfaceCell* cell = grid.find(at);
+    if (cell == nullptr) continue;
+    const double nx = surface.normal.x();
+    const double ny = surface.normal.y();
+    const SurfaceSum* line = sum_facing(*cell, static_cast<float>(cosine * nx - sine * ny),
+                                        static_cast<float>(sine * nx + cosine * ny));
+    if (line == nullptr) continue;
+    // The line through the cell's mean, its normal scaled to unit length.
+    const double mean = 1.0 / line->weight;
+    const double unit = 1.0 / std::sqrt(static_cast<double>(line->normal_x) * line->normal_x +
+                                        static_cast<double>(line->normal_y) * line->normal_y);
+    const double line_nx = line->normal_x * unit;
+    const double line_ny = line->normal_y * unit;
+    const Eigen::Vector2d centre = grid.centre_of(at);
+    const double residual = line_nx * (arm_x + pose.x - centre.x() - line->x * mean) +
+                            line_ny * (arm_y + pose.y - centre.y() - line->y * mean);
     const double scaled2 = residual * residual * inverse_width2;
     const double weight = surface.weight / (1.0 + scaled2);  // Cauchy
-    // d residual / d (x, y, yaw): turning by dyaw moves the point by dyaw * (-arm.y, arm.x).
-    const Eigen::Vector3d jacobian(line->normal.x(), line->normal.y(),
-                                   line->normal.y() * arm.x() - line->normal.x() * arm.y());
-    sum.hessian.noalias() += weight * jacobian * jacobian.transpose();
-    sum.gradient += weight * residual * jacobian;
+    // d residual / d (x, y, yaw): turning by dyaw moves the point by dyaw * (-arm_y, arm_x).
+    const double turn = line_ny * arm_x - line_nx * arm_y;
+    xx += weight * line_nx * line_nx;
+    xy += weight * line_nx * line_ny;
+    yy += weight * line_ny * line_ny;
+    xw += weight * line_nx * turn;
+    yw += weight * line_ny * turn;
+    ww += weight * turn * turn;
+    x += weight * residual * line_nx;
+    y += weight * residual * line_ny;
+    w += weight * residual * turn;
     sum.squared_sum += weight * residual * residual;
     sum.weight_sum += weight;
     if (scaled2 < 4.0) sum.explained += surface.weight;
     ++sum.pairs;
   }
+  sum.hessian << xx, xy, xw, xy, yy, yw, xw, yw, ww;
+  sum.gradient << x, y, w;
   return sum;
 }
 

@@ -7,16 +7,6 @@ namespace loopstone {
 
 namespace {
 
-/// Surfaces whose normals differ by more than 60 deg are different surfaces.
-constexpr float kSameSurfaceCosine = 0.5F;
-
-/// Whether a sum faces like a unit normal. Compares squares, so no root is needed.
-bool faces_like(const SurfaceSum& sum, float normal_x, float normal_y) {
-  const float dot = sum.normal_x * normal_x + sum.normal_y * normal_y;
-  const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
-  return dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
-}
-
 /// Adds a point to its cell and the eight around it.
 void add_point(BlockGrid<SurfaceCell>& level, const Eigen::Vector2d& point,
                const Eigen::Vector2f& normal, float weight) {
@@ -66,14 +56,12 @@ std::optional<SurfaceLine> SurfaceGrid::line_near(std::size_t level, const Eigen
   const Cell at = grid.cell_of(point.x(), point.y());
   const SurfaceCell* cell = grid.find(at);
   if (cell == nullptr) return {};
-  for (const SurfaceSum& sum : cell->sums) {
-    if (sum.weight == 0.0F) break;
-    if (!faces_like(sum, static_cast<float>(normal.x()), static_cast<float>(normal.y()))) continue;
-    const Eigen::Vector2d total(sum.normal_x, sum.normal_y);
-    return SurfaceLine{grid.centre_of(at) + Eigen::Vector2d(sum.x, sum.y) / sum.weight,
-                       total / std::sqrt(total.squaredNorm())};
-  }
-  return {};
+  const SurfaceSum* sum =
+      sum_facing(*cell, static_cast<float>(normal.x()), static_cast<float>(normal.y()));
+  if (sum == nullptr) return {};
+  const Eigen::Vector2d total(sum->normal_x, sum->normal_y);
+  return SurfaceLine{grid.centre_of(at) + Eigen::Vector2d(sum->x, sum->y) / sum->weight,
+                     total / std::sqrt(total.squaredNorm())};
 }
 
 }  // namespace loopstone

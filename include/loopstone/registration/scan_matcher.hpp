@@ -29,7 +29,8 @@ struct ScanView {
                                  const SurfaceOptions& options = {});
 
 struct ScanMatchOptions {
-  double search_half_xy_m = 1.0;  ///< the guess may be wrong by so much; 0 and 0: it is good
+  double search_half_xy_m =
+      1.0;  ///< the guess may be wrong by so much; both 0: it is good, no search
   double search_half_yaw_rad = 0.87;
   int candidates = 6;
   int max_iterations = 30;
@@ -38,8 +39,8 @@ struct ScanMatchOptions {
 
 template <typename Visitor>
 void visit_options(ScanMatchOptions& options, Visitor&& visit) {
-  visit("search_half_xy_m", options.search_half_xy_m, Range{0.0, 2.0},
-        "how far the guess may be off; with search_half_yaw_rad 0: it is good, don't search");
+  visit("search_half_xy_m", options.search_half_xy_m, Range{0.0, 3.0},
+        "how far the guess may be off in x and y; with search_half_yaw_rad 0: no search");
   visit("search_half_yaw_rad", options.search_half_yaw_rad, Range{0.0, 3.15},
         "how far the guess's heading may be off");
   visit("candidates", options.candidates, Range{1, 50}, "poses of the search that are looked into");
@@ -48,7 +49,20 @@ void visit_options(ScanMatchOptions& options, Visitor&& visit) {
         "distances beyond this count less and less (Cauchy kernel)");
 }
 
-/// Where one scan was taken, seen from another one.
+/// Where one scan was taken, seen from another one. In three steps: every pose of a coarse lattice around the guess is
+/// scored; the best distinct ones are pulled in and judged from both sides, by what each scan explains of the other and what
+/// it saw through; the best is refined by Gauss-Newton on point-to-line distances with a Cauchy kernel.
+/// A point's partner is looked up by its direction from the target's lidar, so nothing is searched and no map is built.
+///
+/// \param guess_target_T_source  wrong by up to the search window of the options
+/// \return target_T_source of the robot frames, with a covariance from the noise of the ranges that the residuals show.
+///         score = share of the source that the target explains. kTooFewPairs: fewer than 8 pairs, the pose is the guess.
+///         kDegenerate: a direction is unobserved (a corridor's axis, a circle's heading); along it the pose is the guess and
+///         the covariance is large. kNotConverged: the scans explain too little of each other to be of the same place,
+///         less than 80 % of what they could see or 45 % of the whole.
+/// Cost: O(headings * shifts + iterations * surfaces); docs/benchmarks.md. Deterministic. Thread-safe.
+/// Source: Olson 2009 for the search; Censi 2008 for point-to-line; Blais and Levine 1995 for projection;
+/// Zhang, Kaess and Singh 2016 for degenerate directions.
 [[nodiscard]] MatchResult match_scans(const ScanView& source, const ScanView& target,
                                       const Pose2& guess_target_T_source,
                                       const ScanMatchOptions& options = {});

@@ -27,10 +27,28 @@ struct SurfaceCell {
   std::array<SurfaceSum, 2> sums{};
 };
 
+/// Whether a sum faces like a unit normal, within 60 deg. Compares squares, so no root is needed.
+[[nodiscard]] inline bool faces_like(const SurfaceSum& sum, float normal_x, float normal_y) {
+  constexpr float kSameSurfaceCosine = 0.5F;
+  const float dot = sum.normal_x * normal_x + sum.normal_y * normal_y;
+  const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
+  return dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
+}
+
 /// Adds a point to the cell's sum that faces the same way (within 60 deg), else to an empty one; left out when there is
 /// neither. `offset` is from the cell's centre [m], `normal` is unit.
 void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal,
             float weight);
+
+/// The cell's sum that faces like a unit normal, or nullptr.
+[[nodiscard]] inline const SurfaceSum* sum_facing(const SurfaceCell& cell, float normal_x,
+                                                  float normal_y) {
+  for (const SurfaceSum& sum : cell.sums) {
+    if (sum.weight == 0.0F) return nullptr;
+    if (faces_like(sum, normal_x, normal_y)) return &sum;
+  }
+  return nullptr;
+}
 
 /// A line in the plane: a point on it and its unit normal.
 struct SurfaceLine {
@@ -53,6 +71,10 @@ class SurfaceGrid {
   [[nodiscard]] std::size_t level_count() const { return levels_.size(); }
   [[nodiscard]] double resolution_m(std::size_t level) const {
     return levels_[level].resolution_m();
+  }
+
+  [[nodiscard]] const BlockGrid<SurfaceCell>& level(std::size_t level) const {
+    return levels_[level];
   }
 
   /// The surface near a point that faces like `normal` (within 60 deg), if there is one. Cost: O(1).
