@@ -318,9 +318,9 @@ def program_rows(programs, work, name, arguments):
 
 
 def map_match(programs, work, quick):
-    rows = program_rows(programs, work, "bench_map_match", ["--trials", 50 if quick else 1000])
+    rows = program_rows(programs, work, "bench_map_match", ["--trials", 20 if quick else 500])
     for row in rows or []:
-        say(f"  {row['name']}: {100 * row['correct_share']:.2f} %, {row['median_ms']:.0f} ms")
+        say(f"  {row['name']}: {100 * row['best_correct_share']:.2f} %, {row['median_ms']:.0f} ms")
     return rows
 
 
@@ -343,8 +343,8 @@ def correlative(programs, work, quick):
 
 
 def clouds(programs, work, peers_folder, data, quick):
-    rows = program_rows(programs, work, "bench_cloud_match", [])
-    if rows is None:
+    rows = program_rows(programs, work, "bench_cloud_match", ["--data", data / "ucsd/icp_warm_up", "--seeds", 3 if quick else 20])
+    if not rows:
         return None
     peers = []
     python = peers_folder / "venv/bin/python"

@@ -114,19 +114,27 @@ def targets_of_tracking(figures):
 
 
 def map_match_table(section):
-    rows = [[row["name"], str(row["trials"]), f"{100 * row['correct_share']:.2f}", str(row["wrong_called_sure"]),
-             f"{row['median_ms']:.1f}", f"{row['max_ms']:.1f}"] for row in section["figures"]]
+    rows = [[row["name"], str(row["trials"]), percent(row["best_correct_share"]), percent(row["sure_share"]),
+             percent(row["wrong_called_sure"]), f"{row['median_ms']:.1f}", f"{row['max_ms']:.1f}",
+             f"{row['area_m2']:.0f}", f"{row['build_ms']:.0f}", f"{row['memory_mb']:.1f}"] for row in section["figures"]]
     return "\n".join([provenance({**section, "peers": [], "missing": []}), "",
-                      table(["", "trials>", "correct [%]>", "wrong and called sure>", "median [ms]>", "longest [ms]>"], rows), "",
+                      table(["", "trials>", "best is right [%]>", "called sure [%]>", "wrong and called sure [%]>", "median [ms]>",
+                             "longest [ms]>", "floor [m2]>", "preparing the map [ms]>", "memory [MB]>"], rows), "",
                       tables.targets_table(targets_of_map_match(section["figures"]))])
+
+
+def percent(share):
+    return f"{100 * share:.1f}"
 
 
 def targets_of_map_match(rows):
     found = []
     for row in rows:
-        found += [(f"map, {row['name']}: correct", f">= {100 * MAP_SHARE:.1f} %", f"{100 * row['correct_share']:.2f} %",
-                   row["correct_share"] >= MAP_SHARE),
-                  (f"map, {row['name']}: longest time on one core", f"<= {MAP_MS:.0f} ms", f"{row['max_ms']:.0f} ms",
+        if not row["name"].startswith("campus"):  # the map of 10,000 m2
+            continue
+        found += [(f"{row['name']}: best is right", f">= {100 * MAP_SHARE:.1f} %", f"{100 * row['best_correct_share']:.2f} %",
+                   row["best_correct_share"] >= MAP_SHARE),
+                  (f"{row['name']}: longest time on one core", f"<= {MAP_MS:.0f} ms", f"{row['max_ms']:.0f} ms",
                    row["max_ms"] <= MAP_MS)]
     return found
 
@@ -156,7 +164,8 @@ def clouds_table(section):
     names = list(dict.fromkeys(row["peer"] for row in peers))
     rows = []
     for row in ours:
-        cells = [row["name"], f"{row['rmse_mm']:.3f}", f"{row['reference_mm']:.3f}", str(row["starts"]), f"{row['ms']:.0f}"]
+        cells = [row["name"], f"{row['reference_mm']:.3f}", f"{row['rmse_mm']:.3f}", f"{row['worst_rmse_mm']:.3f} of {row['seeds']}",
+                 f"{row['agreeing']} of {row['finalists']}", f"{row['ms']:.0f}"]
         for name in names:
             found = [peer for peer in peers if peer["name"] == row["name"] and peer["peer"] == name]
             cells.append(f"{found[0]['rmse_mm']:.3f} ({found[0]['near_best']} of {found[0]['starts']}; {found[0]['ms']:.0f} ms)"
@@ -164,14 +173,14 @@ def clouds_table(section):
         rows.append(cells)
     return "\n".join([
         provenance(section), "",
-        table(["cloud", "Loopstone [mm]>", "reference [mm]>", "starts>", "time [ms]>", *[name + " [mm]>" for name in names]], rows), "",
+        table(["cloud", "reference [mm]>", "Loopstone [mm]>", "worst of the seeds [mm]>", "starts that agree>", "time [ms]>", *[name + " [mm]>" for name in names]], rows), "",
         tables.targets_table(targets_of_clouds(section["figures"]))])
 
 
 def targets_of_clouds(figures):
     # To the micrometre, as the reference was written down.
-    found = [(f"{row['name']}: rmse", f"<= {row['reference_mm']:.3f} mm", f"{row['rmse_mm']:.3f} mm",
-              round(row["rmse_mm"], 3) <= row["reference_mm"]) for row in figures["rows"]]
+    found = [(f"{row['name']}: rmse, worst of {row['seeds']} seeds", f"<= {row['reference_mm']:.3f} mm",
+              f"{row['worst_rmse_mm']:.3f} mm", round(row["worst_rmse_mm"], 3) <= row["reference_mm"]) for row in figures["rows"]]
     peers_ms = sum(row["ms"] for row in figures["peers"] if row["peer"] == "small_gicp GICP")
     if peers_ms > 0:
         ours_ms = sum(row["ms"] for row in figures["rows"])

@@ -41,7 +41,7 @@ def small_gicp_gicp(model, observed, starts):
     tree = small_gicp.KdTree(target)
     small_gicp.estimate_covariances(target, tree, 20, 1)
     small_gicp.estimate_covariances(source, small_gicp.KdTree(source), 20, 1)
-    return [small_gicp.align(target, source, tree, init_T_target_source=start, registration_type="GICP", num_threads=1,
+    return [small_gicp.align(target, source, tree, init_T_target_source=start, registration_type="GICP", num_threads=1, rotation_epsilon=1e-5, translation_epsilon=1e-6,
                              max_correspondence_distance=MAX_DISTANCE_M, max_iterations=100).T_target_source for start in starts]
 
 
@@ -61,7 +61,7 @@ def open3d_runs(call_name, estimation_name, normals):
         import open3d
         registration = open3d.pipelines.registration
         target, source = open3d_clouds(model, observed, normals)
-        criteria = registration.ICPConvergenceCriteria(max_iteration=100)
+        criteria = registration.ICPConvergenceCriteria(max_iteration=60)
         call = getattr(registration, call_name)
         estimation = getattr(registration, estimation_name)()
         return [np.asarray(call(source, target, MAX_DISTANCE_M, start, estimation, criteria).transformation) for start in starts]
