@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Measures registration beside its peers and writes the tables of docs/benchmarks.md and docs/accuracy.md.
 
-The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). Peers (small_gicp, PCL, Open3D) are compared when they are in
-build/bench/peers; bench/peers/install.sh puts them there, and nothing into the system. Recorded logs and clouds are looked for in
-$LOOPSTONE_DATA, else in ../shared/data. What was measured is kept in build/bench/registration.json.
+The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). Peers (small_gicp, PCL, Open3D) are compared when they
+are in build/bench/peers; bench/peers/install.sh puts them there, and nothing into the system. Recorded logs and clouds
+are looked for in $LOOPSTONE_DATA, else in ../shared/data. What was measured is kept in build/bench/registration.json.
 
   bench/registration.py                     everything, with the peers that are there (about a quarter of an hour)
   bench/registration.py --peers             the same, after installing the peers

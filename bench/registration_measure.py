@@ -1,7 +1,7 @@
 """What is measured of registration: each function returns plain figures for one section of the tables.
 
-Matchers are programs that read a file of pairs and answer a pose for each (bench/answers.hpp); everything is scored here, ours
-and others' alike.
+Matchers are programs that read a file of pairs and answer a pose for each (bench/answers.hpp); everything is scored
+here, ours and others' alike.
 """
 import json
 import math
@@ -155,7 +155,7 @@ def solve3(c, e):
 
 
 def nees(answers, poses):
-    """How honest the covariances are: of answers that are right, and the share inside of all that are called converged."""
+    """How honest covariances are: over answers that are right, and the share inside of all called converged."""
     values, inside, called = [], 0, 0
     for answer in answers:
         if answer[4] <= 0 or len(answer) < 12:
@@ -343,16 +343,16 @@ def correlative(programs, work, quick):
 
 
 def clouds(programs, work, peers_folder, data, quick):
-    rows = program_rows(programs, work, "bench_cloud_match", ["--data", data / "ucsd/icp_warm_up", "--seeds", 3 if quick else 20])
+    folder = data / "ucsd/icp_warm_up"
+    rows = program_rows(programs, work, "bench_cloud_match", ["--data", folder, "--seeds", 3 if quick else 20])
     if not rows:
         return None
     peers = []
     python = peers_folder / "venv/bin/python"
-    folder = data / "ucsd/icp_warm_up"
     if python.exists() and folder.exists():
         started = time.monotonic()
-        result = subprocess.run([str(python), str(HERE / "peers/cloud_peers.py"), str(folder), *(["--quick"] if quick else [])],
-                                capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": "1"}, check=False)
+        command = [str(python), str(HERE / "peers/cloud_peers.py"), str(folder), *(["--quick"] if quick else [])]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode == 0:
             peers = json.loads(result.stdout)
             say(f"  peers took {time.monotonic() - started:.0f} s")

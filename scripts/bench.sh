@@ -10,6 +10,7 @@ shopt -s nullglob
 for program in build/release/bin/bench_*; do
   [[ -x $program ]] || continue
   name=$(basename "$program")
+  case $name in bench_map_match | bench_cloud_match) continue ;; esac # bench/registration.py runs them
   printf '\n== %s\n' "$name"
   "$program" --benchmark_filter="${1:-.}" --benchmark_out="build/bench/$name.json" --benchmark_out_format=json
 done

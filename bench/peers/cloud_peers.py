@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""small_gicp and Open3D on the partial clouds of UCSD's ICP warm-up: from centroids and 36 turns about the upright axis, each start
-run to its end, the best taken by the rmse of every observed point to its nearest model point. Prints JSON.
+"""small_gicp and Open3D on the partial clouds of UCSD's ICP warm-up: from centroids and 36 turns about the upright axis,
+each start run to its end, the best taken by the rmse of every observed point to its nearest model point. Prints JSON.
 
   cloud_peers.py FOLDER [--quick]      FOLDER has drill/ and liq_container/: model.mat, 0.npy ... 3.npy
 """
@@ -41,8 +41,10 @@ def small_gicp_gicp(model, observed, starts):
     tree = small_gicp.KdTree(target)
     small_gicp.estimate_covariances(target, tree, 20, 1)
     small_gicp.estimate_covariances(source, small_gicp.KdTree(source), 20, 1)
-    return [small_gicp.align(target, source, tree, init_T_target_source=start, registration_type="GICP", num_threads=1, rotation_epsilon=1e-5, translation_epsilon=1e-6,
-                             max_correspondence_distance=MAX_DISTANCE_M, max_iterations=100).T_target_source for start in starts]
+    options = {"registration_type": "GICP", "num_threads": 1, "max_correspondence_distance": MAX_DISTANCE_M,
+               "max_iterations": 100, "rotation_epsilon": 1e-5, "translation_epsilon": 1e-6}
+    return [small_gicp.align(target, source, tree, init_T_target_source=start, **options).T_target_source
+            for start in starts]
 
 
 def open3d_clouds(model, observed, normals):
@@ -64,7 +66,8 @@ def open3d_runs(call_name, estimation_name, normals):
         criteria = registration.ICPConvergenceCriteria(max_iteration=60)
         call = getattr(registration, call_name)
         estimation = getattr(registration, estimation_name)()
-        return [np.asarray(call(source, target, MAX_DISTANCE_M, start, estimation, criteria).transformation) for start in starts]
+        return [np.asarray(call(source, target, MAX_DISTANCE_M, start, estimation, criteria).transformation)
+                for start in starts]
     return align
 
 
@@ -72,8 +75,8 @@ PEERS = [
     ("small_gicp GICP", small_gicp_gicp),
     ("Open3D point to point", open3d_runs("registration_icp", "TransformationEstimationPointToPoint", False)),
     ("Open3D point to plane", open3d_runs("registration_icp", "TransformationEstimationPointToPlane", True)),
-    ("Open3D generalized ICP", open3d_runs("registration_generalized_icp", "TransformationEstimationForGeneralizedICP",
-                                           True)),
+    ("Open3D generalized ICP",
+     open3d_runs("registration_generalized_icp", "TransformationEstimationForGeneralizedICP", True)),
 ]
 
 

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Open3D (https://www.open3d.org, MIT) on scans in the plane; arguments and answers as of the C++ matchers (bench/answers.hpp).
+"""Open3D (https://www.open3d.org, MIT) on scans in the plane; arguments and answers as of the C++ matchers, see
+bench/answers.hpp.
 
   open3d_matchers.py FILE MATCHER COUNT      without arguments: the names of the matchers
 
-Points have z = 0. Open3D's own normals take the axis along which a neighbourhood is thinnest, which would be z; so normals are
-fitted here in the plane to five neighbouring beams, in numpy, which takes about 0.1 ms. Generalized ICP makes its covariances from these
-normals. Time: CPU time of the process, from points to pose; the calls from Python cost about 0.05 ms of it.
+Points have z = 0. Open3D's own normals take the axis along which a neighbourhood is thinnest, which would be z; so
+normals are fitted here in the plane to five neighbouring beams, in numpy, which takes a fraction of a millisecond.
+Generalized ICP makes its covariances from these normals. Time: CPU time of the process, from points to pose; the calls from Python cost about 0.05 ms of it.
 """
 import os
 import sys
