@@ -136,6 +136,37 @@ RC_GTEST_PROP(BranchAndBoundLaws, IsExactOnRandomGrids, ()) {
                      slow.score) < 1e-12);
 }
 
+RC_GTEST_PROP(BranchAndBoundLaws, IsExactInWideWindows, ()) {
+  // Several levels and more blocks than are read at once; most points fall beside the grid at times.
+  Rng rng(*rc::gen::arbitrary<std::uint64_t>());
+  const auto grid = *rc::gen::arbitrary<bool>() ? random_grid(rng, true) : grid_of_strokes(rng);
+  const MaxPyramid pyramid(grid, *rc::gen::inRange(1, 8), kUnknown);
+  Points source;
+  const int count = *rc::gen::inRange(1, 12);
+  for (int i = 0; i < count; ++i)
+    source.emplace_back(rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4));
+  const SearchWindow window{
+      {rng.uniform(-2.0, 2.0), rng.uniform(-2.0, 2.0), rng.uniform(-kPi, kPi)},
+      *test::between(1.0, 5.0),
+      *test::between(0.0, 0.5)};
+  expect_same(search_branch_and_bound(source, pyramid, window, -1.0),
+              search_exhaustive(source, grid, window, -1.0));
+}
+
+TEST(BranchAndBound, IsExactWithMorePointsThanOneSumHolds) {
+  Rng rng(11);
+  const auto grid = grid_of_strokes(rng);
+  const MaxPyramid pyramid(grid, 6, kUnknown);
+  Points source;
+  for (int i = 0; i < 1500; ++i)
+    source.emplace_back(rng.uniform(-2.0, 2.0), rng.uniform(-2.0, 2.0));
+  const SearchWindow window{{0.1, -0.2, 0.3}, 0.6, 0.1};
+  const auto slow = search_exhaustive(source, grid, window, -1.0);
+  const auto fast = search_branch_and_bound(source, pyramid, window, -1.0);
+  EXPECT_EQ(fast.score, slow.score);
+  EXPECT_TRUE(test::pose_near(fast.target_T_source, slow.target_T_source, 1e-9, 1e-9));
+}
+
 TEST(BranchAndBound, TiesGoToTheFirstHeadingRowAndColumn) {
   Grid<std::uint8_t> flat(
       GridFrame{.origin = {-5.0, -5.0}, .resolution = 0.1, .columns = 100, .rows = 100}, 150);
