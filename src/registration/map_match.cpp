@@ -129,6 +129,25 @@ MatchResult polished(const Points& points, const MapField& field, const MatchRes
   return best;
 }
 
+/// With every point of the scan, from headings to either side as well: the last hundredths of a degree.
+MatchResult finished(const Points& points, const MapField& field, const MatchResult& match) {
+  constexpr double kTurnRad = 0.015;
+  const double width = FieldMatchOptions{}.kernel_width_m;
+  MatchResult best = match;
+  double best_cost = field_cost(points, field, 0, match.target_T_source, width).cost;
+  for (const double turn : {0.0, -kTurnRad, kTurnRad}) {
+    Pose2 start = match.target_T_source;
+    start.yaw = wrap_angle(start.yaw + turn);
+    const MatchResult other = match_to_field(points, field, start, {}, 0);
+    const double cost = field_cost(points, field, 0, other.target_T_source, width).cost;
+    if (other.status == MatchStatus::kTooFewPairs || !(cost <= best_cost)) continue;
+    best = other;
+    best_cost = cost;
+  }
+  best.score = match.score;
+  return best;
+}
+
 }  // namespace
 
 MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& map,
@@ -185,6 +204,8 @@ MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& 
   }
   if (distinct.size() > static_cast<std::size_t>(options.poses_max))
     distinct.resize(static_cast<std::size_t>(options.poses_max));
+  if (!distinct.empty())
+    distinct[0] = finished(Points(source.begin(), source.end()), map.field(), distinct[0]);
   result.poses = std::move(distinct);
   return result;
 }
