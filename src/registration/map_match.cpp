@@ -1,6 +1,7 @@
 #include "loopstone/registration/map_match.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "loopstone/geometry/angle.hpp"
@@ -93,57 +94,94 @@ bool is_clear(const MapField& field, const Eigen::Vector2d& laser, const Eigen::
   return true;
 }
 
+/// Is the wall that the point lies on seen from its other side, so that what lies in front of the point is the wall itself? A
+/// thin wall's two faces look alike but for that. Looks along the normal, as a beam may graze the wall.
+bool is_behind_wall(const MapField& field, const Eigen::Vector2d& laser,
+                    const Eigen::Vector2d& point, const Eigen::Vector2d& gradient) {
+  constexpr double kClearGradient = 0.3;  // in the middle of a wall's cell there is none
+  const double steepness = gradient.norm();
+  if (steepness < kClearGradient) return false;
+  Eigen::Vector2d normal = gradient / steepness;
+  if (normal.dot(laser - point) < 0.0) normal = -normal;
+  const Grid<float>& distances = field.distances();
+  const double cell_m = distances.frame().resolution;
+  // Beyond the face's own cell, wherever in it the face is.
+  for (const double cells : {1.2, 2.2, 3.2}) {
+    const Cell cell = distances.frame().cell_of(point + cells * cell_m * normal);
+    if (distances.frame().contains(cell) && static_cast<double>(distances[cell]) < 0.5 * cell_m) {
+      return true;
+    }
+  }
+  return false;
+}
+
 /// Share of the points that are on a wall and in sight of the laser.
 double explained_share(std::span<const Eigen::Vector2d> source, const MapField& field,
                        const Pose2& map_T_source) {
   double sum = 0.0;
   for (const auto& point : source) {
     const Eigen::Vector2d on_map = map_T_source * point;
-    const double ratio = field.sample(0, on_map).distance_m / kOnWallM;
+    const FieldSample sample = field.sample(0, on_map);
+    const double ratio = sample.distance_m / kOnWallM;
     const double on_wall = std::exp(-0.5 * ratio * ratio);
-    if (on_wall > 0.05 && is_clear(field, map_T_source.translation(), on_map)) sum += on_wall;
+    if (on_wall < 0.05) continue;
+    const Eigen::Vector2d laser = map_T_source.translation();
+    if (is_behind_wall(field, laser, on_map, sample.gradient) || !is_clear(field, laser, on_map))
+      continue;
+    sum += on_wall;
   }
   return sum / static_cast<double>(source.size());
 }
 
-/// The lattice is coarse, and between furniture the field has more than one valley: the best of what is found from all around.
+/// The best of a match and of what is found from other starts: by the share of points explained, or by cost where that is
+/// much the same.
+MatchResult best_from(const Points& points, const MapField& field, const MatchResult& match,
+                      std::span<const Pose2> starts) {
+  constexpr double kSameShare = 0.01;
+  constexpr double kSamePoseM = 0.01;
+  constexpr double kWorthALook = 1.5;
+  const auto cost_at = [&](const Pose2& pose) {
+    return field_cost(points, field, 0, pose, FieldMatchOptions{}.kernel_width_m).cost;
+  };
+  MatchResult best = match;
+  best.score = explained_share(points, field, best.target_T_source);
+  double best_cost = cost_at(best.target_T_source);
+  for (const Pose2& start : starts) {
+    MatchResult other = match_to_field(points, field, start, {}, 0);
+    if (other.status == MatchStatus::kTooFewPairs) continue;
+    const double cost = cost_at(other.target_T_source);
+    if (cost > kWorthALook * best_cost) continue;
+    const bool moved =
+        (other.target_T_source.translation() - best.target_T_source.translation()).norm() >
+        kSamePoseM;
+    other.score = moved || cost < best_cost ? explained_share(points, field, other.target_T_source)
+                                            : best.score;
+    const double gain = other.score - best.score;
+    if (gain < -kSameShare || (gain <= kSameShare && !(cost < best_cost))) continue;
+    best = other;
+    best_cost = cost;
+  }
+  return best;
+}
+
+/// The lattice is coarse, and between furniture the field has more than one valley: looks all around.
 MatchResult polished(const Points& points, const MapField& field, const MatchResult& match) {
   const Pose2& middle = match.target_T_source;
-  MatchResult best = match;
-  const auto cost_at = [&](const MatchResult& at) {
-    return field_cost(points, field, 0, at.target_T_source, FieldMatchOptions{}.kernel_width_m)
-        .cost;
-  };
-  double best_cost = cost_at(match);
+  std::vector<Pose2> starts;
   for (const double x : {-kPolishM, 0.0, kPolishM}) {
-    for (const double y : {-kPolishM, 0.0, kPolishM}) {
-      const MatchResult other =
-          match_to_field(points, field, {middle.x + x, middle.y + y, middle.yaw}, {}, 0);
-      const double cost = cost_at(other);
-      if (other.status == MatchStatus::kTooFewPairs || !(cost < best_cost)) continue;
-      best = other;
-      best_cost = cost;
-    }
+    for (const double y : {-kPolishM, 0.0, kPolishM})
+      starts.push_back({middle.x + x, middle.y + y, middle.yaw});
   }
-  best.score = explained_share(points, field, best.target_T_source);
-  return best;
+  return best_from(points, field, match, starts);
 }
 
 /// With every point of the scan, from headings to either side as well: the last hundredths of a degree.
 MatchResult finished(const Points& points, const MapField& field, const MatchResult& match) {
   constexpr double kTurnRad = 0.015;
-  const double width = FieldMatchOptions{}.kernel_width_m;
-  MatchResult best = match;
-  double best_cost = field_cost(points, field, 0, match.target_T_source, width).cost;
-  for (const double turn : {0.0, -kTurnRad, kTurnRad}) {
-    Pose2 start = match.target_T_source;
-    start.yaw = wrap_angle(start.yaw + turn);
-    const MatchResult other = match_to_field(points, field, start, {}, 0);
-    const double cost = field_cost(points, field, 0, other.target_T_source, width).cost;
-    if (other.status == MatchStatus::kTooFewPairs || !(cost <= best_cost)) continue;
-    best = other;
-    best_cost = cost;
-  }
+  const Pose2& middle = match.target_T_source;
+  const std::array starts{middle, Pose2{middle.x, middle.y, wrap_angle(middle.yaw - kTurnRad)},
+                          Pose2{middle.x, middle.y, wrap_angle(middle.yaw + kTurnRad)}};
+  MatchResult best = best_from(points, field, match, starts);
   best.score = match.score;
   return best;
 }
