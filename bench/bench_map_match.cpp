@@ -1,13 +1,15 @@
 // Finds scans on maps, from no guess and from bad ones: how often the answer is right, how often a wrong one is called sure,
 // and how long a scan takes on one core.
-//   bench_map_match [--json OUT] [--trials N] [--only NAME]
+//   bench_map_match [--json OUT] [--trials N] [--only NAME] [--verbose 1]
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -69,7 +71,7 @@ struct Task {
   int trials = 1;
 };
 
-nlohmann::json measure(const Task& task) {
+nlohmann::json measure(const Task& task, bool verbose) {
   int right = 0;
   int sure = 0;
   int sure_right = 0;
@@ -118,7 +120,7 @@ nlohmann::json measure(const Task& task) {
         errors_m.push_back(std::hypot(pose.x - truth.x, pose.y - truth.y));
         errors_deg.push_back(degrees(std::abs(wrap_angle(pose.yaw - truth.yaw))));
       }
-      if (std::getenv("VERBOSE") != nullptr && (!correct || !match.sure)) {
+      if (verbose && (!correct || !match.sure)) {
         std::printf("%s seed %d trial %d truth %.2f %.2f %.2f points %zu %s %s:", task.name.c_str(),
                     seed, trial, truth.x, truth.y, truth.yaw, scan.size(),
                     correct ? "right" : "WRONG", match.sure ? "SURE" : "unsure");
@@ -137,7 +139,7 @@ nlohmann::json measure(const Task& task) {
   const auto trials = static_cast<double>(task.trials);
   return {{"name", task.name},
           {"trials", task.trials},
-          {"correct_share", sure > 0 ? static_cast<double>(sure_right) / sure : 0.0},
+          {"correct_share", sure > 0 ? static_cast<double>(sure_right) / sure : 1.0},
           {"wrong_called_sure", (sure - sure_right) / trials},
           {"sure_share", sure / trials},
           {"best_correct_share", right / trials},
@@ -158,11 +160,13 @@ int main(int argc, char** argv) {
   std::string json_path;
   std::string only;
   int trials = 500;
+  bool verbose = false;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string flag = argv[i];
     if (flag == "--json") json_path = argv[i + 1];
     if (flag == "--trials") trials = std::max(1, std::atoi(argv[i + 1]));
     if (flag == "--only") only = argv[i + 1];
+    if (flag == "--verbose") verbose = std::string(argv[i + 1]) == "1";
   }
   const int fewer = std::max(1, trials / 5);
   const std::vector<loopstone::Task> tasks{
@@ -177,7 +181,7 @@ int main(int argc, char** argv) {
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& task : tasks) {
     if (!only.empty() && task.name.find(only) == std::string::npos) continue;
-    rows.push_back(loopstone::measure(task));
+    rows.push_back(loopstone::measure(task, verbose));
     std::printf("%s\n", rows.back().dump().c_str());
     std::fflush(stdout);
   }

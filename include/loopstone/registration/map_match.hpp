@@ -40,7 +40,7 @@ void visit_options(MapSearchOptions& options, Visitor&& visit) {
 class MapSearch {
  public:
   /// \param occupancy  in percent, -1 unknown, as nav_msgs/OccupancyGrid has it
-  /// Cost and memory: about 25 ns and 6 bytes a cell of the map.
+  /// Cost and memory: about 50 ns and 7 bytes a cell of the map.
   explicit MapSearch(const Grid<std::int8_t>& occupancy, const MapSearchOptions& options = {});
 
   [[nodiscard]] const MapField& field() const { return field_; }
@@ -107,7 +107,7 @@ struct MapMatch {
 /// \param window  of the pose of that frame on the map; none: the whole map
 /// \return the best few distinct poses. Nothing is dropped silently: a lattice pose that scores within 0.12 of the best is
 ///         refined, unless it is one of more than 64 distinct ones, and then the match isn't called sure.
-/// Cost: about 0.1 to 0.3 s for 10,000 m2 and a 270 deg scan, a few ms for a window of metres. Deterministic. Thread-safe.
+/// Cost: about 0.3 s (0.8 at most) for 10,000 m2 and 1081 beams, 6 ms for a window of 1 m and 50 deg. Deterministic. Thread-safe.
 /// Source: Olson 2009; Hess et al. 2016, section V; Kohlbrecher et al. 2011 for the refinement.
 [[nodiscard]] MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& map,
                                     const std::optional<SearchWindow>& window = {},
