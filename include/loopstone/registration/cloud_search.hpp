@@ -45,7 +45,10 @@ class CloudModel {
   [[nodiscard]] const DistanceField<kDimension>& field() const { return field_; }
 
  private:
-  CloudModel(const std::vector<Point>& finite, int);
+  struct Finite {
+    std::vector<Point> points;
+  };
+  explicit CloudModel(const Finite& finite);
 
   PrincipalFrame<kDimension> frame_;
   PrincipalFrame<kDimension> upright_frame_;
@@ -60,7 +63,7 @@ struct CloudSearchOptions {
   int starts = 256;
   /// So many source points stand for the cloud while all starts are tried; four times as many for the best of them.
   int points = 80;
-  /// The share of the source that the model holds; the rest, the points farthest from it, is left out. 1: all.
+  /// The share of the source's surface that the model holds; the rest, the points farthest from it, is left out. 1: all.
   double overlap = 1.0;
   /// Another pose whose rmse is less than so many times the best one's fits as well: the answer is ambiguous.
   double rival_ratio = 1.1;
@@ -107,8 +110,8 @@ struct CloudSearchResult {
       false;  ///< the runner-up fits as well: a symmetric shape, or too small a part of it
 };
 
-/// Aligns a cloud, which may be a part of the model alone, to the model from no guess at all: lays the source's centroid on
-/// the model's with many rotations, lets each start slide down the model's distance field by Gauss-Newton with few points, drops the worse
+/// Aligns a cloud, which may be a part of the model alone, to the model from no guess at all: lays the source on the
+/// model with many turns, in the two most promising of many places each, lets each start slide down the model's distance field by Gauss-Newton with few points, drops the worse
 /// ones as it goes, and refines the best distinct ones with all points against exact nearest points, to the minimum of
 ///
 ///   rmse^2 = mean over source points of |T p_i - nearest model point|^2   (over the closest `overlap` of them)
