@@ -97,7 +97,7 @@ class KdTree {
   }
 
  private:
-  static constexpr std::int32_t kLeafSize = 8;
+  static constexpr std::int32_t kLeafSize = 12;
 
   struct Entry {
     Point point;
