@@ -4,7 +4,6 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(fmt REQUIRED)
-find_package(nanoflann REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(yaml-cpp REQUIRED)
@@ -29,4 +28,4 @@ set(LOOPSTONE_LINKED_LIBRARIES
     PkgConfig::loopstone_cairo)
 
 # Header-only libraries, needed only while building.
-set(LOOPSTONE_HEADER_LIBRARIES nanoflann::nanoflann nlohmann_json::nlohmann_json)
+set(LOOPSTONE_HEADER_LIBRARIES nlohmann_json::nlohmann_json)

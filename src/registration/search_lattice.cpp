@@ -7,16 +7,6 @@
 
 namespace loopstone {
 
-namespace {
-
-/// The same as std::floor for values that fit, without a call.
-std::int32_t floor_to_int(double value) {
-  const auto whole = static_cast<std::int32_t>(value);
-  return whole - static_cast<std::int32_t>(static_cast<double>(whole) > value);
-}
-
-}  // namespace
-
 Pose2 SearchLattice::pose_at(std::size_t heading, int column, int row) const {
   const Pose2 rotation{0.0, 0.0, headings[heading]};
   const Eigen::Vector2d moved_pivot = pivot_in_target + resolution_m * Eigen::Vector2d(column, row);

@@ -21,7 +21,6 @@ THIRD_PARTY = {
     "Eigen/": ANY_PART,
     "unsupported/Eigen/": ANY_PART,
     "fmt/": ANY_PART,
-    "nanoflann.hpp": ANY_PART,
     "oneapi/tbb": ANY_PART,
     "tbb/": ANY_PART,
     "nlohmann/": FILE_PARTS | {"apps"},

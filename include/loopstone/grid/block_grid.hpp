@@ -24,7 +24,7 @@ class BlockGrid {
   [[nodiscard]] double resolution_m() const { return resolution_m_; }
 
   [[nodiscard]] Cell cell_of(double x, double y) const {
-    return {static_cast<int>(std::floor(x * inverse_)), static_cast<int>(std::floor(y * inverse_))};
+    return {floor_to_int(x * inverse_), floor_to_int(y * inverse_)};
   }
   [[nodiscard]] Eigen::Vector2d centre_of(Cell cell) const {
     return {(cell.column + 0.5) * resolution_m_, (cell.row + 0.5) * resolution_m_};
