@@ -26,6 +26,8 @@ struct Arguments {
   std::optional<double> search_yaw_rad;
   bool global = false;
   int sweep_yaw = 0;
+  double source_scale = 1.0;
+  double target_scale = 1.0;
   std::string png;
   std::string aligned;
   std::vector<std::string> require;
@@ -51,7 +53,8 @@ Examples:
   loopstone match sim#120 sim#119 --target-pose 4,3,0.5                      and where that leads in the world
   loopstone match sim#120 map.yaml --initial 4,3,0 --search-xy 5 --search-yaw 3.15   from a guess that is wrong by metres
   loopstone match sim#120 map.yaml --global --png where.png                  from no guess at all
-  loopstone match scan.ply model.mat --sweep-yaw 36 --aligned scan_on_model.ply)";
+  loopstone match part.npy model.mat --target-scale 0.001 --global           a partial cloud to a model in millimetres
+  loopstone match a.ply b.pcd --initial centroids --sweep-yaw 36 --aligned a_on_b.ply)";
 
 std::vector<double> parse_numbers(const std::string& flag, const std::string& text) {
   std::vector<double> numbers;
@@ -137,6 +140,31 @@ void check_pair(const MatchInput& source, const MatchInput& target, const Argume
   }
 }
 
+/// Coordinates in other units than metres.
+void scale(MatchInput& input, const std::string& flag, double factor) {
+  if (factor == 1.0) return;
+  if (!input.cloud) throw UsageError(flag + " is for point clouds; '" + input.name + "' is none");
+  for (Eigen::Vector3d& point : input.cloud->points) point *= factor;
+}
+
+/// Two clouds of very different size hardly show the same thing in the same unit.
+void warn_of_units(const MatchInput& source, const MatchInput& target, const AppContext& context) {
+  if (!source.cloud || !target.cloud) return;
+  const double ratio = cloud_extent<3>(target.points3()).radius_m /
+                       std::max(cloud_extent<3>(source.points3()).radius_m, 1e-12);
+  if (ratio > 50.0) {
+    context.warn(
+        fmt::format("the target is {:.0f} times larger than the source; if it is in "
+                    "millimetres: --target-scale 0.001",
+                    ratio));
+  } else if (ratio < 1.0 / 50.0) {
+    context.warn(
+        fmt::format("the source is {:.0f} times larger than the target; if it is in "
+                    "millimetres: --source-scale 0.001",
+                    1.0 / ratio));
+  }
+}
+
 template <int kDimension>
 void write_png(const Arguments& arguments, const MatchInput& source, const MatchInput& target,
                const std::vector<Eigen::Matrix<double, kDimension, 1>>& source_points,
@@ -149,6 +177,7 @@ void write_png(const Arguments& arguments, const MatchInput& source, const Match
   if (target.map) scene.map = &*target.map;
   scene.guess_target_T_source = outcome.guess;
   scene.target_T_source = outcome.match.target_T_source;
+  if (arguments.global) scene.before = "before: no guess";
   scene.after = fmt::format("after: {}, {:.0f} % explained", to_string(outcome.match.status),
                             100.0 * outcome.match.score);
   scene.shows_robot = source.scan.has_value();
@@ -219,9 +248,12 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
     if (text != "converged") (void)parse_bound(text);
   }
   (void)context.load_options<MatchSettings<2>>();
-  const MatchInput source = read_match_input(arguments.source, context);
-  const MatchInput target = read_match_input(arguments.target, context);
+  MatchInput source = read_match_input(arguments.source, context);
+  MatchInput target = read_match_input(arguments.target, context);
+  scale(source, "--source-scale", arguments.source_scale);
+  scale(target, "--target-scale", arguments.target_scale);
   check_pair(source, target, arguments);
+  warn_of_units(source, target, context);
   const Result result = source.planar() ? run_in<2>(arguments, source, target, context)
                                         : run_in<3>(arguments, source, target, context);
   const std::vector<std::string> missed = missed_demands(arguments, result);
@@ -269,6 +301,15 @@ void add_match_command(CLI::App& app, AppContext& context) {
       ->add_option("--target-pose", arguments->target_pose,
                    "where the target stands in the world; prints world_T_source, too")
       ->type_name("X,Y,YAW");
+  for (const bool is_source : {true, false}) {
+    command
+        ->add_option(is_source ? "--source-scale" : "--target-scale",
+                     is_source ? arguments->source_scale : arguments->target_scale,
+                     "coordinates of that cloud times this are metres; 0.001 for millimetres")
+        ->type_name("FACTOR")
+        ->check(CLI::Range(1e-9, 1e9))
+        ->capture_default_str();
+  }
   command->add_option("--png", arguments->png, "picture of before and after")
       ->type_name("FILE.png");
   command

@@ -57,8 +57,7 @@ void search_clouds(MatchOutcome<kDimension>& outcome,
                                                 settings.cloud_search, request.threads);
   outcome.match = outcome.search->match;
   outcome.method = "search";
-  outcome.guess = centroid_guess<kDimension>(
-      outcome.source, cloud_extent<kDimension>(std::span<const Point>(target)));
+  outcome.guess = initial_guess<kDimension>(IcpGuess::kCentroids, source, target);
 }
 
 /// ICP from the guess; `auto` without one begins at the identity and at the centroids, takes the better, and searches when
@@ -69,7 +68,6 @@ void match_clouds(MatchOutcome<kDimension>& outcome,
                   const std::vector<Eigen::Matrix<double, kDimension, 1>>& target,
                   const MatchRequest<kDimension>& request,
                   const MatchSettings<kDimension>& settings) {
-  using Point = Eigen::Matrix<double, kDimension, 1>;
   using Pose = typename RigidMotion<kDimension>::Pose;
   if (request.global) return search_clouds(outcome, source, target, request, settings);
 
@@ -81,8 +79,7 @@ void match_clouds(MatchOutcome<kDimension>& outcome,
   const Matcher<kDimension> matcher = [&](const Pose& guess) {
     return match_icp<kDimension>(source_cloud, target_cloud, guess, icp);
   };
-  const Pose centroids = centroid_guess<kDimension>(
-      outcome.source, cloud_extent<kDimension>(std::span<const Point>(target)));
+  const Pose centroids = initial_guess<kDimension>(IcpGuess::kCentroids, source, target);
   const bool guessed = request.from_centroids || request.initial;
   const bool free = request.method == "auto" && !guessed && request.sweep_yaw == 0;
   const bool at_centroids = request.from_centroids || (!guessed && request.sweep_yaw > 0);

@@ -34,9 +34,9 @@ struct Plane {
   }
 };
 
-Pose2 first_guess(const Plane& plane, const MatchOutcome<2>& outcome) {
+Pose2 first_guess(const Plane& plane) {
   if (!plane.request.from_centroids) return plane.request.initial.value_or(Pose2{});
-  return centroid_guess<2>(outcome.source, cloud_extent<2>(plane.target_points));
+  return initial_guess<2>(IcpGuess::kCentroids, plane.source_points, plane.target_points);
 }
 
 ScanView view_of(const LogScan& scan) {
@@ -61,7 +61,7 @@ void match_two_scans(MatchOutcome<2>& outcome, const Plane& plane) {
   const Matcher<2> matcher = [&](const Pose2& guess) {
     return match_scans(source, target, guess, options);
   };
-  match_from_starts<2>(outcome, request, {first_guess(plane, outcome)}, matcher);
+  match_from_starts<2>(outcome, request, {first_guess(plane)}, matcher);
   outcome.method = "scans";
 }
 
@@ -78,7 +78,7 @@ void match_on_surfaces(MatchOutcome<2>& outcome, const Plane& plane) {
   const Matcher<2> matcher = [&](const Pose2& guess) {
     return match_to_grid(source, grid, guess, {}, plane.settings.grid, grid.level_count() - 1);
   };
-  match_from_starts<2>(outcome, plane.request, {first_guess(plane, outcome)}, matcher);
+  match_from_starts<2>(outcome, plane.request, {first_guess(plane)}, matcher);
   outcome.method = "grid";
 }
 
@@ -88,7 +88,7 @@ void match_on_field(MatchOutcome<2>& outcome, const Plane& plane) {
   const Matcher<2> matcher = [&](const Pose2& guess) {
     return match_to_field(plane.source_points, field, guess, plane.settings.field);
   };
-  match_from_starts<2>(outcome, plane.request, {first_guess(plane, outcome)}, matcher);
+  match_from_starts<2>(outcome, plane.request, {first_guess(plane)}, matcher);
   outcome.method = "grid";
 }
 
@@ -111,7 +111,7 @@ void search_map(MatchOutcome<2>& outcome, const Plane& plane) {
   Points2 points;
   for (const Eigen::Vector2d& point : plane.source_points) points.push_back(lidar_T_robot * point);
 
-  outcome.guess = first_guess(plane, outcome);
+  outcome.guess = first_guess(plane);
   outcome.method = "correlative";
   const bool anywhere =
       plane.request.global || (!plane.request.initial && !plane.request.searches());
@@ -141,7 +141,7 @@ void search_points(MatchOutcome<2>& outcome, const Plane& plane) {
   const double cell_m = scans ? 0.05 : std::max(kCellShare * target.radius_m, 1e-6);
   const MaxPyramid pyramid(surface_cells(plane.target_points, cell_m, 2.0 * cell_m), kLevels,
                            kUnknown);
-  outcome.guess = first_guess(plane, outcome);
+  outcome.guess = first_guess(plane);
   outcome.method = "correlative";
   SearchWindow window = plane.window(outcome.guess);
   if (plane.request.global) window = {window.centre, 2.0 * target.radius_m, kPi};

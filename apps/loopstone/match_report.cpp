@@ -53,34 +53,40 @@ Json rows_of(const Matrix& matrix) {
   return rows;
 }
 
-std::string text_of(const Pose2& pose) {
-  return fmt::format("x {:9.4f} m   y {:9.4f} m   yaw {:9.4f} deg", pose.x, pose.y,
-                     degrees(pose.yaw));
+/// -0.00003 prints as 0.0000.
+double shown(double value) { return std::abs(value) < 5e-5 ? 0.0 : value; }
+
+void add_pose_rows(Result& result, std::string_view label, const Pose2& pose) {
+  result.add_row(label, fmt::format("x {:9.4f} m   y {:9.4f} m   yaw {:9.4f} deg", shown(pose.x),
+                                    shown(pose.y), shown(degrees(pose.yaw))));
 }
 
-std::string text_of(const Pose3& pose) {
+void add_pose_rows(Result& result, std::string_view label, const Pose3& pose) {
   const Eigen::Vector3d& t = pose.translation;
   const Eigen::Vector3d turns = to_roll_pitch_yaw(pose);
-  return fmt::format(
-      "x {:9.4f} m   y {:9.4f} m   z {:9.4f} m   roll {:9.4f} deg   pitch {:9.4f} deg   yaw "
-      "{:9.4f} deg",
-      t.x(), t.y(), t.z(), degrees(turns.x()), degrees(turns.y()), degrees(turns.z()));
+  result
+      .add_row(label, fmt::format("x {:9.4f} m    y {:9.4f} m      z {:9.4f} m", shown(t.x()),
+                                  shown(t.y()), shown(t.z())))
+      .add_row(label, fmt::format("roll {:6.2f} deg  pitch {:6.2f} deg  yaw {:6.2f} deg",
+                                  shown(degrees(turns.x())), shown(degrees(turns.y())),
+                                  shown(degrees(turns.z()))));
 }
 
 template <int kDimension>
-std::string sigmas_of(const BasicMatchResult<kDimension>& match) {
+void add_sigma_rows(Result& result, const BasicMatchResult<kDimension>& match) {
   const auto sigma = [&](Eigen::Index i) {
     return std::sqrt(std::max(match.covariance(i, i), 0.0));
   };
   if constexpr (kDimension == 2) {
-    return fmt::format("x {:9.2f} mm  y {:9.2f} mm  yaw {:9.4f} deg", 1e3 * sigma(0),
-                       1e3 * sigma(1), degrees(sigma(2)));
+    result.add_row("sigma", fmt::format("x {:9.2f} mm  y {:9.2f} mm  yaw {:9.4f} deg",
+                                        1e3 * sigma(0), 1e3 * sigma(1), degrees(sigma(2))));
   } else {
-    return fmt::format(
-        "x {:9.2f} mm  y {:9.2f} mm  z {:9.2f} mm  about x {:6.4f} deg   about y {:7.4f} deg   "
-        "about z {:6.4f} deg",
-        1e3 * sigma(0), 1e3 * sigma(1), 1e3 * sigma(2), degrees(sigma(3)), degrees(sigma(4)),
-        degrees(sigma(5)));
+    result
+        .add_row("sigma", fmt::format("x {:9.2f} mm   y {:9.2f} mm     z {:9.2f} mm",
+                                      1e3 * sigma(0), 1e3 * sigma(1), 1e3 * sigma(2)))
+        .add_row("sigma of turns",
+                 fmt::format("about x {:.4f} deg, y {:.4f} deg, z {:.4f} deg", degrees(sigma(3)),
+                             degrees(sigma(4)), degrees(sigma(5))));
   }
 }
 
@@ -94,7 +100,7 @@ std::string open_direction(const BasicMatchResult<kDimension>& match, double rad
   if constexpr (kDimension == 2) {
     if (weakest.is_turn) return "the heading (" + size + ")";
     return fmt::format("along {:.1f} deg of the target's x axis ({})",
-                       degrees(std::atan2(d.y(), d.x())), size);
+                       std::abs(d.y()) < 1e-3 ? 0.0 : degrees(std::atan2(d.y(), d.x())), size);
   } else {
     return fmt::format("{} ({:.2f}, {:.2f}, {:.2f}) of the target ({})",
                        weakest.is_turn ? "the turn about" : "along", d.x(), d.y(), d.z(), size);
@@ -193,12 +199,12 @@ Result report_match(const MatchInput& source, const MatchInput& target,
       .add_json("status", to_string(match.status))
       .add_row("status", status_text(match.status))
       .add_json("initial", json_of(outcome.guess))
-      .add_row("initial", text_of(outcome.guess))
       .add_json("target_T_source", json_of(match.target_T_source))
       .add_json("matrix", matrix_of(match.target_T_source))
-      .add_row("target_T_source", text_of(match.target_T_source))
-      .add_json("covariance", rows_of(match.covariance))
-      .add_row("sigma", sigmas_of(match));
+      .add_json("covariance", rows_of(match.covariance));
+  add_pose_rows(result, "initial", outcome.guess);
+  add_pose_rows(result, "target_T_source", match.target_T_source);
+  add_sigma_rows(result, match);
   if (match.status == MatchStatus::kDegenerate)
     result.add_row("least known", open_direction(match, outcome.source.radius_m));
   result.add_json("rmse_m", match.rmse_m)
@@ -223,7 +229,8 @@ void add_world_pose(Result& result, const Pose2& world_T_target, const MatchResu
       compound({world_T_target}, {match.target_T_source, match.covariance});
   result.add_json("world_T_source", json_of(world_T_source.pose))
       .add_json("world_covariance", rows_of(world_T_source.covariance))
-      .add_row("world_T_source", text_of(world_T_source.pose));
+      .add_json("world_T_target", json_of(world_T_target));
+  add_pose_rows(result, "world_T_source", world_T_source.pose);
 }
 
 template Result report_match<2>(const MatchInput&, const MatchInput&, const MatchOutcome<2>&);

@@ -8,6 +8,7 @@
 #include "loopstone/registration/field_match.hpp"
 #include "loopstone/registration/grid_matcher.hpp"
 #include "loopstone/registration/icp.hpp"
+#include "loopstone/registration/icp_guess.hpp"
 #include "loopstone/registration/map_match.hpp"
 #include "loopstone/registration/match_sweep.hpp"
 #include "loopstone/registration/scan_matcher.hpp"

@@ -49,7 +49,7 @@ class ScanPicker {
     const bool beyond = scan.scan.stamp >= wanted();
     if (!found_ || distance(scan.scan.stamp) < distance(found_->scan.stamp))
       found_ = std::move(scan);
-    return beyond;
+    return beyond && distance(found_->scan.stamp) <= kNearEnough;
   }
 
   [[nodiscard]] LogScan result() && {

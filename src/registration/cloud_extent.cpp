@@ -30,18 +30,11 @@ CloudExtent<kDimension> cloud_extent(std::span<const Eigen::Matrix<double, kDime
   return extent;
 }
 
-template <int kDimension>
-typename RigidMotion<kDimension>::Pose centroid_guess(const CloudExtent<kDimension>& source,
-                                                      const CloudExtent<kDimension>& target) {
-  using Motion = RigidMotion<kDimension>;
-  return Motion::pose(Motion::Matrix::Identity(), target.centre - source.centre);
-}
-
 IcpOptions icp_options_for_radius(double radius_m) {
   IcpOptions options;
   const double scale = std::max(radius_m, 1e-4) / kRoomRadiusM;
-  options.max_pair_distance_m = std::max(0.5 * radius_m, 0.5 * scale);
-  options.final_pair_distance_m = 0.5 * scale;
+  options.max_pair_distance_m *= scale;
+  options.final_pair_distance_m *= scale;
   options.kernel_width_m *= scale;
   options.point_sigma_m *= scale;
   options.tolerance_m *= scale;
@@ -60,8 +53,6 @@ IcpCloudOptions<kDimension> icp_cloud_options_for_radius(double radius_m) {
 
 template CloudExtent<2> cloud_extent<2>(std::span<const Eigen::Vector2d>);
 template CloudExtent<3> cloud_extent<3>(std::span<const Eigen::Vector3d>);
-template Pose2 centroid_guess<2>(const CloudExtent<2>&, const CloudExtent<2>&);
-template Pose3 centroid_guess<3>(const CloudExtent<3>&, const CloudExtent<3>&);
 template IcpCloudOptions<2> icp_cloud_options_for_radius<2>(double);
 template IcpCloudOptions<3> icp_cloud_options_for_radius<3>(double);
 

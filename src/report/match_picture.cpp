@@ -103,9 +103,9 @@ Prepared<kDimension> prepare(const MatchScene<kDimension>& scene, double far_m) 
   prepared.far_m = far_m;
   if (far_m <= 0.0) {
     std::vector<double> sorted = prepared.residuals_m;
-    const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 9 / 10);
+    const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), at, sorted.end());
-    prepared.far_m = std::isfinite(*at) ? round_up(std::max(2.0 * *at, 1e-6)) : 1.0;
+    prepared.far_m = std::isfinite(*at) ? round_up(std::max(6.0 * *at, 1e-6)) : 1.0;
   }
   return prepared;
 }

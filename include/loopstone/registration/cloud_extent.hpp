@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/registration/icp.hpp"
 
 namespace loopstone {
@@ -21,14 +20,8 @@ template <int kDimension>
 [[nodiscard]] CloudExtent<kDimension> cloud_extent(
     std::span<const Eigen::Matrix<double, kDimension, 1>> points);
 
-/// The guess that lays one centroid on the other and turns nothing: target_T_source.
-template <int kDimension>
-[[nodiscard]] typename RigidMotion<kDimension>::Pose centroid_guess(
-    const CloudExtent<kDimension>& source, const CloudExtent<kDimension>& target);
-
-/// Options for clouds of any size. The defaults of IcpOptions are made for rooms, whose radius is about 5 m; here every
-/// length but the largest pair distance, which is half the radius so that poor guesses are pulled in, keeps its ratio to
-/// the radius.
+/// Options for clouds of any size: the defaults of IcpOptions are made for rooms, whose radius is about 5 m; here every length
+/// keeps its ratio to the radius.
 [[nodiscard]] IcpOptions icp_options_for_radius(double radius_m);
 /// The same for the search of neighbours.
 template <int kDimension>
@@ -36,8 +29,6 @@ template <int kDimension>
 
 extern template CloudExtent<2> cloud_extent<2>(std::span<const Eigen::Vector2d>);
 extern template CloudExtent<3> cloud_extent<3>(std::span<const Eigen::Vector3d>);
-extern template Pose2 centroid_guess<2>(const CloudExtent<2>&, const CloudExtent<2>&);
-extern template Pose3 centroid_guess<3>(const CloudExtent<3>&, const CloudExtent<3>&);
 extern template IcpCloudOptions<2> icp_cloud_options_for_radius<2>(double);
 extern template IcpCloudOptions<3> icp_cloud_options_for_radius<3>(double);
 

@@ -28,7 +28,7 @@ struct MatchScene {
 
 struct MatchPictureOptions {
   int panel_px = 900;  ///< longer side of one picture; the whole has two in the plane, six in space
-  /// Residual that has the last colour; 0: twice what nine tenths of the source stay below, rounded.
+  /// Residual that has the last colour; 0: six times the median, rounded up.
   double far_m = 0.0;
 };
 

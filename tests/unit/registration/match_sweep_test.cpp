@@ -67,8 +67,6 @@ TEST(CloudExtent, CentreAndRadius) {
   EXPECT_EQ(extent.centre, Eigen::Vector2d(1, 1));
   EXPECT_DOUBLE_EQ(extent.radius_m, std::sqrt(2.0));
   EXPECT_EQ(cloud_extent<2>(std::vector<Eigen::Vector2d>{}).radius_m, 0.0);
-  const Pose2 guess = centroid_guess<2>(extent, {{4, 5}, 1});
-  EXPECT_EQ(guess.vector(), Eigen::Vector3d(3, 4, 0));
 }
 
 TEST(CloudExtent, OptionsScaleWithTheCloud) {
