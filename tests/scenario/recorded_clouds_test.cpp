@@ -1,4 +1,4 @@
-// Recorded clouds in space: partial views of objects against their models, a pair of outdoor scans with its true transform.
+// Recorded clouds in space: partial views of objects against their models, pairs of scans with their true transforms.
 
 #include <gtest/gtest.h>
 
@@ -61,6 +61,38 @@ TEST(RecordedClouds, DrillsAreFoundFromNoGuess) {
 
 TEST(RecordedClouds, BottlesAreFoundFromNoGuess) {
   expect_to_fit("liq_container", {0.001379, 0.001439, 0.001258, 0.001424});
+}
+
+/// Two scans that overlap in part, from no guess at all, against their true transform.
+void expect_to_overlap(const std::string& source, const std::string& target,
+                       const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+  const std::string folder = recorded_data("clouds");
+  if (folder.empty()) {
+    GTEST_SKIP() << "clouds is not among the recorded data; set LOOPSTONE_DATA";
+  }
+  CloudSearchOptions options;
+  options.overlap = 0.7;
+  const CloudModel<3> model(read_point_cloud(folder + "/" + target).points);
+  const auto found =
+      search_alignment<3>(read_point_cloud(folder + "/" + source).points, model, options);
+  const Pose3 truth{translation, Eigen::Quaterniond(rotation).normalized()};
+  EXPECT_EQ(found.match.status, MatchStatus::kConverged);
+  EXPECT_TRUE(pose_near(found.match.target_T_source * truth.inverse(), Pose3{}, 0.05, 0.01));
+}
+
+TEST(RecordedClouds, OutdoorScansAreFoundFromNoGuess) {
+  Eigen::Matrix3d rotation;
+  rotation << 0.999925, 0.0121483, -0.00177009, -0.0121523, 0.999924, -0.00228657, 0.00174218,
+      0.00230791, 0.999996;
+  expect_to_overlap("source.ply", "target.ply", rotation, {0.488882, 0.121214, -0.0253342});
+}
+
+TEST(RecordedClouds, ScansFromACarAreFoundFromNoGuess) {
+  Eigen::Matrix3d rotation;
+  rotation << 0.981715, 0.169605, -0.0864239, -0.152902, 0.973034, 0.172703, 0.113385, -0.15633,
+      0.981175;
+  expect_to_overlap("car_cloud401.csv", "car_cloud400.csv", rotation,
+                    {0.0614127, 0.191433, -0.0338571});
 }
 
 }  // namespace
