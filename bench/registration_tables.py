@@ -97,8 +97,9 @@ def real_tables(section):
         for row in log["rows"]:
             of = {figures["title"]: figures for figures in row["matchers"]}
             head = [row["case"], row["guess"]]
-            shares.append([*head, row["reference"], str(row["pairs"]), f"{row['motion_m']:.2f} m, {row['motion_deg']:.1f} deg",
-                           *[percent(of[name]["share"]) if name in of else "" for name in names]])
+            motion = f"{row['motion_m']:.2f} m, {row['motion_deg']:.1f} deg"
+            shares.append([*head, row["reference"], str(row["pairs"]), motion, 
+                           percent(of[name]["share"]) if name in of else "" for name in names]])
             if len(of) > 1:
                 medians.append([*head, *[f"{number(of[name]['median_mm'], 1)} mm, {number(of[name]['median_deg'], 2)} deg, "
                                          f"{number(of[name]['median_ms'], 2)} ms" for name in names[1:]]])
@@ -191,13 +192,15 @@ def clouds_table(section):
 
 
 def targets_of_clouds(figures):
-    found = [(f"{row['name']}: rmse, worst of {row['seeds']} seeds", f"<= {row['reference_mm']:.3f} mm",
-              f"{row['worst_rmse_mm']:.3f} mm", round(row["worst_rmse_mm"], 3) <= row["reference_mm"])  # as it was written down
-             for row in figures["rows"]]
-    peers_ms = sum(row["ms"] for row in figures["peers"] if row["peer"] == "small_gicp GICP")
-    if peers_ms > 0:
-        factor = peers_ms / sum(row["ms"] for row in figures["rows"])
-        found.append(("all clouds: times as long as ours that small_gicp's 36 starts take", f">= {CLOUD_FACTOR:.0f}",
+    found = []
+    for row in figures["rows"]:
+        worst, limit = row["worst_rmse_mm"], row["reference_mm"]  # the limit was written down with three digits
+        found.append((f"{row['name']}: rmse, worst of {row['seeds']} seeds", f"<= {limit:.3f} mm", f"{worst:.3f} mm",
+                      round(worst, 3) <= limit))
+    peers_ms = {row["name"]: row["ms"] for row in figures["peers"] if row["peer"] == "small_gicp GICP"}
+    if peers_ms:
+        factor = sum(peers_ms.values()) / sum(row["ms"] for row in figures["rows"] if row["name"] in peers_ms)
+        found.append(("all clouds: how many times as long small_gicp's starts take", f">= {CLOUD_FACTOR:.0f}",
                       f"{factor:.1f}", factor >= CLOUD_FACTOR))
     return found
 
