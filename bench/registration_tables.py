@@ -98,8 +98,8 @@ def real_tables(section):
             of = {figures["title"]: figures for figures in row["matchers"]}
             head = [row["case"], row["guess"]]
             motion = f"{row['motion_m']:.2f} m, {row['motion_deg']:.1f} deg"
-            shares.append([*head, row["reference"], str(row["pairs"]), motion, 
-                           percent(of[name]["share"]) if name in of else "" for name in names]])
+            shares.append([*head, row["reference"], str(row["pairs"]), motion,
+                           *[percent(of[name]["share"]) if name in of else "" for name in names]])
             if len(of) > 1:
                 medians.append([*head, *[f"{number(of[name]['median_mm'], 1)} mm, {number(of[name]['median_deg'], 2)} deg, "
                                          f"{number(of[name]['median_ms'], 2)} ms" for name in names[1:]]])
