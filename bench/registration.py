@@ -88,9 +88,10 @@ def main():
             sections[name] = {**circumstances, "figures": figures}
             kept.write_text(json.dumps(sections, indent=1))
 
-    for page, block, text in tables.blocks_of(sections):
+    for name, page, block, text in tables.blocks_of(sections):
         if arguments.quick:
-            print(f"\n{page}: {block}\n{text}")
+            if name in arguments.only:
+                print(f"\n{page}: {block}\n{text}")
         else:
             write_block(ROOT / page, block, text)
     print(tables.summary(sections))

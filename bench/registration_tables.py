@@ -89,6 +89,11 @@ def nees_table(section):
         table(header, rows)])
 
 
+def differences(figures):
+    return (f"{number(figures['median_mm'], 1)} mm, {number(figures['median_deg'], 2)} deg, "
+            f"{number(figures['median_ms'], 2)} ms")
+
+
 def real_tables(section):
     parts = [provenance(section)]
     for log in section["figures"]:
@@ -101,8 +106,7 @@ def real_tables(section):
             shares.append([*head, row["reference"], str(row["pairs"]), motion,
                            *[percent(of[name]["share"]) if name in of else "" for name in names]])
             if len(of) > 1:
-                medians.append([*head, *[f"{number(of[name]['median_mm'], 1)} mm, {number(of[name]['median_deg'], 2)} deg, "
-                                         f"{number(of[name]['median_ms'], 2)} ms" for name in names[1:]]])
+                medians.append([*head, *[differences(of[name]) for name in names[1:]]])
         parts += ["", f"**{log['title']}**: share that agrees [%].", "",
                   table(["scans", "guess", "reference", "pairs>", "median motion", *[name + ">" for name in names]], shares),
                   "", "Median difference from the reference of those that agree, and median time.", "",
@@ -113,7 +117,8 @@ def real_tables(section):
 def tracking_table(section):
     figures = section["figures"]
     rows = [[name, number(figures[key]["median"], digits), number(figures[key]["p95"], digits)]
-            for name, key, digits in [("match_to_grid [ms]", "match_ms", 3), ("surfaces of the scan [ms]", "surfaces_ms", 3),
+            for name, key, digits in [("match_to_grid [ms]", "match_ms", 3),
+                                      ("surfaces of the scan [ms]", "surfaces_ms", 3),
                                       ("error [mm]", "error_mm", 2), ("error [deg]", "error_deg", 3)]]
     return "\n".join([provenance(section, with_peers=False), "",
                       f"{figures['scans']} scans of {figures['beams']} beams.", "", table(["", "median>", "95 %>"], rows),
@@ -122,7 +127,8 @@ def tracking_table(section):
 
 def targets_of_tracking(figures):
     ms = figures["match_ms"]["median"]
-    return [("tracking on a submap's grid, 1081 beams: median CPU time", f"<= {TRACK_MS} ms", f"{ms:.3f} ms", ms <= TRACK_MS)]
+    return [("tracking on a submap's grid, 1081 beams: median CPU time", f"<= {TRACK_MS} ms", f"{ms:.3f} ms",
+             ms <= TRACK_MS)]
 
 
 def map_match_table(section):
@@ -141,8 +147,10 @@ def targets_of_map_match(rows):
     for row in rows:
         if row["name"].startswith("campus"):  # the map of 10,000 m2
             share, ms = row["best_correct_share"], row["max_ms"]
-            found += [(f"{row['name']}: best is right", f">= {percent(MAP_SHARE)} %", f"{percent(share, 2)} %", share >= MAP_SHARE),
-                      (f"{row['name']}: longest time on one core", f"<= {MAP_MS:.0f} ms", f"{ms:.0f} ms", ms <= MAP_MS)]
+            found += [(f"{row['name']}: best is right", f">= {percent(MAP_SHARE)} %", f"{percent(share, 2)} %",
+                       share >= MAP_SHARE),
+                      (f"{row['name']}: longest time on one core", f"<= {MAP_MS:.0f} ms", f"{ms:.0f} ms",
+                       ms <= MAP_MS)]
     return found
 
 
@@ -217,8 +225,9 @@ TARGETS = {"pairs": targets_of_pairs, "tracking": targets_of_tracking, "map_matc
 
 
 def blocks_of(sections):
-    """(page, block, text) of everything that the measured sections say."""
-    return [(page, block, write(sections[name])) for name, (page, block, write) in BLOCKS.items() if name in sections]
+    """(section, page, block, text) of everything that was measured."""
+    return [(name, page, block, write(sections[name]))
+            for name, (page, block, write) in BLOCKS.items() if name in sections]
 
 
 def summary(sections):

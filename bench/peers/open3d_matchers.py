@@ -6,7 +6,8 @@ bench/answers.hpp.
 
 Points have z = 0. Open3D's own normals take the axis along which a neighbourhood is thinnest, which would be z; so
 normals are fitted here in the plane to five neighbouring beams, in numpy, which takes a fraction of a millisecond.
-Generalized ICP makes its covariances from these normals. Time: CPU time of the process, from points to pose; the calls from Python cost about 0.05 ms of it.
+Generalized ICP makes its covariances from these normals. Time: CPU time of the process, from points to pose; the calls
+from Python cost about 0.05 ms of it.
 """
 import os
 import sys
