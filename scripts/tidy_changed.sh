@@ -16,7 +16,7 @@ base=${1:-${LOOPSTONE_TIDY_BASE:-}}
 all_sources() {
   local folder
   for folder in src apps examples fuzz bench tests; do
-    [[ -d $folder ]] && find "$folder" -name '*.cpp' -not -path 'tests/install/*' | sort
+    [[ -d $folder ]] && find "$folder" -name '*.cpp' -not -path 'tests/install/*' -not -path 'bench/peers/*' | sort
   done
   return 0
 }
