@@ -21,10 +21,8 @@
 #include "loopstone/odometry/trajectory.hpp"
 #include "pairs_file.hpp"
 
+namespace loopstone::bench {
 namespace {
-
-using namespace loopstone;
-using namespace loopstone::bench;
 
 /// Stamps of a log and of what refers to it agree to the last digit printed.
 constexpr Duration kSameStamp{100'000};
@@ -138,6 +136,7 @@ void make(char** argv) {
 }
 
 }  // namespace
+}  // namespace loopstone::bench
 
 int main(int argc, char** argv) {
   if (argc != 8) {
@@ -147,7 +146,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    make(argv);
+    loopstone::bench::make(argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

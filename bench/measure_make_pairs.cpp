@@ -9,10 +9,8 @@
 #include "pairs_file.hpp"
 #include "registration_pairs.hpp"
 
+namespace loopstone::bench {
 namespace {
-
-using namespace loopstone;
-using namespace loopstone::bench;
 
 void make(const std::string& path, int beams, std::size_t bin, int count, std::uint64_t seed) {
   const PairSensor& sensor = beams == kSensor180.beams ? kSensor180 : kSensor1081;
@@ -27,6 +25,7 @@ void make(const std::string& path, int beams, std::size_t bin, int count, std::u
 }
 
 }  // namespace
+}  // namespace loopstone::bench
 
 int main(int argc, char** argv) {
   if (argc != 6) {
@@ -34,8 +33,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    make(argv[1], std::atoi(argv[2]), static_cast<std::size_t>(std::atoi(argv[3])),
-         std::atoi(argv[4]), static_cast<std::uint64_t>(std::atoll(argv[5])));
+    loopstone::bench::make(argv[1], std::atoi(argv[2]),
+                           static_cast<std::size_t>(std::atoi(argv[3])), std::atoi(argv[4]),
+                           static_cast<std::uint64_t>(std::atoll(argv[5])));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

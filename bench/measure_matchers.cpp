@@ -11,10 +11,8 @@
 #include "loopstone/registration/surface_grid.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 
+namespace loopstone::bench {
 namespace {
-
-using namespace loopstone;
-using namespace loopstone::bench;
 
 Answer answer_of(const MatchResult& match) {
   return {match.target_T_source, match.status == MatchStatus::kConverged, match.covariance};
@@ -61,15 +59,16 @@ Answer grid_matcher(const PairToMatch& input) {
   return answer_of(match_to_grid(source, grid, input.pair.guess, {}, {}, 1));
 }
 
+std::vector<NamedMatcher> all_matchers() {
+  return {{"match_scans", scan_matcher},       {"match_correlative", correlative_matcher},
+          {"icp_point", icp_matcher("point")}, {"icp_line", icp_matcher("line")},
+          {"icp_plane", icp_matcher("plane")}, {"icp_gicp", icp_matcher("gicp")},
+          {"match_to_grid", grid_matcher}};
+}
+
 }  // namespace
+}  // namespace loopstone::bench
 
 int main(int argc, char** argv) {
-  return answer_main(argc, argv,
-                     {{"match_scans", scan_matcher},
-                      {"match_correlative", correlative_matcher},
-                      {"icp_point", icp_matcher("point")},
-                      {"icp_line", icp_matcher("line")},
-                      {"icp_plane", icp_matcher("plane")},
-                      {"icp_gicp", icp_matcher("gicp")},
-                      {"match_to_grid", grid_matcher}});
+  return loopstone::bench::answer_main(argc, argv, loopstone::bench::all_matchers());
 }

@@ -17,10 +17,8 @@
 #include "loopstone/simulation/surface_index.hpp"
 #include "registration_pairs.hpp"
 
+namespace loopstone::bench {
 namespace {
-
-using namespace loopstone;
-using namespace loopstone::bench;
 
 constexpr int kMapScans = 20;
 constexpr int kScansOfRoom = 10;
@@ -86,17 +84,19 @@ void print(const char* name, const std::vector<double>& values, const char* end)
 }
 
 }  // namespace
+}  // namespace loopstone::bench
 
 int main(int argc, char** argv) {
-  const int scans = argc > 1 ? std::max(kScansOfRoom, std::atoi(argv[1])) : 1000;
-  Figures figures;
-  for (int room = 0; room < scans / kScansOfRoom; ++room) {
-    measure_room(static_cast<std::uint64_t>(room) + 1, figures);
+  const int scans = argc > 1 ? std::max(loopstone::bench::kScansOfRoom, std::atoi(argv[1])) : 1000;
+  loopstone::bench::Figures figures;
+  for (int room = 0; room < scans / loopstone::bench::kScansOfRoom; ++room) {
+    loopstone::bench::measure_room(static_cast<std::uint64_t>(room) + 1, figures);
   }
-  std::printf("{\"scans\": %zu, \"beams\": %d, ", figures.match_ms.size(), kSensor1081.beams);
-  print("surfaces_ms", figures.surfaces_ms, ", ");
-  print("match_ms", figures.match_ms, ", ");
-  print("error_mm", figures.error_mm, ", ");
-  print("error_deg", figures.error_deg, "}\n");
+  std::printf("{\"scans\": %zu, \"beams\": %d, ", figures.match_ms.size(),
+              loopstone::bench::kSensor1081.beams);
+  loopstone::bench::print("surfaces_ms", figures.surfaces_ms, ", ");
+  loopstone::bench::print("match_ms", figures.match_ms, ", ");
+  loopstone::bench::print("error_mm", figures.error_mm, ", ");
+  loopstone::bench::print("error_deg", figures.error_deg, "}\n");
   return 0;
 }
