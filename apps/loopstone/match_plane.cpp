@@ -219,8 +219,15 @@ MatchOutcome<2> match_in_plane(const MatchInput& source, const MatchInput& targe
   Plane plane{source, target, source.points2(), target.points2(), request, {}};
   const double target_radius_m = cloud_extent<2>(plane.target_points).radius_m;
   const bool cloud = source.cloud.has_value() && !target.map;
-  plane.settings =
-      context.load_options(cloud ? settings_for_radius<2>(target_radius_m) : MatchSettings<2>{});
+  MatchSettings<2> defaults = cloud ? settings_for_radius<2>(target_radius_m) : MatchSettings<2>{};
+  if (target.map) {
+    // Both faces of a thin wall lie a cell or two apart: only the next cells belong to the same one.
+    defaults.icp.max_pair_distance_m = 1.0;
+    defaults.icp_cloud.patches.neighbours = 3;
+    defaults.icp_cloud.patches.dense_radius_m = 0.0;
+    defaults.icp_cloud.patches.smooth = false;
+  }
+  plane.settings = context.load_options(defaults);
   return timed<2>([&] {
     MatchOutcome<2> outcome;
     outcome.source = cloud_extent<2>(plane.source_points);
