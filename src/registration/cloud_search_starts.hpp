@@ -17,33 +17,35 @@ namespace loopstone {
 /// axes. In space they are the cells' centres of a grid on the faces of a cube
 /// of four dimensions, blown up to the sphere of unit quaternions.
 template <int kDimension>
-[[nodiscard]] std::vector<typename RigidMotion<kDimension>::Matrix>
-even_rotations(int count, bool upright);
+[[nodiscard]] std::vector<typename RigidMotion<kDimension>::Matrix> even_rotations(int count,
+                                                                                   bool upright);
 
 /// A few points of a cloud, axis by axis, filled up with copies of the last one
 /// so that four can be treated at once.
-template <int kDimension> struct FewPoints {
+template <int kDimension>
+struct FewPoints {
   std::array<std::vector<float>, kDimension> axes{};
-  std::size_t count = 0; ///< without the copies
+  std::size_t count = 0;  ///< without the copies
 };
 
 template <int kDimension>
-[[nodiscard]] FewPoints<kDimension>
-few_points(std::span<const Eigen::Matrix<float, kDimension, 1>> points,
-           std::span<const std::size_t> sample);
+[[nodiscard]] FewPoints<kDimension> few_points(
+    std::span<const Eigen::Matrix<float, kDimension, 1>> points,
+    std::span<const std::size_t> sample);
 
 /// A pose on its way to a minimum, in the principal frames of source and model.
-template <int kDimension> struct Start {
+template <int kDimension>
+struct Start {
   Eigen::Matrix<float, kDimension, kDimension> rotation =
       Eigen::Matrix<float, kDimension, kDimension>::Identity();
-  Eigen::Matrix<float, kDimension, 1> translation =
-      Eigen::Matrix<float, kDimension, 1>::Zero();
+  Eigen::Matrix<float, kDimension, 1> translation = Eigen::Matrix<float, kDimension, 1>::Zero();
   float rmse_m = 0.0F;
   int number = 0;
 };
 
 /// A block along the axes.
-template <int kDimension> struct Box {
+template <int kDimension>
+struct Box {
   Eigen::Matrix<float, kDimension, 1> low;
   Eigen::Matrix<float, kDimension, 1> high;
 };
@@ -53,9 +55,9 @@ template <int kDimension> struct Box {
 /// flush with the one end of the box, or the other, or in its middle. \return 1
 /// + 3^kDimension starts
 template <int kDimension>
-[[nodiscard]] std::vector<Start<kDimension>>
-placements(const Box<kDimension> &model, const FewPoints<kDimension> &points,
-           const Start<kDimension> &start);
+[[nodiscard]] std::vector<Start<kDimension>> placements(const Box<kDimension>& model,
+                                                        const FewPoints<kDimension>& points,
+                                                        const Start<kDimension>& start);
 
 /// So many Gauss-Newton steps on
 ///
@@ -66,9 +68,8 @@ placements(const Box<kDimension> &model, const FewPoints<kDimension> &points,
 /// changes and the distance hardly grows. \return the pose reached, with its
 /// rmse
 template <int kDimension>
-[[nodiscard]] Start<kDimension> descend(const DistanceField<kDimension> &field,
-                                        const FewPoints<kDimension> &points,
-                                        double overlap, int steps,
-                                        const Start<kDimension> &start);
+[[nodiscard]] Start<kDimension> descend(const DistanceField<kDimension>& field,
+                                        const FewPoints<kDimension>& points, double overlap,
+                                        int steps, const Start<kDimension>& start);
 
-} // namespace loopstone
+}  // namespace loopstone
