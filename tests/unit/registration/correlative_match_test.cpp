@@ -14,7 +14,7 @@ namespace {
 using Points = std::vector<Eigen::Vector2d>;
 
 TEST(CorrelativeMatch, FindsThePoseBetweenTheStepsOfTheLattice) {
-  const World world = test::furnished_room();
+  const World world = test::room_with_cabinet();
   const SurfaceIndex surfaces(world.plan);
   Rng rng(1);
   for (int trial = 0; trial < 20; ++trial) {

@@ -15,7 +15,7 @@ namespace loopstone {
 namespace {
 
 struct Scene {
-  World world = test::furnished_room();
+  World world = test::room_with_cabinet();
   SurfaceIndex surfaces{world.plan};
   Grid<std::int8_t> map = true_map(world, 0.05);
   MapField field{map};

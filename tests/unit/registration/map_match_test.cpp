@@ -13,7 +13,7 @@ namespace loopstone {
 namespace {
 
 struct Scene {
-  World world = test::furnished_room();
+  World world = test::room_with_cabinet();
   SurfaceIndex surfaces{world.plan};
   MapSearch search{true_map(world, 0.05)};
 };

@@ -26,7 +26,7 @@ inline void add_room(FloorPlan& plan, double low_x, double low_y, double high_x,
 }
 
 /// A room of 9.3 by 6.1 m with a cabinet, a slanted partition and a column: it looks different from everywhere.
-inline World furnished_room() {
+inline World room_with_cabinet() {
   World world;
   add_room(world.plan, 0.03, 0.01, 9.33, 6.11);
   world.plan.boxes.push_back(block(0.03, 4.5, 1.6, 6.11));
