@@ -22,9 +22,9 @@ constexpr double kStepRad = 1e-5;
 constexpr int kPatientSteps = 10;
 constexpr double kFlipSlack = 20.0;
 /// Candidates are compared by this many surfaces of each scan.
-constexpr std::size_t kLookPoints = 80;
+constexpr std::size_t kLookPoints = 60;
 /// How a candidate of the coarse search is pulled in: widths of the kernel, one a step.
-constexpr double kPullWidthsM[] = {0.2, 0.2, 0.1, 0.1, 0.05};
+constexpr double kPullWidthsM[] = {0.2, 0.15, 0.1, 0.05};
 constexpr double kLookWidthM = 0.05;
 /// Both scans explain each other so well that no other candidate needs a look.
 constexpr double kSureExplained = 0.95;
@@ -79,11 +79,13 @@ Look look_into(const ScanView& source, const ScanView& target, const Pose2& cand
   return look;
 }
 
-/// The best candidate of the coarse search, pulled in.
+/// The guess pulled in, if that leaves no doubt; else the best candidate of the coarse search.
 Look find_start(const ScanView& source, const ScanView& target, const Pose2& guess,
                 const ScanMatchOptions& options) {
   Look best{.target_T_source = guess};
   if (options.search_half_xy_m <= 0.0 && options.search_half_yaw_rad <= 0.0) return best;
+  best = look_into(source, target, guess);
+  if (best.sure) return best;
   for (const Candidate& candidate :
        search_window(source, target, guess, options.search_half_xy_m, options.search_half_yaw_rad,
                      options.candidates)) {

@@ -14,7 +14,7 @@ namespace loopstone {
 namespace {
 
 constexpr double kCellM = 0.2;
-constexpr std::size_t kPoints = 56;
+constexpr std::size_t kPoints = 48;
 /// Farther surfaces say little that nearer ones do not.
 constexpr double kReachM = 12.0;
 constexpr std::size_t kRays = 90;

@@ -32,7 +32,7 @@ struct ScanMatchOptions {
   double search_half_xy_m =
       1.0;  ///< the guess may be wrong by so much; both 0: it is good, no search
   double search_half_yaw_rad = 0.87;
-  int candidates = 6;
+  int candidates = 10;
   int max_iterations = 30;
   double kernel_width_m = 0.03;
 };
@@ -49,9 +49,9 @@ void visit_options(ScanMatchOptions& options, Visitor&& visit) {
         "distances beyond this count less and less (Cauchy kernel)");
 }
 
-/// Where one scan was taken, seen from another one. In three steps: every pose of a coarse lattice around the guess is
-/// scored; the best distinct ones are pulled in and judged from both sides, by what each scan explains of the other and what
-/// it saw through; the best is refined by Gauss-Newton on point-to-line distances with a Cauchy kernel.
+/// Where one scan was taken, seen from another one. The guess is pulled in and judged from both sides, by what each scan
+/// explains of the other and what it saw through; when that leaves a doubt, every pose of a coarse lattice around the guess is
+/// scored, and the best distinct ones are pulled in and judged alike. The best of all is refined by Gauss-Newton on point-to-line distances with a Cauchy kernel.
 /// A point's partner is looked up by its direction from the target's lidar, so nothing is searched and no map is built.
 ///
 /// \param guess_target_T_source  wrong by up to the search window of the options
