@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "loopstone/geometry/angle.hpp"
+#include "registration/line_equations.hpp"
 
 namespace loopstone {
 
@@ -42,15 +43,7 @@ Linearisation linearise(std::span<const SurfacePoint> source, const SurfaceGrid&
   const double cosine = std::cos(pose.yaw);
   const double sine = std::sin(pose.yaw);
   const double inverse_width2 = 1.0 / (kernel_width_m * kernel_width_m);
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  double xw = 0.0;
-  double yw = 0.0;
-  double ww = 0.0;
-  double x = 0.0;
-  double y = 0.0;
-  double w = 0.0;
+  LineEquations equations;
   for (const SurfacePoint& surface : source) {
     sum.total += surface.weight;
     const double px = surface.position.x();
@@ -76,24 +69,14 @@ Linearisation linearise(std::span<const SurfacePoint> source, const SurfaceGrid&
                             line_ny * (arm_y + pose.y - centre.y() - line->y * mean);
     const double scaled2 = residual * residual * inverse_width2;
     const double weight = surface.weight / (1.0 + scaled2);  // Cauchy
-    // d residual / d (x, y, yaw): turning by dyaw moves the point by dyaw * (-arm_y, arm_x).
-    const double turn = line_ny * arm_x - line_nx * arm_y;
-    xx += weight * line_nx * line_nx;
-    xy += weight * line_nx * line_ny;
-    yy += weight * line_ny * line_ny;
-    xw += weight * line_nx * turn;
-    yw += weight * line_ny * turn;
-    ww += weight * turn * turn;
-    x += weight * residual * line_nx;
-    y += weight * residual * line_ny;
-    w += weight * residual * turn;
+    equations.add(line_nx, line_ny, arm_x, arm_y, residual, weight);
     sum.squared_sum += weight * residual * residual;
     sum.weight_sum += weight;
     if (scaled2 < 4.0) sum.explained += surface.weight;
     ++sum.pairs;
   }
-  sum.hessian << xx, xy, xw, xy, yy, yw, xw, yw, ww;
-  sum.gradient << x, y, w;
+  sum.hessian = equations.hessian();
+  sum.gradient = equations.gradient();
   return sum;
 }
 

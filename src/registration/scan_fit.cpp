@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "registration/direction_index.hpp"
+#include "registration/line_equations.hpp"
 
 namespace loopstone {
 
@@ -117,12 +118,7 @@ ScanEquations scan_equations(const ScanView& source, const ScanView& target,
   const double inverse_width2 = 1.0 / (scale.width_m * scale.width_m);
   const double gate_m = kGateWidths * scale.width_m + kGateM;
   Agreement& agreement = sum.agreement;
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  double xw = 0.0;
-  double yw = 0.0;
-  double ww = 0.0;
+  LineEquations equations;
   for (std::size_t i = 0; i < source.surfaces.size(); i += scale.stride) {
     const SurfacePoint& surface = source.surfaces[i];
     const Moved point = move(surface);
@@ -143,22 +139,15 @@ ScanEquations scan_equations(const ScanView& source, const ScanView& target,
     const double residual = nx * (point.x - line.position.x()) + ny * (point.y - line.position.y());
     const double scaled2 = residual * residual * inverse_width2;
     const double weight = surface.weight * line.weight / (1.0 + scaled2);
-    // d residual / d yaw: turning by dyaw moves the point by dyaw * (-arm_y, arm_x).
-    const double nw = ny * point.arm_x - nx * point.arm_y;
-    xx += weight * nx * nx;
-    xy += weight * nx * ny;
-    yy += weight * ny * ny;
-    xw += weight * nx * nw;
-    yw += weight * ny * nw;
-    ww += weight * nw * nw;
-    sum.gradient += weight * residual * Eigen::Vector3d(nx, ny, nw);
+    equations.add(nx, ny, point.arm_x, point.arm_y, residual, weight);
     sum.squared_sum += weight * residual * residual;
     sum.weight_sum += weight;
     ++sum.pairs;
     (scaled2 < kExplainedWidths * kExplainedWidths ? agreement.explained : agreement.mismatched) +=
         surface.weight;
   }
-  sum.hessian << xx, xy, xw, xy, yy, yw, xw, yw, ww;
+  sum.hessian = equations.hessian();
+  sum.gradient = equations.gradient();
   return sum;
 }
 
