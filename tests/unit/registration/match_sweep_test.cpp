@@ -62,7 +62,7 @@ TEST(MatchSweep, HeadingsTurnAboutTheSourcesCentre) {
 
 TEST(CloudExtent, CentreAndRadius) {
   const std::vector<Eigen::Vector2d> points{
-      {0, 0}, {2, 0}, {Eigen::Vector2d::Constant(std::nan(""))}, {2, 2}, {0, 2}};
+      {0, 0}, {2, 0}, {std::nan(""), std::nan("")}, {2, 2}, {0, 2}};
   const CloudExtent<2> extent = cloud_extent<2>(points);
   EXPECT_EQ(extent.centre, Eigen::Vector2d(1, 1));
   EXPECT_DOUBLE_EQ(extent.radius_m, std::sqrt(2.0));
