@@ -12,8 +12,10 @@
 #include "loopstone/registration/correlative_search.hpp"
 #include "loopstone/registration/field_match.hpp"
 #include "loopstone/registration/map_match.hpp"
+#include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/simulation/surface_index.hpp"
 #include "loopstone/simulation/world.hpp"
+#include "registration_pairs.hpp"
 
 namespace loopstone {
 namespace {
@@ -46,18 +48,8 @@ struct Building {
     }
   }
 
-  /// 1081 beams over 270 deg, 1 cm noise.
   [[nodiscard]] Points scan_at(const Pose2& map_T_laser, Rng& rng) const {
-    Points points;
-    for (int beam = 0; beam <= 1080; ++beam) {
-      const double angle = radians(-135.0 + 0.25 * beam);
-      const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-      const double range =
-          surfaces.cast(map_T_laser.translation(), map_T_laser.rotation() * direction, 30.0);
-      const double noise = rng.normal(0.0, 0.01);
-      if (std::isfinite(range)) points.push_back((range + noise) * direction);
-    }
-    return points;
+    return scan_points(bench::cast_scan(surfaces, map_T_laser, bench::kSensor1081, rng), Pose2{});
   }
 };
 

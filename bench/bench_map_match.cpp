@@ -16,8 +16,10 @@
 #include "loopstone/base/rng.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/map_match.hpp"
+#include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/simulation/surface_index.hpp"
 #include "loopstone/simulation/world.hpp"
+#include "registration_pairs.hpp"
 
 namespace loopstone {
 namespace {
@@ -30,19 +32,8 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// 1081 beams over 270 deg, 30 m, 1 cm noise.
 Points simulated_scan(const SurfaceIndex& surfaces, const Pose2& map_T_laser, Rng& rng) {
-  constexpr int kBeams = 1081;
-  Points points;
-  for (int beam = 0; beam < kBeams; ++beam) {
-    const double angle = radians(-135.0 + 270.0 * beam / (kBeams - 1));
-    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-    const double range =
-        surfaces.cast(map_T_laser.translation(), map_T_laser.rotation() * direction, 30.0);
-    const double measured = range + rng.normal(0.0, 0.01);
-    if (std::isfinite(range)) points.push_back(measured * direction);
-  }
-  return points;
+  return scan_points(bench::cast_scan(surfaces, map_T_laser, bench::kSensor1081, rng), Pose2{});
 }
 
 /// Somewhere in the reachable space, 0.3 m from everything.

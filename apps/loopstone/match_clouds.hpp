@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -73,11 +74,13 @@ void match_clouds(MatchOutcome<kDimension>& outcome,
 
   IcpOptions icp = settings.icp;
   icp.metric = icp_metric(request.method);
-  IcpCloudOptions<kDimension> cloud_options = settings.icp_cloud;
-  const IcpCloud<kDimension> target_cloud = make_icp_cloud<kDimension>(target, cloud_options);
-  const IcpCloud<kDimension> source_cloud = make_icp_cloud<kDimension>(source, cloud_options);
+  const IcpCloud<kDimension> target_cloud = make_icp_cloud<kDimension>(target, settings.icp_cloud);
+  // Only this metric looks at the source's surfaces.
+  std::optional<IcpCloud<kDimension>> source_cloud;
+  if (icp.metric == "gicp") source_cloud = make_icp_cloud<kDimension>(source, settings.icp_cloud);
   const Matcher<kDimension> matcher = [&](const Pose& guess) {
-    return match_icp<kDimension>(source_cloud, target_cloud, guess, icp);
+    if (source_cloud) return match_icp<kDimension>(*source_cloud, target_cloud, guess, icp);
+    return match_icp(std::span(source), target_cloud, guess, icp);
   };
   const Pose centroids = initial_guess<kDimension>(IcpGuess::kCentroids, source, target);
   const bool guessed = request.from_centroids || request.initial;
@@ -87,13 +90,10 @@ void match_clouds(MatchOutcome<kDimension>& outcome,
   if (free) starts.push_back(centroids);
   match_from_starts<kDimension>(outcome, request, starts, matcher);
   outcome.method = request.method == "auto" ? "icp_plane" : request.method;
-  const auto fits = [](MatchStatus status) {
-    return status == MatchStatus::kConverged || status == MatchStatus::kDegenerate;
-  };
-  if (!free || fits(outcome.match.status)) return;
+  if (!free || has_supported_pose(outcome.match.status)) return;
   MatchOutcome<kDimension> searched{.source = outcome.source};
   search_clouds(searched, source, target, request, settings);
-  if (fits(searched.match.status)) outcome = std::move(searched);
+  if (has_supported_pose(searched.match.status)) outcome = std::move(searched);
 }
 
 }  // namespace loopstone::app

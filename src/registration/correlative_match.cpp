@@ -19,12 +19,10 @@ double value_at(const MaxPyramid& target, const Eigen::Vector2d& point) {
   const GridFrame& frame = target.frame();
   const double x = (point.x() - frame.origin.x()) / frame.resolution - 0.5;
   const double y = (point.y() - frame.origin.y()) / frame.resolution - 0.5;
-  const double column = std::floor(x);
-  const double row = std::floor(y);
-  const double right = x - column;
-  const double up = y - row;
-  const int c = static_cast<int>(column);
-  const int r = static_cast<int>(row);
+  const int c = floor_to_int(x);
+  const int r = floor_to_int(y);
+  const double right = x - c;
+  const double up = y - r;
   const double low = (1.0 - right) * target.bound(0, c, r) + right * target.bound(0, c + 1, r);
   const double high =
       (1.0 - right) * target.bound(0, c, r + 1) + right * target.bound(0, c + 1, r + 1);

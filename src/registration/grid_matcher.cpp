@@ -39,7 +39,6 @@ struct Linearisation {
 Linearisation linearise(std::span<const SurfacePoint> source, const SurfaceGrid& target,
                         std::size_t level, const Pose2& pose, double kernel_width_m) {
   Linearisation sum;
-  const BlockGrid<SurfaceCell>& grid = target.level(level);
   const double cosine = std::cos(pose.yaw);
   const double sine = std::sin(pose.yaw);
   const double inverse_width2 = 1.0 / (kernel_width_m * kernel_width_m);
@@ -50,26 +49,16 @@ Linearisation linearise(std::span<const SurfacePoint> source, const SurfaceGrid&
     const double py = surface.position.y();
     const double arm_x = cosine * px - sine * py;
     const double arm_y = sine * px + cosine * py;
-    const Cell at = grid.cell_of(arm_x + pose.x, arm_y + pose.y);
-    const SurfaceCell* cell = grid.find(at);
-    if (cell == nullptr) continue;
     const double nx = surface.normal.x();
     const double ny = surface.normal.y();
-    const SurfaceSum* line = sum_facing(*cell, static_cast<float>(cosine * nx - sine * ny),
-                                        static_cast<float>(sine * nx + cosine * ny));
-    if (line == nullptr) continue;
-    // The line through the cell's mean, its normal scaled to unit length.
-    const double mean = 1.0 / line->weight;
-    const double unit = 1.0 / std::sqrt(static_cast<double>(line->normal_x) * line->normal_x +
-                                        static_cast<double>(line->normal_y) * line->normal_y);
-    const double line_nx = line->normal_x * unit;
-    const double line_ny = line->normal_y * unit;
-    const Eigen::Vector2d centre = grid.centre_of(at);
-    const double residual = line_nx * (arm_x + pose.x - centre.x() - line->x * mean) +
-                            line_ny * (arm_y + pose.y - centre.y() - line->y * mean);
+    const Eigen::Vector2d point(arm_x + pose.x, arm_y + pose.y);
+    const auto line =
+        target.line_near(level, point, {cosine * nx - sine * ny, sine * nx + cosine * ny});
+    if (!line) continue;
+    const double residual = line->normal.dot(point - line->point);
     const double scaled2 = residual * residual * inverse_width2;
     const double weight = surface.weight / (1.0 + scaled2);  // Cauchy
-    equations.add(line_nx, line_ny, arm_x, arm_y, residual, weight);
+    equations.add(line->normal.x(), line->normal.y(), arm_x, arm_y, residual, weight);
     sum.squared_sum += weight * residual * residual;
     sum.weight_sum += weight;
     if (scaled2 < 4.0) sum.explained += surface.weight;

@@ -42,8 +42,8 @@ CellList cells_at(std::span<const Eigen::Vector2d> points, double heading, doubl
   for (const auto& point : points) {
     const double x = cosine * point.x() - sine * point.y() + 0.5;
     const double y = sine * point.x() + cosine * point.y() + 0.5;
-    cells.columns.push_back(static_cast<std::int32_t>(std::floor(x)));
-    cells.rows.push_back(static_cast<std::int32_t>(std::floor(y)));
+    cells.columns.push_back(floor_to_int(x));
+    cells.rows.push_back(floor_to_int(y));
   }
   return cells;
 }

@@ -7,10 +7,6 @@ namespace loopstone {
 
 namespace {
 
-bool is_supported(MatchStatus status) {
-  return status == MatchStatus::kConverged || status == MatchStatus::kDegenerate;
-}
-
 /// How far a point at the source's radius can be apart between two poses, at most.
 template <int kDimension>
 double distance(const typename RigidMotion<kDimension>::Pose& a,
@@ -34,7 +30,8 @@ Eigen::Matrix3d turn_about_vertical(double angle_rad, const Eigen::Vector3d& /*o
 
 template <int kDimension>
 bool is_better(const BasicMatchResult<kDimension>& a, const BasicMatchResult<kDimension>& b) {
-  if (is_supported(a.status) != is_supported(b.status)) return is_supported(a.status);
+  if (has_supported_pose(a.status) != has_supported_pose(b.status))
+    return has_supported_pose(a.status);
   if (a.score != b.score) return a.score > b.score;
   return a.rmse_m < b.rmse_m;
 }

@@ -50,18 +50,4 @@ void SurfaceGrid::insert(std::span<const SurfacePoint> points, const Pose2& grid
   }
 }
 
-std::optional<SurfaceLine> SurfaceGrid::line_near(std::size_t level, const Eigen::Vector2d& point,
-                                                  const Eigen::Vector2d& normal) const {
-  const auto& grid = levels_[level];
-  const Cell at = grid.cell_of(point.x(), point.y());
-  const SurfaceCell* cell = grid.find(at);
-  if (cell == nullptr) return {};
-  const SurfaceSum* sum =
-      sum_facing(*cell, static_cast<float>(normal.x()), static_cast<float>(normal.y()));
-  if (sum == nullptr) return {};
-  const Eigen::Vector2d total(sum->normal_x, sum->normal_y);
-  return SurfaceLine{grid.centre_of(at) + Eigen::Vector2d(sum->x, sum->y) / sum->weight,
-                     total / std::sqrt(total.squaredNorm())};
-}
-
 }  // namespace loopstone

@@ -8,6 +8,7 @@
 
 #include "report/canvas.hpp"
 #include "report/map_view.hpp"
+#include "report/round_length.hpp"
 #include "report/text.hpp"
 
 namespace loopstone {
@@ -118,15 +119,6 @@ void draw_marks(const Trajectory& trajectory, const MapView& view, const Sizes& 
   label(end, "end", kEnd, close && !start_above);
 }
 
-/// 1, 2 or 5 times a power of ten, at most `most`.
-double round_length_up_to(double most) {
-  const double power = std::pow(10.0, std::floor(std::log10(most)));
-  for (const double factor : {5.0, 2.0}) {
-    if (factor * power <= most) return factor * power;
-  }
-  return power;
-}
-
 /// A strip below the map. Each item is drawn at x and returns the width it took.
 class Footer {
  public:
@@ -139,7 +131,7 @@ class Footer {
 
   void scale_bar(double pixels_per_metre) {
     const double length_m =
-        round_length_up_to(std::max(0.16 * width_, 3.0 * sizes_.text) / pixels_per_metre);
+        round_down(std::max(0.16 * width_, 3.0 * sizes_.text) / pixels_per_metre);
     const double length = length_m * pixels_per_metre;
     const double y = line_y() + 0.25 * sizes_.text;
     canvas_.line({{x_, y - 0.35 * sizes_.text},

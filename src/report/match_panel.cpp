@@ -5,19 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/round_length.hpp"
+
 namespace loopstone {
-namespace {
-
-/// 1, 2 or 5 times a power of ten, at most `most`.
-double round_down(double most) {
-  const double power = std::pow(10.0, std::floor(std::log10(most)));
-  for (const double factor : {5.0, 2.0}) {
-    if (factor * power <= most) return factor * power;
-  }
-  return power;
-}
-
-}  // namespace
 
 std::string readable_length(double length_m) {
   if (length_m < 0.01) return fmt::format("{:g} mm", length_m * 1e3);

@@ -11,6 +11,7 @@
 #include "loopstone/registration/point_index.hpp"
 #include "report/canvas.hpp"
 #include "report/match_panel.hpp"
+#include "report/round_length.hpp"
 #include "report/text.hpp"
 
 namespace loopstone {
@@ -52,15 +53,6 @@ Colour residual_colour(double share) {
   const auto mix = [t](double a, double b) { return a + t * (b - a); };
   return {mix(kStops[i].red, kStops[i + 1].red), mix(kStops[i].green, kStops[i + 1].green),
           mix(kStops[i].blue, kStops[i + 1].blue), 1.0};
-}
-
-/// 1, 2 or 5 times a power of ten: the least of them that is not below.
-double round_up(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= value * (1.0 - 1e-9)) return factor * power;
-  }
-  return 10.0 * power;
 }
 
 template <int kDimension>

@@ -37,9 +37,8 @@ PoseWithCovariance2 with_floor(PoseWithCovariance2 motion) {
 
 std::optional<PoseWithCovariance2> believed(const MatchResult& match,
                                             const PoseWithCovariance2& expected) {
-  const bool usable =
-      match.status == MatchStatus::kConverged || match.status == MatchStatus::kDegenerate;
-  if (!usable || !near(match.target_T_source, expected.pose)) return std::nullopt;
+  if (!has_supported_pose(match.status) || !near(match.target_T_source, expected.pose))
+    return std::nullopt;
   PoseWithCovariance2 result = with_floor({match.target_T_source, match.covariance});
   if (match.status == MatchStatus::kDegenerate) {
     const Eigen::Matrix3d wide = with_floor(expected).covariance;

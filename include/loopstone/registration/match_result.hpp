@@ -29,6 +29,11 @@ enum class MatchStatus {
   return "unknown";
 }
 
+/// Whether the data support the pose.
+[[nodiscard]] constexpr bool has_supported_pose(MatchStatus status) {
+  return status == MatchStatus::kConverged || status == MatchStatus::kDegenerate;
+}
+
 /// Where a scan or cloud lies in the frame of another one, or of a map, and how far to trust that. Every matcher, in the
 /// plane and in space, answers with this, so matchers can be swapped and chained.
 template <int kDimension>

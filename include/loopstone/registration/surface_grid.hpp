@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -73,14 +74,23 @@ class SurfaceGrid {
     return levels_[level].resolution_m();
   }
 
-  [[nodiscard]] const BlockGrid<SurfaceCell>& level(std::size_t level) const {
-    return levels_[level];
-  }
-
   /// The surface near a point that faces like `normal` (within 60 deg), if there is one. Cost: O(1).
+  /// Here, so that a matcher's loop has it inline.
   [[nodiscard]] std::optional<SurfaceLine> line_near(std::size_t level,
                                                      const Eigen::Vector2d& point,
-                                                     const Eigen::Vector2d& normal) const;
+                                                     const Eigen::Vector2d& normal) const {
+    const BlockGrid<SurfaceCell>& grid = levels_[level];
+    const Cell at = grid.cell_of(point.x(), point.y());
+    const SurfaceCell* cell = grid.find(at);
+    if (cell == nullptr) return {};
+    const SurfaceSum* sum =
+        sum_facing(*cell, static_cast<float>(normal.x()), static_cast<float>(normal.y()));
+    if (sum == nullptr) return {};
+    const double mean = 1.0 / sum->weight;
+    const Eigen::Vector2d total(sum->normal_x, sum->normal_y);
+    return SurfaceLine{grid.centre_of(at) + Eigen::Vector2d(sum->x, sum->y) * mean,
+                       total * (1.0 / std::sqrt(total.squaredNorm()))};
+  }
 
  private:
   std::vector<BlockGrid<SurfaceCell>> levels_;
