@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "loopstone/geometry/angle.hpp"
 #include "registration/search_lattice.hpp"

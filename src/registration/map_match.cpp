@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 
 #include "loopstone/geometry/angle.hpp"
 #include "registration/map_lattice_search.hpp"

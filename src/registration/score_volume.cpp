@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <compare>
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <vector>

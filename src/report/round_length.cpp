@@ -1,6 +1,7 @@
 #include "report/round_length.hpp"
 
 #include <cmath>
+#include <initializer_list>
 
 namespace loopstone {
 

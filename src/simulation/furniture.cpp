@@ -1,6 +1,7 @@
 #include "simulation/furniture.hpp"
 
 #include <cmath>
+#include <initializer_list>
 
 namespace loopstone {
 namespace {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 
 #include "simulation/builtin_worlds.hpp"
 #include "simulation/office_building.hpp"
