@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "loopstone/base/parallel_for.hpp"
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/localization/localization_map.hpp"
+#include "loopstone/localization/localization_options.hpp"
+#include "loopstone/localization/localization_result.hpp"
+#include "loopstone/sensor/messages.hpp"
+#include "loopstone/sensor/robot_model.hpp"
+
+namespace loopstone {
+
+/// Where the robot is believed to be at the first scan. Nothing: anywhere on the map.
+struct InitialPose {
+  Pose2 map_T_robot;
+  double sigma_m = 0.5;     ///< standard deviation of x and of y
+  double sigma_rad = 0.26;  ///< of the heading
+};
+
+/// Follows a robot on a known map.
+///
+///   const LocalizationMap map(read_ros_map("map.yaml"));
+///   Localizer localizer(map, robot, options, {}, seed, threads);          // from nowhere
+///   while (auto message = log.next()) {
+///     localizer.add(*message);
+///     while (const auto estimate = localizer.next()) use(*estimate);
+///   }
+///   LocalizationResult result = localizer.finish();
+///
+/// The result is the same bytes for any number of threads; the seed decides the particles.
+class Localizer {
+ public:
+  Localizer(const LocalizationMap& map, const RobotModel& robot, const LocalizationOptions& options,
+            const std::optional<InitialPose>& initial, std::uint64_t seed, Threads threads = {});
+  ~Localizer();
+  Localizer(Localizer&&) noexcept;
+  Localizer& operator=(Localizer&&) noexcept;
+
+  /// Messages come in time order. A scan is worked on once odometry for its time has come.
+  void add(const SensorMessage& message);
+
+  /// The oldest estimate that was not handed out yet. All of them are in the result too.
+  [[nodiscard]] std::optional<LocalizationEstimate> next();
+
+  /// Ends the recording. Call once.
+  [[nodiscard]] LocalizationResult finish();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace loopstone
