@@ -57,6 +57,7 @@ struct LocalizationEstimate {
   bool refined = false;      ///< by registration to the map; else the particles' mean
   int hypotheses = 0;        ///< places that the robot may be at
   int particles = 0;
+  double travelled_m = 0.0;  ///< path since the first scan, by odometry
   PoseEvidence evidence{};
 };
 
