@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/localization/localization_map.hpp"
+#include "loopstone/sensor/laser_scan.hpp"
+
+namespace loopstone {
+
+/// A scan as localisation uses it: its returns, and a few of its beams, evenly spread.
+struct ScanView {
+  std::vector<Eigen::Vector2d>
+      points_robot{};                      ///< all returns, robot frame at the scan's stamp [m]
+  std::vector<Eigen::Vector2f> weighed{};  ///< those that particles are weighed with
+  struct Beam {
+    Eigen::Vector2d direction;  ///< unit, lidar frame
+    double range_m;             ///< measured; +inf: nothing within range_max_m
+  };
+  std::vector<Beam> beams{};
+  Pose2 robot_T_lidar{};
+  double range_max_m = 0.0;
+};
+
+/// \param count     of the beams to be kept, and of the returns to weigh with
+/// \param velocity  of the robot [m/s, m/s, rad/s], undoes the motion during the sweep
+[[nodiscard]] ScanView view_for_localization(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                             const Tangent2& velocity, int count);
+
+/// How the beams of a scan fit what the map shows from a pose.
+struct BeamFit {
+  double explained = 0.0;   ///< [0, 1], share of the returns that lie on a wall
+  double violations = 0.0;  ///< [0, 1], share of the beams that went through a wall, well beyond it
+  double unexpected = 0.0;  ///< [0, 1], share of the beams that ended well before the first wall
+};
+
+/// Cost: one ray a beam, about 20 us for 90 beams.
+[[nodiscard]] BeamFit fit_beams(const ScanView& scan, const LocalizationMap& map,
+                                const Pose2& map_T_robot);
+
+}  // namespace loopstone

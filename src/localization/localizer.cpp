@@ -1,0 +1,501 @@
+#include "loopstone/localization/localizer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "localization/confidence.hpp"
+#include "localization/map_tables.hpp"
+#include "localization/pose_track.hpp"
+#include "loopstone/geometry/angle.hpp"
+#include "loopstone/localization/motion_models.hpp"
+#include "loopstone/localization/pose_belief.hpp"
+#include "loopstone/localization/scan_evidence.hpp"
+#include "loopstone/slam/scan_queue.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// Fewer returns say nothing.
+constexpr std::size_t kLeastReturns = 10;
+/// Beams of one scan are not independent: furniture and the map's errors touch many at once. So many count as one.
+constexpr double kBeamsAsOne = 6.0;
+/// Share of the newest scan in the evidence.
+constexpr double kNewest = 0.3;
+/// A refined pose so far from its particles has gone astray.
+constexpr double kAstrayM = 0.4;
+constexpr double kAstrayRad = 0.2;
+/// Belief that is given to the places that a search finds, before they are weighed.
+constexpr double kNewPlacesShare = 0.1;
+/// Returns used for registration.
+constexpr std::size_t kRefinePoints = 240;
+/// Without odometry the robot keeps its velocity, give or take.
+constexpr double kUnknownSpeed = 0.4;    // [m/s]
+constexpr double kUnknownYawRate = 0.8;  // [rad/s]
+/// Dead reckoning's own covariance leaves out what is systematic.
+constexpr double kOdometryFactor = 2.0;
+/// Particles spread at least so much with each step, or few would stand for many.
+constexpr double kJitterM = 0.01;
+constexpr double kJitterRad = 0.005;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+template <typename Point>
+std::vector<Point> thinned(const std::vector<Point>& points, std::size_t count) {
+  if (points.size() <= count) return points;
+  std::vector<Point> kept;
+  kept.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) kept.push_back(points[i * points.size() / count]);
+  return kept;
+}
+
+/// When the map is searched again: at once, then after ever more travel.
+class SearchPace {
+ public:
+  [[nodiscard]] bool due(double travelled_m) const { return travelled_m >= next_m_; }
+  void searched(double travelled_m) {
+    next_m_ = travelled_m + interval_m_;
+    interval_m_ = std::min(1.5 * interval_m_, 5.0);
+  }
+  void calm() { interval_m_ = kFirst; }
+
+ private:
+  static constexpr double kFirst = 0.5;
+  double next_m_ = 0.0;
+  double interval_m_ = kFirst;
+};
+
+}  // namespace
+
+class Localizer::Impl {
+ public:
+  Impl(const LocalizationMap& map, const RobotModel& robot, const LocalizationOptions& options,
+       const std::optional<InitialPose>& initial, std::uint64_t seed, Threads threads)
+      : map_(map),
+        robot_(robot),
+        options_(options),
+        initial_(initial),
+        threads_(threads),
+        queue_(robot.wheels),
+        belief_({.particles_max = options.particles_max,
+                 .particles_min = options.particles_min,
+                 .resampling = resampling_scheme_from(options.resampling)},
+                seed, threads) {}
+
+  void add(const SensorMessage& message) {
+    queue_.add(message);
+    process_ready();
+  }
+
+  std::optional<LocalizationEstimate> next() {
+    if (handed_out_ == result_.estimates.size()) return {};
+    return result_.estimates[handed_out_++];
+  }
+
+  LocalizationResult finish() {
+    queue_.finish();
+    process_ready();
+    if (first_stamp_) result_.duration_s = (*last_stamp_ - *first_stamp_).seconds();
+    result_.path_length_m = travelled_m_;
+    if (result_.estimates.empty() && result_.scans > 0) {
+      result_.warnings.push_back(
+          "no place on the map explains the scans: is it the map of this building, at the height "
+          "of this "
+          "laser?");
+    }
+    if (!result_.had_odometry && result_.scans > 0) {
+      result_.warnings.push_back(
+          "the log has no odometry: the robot is assumed to keep its velocity from scan to scan");
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void process_ready() {
+    while (const auto scan = queue_.next()) {
+      const auto start = std::chrono::steady_clock::now();
+      const double searched_before = result_.search_s;
+      process(*scan);
+      result_.filter_s += seconds_since(start) - (result_.search_s - searched_before);
+    }
+  }
+
+  void process(const LaserScan& scan) {
+    if (last_stamp_ && scan.stamp <= *last_stamp_) return;
+    ++result_.scans;
+    const PoseWithCovariance2 motion = motion_to(scan.stamp);
+    advance(motion);
+    const ScanView view =
+        view_for_localization(scan, mount_of(scan, robot_), velocity_, options_.beams);
+    if (view.points_robot.size() < kLeastReturns) {
+      ++result_.scans_dropped;
+    } else if (belief_.empty()) {
+      start(view);
+    } else if (moved_enough()) {
+      weigh(view);
+    }
+    if (belief_.empty()) return;
+    follow_best_place();
+    const bool seen = view.points_robot.size() >= kLeastReturns;
+    const bool refined = seen && track_->refine(thinned(view.points_robot, kRefinePoints),
+                                                map_.tables().search.field());
+    update_velocity(scan.stamp);
+    LocalizationEstimate estimate = judge(view, refined);
+    if (seen && options_.recover && recover(view, estimate)) {
+      follow_best_place();
+      estimate = judge(view, track_->refine(thinned(view.points_robot, kRefinePoints),
+                                            map_.tables().search.field()));
+    }
+    report(view, std::move(estimate));
+  }
+
+  /// Of the robot since the last scan, from_T_to.
+  PoseWithCovariance2 motion_to(Stamp stamp) {
+    PoseWithCovariance2 motion;
+    const bool first = !last_stamp_;
+    const Stamp from = last_stamp_.value_or(stamp);
+    last_stamp_ = stamp;
+    if (first) {
+      first_stamp_ = stamp;
+      return motion;
+    }
+    const double duration_s = (stamp - from).seconds();
+    step_s_ = duration_s;
+    if (const auto known = queue_.odometer().motion_between(from, stamp)) {
+      result_.had_odometry = true;
+      motion = *known;
+      motion.covariance *= kOdometryFactor;
+      velocity_ = log(motion.pose) / std::max(duration_s, 1e-6);
+      return motion;
+    }
+    motion.pose = exp(Tangent2(velocity_ * duration_s));
+    const double sigma_m = kUnknownSpeed * duration_s;
+    const double sigma_rad = kUnknownYawRate * duration_s;
+    motion.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
+    return motion;
+  }
+
+  void advance(const PoseWithCovariance2& motion) {
+    travelled_m_ += motion.pose.translation().norm();
+    turned_since_weighing_rad_ += std::abs(motion.pose.yaw);
+    travelled_since_weighing_m_ += motion.pose.translation().norm();
+    since_weighing_ = compound(since_weighing_, motion);
+    since_weighing_s_ += step_s_;
+    if (track_) track_->advance(motion);
+  }
+
+  [[nodiscard]] bool moved_enough() const {
+    return travelled_since_weighing_m_ >= options_.update_distance_m ||
+           turned_since_weighing_rad_ >= options_.update_angle_rad;
+  }
+
+  /// The first belief: around the pose given, or wherever the map explains the scan.
+  void start(const ScanView& view) {
+    std::vector<PoseBelief::Proposal> proposals;
+    if (initial_) {
+      PoseBelief::Proposal given{.map_T_robot = {.pose = initial_->map_T_robot}};
+      given.map_T_robot.covariance.diagonal() << initial_->sigma_m * initial_->sigma_m,
+          initial_->sigma_m * initial_->sigma_m, initial_->sigma_rad * initial_->sigma_rad;
+      proposals.push_back(given);
+      belief_.add(proposals, 1.0);
+      particles_weighed(view);
+    } else if (pace_.due(travelled_m_)) {
+      proposals = search(view, "start");
+      belief_.add(proposals, 1.0);
+      if (!belief_.empty()) particles_weighed(view);
+    }
+  }
+
+  /// Moves the particles to now and weighs them.
+  void weigh(const ScanView& view) {
+    const PoseWithCovariance2 motion = since_weighing_;
+    Eigen::Matrix3d covariance = motion.covariance;
+    covariance.diagonal() +=
+        Eigen::Vector3d(kJitterM * kJitterM, kJitterM * kJitterM, kJitterRad * kJitterRad);
+    if (options_.motion == "odometry") {
+      const TurnGoTurn parts = turn_go_turn(motion.pose);
+      belief_.predict([parts](const Pose2& pose, Rng& noise) {
+        return sample_odometry_motion(pose, parts, {}, noise);
+      });
+    } else if (options_.motion == "velocity") {
+      const Tangent2 way = log(motion.pose);
+      const double duration_s = std::max(since_weighing_s_, 1e-6);
+      belief_.predict([way, duration_s](const Pose2& pose, Rng& noise) {
+        return sample_velocity_motion(pose, way.x() / duration_s, way.z() / duration_s, duration_s,
+                                      {}, noise);
+      });
+    } else {
+      const GaussianMotion gaussian(motion.pose, covariance);
+      belief_.predict(
+          [&gaussian](const Pose2& pose, Rng& noise) { return gaussian.sample(pose, noise); });
+    }
+    particles_weighed(view);
+  }
+
+  void particles_weighed(const ScanView& view) {
+    const double scale = 1.0 / kBeamsAsOne;
+    belief_.update(
+        [&](std::span<const Pose2> poses, std::span<double> out) {
+          log_likelihoods(view, poses, out);
+          for (double& value : out) value *= scale;
+        },
+        scale * static_cast<double>(view.weighed.size()));
+    belief_.settle();
+    since_weighing_ = {};
+    since_weighing_s_ = 0.0;
+    travelled_since_weighing_m_ = 0.0;
+    turned_since_weighing_rad_ = 0.0;
+  }
+
+  void log_likelihoods(const ScanView& view, std::span<const Pose2> poses,
+                       std::span<double> out) const {
+    const LikelihoodFieldModel& model = map_.tables().weigher;
+    if (options_.sensor == "beam_skipping") {
+      (void)model.log_likelihoods_skipping(poses, view.weighed, out, {}, threads_);
+    } else {
+      model.log_likelihoods(poses, view.weighed, out, threads_);
+    }
+  }
+
+  [[nodiscard]] double log_likelihood(const ScanView& view, const Pose2& pose) const {
+    double value = 0.0;
+    map_.tables().weigher.log_likelihoods(std::span(&pose, 1), view.weighed, std::span(&value, 1));
+    return value / kBeamsAsOne;
+  }
+
+  /// Keeps the track on the most probable place.
+  void follow_best_place() {
+    const PlaceBelief& best = belief_.places().front();
+    const PoseWithCovariance2 mean = compound(best.moments, since_weighing_);
+    const bool changed = !track_ || best.id != best_id_;
+    if (changed) {
+      best_since_m_ = travelled_m_;
+      best_id_ = best.id;
+      fit_.reset();
+    }
+    const auto astray = [&] {
+      const Pose2& pose = track_->map_T_robot().pose;
+      const double spread = std::sqrt(mean.covariance.topLeftCorner<2, 2>().trace());
+      return std::hypot(pose.x - mean.pose.x, pose.y - mean.pose.y) > kAstrayM + 2.0 * spread ||
+             std::abs(wrap_angle(pose.yaw - mean.pose.yaw)) >
+                 kAstrayRad + 2.0 * std::sqrt(mean.covariance(2, 2));
+    };
+    if (changed || astray()) track_.emplace(mean);
+  }
+
+  void update_velocity(Stamp stamp) {
+    const Pose2& pose = track_->map_T_robot().pose;
+    if (!result_.had_odometry && last_pose_ && stamp > last_pose_stamp_) {
+      velocity_ = log(last_pose_->inverse() * pose) / (stamp - last_pose_stamp_).seconds();
+    }
+    last_pose_ = pose;
+    last_pose_stamp_ = stamp;
+  }
+
+  LocalizationEstimate judge(const ScanView& view, bool refined) {
+    const PlaceBelief& best = belief_.places().front();
+    LocalizationEstimate estimate;
+    estimate.stamp = *last_stamp_;
+    estimate.map_T_robot = track_->map_T_robot().pose;
+    estimate.covariance = track_->map_T_robot().covariance;
+    estimate.refined = refined;
+    estimate.hypotheses = static_cast<int>(belief_.places().size());
+    estimate.particles = static_cast<int>(belief_.particle_count());
+    estimate.travelled_m = travelled_m_;
+    if (view.points_robot.size() >= kLeastReturns) {
+      const BeamFit fit = fit_beams(view, map_, estimate.map_T_robot);
+      if (!fit_) fit_ = fit;
+      fit_->explained += kNewest * (fit.explained - fit_->explained);
+      fit_->violations += kNewest * (fit.violations - fit_->violations);
+      fit_->unexpected += kNewest * (fit.unexpected - fit_->unexpected);
+    }
+    const BeamFit fit = fit_.value_or(BeamFit{});
+    const Eigen::Matrix3d& spread = best.moments.covariance;
+    estimate.evidence = {.explained = fit.explained,
+                         .violations = fit.violations,
+                         .unexpected = fit.unexpected,
+                         .mass = std::exp(best.log_mass),
+                         .spread_m = std::sqrt(spread(0, 0) + spread(1, 1)),
+                         .spread_rad = std::sqrt(spread(2, 2)),
+                         .innovation = track_->innovation(),
+                         .followed_m = travelled_m_ - best_since_m_};
+    estimate.probability = pose_probability(estimate.evidence);
+    estimate.state =
+        estimate.probability >= options_.tracking_probability ? LocalizationState::kTracking
+        : estimate.probability < options_.lost_probability    ? LocalizationState::kLost
+                                                              : LocalizationState::kDoubtful;
+    return estimate;
+  }
+
+  /// Searches the map when the pose is doubted for some scans, and lets what it finds compete. True when it found something.
+  bool recover(const ScanView& view, const LocalizationEstimate& estimate) {
+    constexpr int kDoubtedScans = 3;
+    constexpr double kWellExplained = 0.8;
+    if (estimate.state == LocalizationState::kTracking) {
+      doubted_scans_ = 0;
+      pace_.calm();
+      return false;
+    }
+    // Where another place explains the scans as well, only motion can tell: no search can.
+    const bool explained = estimate.evidence.explained >= kWellExplained && fully_searched_;
+    doubted_scans_ = explained ? 0 : doubted_scans_ + 1;
+    if (doubted_scans_ < kDoubtedScans || !pace_.due(travelled_m_)) return false;
+    doubted_scans_ = 0;
+    const bool lost = estimate.state == LocalizationState::kLost;
+    std::vector<PoseBelief::Proposal> proposals = search(view, lost ? "lost" : "doubtful");
+    if (proposals.empty()) return false;
+    // New places against old ones, by how well each explains this scan.
+    double old_sum = 0.0;
+    double best_log = -std::numeric_limits<double>::infinity();
+    for (auto& proposal : proposals) {
+      proposal.log_mass = log_likelihood(view, proposal.map_T_robot.pose);
+      best_log = std::max(best_log, proposal.log_mass);
+    }
+    for (const PlaceBelief& place : belief_.places()) {
+      const Pose2 now =
+          place.id == best_id_ ? estimate.map_T_robot : place.moments.pose * since_weighing_.pose;
+      old_sum += std::exp(place.log_mass + log_likelihood(view, now) - best_log);
+    }
+    double new_sum = 0.0;
+    for (const auto& proposal : proposals)
+      new_sum += std::exp(proposal.log_mass - best_log) / static_cast<double>(proposals.size());
+    const double prior = lost ? 0.5 : kNewPlacesShare;
+    const double ratio = prior / (1.0 - prior) * new_sum / std::max(old_sum, 1e-12);
+    // The particles stand where they were weighed last; move them to now before others join them.
+    const GaussianMotion motion(since_weighing_.pose, since_weighing_.covariance);
+    belief_.predict(
+        [&motion](const Pose2& pose, Rng& noise) { return motion.sample(pose, noise); });
+    since_weighing_ = {};
+    since_weighing_s_ = 0.0;
+    belief_.add(proposals, std::clamp(ratio / (1.0 + ratio), 1e-3, 0.98));
+    belief_.settle();
+    return true;
+  }
+
+  std::vector<PoseBelief::Proposal> search(const ScanView& view, const char* reason) {
+    const auto start = std::chrono::steady_clock::now();
+    MapMatchOptions options;
+    options.poses_max = 40;
+    options.min_score = 0.3;
+    const Pose2 lidar_T_robot = view.robot_T_lidar.inverse();
+    std::vector<Eigen::Vector2d> points;
+    points.reserve(view.points_robot.size());
+    for (const auto& point : view.points_robot) points.push_back(lidar_T_robot * point);
+    const MapMatch found = match_on_map(points, map_.tables().search, {}, options);
+    LocalizationSearch record{.stamp = *last_stamp_, .reason = reason, .whole_map = true};
+    record.poses_found = static_cast<int>(found.poses.size());
+    std::vector<PoseBelief::Proposal> proposals;
+    for (const MatchResult& match : found.poses) {
+      constexpr double kLeastM = 0.05;
+      constexpr double kLeastRad = 0.03;
+      PoseBelief::Proposal proposal{
+          .map_T_robot = {match.target_T_source * lidar_T_robot, match.covariance}};
+      proposal.map_T_robot.covariance.diagonal() +=
+          Eigen::Vector3d(kLeastM * kLeastM, kLeastM * kLeastM, kLeastRad * kLeastRad);
+      if (!is_known(proposal.map_T_robot.pose)) ++record.poses_added;
+      proposals.push_back(proposal);
+    }
+    if (!found.poses.empty()) record.best_score = found.poses.front().score;
+    fully_searched_ = found.poses.size() < static_cast<std::size_t>(options.poses_max);
+    result_.searches.push_back(std::move(record));
+    pace_.searched(travelled_m_);
+    result_.search_s += seconds_since(start);
+    return proposals;
+  }
+
+  [[nodiscard]] bool is_known(const Pose2& pose) const {
+    constexpr double kSameM = 0.5;
+    constexpr double kSameRad = 0.3;
+    return std::any_of(belief_.places().begin(), belief_.places().end(),
+                       [&](const PlaceBelief& place) {
+                         const Pose2 now = place.moments.pose * since_weighing_.pose;
+                         return std::hypot(now.x - pose.x, now.y - pose.y) < kSameM &&
+                                std::abs(wrap_angle(now.yaw - pose.yaw)) < kSameRad;
+                       });
+  }
+
+  void report(const ScanView& view, LocalizationEstimate estimate) {
+    if (result_.changes.empty() || result_.changes.back().state != estimate.state)
+      result_.changes.push_back({estimate.stamp, estimate.state});
+    if (travelled_m_ >= next_snapshot_m_) take_snapshot(view, estimate);
+    result_.estimates.push_back(std::move(estimate));
+  }
+
+  void take_snapshot(const ScanView& view, const LocalizationEstimate& estimate) {
+    constexpr std::size_t kMost = 24;
+    BeliefSnapshot snapshot{.stamp = estimate.stamp, .points = view.weighed, .estimate = estimate};
+    for (const PlaceBelief& place : belief_.places()) {
+      snapshot.hypotheses.push_back(
+          {place.moments.pose * since_weighing_.pose, std::exp(place.log_mass)});
+    }
+    for (const Pose2& particle : belief_.particles())
+      snapshot.particles.push_back(particle * since_weighing_.pose);
+    result_.snapshots.push_back(std::move(snapshot));
+    if (options_.snapshot_distance_m > 0.0) {
+      next_snapshot_m_ = travelled_m_ + options_.snapshot_distance_m;
+      return;
+    }
+    // How long the run will be is not known: keep every other one when there are too many.
+    if (result_.snapshots.size() == kMost) {
+      std::vector<BeliefSnapshot> kept;
+      for (std::size_t i = 0; i < kMost; i += 2) kept.push_back(std::move(result_.snapshots[i]));
+      result_.snapshots = std::move(kept);
+      snapshot_interval_m_ *= 2.0;
+    }
+    next_snapshot_m_ = travelled_m_ + snapshot_interval_m_;
+  }
+
+  const LocalizationMap& map_;
+  RobotModel robot_;
+  LocalizationOptions options_;
+  std::optional<InitialPose> initial_;
+  Threads threads_;
+  ScanQueue queue_;
+  PoseBelief belief_;
+
+  std::optional<Stamp> first_stamp_{};
+  std::optional<Stamp> last_stamp_{};
+  double step_s_ = 0.0;
+  Tangent2 velocity_ = Tangent2::Zero();
+  std::optional<Pose2> last_pose_{};
+  Stamp last_pose_stamp_{};
+  double travelled_m_ = 0.0;
+  PoseWithCovariance2 since_weighing_{};  // motion of the robot since the particles were weighed
+  double since_weighing_s_ = 0.0;
+  double travelled_since_weighing_m_ = 0.0;
+  double turned_since_weighing_rad_ = 0.0;
+
+  std::optional<PoseTrack> track_{};  // of the most probable place
+  int best_id_ = -1;
+  double best_since_m_ = 0.0;
+  std::optional<BeamFit> fit_{};
+  int doubted_scans_ = 0;
+  bool fully_searched_ = true;
+  SearchPace pace_{};
+
+  LocalizationResult result_{};
+  std::size_t handed_out_ = 0;
+  double next_snapshot_m_ = 0.0;
+  double snapshot_interval_m_ = 0.25;
+};
+
+Localizer::Localizer(const LocalizationMap& map, const RobotModel& robot,
+                     const LocalizationOptions& options, const std::optional<InitialPose>& initial,
+                     std::uint64_t seed, Threads threads)
+    : impl_(std::make_unique<Impl>(map, robot, options, initial, seed, threads)) {}
+Localizer::~Localizer() = default;
+Localizer::Localizer(Localizer&&) noexcept = default;
+Localizer& Localizer::operator=(Localizer&&) noexcept = default;
+
+void Localizer::add(const SensorMessage& message) { impl_->add(message); }
+std::optional<LocalizationEstimate> Localizer::next() { return impl_->next(); }
+LocalizationResult Localizer::finish() { return impl_->finish(); }
+
+}  // namespace loopstone

@@ -1,0 +1,90 @@
+#include "loopstone/localization/scan_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "localization/map_tables.hpp"
+#include "loopstone/sensor/scan_points.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// A return is on a wall within this and a cell; beams differ from the map by more than kBeyondM before that counts.
+constexpr double kOnWallM = 0.07;
+constexpr double kBeyondM = 0.4;
+/// A beam without a return says that nothing is there only up to this share of the scanner's range: dark and slanted
+/// surfaces send nothing back.
+constexpr double kSureRange = 0.5;
+
+template <typename Value>
+std::vector<Value> every_nth(const std::vector<Value>& values, std::size_t count) {
+  std::vector<Value> kept;
+  const std::size_t wanted = std::min(count, values.size());
+  kept.reserve(wanted);
+  for (std::size_t i = 0; i < wanted; ++i) kept.push_back(values[i * values.size() / wanted]);
+  return kept;
+}
+
+}  // namespace
+
+ScanView view_for_localization(const LaserScan& scan, const Pose2& robot_T_lidar,
+                               const Tangent2& velocity, int count) {
+  const auto wanted = static_cast<std::size_t>(count);
+  ScanView view{.robot_T_lidar = robot_T_lidar, .range_max_m = scan.range_max_m};
+  view.points_robot = scan_points(scan, robot_T_lidar, velocity);
+  for (const auto& point : every_nth(view.points_robot, wanted))
+    view.weighed.push_back(point.cast<float>());
+  std::vector<ScanView::Beam> beams;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const auto range = static_cast<double>(scan.ranges_m[i]);
+    if (std::isnan(range)) continue;
+    const double angle = scan.angle_rad(i);
+    beams.push_back({{std::cos(angle), std::sin(angle)}, range});
+  }
+  view.beams = every_nth(beams, wanted);
+  return view;
+}
+
+BeamFit fit_beams(const ScanView& scan, const LocalizationMap& map, const Pose2& map_T_robot) {
+  const auto& tables = map.tables();
+  const Grid<float>& distances = tables.search.field().distances();
+  const double on_wall_m = kOnWallM + distances.frame().resolution;
+  const Pose2 map_T_lidar = map_T_robot * scan.robot_T_lidar;
+  const Eigen::Matrix2d rotation = map_T_lidar.rotation();
+  const Eigen::Vector2d origin = map_T_lidar.translation();
+  std::vector<Ray> rays;
+  rays.reserve(scan.beams.size());
+  for (const auto& beam : scan.beams) rays.push_back({origin, rotation * beam.direction});
+  std::vector<float> expected(rays.size());
+  tables.caster.ranges(rays, expected);
+
+  const auto distance_at = [&](const Eigen::Vector2d& point) {
+    return static_cast<double>(distances.value_or(distances.frame().cell_of(point), 1e3F));
+  };
+  int returns = 0;
+  int on_wall = 0;
+  int through = 0;
+  int before = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const double measured = scan.beams[i].range_m;
+    const auto wall = static_cast<double>(expected[i]);
+    if (!std::isfinite(measured)) {
+      if (wall + kBeyondM < kSureRange * scan.range_max_m) ++through;
+      continue;
+    }
+    ++returns;
+    const double distance = distance_at(origin + measured * rays[i].direction);
+    if (distance <= on_wall_m) ++on_wall;
+    if (distance <= 2.0 * on_wall_m) continue;
+    if (measured > wall + kBeyondM) ++through;
+    if (measured < wall - kBeyondM) ++before;
+  }
+  const auto share = [](int part, std::size_t whole) {
+    return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+  };
+  return {share(on_wall, static_cast<std::size_t>(returns)), share(through, rays.size()),
+          share(before, rays.size())};
+}
+
+}  // namespace loopstone
