@@ -9,6 +9,7 @@ find_package(tomlplusplus REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(hwy 1.0 REQUIRED CONFIG)
 find_package(BZip2 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(loopstone_libzip REQUIRED IMPORTED_TARGET libzip) # Debian's CMake config of libzip needs zipcmp installed
@@ -18,6 +19,7 @@ pkg_check_modules(loopstone_cairo REQUIRED IMPORTED_TARGET cairo)
 set(LOOPSTONE_LINKED_LIBRARIES
     Threads::Threads
     TBB::tbb
+    hwy::hwy
     fmt::fmt
     tomlplusplus::tomlplusplus
     yaml-cpp

@@ -21,6 +21,7 @@ THIRD_PARTY = {
     "Eigen/": ANY_PART,
     "unsupported/Eigen/": ANY_PART,
     "fmt/": ANY_PART,
+    "hwy/": ANY_PART,
     "oneapi/tbb": ANY_PART,
     "tbb/": ANY_PART,
     "nlohmann/": FILE_PARTS | {"apps"},
