@@ -94,6 +94,14 @@ void AppContext::override_options(const std::vector<OptionEntry>& options) const
   if (!problems.empty()) throw OptionsError(std::move(problems));
 }
 
+void override_option(const std::vector<OptionEntry>& options, const std::string& flag,
+                     const std::string& assignment, std::vector<OptionProblem>& problems) {
+  for (OptionProblem& problem : apply_assignment(options, assignment)) {
+    problem.where.path = flag;
+    problems.push_back(std::move(problem));
+  }
+}
+
 void AppContext::note(const std::string& text) const {
   if (quiet_) return;
   ProgressDisplay::clear_line();

@@ -92,6 +92,11 @@ class AppContext {
   std::function<ExitCode()> action_;
 };
 
+/// Writes a flag's value into the option of this key, held to the option's own rule; what is wrong joins the problems under
+/// the flag's name.
+void override_option(const std::vector<OptionEntry>& options, const std::string& flag,
+                     const std::string& assignment, std::vector<OptionProblem>& problems);
+
 /// The first Ctrl-C asks the run to stop, the second ends it.
 void install_interrupt_handler();
 

@@ -1,15 +1,33 @@
+#include <memory>
+
 #include "commands.hpp"
+#include "loopstone/localization/localization_options.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "result.hpp"
 
 namespace loopstone::app {
 
+namespace {
+
+template <typename Options>
+std::string effective_options(const AppContext& context) {
+  auto options = context.load_options<Options>();
+  return options_to_toml(list_options(options));
+}
+
+}  // namespace
+
 void add_config_command(CLI::App& app, AppContext& context) {
+  auto of = std::make_shared<std::string>("map");
   CLI::App* command = app.add_subcommand("config", "Show the effective options as TOML");
+  command->add_option("COMMAND", *of, "whose options")
+      ->type_name("map|localize")
+      ->check(CLI::IsMember({"map", "localize"}))
+      ->capture_default_str();
   context.add_option_flags(*command);
-  context.on_run(*command, [&context] {
-    auto options = context.load_options<MapOptions>();
-    print_to_stdout(options_to_toml(list_options(options)));
+  context.on_run(*command, [of, &context] {
+    print_to_stdout(*of == "localize" ? effective_options<LocalizationOptions>(context)
+                                      : effective_options<MapOptions>(context));
     return kExitDone;
   });
 }

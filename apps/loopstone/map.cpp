@@ -1,23 +1,20 @@
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 #include "app.hpp"
 #include "commands.hpp"
+#include "log_run.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/scan_to_scan.hpp"
-#include "loopstone/version.hpp"
-#include "progress_display.hpp"
 #include "result.hpp"
 
 namespace loopstone::app {
@@ -28,72 +25,10 @@ struct Arguments {
   std::string log;
   std::string out;
   std::string pipeline = "submaps";
-  double start_s = 0.0;
-  double duration_s = 0.0;
-  std::int64_t max_scans = 0;
+  LogCut cut;
   bool no_loop_closure = false;
   bool force = false;
   bool strict = false;
-};
-
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-std::int64_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
-}
-
-/// The messages of a log between --start and --duration, at most --max-scans
-/// scans, until the user interrupts.
-class CutLog {
- public:
-  CutLog(LogReader& reader, const Arguments& arguments, bool mounts_from_log,
-         ProgressDisplay& display)
-      : reader_(reader),
-        arguments_(arguments),
-        mounts_from_log_(mounts_from_log),
-        display_(display) {}
-
-  [[nodiscard]] std::optional<SensorMessage> next() {
-    while (!interrupted_) {
-      if (arguments_.max_scans > 0 && scans_ >= arguments_.max_scans) return {};
-      auto message = reader_.next();
-      if (!message) return {};
-      if (!first_) first_ = stamp_of(*message);
-      const double time_s = (stamp_of(*message) - *first_).seconds();
-      if (arguments_.duration_s > 0.0 && time_s > arguments_.start_s + arguments_.duration_s)
-        return {};
-      if (auto* scan = std::get_if<LaserScan>(&*message)) {
-        if (time_s < arguments_.start_s) continue;
-        if (!mounts_from_log_) scan->robot_T_lidar.reset();
-        ++scans_;
-        const auto progress = reader_.progress();
-        interrupted_ =
-            !display_.show({"mapping", progress.bytes_done, progress.bytes_total, scans_, time_s});
-      }
-      return message;
-    }
-    return {};
-  }
-  [[nodiscard]] bool interrupted() const { return interrupted_; }
-  [[nodiscard]] std::int64_t scans() const { return scans_; }
-
- private:
-  LogReader& reader_;
-  const Arguments& arguments_;
-  bool mounts_from_log_;
-  ProgressDisplay& display_;
-  std::optional<Stamp> first_{};
-  std::int64_t scans_ = 0;
-  bool interrupted_ = false;
 };
 
 void print_result(const MapResult& result, const RunInfo& info, const std::string& out,
@@ -123,25 +58,6 @@ void print_result(const MapResult& result, const RunInfo& info, const std::strin
   table.print(context);
 }
 
-/// Warns of the first few records that were skipped; the rest is a number in the summary.
-class ProblemPrinter {
- public:
-  explicit ProblemPrinter(const AppContext& context) : context_(context) {}
-
-  void operator()(const Problem& problem) {
-    constexpr int kShown = 5;
-    ++count_;
-    if (count_ <= kShown) context_.warn(to_string(problem.location) + ": " + problem.reason);
-    if (count_ == kShown + 1) {
-      context_.warn("more records were skipped; `loopstone info` tells what is wrong with a log");
-    }
-  }
-
- private:
-  const AppContext& context_;
-  int count_ = 0;
-};
-
 ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   const bool textbook = arguments.pipeline == "scan_to_scan";
@@ -158,7 +74,7 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
-  CutLog log(*reader, arguments, !context.robot_given(), display);
+  CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping", display);
   MapResult result;
   if (textbook) {
     ScanToScanMapper mapper(robot, textbook_options, context.threads());
@@ -170,27 +86,14 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
     result = mapper.finish();
   }
   ProgressDisplay::clear_line();
-  if (log.scans() == 0) {
-    throw DataError({arguments.log},
-                    "there is no laser scan in it" +
-                        std::string(arguments.start_s > 0.0 ? " after --start" : "") +
-                        "; `loopstone info` shows what there is");
-  }
+  log.require_scans(arguments.log);
   result.complete = result.complete && !log.interrupted();
 
-  RunInfo info;
-  info.log_path = arguments.log;
-  info.command_line = context.command_line();
-  info.threads = context.threads().resolved();
-  info.force = arguments.force;
-  info.version = kVersion;
+  RunInfo info = run_info(arguments.log, *reader, arguments.force, context);
   info.options_toml =
       options_to_toml(textbook ? list_options(textbook_options) : list_options(options));
-  info.records_skipped = reader->records_skipped();
   info.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  info.cpu_time_s = cpu_seconds();
-  info.peak_memory_bytes = peak_memory_bytes();
   write_map_outputs(result, info, arguments.out);
 
   for (const auto& warning : result.warnings) context.warn(warning);
@@ -220,12 +123,7 @@ void add_map_command(CLI::App& app, AppContext& context) {
                    "submaps, or the textbook's scan_to_scan to compare with")
       ->check(CLI::IsMember({"submaps", "scan_to_scan"}))
       ->capture_default_str();
-  command->add_option("--start", arguments->start_s, "skip scans before this time [s]")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--duration", arguments->duration_s, "use this much of the log [s]; 0 = all")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--max-scans", arguments->max_scans, "use this many scans; 0 = all")
-      ->check(CLI::NonNegativeNumber);
+  add_cut_flags(*command, arguments->cut);
   command->add_flag("--no-loop-closure", arguments->no_loop_closure,
                     "do not correct the map where places are seen again");
   command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");

@@ -12,6 +12,7 @@
 #include "loopstone/report/match_picture.hpp"
 #include "match_plane.hpp"
 #include "match_report.hpp"
+#include "parse_pose.hpp"
 
 namespace loopstone::app {
 
@@ -56,32 +57,6 @@ Examples:
   loopstone match sim#120 map.yaml --global --png where.png                  from no guess at all
   loopstone match part.npy model.mat --target-scale 0.001 --global           a partial cloud to a model in millimetres
   loopstone match a.ply b.pcd --initial centroids --sweep-yaw 36 --aligned a_on_b.ply)";
-
-std::vector<double> parse_numbers(const std::string& flag, const std::string& text) {
-  std::vector<double> numbers;
-  std::size_t begin = 0;
-  while (begin <= text.size()) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    std::size_t used = 0;
-    try {
-      numbers.push_back(std::stod(word, &used));
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used == 0 || used != word.size() || !std::isfinite(numbers.back())) {
-      throw UsageError(flag + " " + text + ": '" + word + "' is no number");
-    }
-    begin = end + 1;
-  }
-  return numbers;
-}
-
-Pose2 parse_pose2(const std::string& flag, const std::string& text) {
-  const std::vector<double> v = parse_numbers(flag, text);
-  if (v.size() != 3) throw UsageError(flag + " " + text + ": must be X,Y,YAW [m, m, rad]");
-  return {v[0], v[1], wrap_angle(v[2])};
-}
 
 Pose3 parse_pose3(const std::string& flag, const std::string& text) {
   const std::vector<double> v = parse_numbers(flag, text);

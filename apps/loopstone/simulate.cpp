@@ -62,12 +62,7 @@ SimulationOptions options_of(const Arguments& arguments, const AppContext& conte
   std::vector<OptionProblem> problems;
   const auto override_with = [&](const char* flag, const char* key, const auto& value,
                                  double factor = 1.0) {
-    if (!value) return;
-    for (OptionProblem problem :
-         apply_assignment(entries, fmt::format("{}={}", key, *value * factor))) {
-      problem.where.path = flag;
-      problems.push_back(std::move(problem));
-    }
+    if (value) override_option(entries, flag, fmt::format("{}={}", key, *value * factor), problems);
   };
   override_with("--duration", "duration_s", arguments.duration_s);
   if (arguments.beams) options.laser.beams = *arguments.beams;

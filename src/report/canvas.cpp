@@ -121,17 +121,43 @@ void Canvas::text_with_halo(Point at, const std::string& words, double size_px,
   cairo_fill(context_.get());
 }
 
+void Canvas::clip(Point corner, double width, double height) {
+  cairo_new_path(context_.get());
+  cairo_rectangle(context_.get(), corner.x, corner.y, width, height);
+  cairo_clip(context_.get());
+}
+
+void Canvas::unclip() { cairo_reset_clip(context_.get()); }
+
+void Canvas::dashed_line(const std::vector<Point>& points, double width, const Colour& colour,
+                         double on, double off) {
+  const double dashes[] = {on, off};
+  cairo_set_dash(context_.get(), dashes, 2, 0.0);
+  line(points, width, colour);
+  cairo_set_dash(context_.get(), nullptr, 0, 0.0);
+}
+
+void Canvas::ring(Point centre, double radius, double width, const Colour& colour) {
+  cairo_new_path(context_.get());
+  cairo_arc(context_.get(), centre.x, centre.y, radius, 0.0, 2.0 * std::numbers::pi);
+  set(colour);
+  cairo_set_line_width(context_.get(), width);
+  cairo_stroke(context_.get());
+}
+
 void Canvas::paste(const Image& rgb, int left_px, int top_px) {
   cairo_surface_flush(surface_.get());
   unsigned char* const pixels = cairo_image_surface_get_data(surface_.get());
   const int stride = cairo_image_surface_get_stride(surface_.get());
-  for (int row = 0; row < rgb.height; ++row) {
+  const int width = std::min(rgb.width, cairo_image_surface_get_width(surface_.get()) - left_px);
+  const int height = std::min(rgb.height, cairo_image_surface_get_height(surface_.get()) - top_px);
+  for (int row = 0; row < height; ++row) {
     auto* to = reinterpret_cast<std::uint32_t*>(
                    static_cast<void*>(pixels + std::ptrdiff_t{stride} * (top_px + row))) +
                left_px;
     const std::uint8_t* from =
         rgb.bytes.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(rgb.width) * 3;
-    for (int column = 0; column < rgb.width; ++column, from += 3) {
+    for (int column = 0; column < width; ++column, from += 3) {
       to[column] = std::uint32_t{from[0]} << 16 | std::uint32_t{from[1]} << 8 | from[2];
     }
   }

@@ -44,7 +44,14 @@ class Canvas {
   /// A second text colour behind the first keeps it readable on any ground.
   void text_with_halo(Point at, const std::string& words, double size_px, const Colour& colour,
                       const Colour& halo, double x_anchor = 0.0);
-  /// Lays an opaque picture on the canvas, pixel on pixel.
+  /// What is drawn from here on stays inside the rectangle, until unclip().
+  void clip(Point corner, double width, double height);
+  void unclip();
+  void dashed_line(const std::vector<Point>& points, double width, const Colour& colour, double on,
+                   double off);
+  /// A circle that is not filled.
+  void ring(Point centre, double radius, double width, const Colour& colour);
+  /// Lays an opaque picture on the canvas, pixel on pixel; what reaches beyond the right and lower edge is cut.
   void paste(const Image& rgb, int left_px, int top_px);
 
   [[nodiscard]] Image image() const;

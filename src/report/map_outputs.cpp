@@ -1,83 +1,15 @@
 #include "loopstone/report/map_outputs.hpp"
 
-#include <deque>
-#include <filesystem>
-#include <system_error>
-
-#include "formats/atomic_file.hpp"
-#include "loopstone/base/error.hpp"
 #include "loopstone/formats/g2o.hpp"
 #include "loopstone/formats/image.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/map_picture.hpp"
+#include "report/output_files.hpp"
 #include "report/report_html.hpp"
 
 namespace loopstone {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// Low: these pictures are flat areas, and a second of packing would save some ten kilobytes.
-constexpr int kPngCompression = 2;
-
-/// The output folder; one that was made here goes away again unless it is kept.
-class OutputFolder {
- public:
-  OutputFolder(const std::string& path, bool force) : path_(path) {
-    std::error_code error;
-    const fs::file_status status = fs::status(path_, error);
-    if (fs::exists(status) && !fs::is_directory(status))
-      throw UsageError(path + ": is a file; the output must be a folder");
-    if (!fs::exists(status)) {
-      fs::create_directories(path_, error);
-      if (error) throw DataError({path}, "cannot make this folder: " + error.message());
-      made_ = true;
-      return;
-    }
-    const fs::directory_iterator first(path_, error);
-    if (error) throw DataError({path}, "cannot open this folder: " + error.message());
-    if (!force && first != fs::directory_iterator()) {
-      throw UsageError(path + ": holds files already; choose another folder or add --force");
-    }
-  }
-  OutputFolder(const OutputFolder&) = delete;
-  OutputFolder& operator=(const OutputFolder&) = delete;
-  ~OutputFolder() {
-    std::error_code ignored;
-    if (made_ && !kept_) fs::remove(path_, ignored);  // only when empty
-  }
-
-  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-  void keep() { kept_ = true; }
-
- private:
-  fs::path path_;
-  bool made_ = false;
-  bool kept_ = false;
-};
-
-/// Files that are all complete on disk before the first appears.
-class FileSet {
- public:
-  explicit FileSet(const OutputFolder& folder) : folder_(folder) {}
-
-  void add(const std::string& name, const std::string& content, std::string_view bytes) {
-    AtomicFile& file = files_.emplace_back(folder_.file(name));
-    file.write(bytes);
-    file.finish_writing();
-    listed_.push_back({name, content, static_cast<std::int64_t>(bytes.size())});
-  }
-  [[nodiscard]] const std::vector<ListedFile>& listed() const { return listed_; }
-  void commit() {
-    for (AtomicFile& file : files_) file.commit();
-  }
-
- private:
-  const OutputFolder& folder_;
-  std::deque<AtomicFile> files_{};
-  std::vector<ListedFile> listed_{};
-};
 
 /// A run that ended before its first scan still leaves a map that every tool can open: one unknown cell.
 CellStates states_to_write(const OccupancyMap& map) {

@@ -33,8 +33,7 @@ Kept cut_stray_ends(const std::vector<std::int64_t>& counts, std::int64_t most) 
   return kept;
 }
 
-using Rgb = std::array<std::uint8_t, 3>;
-constexpr Rgb kUnknown{0xd9, 0xdd, 0xe3};
+constexpr Rgb kUnknown{0xd9, 0xdd, 0xe3};  // kUnseenGround
 constexpr Rgb kFree{0xff, 0xff, 0xff};
 constexpr Rgb kOccupied{0x16, 0x1b, 0x26};
 
@@ -67,29 +66,18 @@ class Palette {
   std::array<Rgb, kSteps> colours_{};
 };
 
-}  // namespace
-
-Point MapView::pixel_of(const Eigen::Vector2d& point_m) const {
-  const Eigen::Vector2d corner =
-      frame.origin + frame.resolution * Eigen::Vector2d(low.column, low.row);
-  const Eigen::Vector2d offset = (point_m - corner) * pixels_per_metre();
-  return {offset.x(), height_px - offset.y()};
-}
-
-double MapView::pixels_per_metre() const {
-  return pixels_per_cell / (cells_per_pixel * frame.resolution);
-}
-
-MapView view_of(const OccupancyMap& map, const Trajectory& trajectory, int target_side_px,
-                int most_side_px) {
+template <typename IsKnown>
+MapView view_of_known(const GridFrame& frame, const IsKnown& is_known, const Trajectory& trajectory,
+                      int target_side_px, int most_side_px) {
   MapView view;
-  view.frame = map.observed.frame();
+  view.frame = frame;
   const auto columns = static_cast<std::size_t>(view.frame.columns);
   std::vector<std::int64_t> in_column(columns, 0);
   std::vector<std::int64_t> in_row(static_cast<std::size_t>(view.frame.rows), 0);
-  for (std::size_t i = 0; i < map.observed.cells().size(); ++i) {
-    in_column[i % columns] += map.observed.cells()[i];
-    in_row[i / columns] += map.observed.cells()[i];
+  for (std::size_t i = 0; i < frame.cell_count(); ++i) {
+    if (!is_known(i)) continue;
+    ++in_column[i % columns];
+    ++in_row[i / columns];
   }
   const std::int64_t observed = std::accumulate(in_row.begin(), in_row.end(), std::int64_t{0});
   const auto most = static_cast<std::int64_t>(kStrayShare * static_cast<double>(observed));
@@ -121,8 +109,9 @@ MapView view_of(const OccupancyMap& map, const Trajectory& trajectory, int targe
   return view;
 }
 
-Image shade_map(const OccupancyMap& map, const MapView& view) {
-  const Palette palette;
+/// \param colour_of  what stands for a square block of cells, given its lowest cell and its side
+template <typename ColourOf>
+Image shade(const MapView& view, const ColourOf& colour_of) {
   Image image = make_image(view.width_px, view.height_px, 3);
   std::vector<std::uint8_t> line(static_cast<std::size_t>(view.width_px) * 3);
   int drawn_cell_row = -1;
@@ -134,16 +123,7 @@ Image shade_map(const OccupancyMap& map, const MapView& view) {
     if (!drawn || cell_row != drawn_cell_row) {
       for (int x = 0; x < view.width_px; ++x) {
         const int cell_column = view.low.column + x * view.cells_per_pixel / view.pixels_per_cell;
-        bool observed = false;
-        float most = -100.0F;
-        for (int r = cell_row; r < cell_row + view.cells_per_pixel; ++r) {
-          for (int c = cell_column; c < cell_column + view.cells_per_pixel; ++c) {
-            if (map.observed.value_or({c, r}, 0) == 0) continue;
-            observed = true;
-            most = std::max(most, map.log_odds[{c, r}]);
-          }
-        }
-        const Rgb& colour = observed ? palette(most) : kUnknown;
+        const Rgb colour = colour_of(Cell{cell_column, cell_row}, view.cells_per_pixel);
         std::copy(colour.begin(), colour.end(), line.begin() + std::ptrdiff_t{3} * x);
       }
       drawn_cell_row = cell_row;
@@ -153,6 +133,66 @@ Image shade_map(const OccupancyMap& map, const MapView& view) {
               image.bytes.begin() + static_cast<std::ptrdiff_t>(line.size()) * y);
   }
   return image;
+}
+
+}  // namespace
+
+Rgb cell_rgb(int percent) {
+  if (percent < 0) return kUnknown;
+  const double share = std::min(percent, 100) / 100.0;
+  return share < 0.5 ? mix(kFree, kUnknown, 2.0 * share)
+                     : mix(kUnknown, kOccupied, 2.0 * share - 1.0);
+}
+
+Point MapView::pixel_of(const Eigen::Vector2d& point_m) const {
+  const Eigen::Vector2d corner =
+      frame.origin + frame.resolution * Eigen::Vector2d(low.column, low.row);
+  const Eigen::Vector2d offset = (point_m - corner) * pixels_per_metre();
+  return {offset.x(), height_px - offset.y()};
+}
+
+double MapView::pixels_per_metre() const {
+  return pixels_per_cell / (cells_per_pixel * frame.resolution);
+}
+
+MapView view_of(const OccupancyMap& map, const Trajectory& trajectory, int target_side_px,
+                int most_side_px) {
+  const auto is_known = [&](std::size_t i) { return map.observed.cells()[i] != 0; };
+  return view_of_known(map.observed.frame(), is_known, trajectory, target_side_px, most_side_px);
+}
+
+MapView view_of(const CellStates& map, const Trajectory& trajectory, int target_side_px,
+                int most_side_px) {
+  const auto is_known = [&](std::size_t i) { return map.cells()[i] >= 0; };
+  return view_of_known(map.frame(), is_known, trajectory, target_side_px, most_side_px);
+}
+
+Image shade_map(const OccupancyMap& map, const MapView& view) {
+  const Palette palette;
+  return shade(view, [&](Cell low, int side) {
+    bool observed = false;
+    float most = -100.0F;
+    for (int row = low.row; row < low.row + side; ++row) {
+      for (int column = low.column; column < low.column + side; ++column) {
+        if (map.observed.value_or({column, row}, 0) == 0) continue;
+        observed = true;
+        most = std::max(most, map.log_odds[{column, row}]);
+      }
+    }
+    return observed ? palette(most) : kUnknown;
+  });
+}
+
+Image shade_map(const CellStates& map, const MapView& view) {
+  return shade(view, [&](Cell low, int side) {
+    int most = kUnknownCell;
+    for (int row = low.row; row < low.row + side; ++row) {
+      for (int column = low.column; column < low.column + side; ++column) {
+        most = std::max<int>(most, map.value_or({column, row}, kUnknownCell));
+      }
+    }
+    return cell_rgb(most);
+  });
 }
 
 }  // namespace loopstone

@@ -11,18 +11,16 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/registration/point_index.hpp"
 #include "report/canvas.hpp"
-#include "report/match_panel.hpp"
+#include "report/picture_parts.hpp"
+#include "report/plane_panel.hpp"
 #include "report/round_length.hpp"
 #include "report/text.hpp"
 
 namespace loopstone {
 namespace {
 
-const Colour kInk = hex_colour(0x1f2937);
-const Colour kPaper = hex_colour(0xffffff);
 const Colour kTarget = hex_colour(0x8b95a5);
 const Colour kGuess = hex_colour(0x2563eb);
-const Colour kFrame = hex_colour(0xb6bdc8);
 /// Many points tell no more than these, and take long to draw.
 constexpr std::size_t kMostPoints = 60'000;
 
@@ -133,7 +131,7 @@ ViewBox box_of(const Prepared<kDimension>& prepared, const Projection& view, boo
 }
 
 template <int kDimension>
-void draw_panel(Canvas& canvas, const MatchPanel& panel, const Prepared<kDimension>& prepared,
+void draw_panel(Canvas& canvas, const PlanePanel& panel, const Prepared<kDimension>& prepared,
                 const MatchScene<kDimension>& scene, const Projection& view, bool after) {
   if constexpr (kDimension == 2) {
     if (scene.map != nullptr) panel.draw_map(canvas, *scene.map);
@@ -156,7 +154,7 @@ void draw_panel(Canvas& canvas, const MatchPanel& panel, const Prepared<kDimensi
                   after ? kInk : kGuess);
     }
   }
-  panel.frame(canvas, kFrame);
+  panel.frame(canvas, kHairline);
 }
 
 /// What the colours mean, from left to right along the bottom.
@@ -228,7 +226,7 @@ Image draw_match_picture(const MatchScene<kDimension>& scene, const MatchPicture
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double panel_height = (boxes[i].high.y() - boxes[i].low.y()) * scale;
     for (const bool after : {false, true}) {
-      const MatchPanel panel({left_of(after), top}, width, panel_height, boxes[i], scale);
+      const PlanePanel panel({left_of(after), top}, width, panel_height, boxes[i], scale);
       draw_panel(canvas, panel, prepared, scene, views[i], after);
       const std::string axes = fmt::format("{}{}{} to the right, {} up", views[i].name,
                                            *views[i].name != '\0' ? ": " : "",

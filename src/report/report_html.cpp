@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <iterator>
 
+#include "report/html_parts.hpp"
 #include "report/motion_profile.hpp"
-#include "report/report_style.hpp"
 #include "report/summary.hpp"
 #include "report/svg_plot.hpp"
 #include "report/text.hpp"
@@ -17,30 +15,6 @@ namespace {
 
 constexpr int kPlotSpans = 800;
 constexpr std::size_t kMostClosureRows = 250;
-
-struct Row {
-  std::string name;
-  std::string value;
-};
-
-std::string key_table(const std::string& caption, const std::vector<Row>& rows) {
-  std::string html = "<table class=\"key\"><caption>" + caption + "</caption>\n";
-  for (const Row& row : rows) {
-    html +=
-        "<tr><th scope=\"row\">" + row.name + "</th><td class=\"n\">" + row.value + "</td></tr>\n";
-  }
-  return html + "</table>\n";
-}
-
-std::string count_of(std::int64_t count, const std::string& one, const std::string& many) {
-  return with_thousands(count) + " " + (count == 1 ? one : many);
-}
-
-std::string log_name(const RunInfo& info) {
-  std::filesystem::path path(info.log_path);
-  if (!path.has_filename()) path = path.parent_path();  // a folder given with a slash at its end
-  return path.filename().empty() ? "a log" : path.filename().string();
-}
 
 std::string verdict(const MapResult& result, const RunInfo& info) {
   const MapStatistics& s = result.statistics;
@@ -64,60 +38,44 @@ std::string verdict(const MapResult& result, const RunInfo& info) {
   return text + ".";
 }
 
-std::string warnings_of(const MapResult& result) {
-  if (result.warnings.empty()) return "<p class=\"good\">No warnings.</p>\n";
-  std::string html =
-      "<div class=\"warnings\"><strong>" +
-      count_of(static_cast<std::int64_t>(result.warnings.size()), "warning", "warnings") +
-      "</strong>\n<ul>\n";
-  for (const std::string& warning : result.warnings)
-    html += "<li>" + escape_html(warning) + "</li>\n";
-  return html + "</ul></div>\n";
-}
-
 std::string key_figures(const MapResult& result, const RunInfo& info) {
   const MapStatistics& s = result.statistics;
   const MapFigures map = figures_of(result.map);
   std::string html = "<div class=\"figures\">\n";
-  html +=
-      key_table("Map", {{"known area", readable(map.known_area_m2) + " m²"},
-                        {"free area", readable(map.free_area_m2) + " m²"},
-                        {"extent", readable(map.width_m) + " × " + readable(map.height_m) + " m"},
-                        {"cell", readable(100.0 * result.map.log_odds.frame().resolution) + " cm"},
-                        {"submaps", with_thousands(s.submaps)}});
-  html += key_table("Recording",
-                    {{"duration", readable_time(s.duration_s)},
-                     {"path", readable(s.path_length_m) + " m"},
-                     {"scans used", with_thousands(s.scans)},
-                     {"scans dropped", with_thousands(s.scans_dropped)},
-                     {"records skipped", with_thousands(info.records_skipped)},
-                     {"path with a direction unseen", readable(s.degenerate_travel_m) + " m"}});
-  html +=
-      key_table("Pose graph",
-                {{"key scans", with_thousands(s.key_scans)},
-                 {"poses", with_thousands(static_cast<std::int64_t>(result.graph.poses.size()))},
-                 {"edges", with_thousands(static_cast<std::int64_t>(result.graph.edges.size()))},
-                 {"loop closures accepted", with_thousands(s.loop_closures_accepted)},
-                 {"loop closures rejected", with_thousands(s.loop_closures_rejected)},
-                 {"cost Σ eᵀΩe", readable(s.graph_cost)}});
-  html +=
-      key_table("Computation",
-                {{"wall time", readable_time(info.wall_time_s)},
-                 {"CPU time, all threads", readable_time(info.cpu_time_s)},
-                 {"front end, wall", readable_time(s.front_end_s)},
-                 {"loop closing, wall", readable_time(s.loop_closing_s)},
-                 {"optimisation, wall", readable_time(s.optimisation_s)},
-                 {"drawing the map, wall", readable_time(s.rendering_s)},
-                 {"speed", readable(ratio_or_zero(static_cast<double>(s.scans), info.wall_time_s)) +
-                               " scans/s"},
-                 {"peak memory", readable_bytes(info.peak_memory_bytes)},
-                 {"wide searches", with_thousands(s.searches)}});
+  html += html_key_table(
+      "Map", {{"known area", readable(map.known_area_m2) + " m²"},
+              {"free area", readable(map.free_area_m2) + " m²"},
+              {"extent", readable(map.width_m) + " × " + readable(map.height_m) + " m"},
+              {"cell", readable(100.0 * result.map.log_odds.frame().resolution) + " cm"},
+              {"submaps", with_thousands(s.submaps)}});
+  html += html_key_table(
+      "Recording", {{"duration", readable_time(s.duration_s)},
+                    {"path", readable(s.path_length_m) + " m"},
+                    {"scans used", with_thousands(s.scans)},
+                    {"scans dropped", with_thousands(s.scans_dropped)},
+                    {"records skipped", with_thousands(info.records_skipped)},
+                    {"path with a direction unseen", readable(s.degenerate_travel_m) + " m"}});
+  html += html_key_table(
+      "Pose graph",
+      {{"key scans", with_thousands(s.key_scans)},
+       {"poses", with_thousands(static_cast<std::int64_t>(result.graph.poses.size()))},
+       {"edges", with_thousands(static_cast<std::int64_t>(result.graph.edges.size()))},
+       {"loop closures accepted", with_thousands(s.loop_closures_accepted)},
+       {"loop closures rejected", with_thousands(s.loop_closures_rejected)},
+       {"cost Σ eᵀΩe", readable(s.graph_cost)}});
+  html += html_key_table(
+      "Computation",
+      {{"wall time", readable_time(info.wall_time_s)},
+       {"CPU time, all threads", readable_time(info.cpu_time_s)},
+       {"front end, wall", readable_time(s.front_end_s)},
+       {"loop closing, wall", readable_time(s.loop_closing_s)},
+       {"optimisation, wall", readable_time(s.optimisation_s)},
+       {"drawing the map, wall", readable_time(s.rendering_s)},
+       {"speed",
+        readable(ratio_or_zero(static_cast<double>(s.scans), info.wall_time_s)) + " scans/s"},
+       {"peak memory", readable_bytes(info.peak_memory_bytes)},
+       {"wide searches", with_thousands(s.searches)}});
   return html + "</div>\n";
-}
-
-std::string figure(const std::string& content, const std::string& caption) {
-  if (content.empty()) return {};
-  return "<figure>\n" + content + "<figcaption>" + caption + "</figcaption></figure>\n";
 }
 
 PlotCurve path_curve(const Trajectory& trajectory, const Pose2& target_T_source, std::string label,
@@ -138,8 +96,8 @@ std::string motion_plots(const MapResult& result) {
   PlotSpec yaw_rate{.x_label = "time [s]", .y_label = "yaw rate [rad/s]"};
   yaw_rate.curves.push_back(
       {"yaw rate", "a", std::move(profile.time_s), std::move(profile.yaw_rate_rad_s)});
-  return figure(svg_plot(std::move(speed)), "Forward speed along the optimised path.") +
-         figure(svg_plot(std::move(yaw_rate)), "Yaw rate, counter-clockwise positive.");
+  return html_figure(svg_plot(std::move(speed)), "Forward speed along the optimised path.") +
+         html_figure(svg_plot(std::move(yaw_rate)), "Yaw rate, counter-clockwise positive.");
 }
 
 std::string path_plot(const MapResult& result) {
@@ -151,9 +109,9 @@ std::string path_plot(const MapResult& result) {
     spec.curves.push_back(path_curve(result.odometry, map_T_odom, "odometry alone", "b"));
   }
   spec.curves.push_back(path_curve(result.trajectory, Pose2{}, "optimised", "a"));
-  return figure(svg_plot(std::move(spec)),
-                "Odometry laid on the first pose of the optimised path: their distance is the "
-                "drift that mapping removed.");
+  return html_figure(svg_plot(std::move(spec)),
+                     "Odometry laid on the first pose of the optimised path: their distance is the "
+                     "drift that mapping removed.");
 }
 
 class ClosureTable {
@@ -234,45 +192,21 @@ std::string loop_closures(const MapResult& result) {
   return html;
 }
 
-std::string file_list(const std::vector<ListedFile>& files) {
-  std::string html = "<h2>Files</h2>\n<div class=\"scroll\"><table class=\"list\"><tbody>\n";
-  html += "<tr><td><code>report.html</code></td><td>this page</td><td></td></tr>\n";
-  for (const ListedFile& file : files) {
-    html +=
-        fmt::format("<tr><td><code>{}</code></td><td>{}</td><td class=\"n\">{}</td></tr>\n",
-                    escape_html(file.name), escape_html(file.content), readable_bytes(file.bytes));
-  }
-  return html + "</tbody></table></div>\n";
-}
-
 }  // namespace
 
 std::string format_report(const MapResult& result, const RunInfo& info, std::string_view map_png,
                           const std::vector<ListedFile>& files) {
-  const std::string title = "Map of " + escape_html(log_name(info));
-  std::string html =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-      title + "</title>\n<style>" + std::string(kReportStyle) + "</style></head><body>\n";
-  html += "<h1>" + title + "</h1>\n<p class=\"verdict\">" + verdict(result, info) + "</p>\n" +
-          warnings_of(result);
-  html +=
-      "<figure><img class=\"map\" alt=\"Occupancy map with the robot's path\" "
-      "src=\"data:image/png;base64," +
-      base64(map_png) +
-      "\"><figcaption>White is free, black occupied, grey not seen. The path runs from blue "
-      "(start) to orange (end); accepted loop "
-      "closures are green.</figcaption></figure>\n";
-  html += "<h2>Key figures</h2>\n" + key_figures(result, info);
-  html += "<h2>Path</h2>\n" + path_plot(result) + motion_plots(result);
-  html += loop_closures(result);
-  html += "<h2>Options</h2>\n<details><summary>The effective options of this run</summary>\n<pre>" +
-          escape_html(info.options_toml) + "</pre></details>\n";
-  html += file_list(files);
-  html += "<p class=\"soft\">Loopstone " + escape_html(info.version) + ", log " +
-          escape_html(info.log_path);
-  if (!info.command_line.empty()) html += "<br><code>" + escape_html(info.command_line) + "</code>";
-  return html + "</p>\n</body></html>\n";
+  std::string body = "<p class=\"verdict\">" + verdict(result, info) + "</p>\n";
+  body += html_warnings(result.warnings);
+  body += html_figure(html_picture(map_png, "map", "Occupancy map with the robot's path"),
+                      "White is free, black occupied, grey not seen. The path runs from blue "
+                      "(start) to orange (end); "
+                      "accepted loop closures are green.");
+  body += "<h2>Key figures</h2>\n" + key_figures(result, info);
+  body += "<h2>Path</h2>\n" + path_plot(result) + motion_plots(result);
+  body += loop_closures(result);
+  body += html_options(info) + html_file_list(files);
+  return html_page("Map of " + log_name(info), body, info);
 }
 
 }  // namespace loopstone

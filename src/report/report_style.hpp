@@ -7,9 +7,11 @@ namespace loopstone {
 /// The report's style sheet: light and dark by the reader's setting, always light on paper.
 inline constexpr std::string_view kReportStyle = R"css(
 :root { color-scheme: light dark; --ink: #1f2937; --soft: #5b6675; --ground: #ffffff; --card: #f5f6f8; --line: #d8dde5;
-  --a: #1d4ed8; --b: #ea580c; --good: #047857; --bad: #b91c1c; --warn-ground: #fef3c7; --warn-ink: #78350f; }
+  --a: #1d4ed8; --b: #ea580c; --c: #7c3aed; --good: #047857; --bad: #b91c1c; --warn-ground: #fef3c7; --warn-ink: #78350f;
+  --tracking: #0072b2; --doubtful: #e69f00; --lost: #b0004e; --tint: .13; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e5e7eb; --soft: #9aa5b4; --ground: #14181f; --card: #1d232c;
-  --line: #343d4a; --a: #7aa2ff; --b: #fb923c; --good: #34d399; --bad: #f87171; --warn-ground: #3b2f10; --warn-ink: #fde68a; } }
+  --line: #343d4a; --a: #7aa2ff; --b: #fb923c; --c: #c4a5ff; --good: #34d399; --bad: #f87171; --warn-ground: #3b2f10; --warn-ink: #fde68a;
+  --tracking: #3ba0e6; --doubtful: #f2b233; --lost: #ff5c9e; --tint: .2; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 2rem 1.25rem 4rem; max-width: 62rem; background: var(--ground); color: var(--ink);
   font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
@@ -39,9 +41,15 @@ svg.plot { display: block; width: 100%; height: auto; font-size: 12px; }
 svg.plot text { fill: var(--soft); } svg.plot path { fill: none; }
 svg.plot .grid { stroke: var(--line); stroke-width: 1; } svg.plot .axis { stroke: var(--soft); stroke-width: 1; }
 svg.plot .curve { stroke-width: 1.6; stroke-linejoin: round; stroke-linecap: round; }
-svg.plot .curve.a { stroke: var(--a); } svg.plot .curve.b { stroke: var(--b); }
+svg.plot .curve.a { stroke: var(--a); } svg.plot .curve.b { stroke: var(--b); } svg.plot .curve.c { stroke: var(--c); }
+.tracking { fill: var(--tracking); } .doubtful { fill: var(--doubtful); } .lost { fill: var(--lost); } svg.plot .band { opacity: var(--tint); }
+.state { display: inline-block; border-radius: .3rem; padding: 0 .45rem; font-size: .85rem; font-weight: 600; color: #fff; white-space: nowrap; }
+.state.tracking { background: #0072b2; } .state.doubtful { background: #e69f00; color: #1f2937; } .state.lost { background: #b0004e; }
+.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr)); gap: 1rem; }
+.gallery figure { margin: 0; } .gallery img { display: block; width: 100%; border: 1px solid var(--line); border-radius: .4rem; }
 @media print { :root { color-scheme: light; --ink: #000; --soft: #444; --ground: #fff; --card: #f5f6f8; --line: #ccc; --a: #1d4ed8;
-  --b: #ea580c; --good: #047857; --bad: #b91c1c; --warn-ground: #fff; --warn-ink: #000; }
+  --b: #ea580c; --c: #7c3aed; --good: #047857; --bad: #b91c1c; --warn-ground: #fff; --warn-ink: #000; --tracking: #0072b2; --doubtful: #e69f00;
+  --lost: #b0004e; --tint: .13; }
   body { max-width: none; padding: 0; font-size: 11px; } h2 { break-after: avoid; } figure, table.key { break-inside: avoid; }
   img.map { max-height: 20cm; } .warnings { border: 1px solid var(--line); } }
 )css";

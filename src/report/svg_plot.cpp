@@ -53,6 +53,8 @@ class Plot {
         y_.include(curve.y[i]);
       }
     }
+    if (points_ == 0) return;
+    for (const double y : spec_.y_shown) y_.include(y);
   }
 
   [[nodiscard]] bool empty() const { return points_ < 2 || x_.empty() || y_.empty(); }
@@ -64,6 +66,7 @@ class Plot {
         "<svg class=\"plot\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{} over "
         "{}\">\n",
         spec_.width_px, spec_.height_px, escape_html(spec_.y_label), escape_html(spec_.x_label));
+    draw_bands();
     draw_axes();
     for (const PlotCurve& curve : spec_.curves) draw_curve(curve);
     draw_legend();
@@ -95,6 +98,18 @@ class Plot {
   [[nodiscard]] double py(double y) const {
     return spec_.height_px - kBottom -
            (y - y_.low) / y_.size() * (spec_.height_px - kBottom - top_);
+  }
+
+  void draw_bands() {
+    for (const PlotBand& band : spec_.bands) {
+      const double left = px(std::max(band.x_low, x_.low));
+      const double width = std::max(0.8, px(std::min(band.x_high, x_.high)) - left);
+      fmt::format_to(std::back_inserter(out_),
+                     "<rect class=\"band {0}\" x=\"{1:.1f}\" y=\"{2:.1f}\" width=\"{3:.1f}\" "
+                     "height=\"{4:.1f}\"/><rect class=\"strip {0}\" x=\"{1:.1f}\" y=\"{2:.1f}\" "
+                     "width=\"{3:.1f}\" height=\"5\"/>\n",
+                     band.css_class, left, top_, width, spec_.height_px - kBottom - top_);
+    }
   }
 
   void draw_axes() {

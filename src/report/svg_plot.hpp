@@ -14,10 +14,19 @@ struct PlotCurve {
   std::vector<double> y{};
 };
 
+/// A stretch of the x axis that is shaded: a tint behind the curves and a strip along the top.
+struct PlotBand {
+  std::string css_class;
+  double x_low = 0.0;
+  double x_high = 0.0;
+};
+
 struct PlotSpec {
   std::string x_label;
   std::string y_label;
   std::vector<PlotCurve> curves{};
+  std::vector<PlotBand> bands{};
+  std::vector<double> y_shown{};  ///< values that the y axis reaches whatever the curves do
   double width_px = 860.0;
   double height_px = 220.0;
   bool equal_axes = false;  ///< a metre is as long in x as in y; the height follows from the data

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "app.hpp"
+#include "loopstone/formats/log_reader.hpp"
+#include "loopstone/report/run_info.hpp"
+#include "progress_display.hpp"
+
+// What the commands share that drive a log through the library: which part of it, its problems, what the run cost.
+
+namespace loopstone::app {
+
+/// The part of a log that is used.
+struct LogCut {
+  double start_s = 0.0;        ///< scans before are skipped
+  double duration_s = 0.0;     ///< 0: to the end
+  std::int64_t max_scans = 0;  ///< 0: all
+};
+
+/// --start, --duration, --max-scans.
+void add_cut_flags(CLI::App& command, LogCut& cut);
+
+/// The messages of a log within the cut, until the user interrupts.
+class CutLog {
+ public:
+  /// \param step             what the progress line calls the work
+  /// \param mounts_from_log  what scans say of their laser's place on the robot counts
+  CutLog(LogReader& reader, const LogCut& cut, bool mounts_from_log, std::string_view step,
+         ProgressDisplay& display);
+
+  [[nodiscard]] std::optional<SensorMessage> next();
+  [[nodiscard]] bool interrupted() const { return interrupted_; }
+  [[nodiscard]] std::int64_t scans() const { return scans_; }
+  /// Throws DataError when there was no scan, unless the user interrupted.
+  void require_scans(const std::string& path) const;
+
+ private:
+  LogReader& reader_;
+  LogCut cut_;
+  bool mounts_from_log_;
+  std::string_view step_;
+  ProgressDisplay& display_;
+  std::optional<Stamp> first_{};
+  std::int64_t scans_ = 0;
+  bool interrupted_ = false;
+};
+
+/// Warns of the first few records that were skipped; the rest is a number in the summary.
+class ProblemPrinter {
+ public:
+  explicit ProblemPrinter(const AppContext& context) : context_(context) {}
+  void operator()(const Problem& problem);
+
+ private:
+  const AppContext& context_;
+  int count_ = 0;
+};
+
+/// Of this process, all threads.
+[[nodiscard]] double cpu_seconds();
+[[nodiscard]] std::int64_t peak_memory_bytes();
+
+/// What is known of every run when it is over; its options and wall time are the command's to say.
+[[nodiscard]] RunInfo run_info(const std::string& log_path, const LogReader& reader, bool force,
+                               const AppContext& context);
+
+}  // namespace loopstone::app

@@ -1,0 +1,45 @@
+#include "report/output_files.hpp"
+
+#include <system_error>
+
+#include "loopstone/base/error.hpp"
+
+namespace loopstone {
+
+namespace fs = std::filesystem;
+
+OutputFolder::OutputFolder(const std::string& path, bool force) : path_(path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path_, error);
+  if (fs::exists(status) && !fs::is_directory(status))
+    throw UsageError(path + ": is a file; the output must be a folder");
+  if (!fs::exists(status)) {
+    fs::create_directories(path_, error);
+    if (error) throw DataError({path}, "cannot make this folder: " + error.message());
+    made_ = true;
+    return;
+  }
+  const fs::directory_iterator first(path_, error);
+  if (error) throw DataError({path}, "cannot open this folder: " + error.message());
+  if (!force && first != fs::directory_iterator()) {
+    throw UsageError(path + ": holds files already; choose another folder or add --force");
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  if (made_ && !kept_) fs::remove(path_, ignored);  // only when empty
+}
+
+void FileSet::add(const std::string& name, const std::string& content, std::string_view bytes) {
+  AtomicFile& file = files_.emplace_back(folder_.file(name));
+  file.write(bytes);
+  file.finish_writing();
+  listed_.push_back({name, content, static_cast<std::int64_t>(bytes.size())});
+}
+
+void FileSet::commit() {
+  for (AtomicFile& file : files_) file.commit();
+}
+
+}  // namespace loopstone

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "formats/atomic_file.hpp"
+
+namespace loopstone {
+
+/// Level of the pictures' packing. Low: they are flat areas, and a second more would save some ten kilobytes.
+inline constexpr int kPngCompression = 2;
+
+/// A file that stands beside the report.
+struct ListedFile {
+  std::string name;
+  std::string content;  ///< in words
+  std::int64_t bytes = 0;
+};
+
+/// The output folder; one that was made here goes away again unless it is kept.
+/// Throws UsageError when it holds something and that was not forced, or is a file; DataError when it can't be made.
+class OutputFolder {
+ public:
+  OutputFolder(const std::string& path, bool force);
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+  ~OutputFolder();
+
+  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
+  void keep() { kept_ = true; }
+
+ private:
+  std::filesystem::path path_;
+  bool made_ = false;
+  bool kept_ = false;
+};
+
+/// Files that are all complete on disk before the first appears.
+class FileSet {
+ public:
+  explicit FileSet(const OutputFolder& folder) : folder_(folder) {}
+
+  void add(const std::string& name, const std::string& content, std::string_view bytes);
+  [[nodiscard]] const std::vector<ListedFile>& listed() const { return listed_; }
+  void commit();
+
+ private:
+  const OutputFolder& folder_;
+  std::deque<AtomicFile> files_{};
+  std::vector<ListedFile> listed_{};
+};
+
+}  // namespace loopstone
