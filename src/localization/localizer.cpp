@@ -102,7 +102,10 @@ class Localizer::Impl {
   LocalizationResult finish() {
     queue_.finish();
     process_ready();
-    if (first_stamp_) result_.duration_s = (*last_stamp_ - *first_stamp_).seconds();
+    if (first_stamp_) {
+      result_.start = *first_stamp_;
+      result_.duration_s = (*last_stamp_ - *first_stamp_).seconds();
+    }
     result_.path_length_m = travelled_m_;
     if (result_.estimates.empty() && result_.scans > 0) {
       result_.warnings.push_back(

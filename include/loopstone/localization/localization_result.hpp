@@ -101,7 +101,8 @@ struct LocalizationResult {
   std::int64_t scans = 0;
   std::int64_t scans_dropped = 0;  ///< too few returns to use
   double path_length_m = 0.0;      ///< by odometry
-  double duration_s = 0.0;         ///< of the recording
+  Stamp start{};                   ///< of the first scan, which may have no pose yet
+  double duration_s = 0.0;         ///< of the recording, from there
   double search_s = 0.0;           ///< wall time spent in searches
   double filter_s = 0.0;           ///< wall time spent on everything else
   bool had_odometry = false;
