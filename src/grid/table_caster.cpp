@@ -29,16 +29,17 @@ constexpr std::size_t kCacheLine = 64;
 
 /// A part of the circle as a fraction of 2^32: angles add without wrapping.
 using Turn = std::uint32_t;
+constexpr double kTurnError = 1e-5;  ///< of a direction's angle [rad]
 constexpr double kTurnsPerRadian = 0.5 * std::numbers::inv_pi * 4294967296.0;
 
+/// Any number of turns; 0 for what is not a number.
 Turn turn_of(double angle_rad) {
-  // By way of a signed number: a large one is taken modulo the circle.
-  return static_cast<Turn>(
-      static_cast<std::int64_t>(std::fmod(angle_rad * kTurnsPerRadian, 4294967296.0)));
+  constexpr double kCircle = 4294967296.0;
+  const double turns = std::fmod(angle_rad * kTurnsPerRadian, kCircle);
+  return std::isfinite(turns) ? static_cast<Turn>(static_cast<std::int64_t>(turns)) : 0;
 }
 
-/// The angle of a direction, to within 1e-5 rad. Source: Abramowitz and Stegun 1964, 4.4.49 (error 2e-8 turned to the
-/// whole circle), in single precision.
+/// The angle of a direction, to within kTurnError. Source: Abramowitz and Stegun 1964, 4.4.49, in single precision.
 Turn turn_of(double dx, double dy) {
   const auto x = static_cast<float>(dx);
   const auto y = static_cast<float>(dy);
@@ -61,6 +62,7 @@ Turn turn_of(double dx, double dy) {
   angle = across > along ? kHalfPi - angle : angle;
   angle = x < 0.0F ? kWholePi - angle : angle;
   angle = y < 0.0F ? -angle : angle;
+  angle = std::isnan(angle) ? 0.0F : angle;
   return static_cast<Turn>(static_cast<std::int64_t>(angle * static_cast<float>(kTurnsPerRadian)));
 }
 
@@ -291,7 +293,6 @@ TableCaster::Answered TableCaster::answered(const Ray& ray) const {
 }
 
 double TableCaster::stray_m(double range_m) const {
-  constexpr double kTurnError = 1e-5;  // of turn_of(dx, dy)
   return std::numbers::sqrt2 * 0.5 * tables_->frame.resolution +
          range_m * (std::numbers::pi / tables_->headings + kTurnError) + range_quantum_m();
 }
