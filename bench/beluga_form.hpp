@@ -1,20 +1,23 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
+#include <functional>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/grid/grid.hpp"
 
-// What the update of a particle filter by a likelihood field is measured against: beluga's LikelihoodFieldModel
-// (Ekumen, https://github.com/Ekumen-OS/beluga), written anew from its description. Not beluga itself: that needs range-v3, Sophus
-// and more that Debian does not package. What it does for each particle is the same: states with sine and cosine in
-// doubles already there, points as pairs of doubles, one likelihood a cell, a check against the map's edges, the sum of cubes by
-// std::transform_reduce. Without its lock and its ranges, and the particles' weights are written straight.
+// What weighing particles by a likelihood field is measured against: the update of beluga's LikelihoodFieldModel (Ekumen,
+// https://github.com/Ekumen-OS/beluga), written anew. Not beluga itself: that needs range-v3, Sophus and more that Debian does not
+// package. What is done for each particle is the same: a state that holds its sine and cosine in doubles, points as pairs of
+// doubles, cells found by Eigen's floor, one float a cell, a check against the map's edges, the sum of cubes by
+// std::transform_reduce. Its ranges and optionals are left out; they would not make it faster.
 namespace loopstone::bench {
 
 class BelugaForm {
@@ -30,7 +33,7 @@ class BelugaForm {
 
   explicit BelugaForm(const Grid<float>& distances_m)
       : frame_(distances_m.frame()), likelihoods_(distances_m.cells().size()) {
-    const double peak = kHit / (kSigma_m * std::sqrt(2.0 * 3.14159265358979323846));
+    const double peak = kHit / (kSigma_m * std::sqrt(2.0 * kPi));
     for (std::size_t i = 0; i < likelihoods_.size(); ++i) {
       const double d = std::min(static_cast<double>(distances_m.cells()[i]), kMaxDistance_m);
       likelihoods_[i] = static_cast<float>(peak * std::exp(-d * d / (2.0 * kSigma_m * kSigma_m)) +
@@ -61,12 +64,12 @@ class BelugaForm {
         points.begin(), points.end(), 1.0, std::plus<>(), [=, this](const auto& point) {
           const double x = point.first * state.cos - point.second * state.sin + x_offset;
           const double y = point.first * state.sin + point.second * state.cos + y_offset;
-          const auto column = static_cast<int>(std::floor(x / frame_.resolution));
-          const auto row = static_cast<int>(std::floor(y / frame_.resolution));
-          const double likelihood =
-              frame_.contains({column, row})
-                  ? static_cast<double>(likelihoods_[frame_.index_of({column, row})])
-                  : 1.0 / kMaxRange_m;
+          const Eigen::Vector2i near =
+              (Eigen::Vector2d(x, y) * (1.0 / frame_.resolution)).array().floor().cast<int>();
+          const Cell cell{near.x(), near.y()};
+          const double likelihood = frame_.contains(cell)
+                                        ? static_cast<double>(likelihoods_[frame_.index_of(cell)])
+                                        : 1.0 / kMaxRange_m;
           return likelihood * likelihood * likelihood;
         });
   }
