@@ -1,0 +1,147 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "loopstone/base/rng.hpp"
+#include "loopstone/formats/image.hpp"
+#include "loopstone/formats/ros_map.hpp"
+#include "loopstone/geometry/angle.hpp"
+#include "loopstone/odometry/trajectory.hpp"
+#include "loopstone/simulation/simulate.hpp"
+#include "loopstone/simulation/surface_index.hpp"
+
+// Simulated drives to measure localisation with: a map, a log of a drive in the place that it shows, and the truth.
+namespace loopstone::bench {
+
+/// What is asked of a drive.
+struct RunRequest {
+  std::string place;  ///< a built-in world's name, or a picture of a map at 5 cm, or a map's YAML
+  std::uint64_t seed = 1;
+  double duration_s = 60.0;
+  int beams = 1081;
+  int people = 0;
+  int clutter =
+      0;  ///< things in the map that are gone, and as many in the world that the map lacks
+  int kidnaps = 0;            ///< times that the robot is carried elsewhere unseen
+  bool random_start = false;  ///< anywhere in the place; else where the place's drives begin
+};
+
+struct Run {
+  Grid<std::int8_t> map;
+  RobotModel robot{};
+  std::vector<SensorMessage> messages{};
+  Trajectory truth{};
+  std::vector<Stamp> kidnaps{};  ///< the first scan after each
+};
+
+[[nodiscard]] inline CellStates read_any_map(const std::string& path) {
+  if (path.ends_with(".yaml")) return read_ros_map(path);
+  return interpret_map(read_image(path), RosMapInfo{.image = path});
+}
+
+/// A place for a robot: free on the map and farther than 0.5 m from any surface.
+[[nodiscard]] inline Eigen::Vector2d random_place(const Grid<std::int8_t>& map,
+                                                  const SurfaceIndex& surfaces, Rng& rng) {
+  const GridFrame& frame = map.frame();
+  for (;;) {
+    const Cell cell{static_cast<int>(rng.below(static_cast<std::uint64_t>(frame.columns))),
+                    static_cast<int>(rng.below(static_cast<std::uint64_t>(frame.rows)))};
+    if (map[cell] != 0) continue;
+    const Eigen::Vector2d place = frame.centre_of(cell);
+    if (surfaces.distance(place, 1.0) > 0.5) return place;
+  }
+}
+
+/// Boxes and columns where there is room for them and for a robot to pass.
+inline void add_clutter(World& world, const Grid<std::int8_t>& map, int count, Rng& rng) {
+  for (int i = 0; i < count; ++i) {
+    const SurfaceIndex surfaces(world.plan);
+    const Eigen::Vector2d place = random_place(map, surfaces, rng);
+    if ((place - world.map_T_start.translation()).norm() < 1.5) continue;
+    if (rng.uniform() < 0.5) {
+      world.plan.circles.push_back({place, rng.uniform(0.1, 0.3)});
+    } else {
+      world.plan.boxes.push_back({{place.x(), place.y(), rng.uniform(-kPi, kPi)},
+                                  rng.uniform(0.3, 1.0),
+                                  rng.uniform(0.3, 0.6)});
+    }
+  }
+}
+
+/// Carries the robot on by part of its own route, unseen: what was recorded meanwhile is left out, and the clock goes on as if
+/// nothing had happened.
+inline void kidnap(Run& run, double at_s, double for_s) {
+  const Stamp first = stamp_of(run.messages.front());
+  const Duration from{static_cast<std::int64_t>(at_s * 1e9)};
+  const Duration gap{static_cast<std::int64_t>(for_s * 1e9)};
+  const Duration until{static_cast<std::int64_t>((at_s + for_s) * 1e9)};
+  const auto shifted = [&](Stamp stamp) { return stamp - gap; };
+  std::vector<SensorMessage> kept;
+  for (SensorMessage& message : run.messages) {
+    const Duration time = stamp_of(message) - first;
+    if (time > from && time <= until) continue;
+    if (time > until) std::visit([&](auto& m) { m.stamp = shifted(m.stamp); }, message);
+    kept.push_back(std::move(message));
+  }
+  run.messages = std::move(kept);
+  std::vector<StampedPose2> truth;
+  bool carried = false;
+  for (const StampedPose2& pose : run.truth.poses()) {
+    const Duration time = pose.stamp - first;
+    if (time > from && time <= until) continue;
+    const bool after = time > until;
+    truth.push_back({after ? shifted(pose.stamp) : pose.stamp, pose.pose});
+    if (after && !carried) run.kidnaps.push_back(truth.back().stamp);
+    carried = carried || after;
+  }
+  run.truth = Trajectory(std::move(truth));
+}
+
+[[nodiscard]] inline Run make_run(const RunRequest& request) {
+  Rng rng = Rng(request.seed).fork(77);
+  const bool built_in = request.place.find('.') == std::string::npos;
+  RobotModel robot;
+  World world = built_in ? make_world(request.place, request.seed)
+                         : make_world(read_any_map(request.place), request.place,
+                                      robot.footprint_radius_m + 0.1);
+  const Grid<std::int8_t> bare = true_map(world);
+  World mapped = world;
+  if (request.clutter > 0) {
+    mapped.given_map.reset();
+    add_clutter(mapped, bare, request.clutter, rng);
+    add_clutter(world, bare, request.clutter, rng);
+    world.given_map.reset();
+  }
+  Run run{.map = request.clutter > 0 ? true_map(mapped) : bare, .robot = robot};
+  if (request.random_start) {
+    const Eigen::Vector2d start = random_place(bare, SurfaceIndex(world.plan), rng);
+    world.map_T_start = {start.x(), start.y(), rng.uniform(-kPi, kPi)};
+    const auto nearer = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      return (a - start).norm() < (b - start).norm();
+    };
+    std::stable_sort(world.places.begin(), world.places.end(), nearer);
+    if (world.places.size() > 6) world.places.resize(6);
+    world.returns.clear();
+  }
+  SimulationOptions options;
+  const double carried_s = 25.0;
+  options.duration_s = request.duration_s + carried_s * request.kidnaps;
+  options.people = request.people;
+  options.laser.beams = request.beams;
+  options.drive.standstill_s = 0.5;
+  std::vector<StampedPose2> truth;
+  simulate(world, robot, options, request.seed,
+           {.message = [&](SensorMessage message) { run.messages.push_back(std::move(message)); },
+            .truth = [&](const StampedPose2& pose) { truth.push_back(pose); }});
+  run.truth = Trajectory(std::move(truth));
+  for (int i = 0; i < request.kidnaps; ++i) {
+    const double at_s = request.duration_s * (i + 1) / (request.kidnaps + 1);
+    kidnap(run, at_s, carried_s * rng.uniform(0.5, 1.0));
+  }
+  return run;
+}
+
+}  // namespace loopstone::bench
