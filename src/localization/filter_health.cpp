@@ -74,7 +74,7 @@ void FilterHealthMonitor::add(const FilterReading& reading) {
   if (readings_.size() > static_cast<std::size_t>(options_.window)) readings_.pop_front();
 }
 
-FilterHealth FilterHealthMonitor::judge() const {
+FilterHealth FilterHealthMonitor::judge(double z_quantile) const {
   FilterHealth health;
   health.readings = static_cast<int>(readings_.size());
   if (health.readings < options_.min_readings) return health;
@@ -95,10 +95,10 @@ FilterHealth FilterHealthMonitor::judge() const {
   }
   if (freedom > 0) {
     health.innovation_ratio = chi2 / freedom;
-    health.innovation_ratio_bound = chi_square_quantile(freedom, options_.z_quantile) / freedom;
+    health.innovation_ratio_bound = chi_square_quantile(freedom, z_quantile) / freedom;
   }
   // exp(-t^2 / (2 (variance + jump t / 3))) = exp(-z^2 / 2), solved for t.
-  const double square = options_.z_quantile * options_.z_quantile;
+  const double square = z_quantile * z_quantile;
   const double linear = jump * square / 3.0;
   health.evidence_deficit = shortfall;
   health.evidence_deficit_bound =

@@ -127,7 +127,8 @@ LandmarkEstimate LandmarkLocalizer::update(std::span<const LandmarkSighting> giv
   if (estimate.health.doubt != FilterDoubt::kNone) {
     estimate.status = FilterStatus::kInconsistent;
   } else if (narrow(estimate.map_T_robot) &&
-             estimate.health.readings >= options_.health.min_readings) {
+             estimate.health.readings >= options_.health.min_readings &&
+             monitor_.judge(options_.confirm_quantile).doubt == FilterDoubt::kNone) {
     // Narrow alone is not enough: particles that are few and wrong are narrow too, until readings contradict them.
     estimate.status = FilterStatus::kConverged;
   }

@@ -10,7 +10,7 @@ namespace loopstone {
 
 /// What a filter says of itself.
 enum class FilterStatus {
-  kConverging,    ///< the belief is still wide, or too young to be judged
+  kConverging,    ///< the belief is still wide, too young to be judged, or doubted a little
   kConverged,     ///< the belief is narrow, and the readings are what it predicts
   kInconsistent,  ///< the readings are not what the belief predicts: the estimate must not be used
 };
@@ -82,7 +82,9 @@ class FilterHealthMonitor {
 
   /// Takes a reading in. Only readings for which the predictions hold belong here: while the belief is narrow.
   void add(const FilterReading& reading);
-  [[nodiscard]] FilterHealth judge() const;
+  [[nodiscard]] FilterHealth judge() const { return judge(options_.z_quantile); }
+  /// With bounds of another normal quantile: lower ones doubt earlier, and more often without need.
+  [[nodiscard]] FilterHealth judge(double z_quantile) const;
   void reset() { readings_.clear(); }
 
  private:

@@ -17,6 +17,8 @@ struct LandmarkLocalizerOptions {
   double narrow_m = 0.3;     ///< standard deviation of the position
   double narrow_rad = 0.15;  ///< of the heading
   FilterHealthOptions health{};
+  double confirm_quantile =
+      3.0;  ///< as health.z_quantile: beyond it the estimate is not called converged
   Renewal<Pose2> renewal{};
 };
 

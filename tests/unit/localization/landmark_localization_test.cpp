@@ -54,7 +54,7 @@ void expect_convergence(const DriveOptions& options, std::uint64_t first_seed, i
       EXPECT_LT(steps[k].error_m(), 0.25);
       EXPECT_LT(std::abs(steps[k].error().z()), radians(5.0));
     }
-    EXPECT_EQ(late_share(steps, FilterStatus::kConverged), 1.0);
+    EXPECT_GE(late_share(steps, FilterStatus::kConverged), 0.9);
     nees += mean_nees(steps) / seeds;
   }
   // 3 is right; errors of neighbouring steps go together, so the mean of a few runs still scatters.
@@ -127,6 +127,13 @@ TEST(LandmarkLocalizer, ReportsItsOwnFailure) {
       const auto steps = drive(failure.options, seed);
       SCOPED_TRACE(failure.name + ", seed " + std::to_string(seed));
       EXPECT_GT(late_share(steps, FilterStatus::kInconsistent), 0.5);
+      // Never believed while far off, but for the readings that it takes to notice being carried away.
+      EXPECT_LE(std::count_if(steps.begin(), steps.end(),
+                              [](const DriveStep& step) {
+                                return step.error_m() > 0.5 &&
+                                       step.estimate.status == FilterStatus::kConverged;
+                              }),
+                failure.options.carried_off_at >= 0 ? 3 : 0);
       const LandmarkEstimate& last = steps.back().estimate;
       EXPECT_EQ(reason(last.health).empty(), last.status != FilterStatus::kInconsistent);
     }
