@@ -15,3 +15,11 @@ foreach(source IN LISTS sources)
     set_tests_properties(example.${stem} PROPERTIES LABELS example TIMEOUT 120)
   endif()
 endforeach()
+
+# A page that shows lines of an example and what it prints.
+if(LOOPSTONE_TESTS)
+  find_package(Python3 3.9 REQUIRED COMPONENTS Interpreter)
+  add_test(NAME docs.bayes_filters COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/scripts/bayes_filters_docs.py"
+                                           "$<TARGET_FILE:example_08_bayes_filters>" --check)
+  set_tests_properties(docs.bayes_filters PROPERTIES LABELS docs TIMEOUT 60)
+endif()
