@@ -15,7 +15,7 @@ namespace loopstone::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::CappedTag<float, kLaneMultiple>;
-using Ints = hn::RebindToSigned<Floats>;
+using Ints = hn::RebindToUnsigned<Floats>;
 using Doubles = hn::CappedTag<double, kLaneMultiple / 2>;
 using HalfFloats = hn::Rebind<float, Doubles>;
 using Words = hn::RebindToUnsigned<Doubles>;
@@ -107,18 +107,16 @@ HWY_INLINE hn::Vec<Ints> indices(const ByteField& field, hn::Vec<Floats> cos, hn
   const auto row = cell_bits(at_y, field.last_row);
   // column / 8 * (8 * padded_rows) + row * 8 + column % 8, less what the bits of 2^23 have added, modulo 2^32.
   constexpr std::uint32_t kBits = 0x4B000000;
-  const std::uint32_t excess = kBits * static_cast<std::uint32_t>(field.padded_rows) + 8 * kBits;
+  const std::uint32_t excess = kBits * (field.padded_rows + 8);
   const auto strip = hn::Mul(hn::AndNot(hn::Set(i, 7), column), hn::Set(i, field.padded_rows - 1));
   const auto in_strip = hn::Add(column, hn::ShiftLeft<3>(row));
-  return hn::Add(hn::Sub(in_strip, hn::Set(i, static_cast<std::int32_t>(excess))), strip);
+  return hn::Add(hn::Sub(in_strip, hn::Set(i, excess)), strip);
 }
 
 /// Bytes are loaded one by one: a gather of words is no faster, and much slower where processors guard or microcode it.
-HWY_INLINE std::uint64_t sum_bytes(const std::uint8_t* cells, const std::int32_t* at,
+HWY_INLINE std::uint64_t sum_bytes(const std::uint8_t* cells, const std::uint32_t* at,
                                    std::size_t count) {
-  const auto byte = [=](std::size_t i) {
-    return std::uint64_t{cells[static_cast<std::uint32_t>(at[i])]};
-  };
+  const auto byte = [=](std::size_t i) { return std::uint64_t{cells[at[i]]}; };
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < count; i += 8) {
     sum += byte(i) + byte(i + 1) + byte(i + 2) + byte(i + 3) + byte(i + 4) + byte(i + 5) +
@@ -130,7 +128,7 @@ HWY_INLINE std::uint64_t sum_bytes(const std::uint8_t* cells, const std::int32_t
 void sum_over_points(const ByteField& field, const PoseArrays& poses, const std::uint32_t* order,
                      std::size_t count, const PointArrays& points, std::uint64_t* sums) {
   const Floats d;
-  HWY_ALIGN std::int32_t at[kAtOnce];
+  HWY_ALIGN std::uint32_t at[kAtOnce];
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t pose = order[k];
     const auto cos = hn::Set(d, poses.cos[pose]);
@@ -156,7 +154,7 @@ void sum_over_points(const ByteField& field, const PoseArrays& poses, const std:
 void sum_over_poses(const ByteField& field, const PoseArrays& poses, const PointArrays& points,
                     std::size_t begin, std::size_t end, std::uint64_t* sums) {
   const Floats d;
-  HWY_ALIGN std::int32_t at[kAtOnce];
+  HWY_ALIGN std::uint32_t at[kAtOnce];
   for (std::size_t point = begin; point < end; ++point) {
     const auto point_x = hn::Set(d, points.x[point]);
     const auto point_y = hn::Set(d, points.y[point]);

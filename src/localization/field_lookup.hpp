@@ -16,8 +16,8 @@ namespace loopstone::detail {
 /// the map's lower left one.
 struct ByteField {
   const std::uint8_t* cells = nullptr;
-  std::int32_t padded_rows = 0;  ///< a strip has 8 * padded_rows cells
-  float last_column = 0.0F;      ///< the border on the far sides; at most 2^22
+  std::uint32_t padded_rows = 0;  ///< a strip has 8 * padded_rows cells
+  float last_column = 0.0F;       ///< the border on the far sides; at most 2^22
   float last_row = 0.0F;
   double origin_x_m = 0.0;
   double origin_y_m = 0.0;

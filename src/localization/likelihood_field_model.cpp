@@ -82,7 +82,7 @@ std::vector<std::uint8_t> unknown_cells(const std::vector<std::int8_t>& occupanc
 detail::ByteField field_of(const GridFrame& frame, int padded_rows,
                            const std::vector<std::uint8_t>& cells) {
   return {.cells = cells.data(),
-          .padded_rows = padded_rows,
+          .padded_rows = static_cast<std::uint32_t>(padded_rows),
           .last_column = static_cast<float>(frame.columns + 1),
           .last_row = static_cast<float>(frame.rows + 1),
           .origin_x_m = frame.origin.x(),
