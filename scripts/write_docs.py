@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the parts of docs/command_line.md that the program itself knows: the help of every command and all options.
+"""Writes the parts of the docs that the program itself knows: the help of every command and all options
+(docs/command_line.md), and the options of localisation (docs/localization.md).
 
   scripts/write_docs.py [--program build/release/bin/loopstone]            writes
   scripts/write_docs.py [--program build/release/bin/loopstone] --check    tells whether the page is up to date (exit 1: no)
@@ -14,6 +15,7 @@ from doc_blocks import read_block, table, write_block
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/command_line.md"
+LOCALIZATION_PAGE = ROOT / "docs/localization.md"
 
 
 def output_of(program, *arguments):
@@ -40,12 +42,12 @@ def command_help(program):
     return "\n".join(parts)
 
 
-def options_table(program):
-    """From the TOML of `loopstone config`: each option follows its help text, whose last brackets hold the rule."""
+def options_table(program, command):
+    """From the TOML of `loopstone config COMMAND`: each option follows its help text, whose last brackets hold the rule."""
     rows = []
     group = ""
     comment = ""
-    for line in output_of(program, "config").splitlines():
+    for line in output_of(program, "config", command).splitlines():
         if line.startswith("["):
             group = line.strip("[]") + "."
         elif line.startswith("#"):
@@ -66,17 +68,19 @@ def main():
     parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
 
+    program = arguments.program
     stale = []
-    for block, text in [("commands", command_help(arguments.program)), ("options", options_table(arguments.program))]:
+    for page, block, text in [(PAGE, "commands", command_help(program)),
+                              (PAGE, "options", options_table(program, "map")),
+                              (LOCALIZATION_PAGE, "options", options_table(program, "localize"))]:
         if not arguments.check:
-            write_block(PAGE, block, text)
+            write_block(page, block, text)
             continue
-        written = read_block(PAGE, block)
+        written = read_block(page, block)
         if written is None or written.rstrip() != text.rstrip():
-            stale.append(block)
+            stale.append(f"{page.relative_to(ROOT)} ({block})")
     if stale:
-        page = PAGE.relative_to(ROOT)
-        sys.exit(f"{page}: out of date: {', '.join(stale)}. Run scripts/write_docs.py --program {arguments.program}")
+        sys.exit(f"out of date: {', '.join(stale)}. Run scripts/write_docs.py --program {program}")
 
 
 if __name__ == "__main__":

@@ -19,6 +19,8 @@ constexpr const char* kExamples = R"(
 Examples:
   loopstone info LOG                               what is in a log, and what is odd about it
   loopstone map LOG -o out                         map, trajectory, report: open out/report.html
+  loopstone localize LOG --map out -o where.tum --global
+                                                   where a robot was on that map, and how sure that is
   loopstone simulate office -o sim --seed 1        a log whose truth is known
   loopstone map sim -o out && \
   loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum
@@ -31,6 +33,7 @@ void add_commands(CLI::App& app, AppContext& context) {
   // In the order in which a user meets them.
   add_info_command(app, context);
   add_map_command(app, context);
+  add_localize_command(app, context);
   add_match_command(app, context);
   add_odometry_command(app, context);
   add_evaluate_command(app, context);

@@ -20,9 +20,15 @@ double LocalizationFigures::share(LocalizationState state) const {
 LocalizationFigures figures_of(const LocalizationResult& result) {
   LocalizationFigures figures;
   const std::vector<LocalizationEstimate>& estimates = result.estimates;
-  if (estimates.empty()) return figures;
+  if (estimates.empty()) {
+    figures.lost_share = result.scans > 0 ? 1.0 : 0.0;
+    return figures;
+  }
   const LocalizationEstimate& first = estimates.front();
   double times_s[3] = {0.0, 0.0, 0.0};
+  // Without a pose it was lost.
+  times_s[static_cast<std::size_t>(LocalizationState::kLost)] =
+      std::max(0.0, (first.stamp - result.start).seconds());
   double variance_xy = 0.0;
   double variance_yaw = 0.0;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
@@ -33,8 +39,8 @@ LocalizationFigures figures_of(const LocalizationResult& result) {
     }
     if (i > 0 && e.state != estimates[i - 1].state) ++figures.state_changes;
     if (e.state == LocalizationState::kTracking && !figures.first_tracking_s) {
-      figures.first_tracking_s = (e.stamp - first.stamp).seconds();
-      figures.first_tracking_m = e.travelled_m - first.travelled_m;
+      figures.first_tracking_s = (e.stamp - result.start).seconds();
+      figures.first_tracking_m = e.travelled_m;
     }
     figures.refined += e.refined ? 1 : 0;
     figures.probability_mean += e.probability;

@@ -11,10 +11,10 @@ namespace loopstone {
 
 /// Figures that follow from the estimates.
 struct LocalizationFigures {
-  double tracking_share = 0.0;  ///< of the time between the first and the last estimate
+  double tracking_share = 0.0;  ///< of the time from the first scan to the last
   double doubtful_share = 0.0;
   double lost_share = 0.0;
-  std::optional<double> first_tracking_s{};  ///< after the first estimate
+  std::optional<double> first_tracking_s{};  ///< after the first scan
   std::optional<double> first_tracking_m{};  ///< by odometry
   std::int64_t state_changes = 0;            ///< the first state is none
   std::int64_t refined = 0;                  ///< estimates that registration to the map refined

@@ -28,8 +28,7 @@ std::string state_chip(LocalizationState state) {
 }
 
 std::string since_start(const LocalizationResult& result, Stamp stamp) {
-  const Stamp start = result.estimates.empty() ? stamp : result.estimates.front().stamp;
-  return fmt::format("{:.1f} s", (stamp - start).seconds());
+  return fmt::format("{:.1f} s", (stamp - result.start).seconds());
 }
 
 std::string verdict(const LocalizationResult& result, const LocalizationFigures& figures,
@@ -149,8 +148,8 @@ std::string key_figures(const LocalizationResult& result, const Grid<std::int8_t
 }
 
 std::string moments(const LocalizationResult& result, const Grid<std::int8_t>& occupancy) {
-  if (result.snapshots.empty() || result.estimates.empty()) return {};
-  const BeliefPainter painter(occupancy, result.estimates.front().stamp,
+  if (result.snapshots.empty()) return {};
+  const BeliefPainter painter(occupancy, result.start,
                               {.width_px = 560, .close_up_m = 14.0, .whole_map = false});
   const std::size_t count = std::min(result.snapshots.size(), kMostMoments);
   std::string html =

@@ -76,9 +76,7 @@ std::int64_t write_localization_animation(const LocalizationResult& result,
     folder.keep();
     return 0;
   }
-  const Stamp start =
-      result.estimates.empty() ? result.snapshots.front().stamp : result.estimates.front().stamp;
-  const BeliefPainter painter(occupancy, start);
+  const BeliefPainter painter(occupancy, result.start);
   std::int64_t number = 0;
   for (const BeliefSnapshot& snapshot : result.snapshots) {
     write_png(folder.file(frame_name(++number)), painter.draw(snapshot), kPngCompression);

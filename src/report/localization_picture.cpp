@@ -115,7 +115,7 @@ class MapOfPath {
       });
       if (hidden) continue;
       labels.push_back(at);
-      const double time_s = (snapshot.stamp - result_.estimates.front().stamp).seconds();
+      const double time_s = (snapshot.stamp - result_.start).seconds();
       const double edge = 2.0 * sizes_.text;
       const Point label{std::clamp(at.x, edge, std::max(edge, view_.width_px - edge)),
                         std::max(at.y - 0.55 * sizes_.text, sizes_.text)};

@@ -27,7 +27,8 @@ struct TimeSpan {
 
 class TimePlots {
  public:
-  explicit TimePlots(const LocalizationResult& result) : estimates_(result.estimates) {
+  explicit TimePlots(const LocalizationResult& result)
+      : start_(result.start), estimates_(result.estimates) {
     const std::size_t count = estimates_.size();
     const std::size_t spans = std::min(count, kMostSpans);
     for (std::size_t k = 0; k < spans; ++k) {
@@ -75,7 +76,7 @@ class TimePlots {
 
  private:
   [[nodiscard]] double time_s(std::size_t i) const {
-    return (estimates_[i].stamp - estimates_.front().stamp).seconds();
+    return (estimates_[i].stamp - start_).seconds();
   }
   /// The worst state of each span: a short loss must not vanish.
   void find_bands() {
@@ -95,6 +96,7 @@ class TimePlots {
     }
   }
 
+  Stamp start_;
   const std::vector<Estimate>& estimates_;
   std::vector<TimeSpan> spans_{};
   std::vector<PlotBand> bands_{};

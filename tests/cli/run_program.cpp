@@ -5,7 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <functional>
 #include <stdexcept>
+#include <thread>
 
 #include "support/temp_dir.hpp"
 
@@ -19,10 +24,9 @@ void redirect(int descriptor, const char* path, int flags) {
   if (file < 0 || ::dup2(file, descriptor) < 0) ::_exit(127);
 }
 
-}  // namespace
-
-ProgramResult run_program_into(const std::string& out_path,
-                               const std::vector<std::string>& arguments) {
+/// \param while_running  called in the parent with the child's process id
+ProgramResult run(const std::string& out_path, const std::vector<std::string>& arguments,
+                  const std::function<void(pid_t)>& while_running) {
   const TempDir folder;
   const std::string error_path = folder / "stderr";
   std::vector<char*> argv;
@@ -41,11 +45,33 @@ ProgramResult run_program_into(const std::string& out_path,
     ::execv(program.c_str(), argv.data());
     ::_exit(127);
   }
+  if (while_running) while_running(child);
   int status = 0;
   ::waitpid(child, &status, 0);
   ProgramResult result;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   result.error = folder.read("stderr");
+  return result;
+}
+
+}  // namespace
+
+ProgramResult run_program_into(const std::string& out_path,
+                               const std::vector<std::string>& arguments) {
+  return run(out_path, arguments, {});
+}
+
+ProgramResult interrupt_program(const std::string& when_exists,
+                                const std::vector<std::string>& arguments) {
+  const TempDir folder;
+  ProgramResult result = run(folder / "stdout", arguments, [&](pid_t child) {
+    constexpr auto kPause = std::chrono::milliseconds(2);
+    constexpr int kMostPauses = 30'000;
+    for (int i = 0; i < kMostPauses && !std::filesystem::exists(when_exists); ++i)
+      std::this_thread::sleep_for(kPause);
+    ::kill(child, SIGINT);  // not yet waited for, so the id is still its own
+  });
+  result.out = folder.read("stdout");
   return result;
 }
 

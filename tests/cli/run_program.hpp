@@ -18,6 +18,10 @@ struct ProgramResult {
 [[nodiscard]] ProgramResult run_program_into(const std::string& out_path,
                                              const std::vector<std::string>& arguments);
 
+/// The same, with Ctrl-C as soon as this file or folder exists.
+[[nodiscard]] ProgramResult interrupt_program(const std::string& when_exists,
+                                              const std::vector<std::string>& arguments);
+
 /// How many lines a text has.
 [[nodiscard]] std::size_t count_lines(const std::string& text);
 

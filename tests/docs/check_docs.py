@@ -59,12 +59,15 @@ def documented_keys(page):
 
 
 def summary_keys(program):
-    """Keys of the summary of a real, short run."""
+    """Keys of the summaries of real, short runs, by the page that has their table."""
     with tempfile.TemporaryDirectory() as folder:
-        log, out = f"{folder}/log", f"{folder}/out"
+        log, out, where = f"{folder}/log", f"{folder}/out", f"{folder}/where"
         output_of(program, "simulate", "rooms", "-o", log, "--duration", "6", "--beams", "91", "--quiet")
         output_of(program, "map", log, "-o", out, "--quiet")
-        return re.findall(r'^  "(\w+)":', pathlib.Path(out, "summary.json").read_text(encoding="utf-8"), re.M)
+        output_of(program, "localize", log, "--map", out, "-o", f"{where}.tum", "--initial", "0,0,0",
+                  "--report", where, "--quiet")
+        return {page: re.findall(r'^  "(\w+)":', pathlib.Path(run, "summary.json").read_text(encoding="utf-8"), re.M)
+                for page, run in [("docs/formats.md", out), ("docs/localization.md", where)]}
 
 
 def check(program):
@@ -79,9 +82,9 @@ def check(program):
         name = page.relative_to(ROOT)
         problems += [f"{name}: {problem}" for problem in wrong_calls(text, helps)]
         problems += [f"{name}: {problem}" for problem in broken_links(text, page.parent)]
-    formats = (ROOT / "docs/formats.md").read_text(encoding="utf-8")
-    problems += [f"docs/formats.md: {problem}"
-                 for problem in undocumented(summary_keys(program), documented_keys(formats))]
+    for page, keys in summary_keys(program).items():
+        documented = documented_keys((ROOT / page).read_text(encoding="utf-8"))
+        problems += [f"{page}: {problem}" for problem in undocumented(keys, documented)]
     return problems
 
 

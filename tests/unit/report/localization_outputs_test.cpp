@@ -88,6 +88,16 @@ TEST(LocalizationOutputs, TimesBetweenScansCountNotScans) {
   EXPECT_DOUBLE_EQ(summary["tracking_share"].get<double>(), 0.1);
 }
 
+TEST(LocalizationOutputs, TimeBeforeTheFirstPoseWasLost) {
+  LocalizationResult result = small_localization();
+  result.start = result.start - Duration::from_seconds(20.0);
+  const Json summary = summary_of(result);
+  EXPECT_NEAR(summary["lost_share"].get<double>(), 22.4 / 40.0, 1e-9);
+  EXPECT_NEAR(summary["first_tracking_s"].get<double>(), 23.0, 1e-9);
+  result.estimates.clear();
+  EXPECT_EQ(summary_of(result)["lost_share"], 1.0);
+}
+
 TEST(LocalizationOutputs, SummaryOfOnePoseAndOfNone) {
   LocalizationResult result;
   const Json none = summary_of(result);

@@ -68,6 +68,7 @@ inline LocalizationResult small_localization() {
   }
   result.searches = {{start, "start", true, 7, 7, 0.91},
                      {start + Duration::from_seconds(10.1), "lost <again>", false, 2, 1, 0.83}};
+  result.start = start;
   result.scans = 201;
   result.path_length_m = 10.0;
   result.duration_s = 20.0;

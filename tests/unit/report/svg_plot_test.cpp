@@ -53,6 +53,33 @@ TEST(SvgPlot, NothingToDrawIsNoPlot) {
   EXPECT_NE(svg_plot(spec).find("&lt;&amp;&gt;"), std::string::npos);
 }
 
+TEST(SvgPlot, BandsLieBehindTheCurvesAndWithinTheAxes) {
+  PlotSpec spec{.x_label = "time", .y_label = "share"};
+  spec.curves.push_back({"a", "a", {0, 5, 10}, {0.4, 0.5, 0.6}});
+  spec.bands = {{"lost", -3.0, 5.0}, {"tracking", 5.0, 99.0}};
+  spec.y_shown = {0.0, 1.0};
+  const std::string svg = svg_plot(spec);
+  const auto lost = svg.find("<rect class=\"band lost\"");
+  const auto tracking = svg.find("<rect class=\"band tracking\"");
+  ASSERT_NE(lost, std::string::npos);
+  ASSERT_NE(tracking, std::string::npos);
+  EXPECT_LT(tracking, svg.find("class=\"curve a\"")) << "drawn later lies on top";
+  double x[2];
+  double width[2];
+  ASSERT_EQ(
+      std::sscanf(svg.c_str() + lost, "<rect class=\"band lost\" x=\"%lf\" y=\"%*f\" width=\"%lf",
+                  &x[0], &width[0]),
+      2);
+  ASSERT_EQ(std::sscanf(svg.c_str() + tracking,
+                        "<rect class=\"band tracking\" x=\"%lf\" y=\"%*f\" width=\"%lf", &x[1],
+                        &width[1]),
+            2);
+  EXPECT_NEAR(x[0] + width[0], x[1], 0.2) << "they meet";
+  EXPECT_NEAR(width[0], width[1], 0.2) << "cut at the ends of the axis";
+  EXPECT_NE(svg.find(">0</text>"), std::string::npos) << "the axis reaches what was asked for";
+  EXPECT_NE(svg.find(">1</text>"), std::string::npos);
+}
+
 TEST(MotionProfile, CircleHasConstantSpeedAndYawRate) {
   Trajectory trajectory;
   Pose2 pose;

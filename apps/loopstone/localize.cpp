@@ -1,0 +1,343 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bounds.hpp"
+#include "commands.hpp"
+#include "log_run.hpp"
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/ros_map.hpp"
+#include "loopstone/localization/localizer.hpp"
+#include "loopstone/report/localization_outputs.hpp"
+#include "parse_pose.hpp"
+#include "result.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct Arguments {
+  std::string log;
+  std::string map;
+  std::string output;
+  std::string initial;
+  std::string initial_sigma;
+  bool global = false;
+  std::optional<std::int64_t> particles;
+  std::uint64_t seed = 1;
+  LogCut cut;
+  std::string report;
+  std::string animation;
+  std::vector<std::string> require;
+  bool force = false;
+  bool strict = false;
+};
+
+/// Snapshots for an animation, unless the user wants others.
+constexpr double kAnimationStepM = 0.5;
+
+constexpr const char* kFooter = R"(
+MAP is a map.yaml with its picture, as ROS map_server reads it (any mode), or a folder that `loopstone map` left.
+FILE.tum holds map_T_robot at every scan (t x y z qx qy qz qw); FILE.csv, beside it, the same with covariance, state,
+probability and what that stands on. The same seed gives the same files, with any number of threads.
+
+State: TRACKING  the pose is right, by all that can be told
+       DOUBTFUL  it may be right, or another place looks the same: wait, or drive on
+       LOST      it is wrong, or there is none yet; the map is searched until there is
+The probability is that of the pose being within 0.2 m and 5 deg of the truth.
+
+Examples:
+  loopstone localize sim --map sim/map.yaml -o where.tum --global                    from anywhere on the map
+  loopstone localize sim --map out -o where.tum --initial 4,3,0.5 --report where     from a guess; open where/report.html
+  loopstone localize sim --map out -o where.tum --global --animation film --set snapshot_distance_m=0.2
+  loopstone localize sim --map out -o where.tum --global --require 'tracking_share>=0.9'    exits with 3 if it is less
+  loopstone evaluate --estimate where.tum --reference sim/truth.tum --align none     how far off it was)";
+
+std::optional<InitialPose> initial_of(const Arguments& arguments) {
+  if (arguments.global && !arguments.initial.empty()) {
+    throw UsageError("--initial and --global exclude each other: a guess, or anywhere on the map");
+  }
+  if (!arguments.global && arguments.initial.empty()) {
+    throw UsageError(
+        "where does the robot start? --initial X,Y,YAW if that is about known, else --global");
+  }
+  if (arguments.global && !arguments.initial_sigma.empty()) {
+    throw UsageError("--initial-sigma says how good --initial is; --global has none");
+  }
+  if (arguments.global) return std::nullopt;
+  InitialPose initial{.map_T_robot = parse_pose2("--initial", arguments.initial)};
+  if (!arguments.initial_sigma.empty()) {
+    const std::vector<double> sigma = parse_numbers("--initial-sigma", arguments.initial_sigma);
+    if (sigma.size() != 2 || !(sigma[0] > 0.0) || !(sigma[1] > 0.0)) {
+      throw UsageError("--initial-sigma " + arguments.initial_sigma +
+                       ": must be M,RAD, both above 0, such as 0.5,0.26");
+    }
+    initial.sigma_m = sigma[0];
+    initial.sigma_rad = sigma[1];
+  }
+  return initial;
+}
+
+LocalizationOptions options_of(const Arguments& arguments, const AppContext& context) {
+  auto options = context.load_options<LocalizationOptions>();
+  std::vector<OptionProblem> problems;
+  if (arguments.particles) {
+    override_option(list_options(options), "--particles",
+                    fmt::format("particles_max={}", *arguments.particles), problems);
+    options.particles_min = std::min(options.particles_min, options.particles_max);
+  }
+  if (!problems.empty()) throw OptionsError(problems);
+  if (!arguments.animation.empty() && options.snapshot_distance_m == 0.0)
+    options.snapshot_distance_m = kAnimationStepM;
+  return options;
+}
+
+/// What can't be written is better found out before the work.
+void prepare_outputs(const Arguments& arguments) {
+  const fs::path file(arguments.output);
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) {
+    throw UsageError("-o " + arguments.output + ": is a folder; name the file, such as " +
+                     (file / "where.tum").string());
+  }
+  if (file.has_parent_path() && !fs::is_directory(file.parent_path(), ignored)) {
+    throw DataError({arguments.output}, "there is no folder " + file.parent_path().string());
+  }
+  if (file.extension() == ".csv") {
+    throw UsageError("-o " + arguments.output +
+                     ": the table beside the trajectory takes that name; name this one .tum");
+  }
+  if (!arguments.report.empty() && arguments.report == arguments.animation) {
+    throw UsageError("--report and --animation need a folder each");
+  }
+  if (!arguments.report.empty()) prepare_output_folder(arguments.report, arguments.force);
+  if (!arguments.animation.empty()) prepare_output_folder(arguments.animation, arguments.force);
+}
+
+LocalizationMap read_map(const std::string& path) {
+  std::string yaml = path;
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    yaml = (fs::path(path) / "map.yaml").string();
+    if (!fs::exists(yaml, ignored)) {
+      throw DataError({path},
+                      "there is no map.yaml in this folder; `loopstone map LOG -o FOLDER` leaves "
+                      "one, and --map takes any map_server YAML file");
+    }
+  }
+  try {
+    return LocalizationMap(read_ros_map(yaml));
+  } catch (const UsageError& error) {  // of the map itself: there is nothing to see on it
+    throw DataError({yaml}, error.what());
+  }
+}
+
+/// Says what is odd about the place; it may still be right by its spread.
+void warn_of_initial_pose(const InitialPose& initial, const Grid<std::int8_t>& map,
+                          const AppContext& context) {
+  const GridFrame& frame = map.frame();
+  const Pose2& pose = initial.map_T_robot;
+  const Cell cell = frame.cell_of(pose.translation());
+  const std::string place = fmt::format("--initial {:g},{:g}", pose.x, pose.y);
+  if (!frame.contains(cell)) {
+    context.warn(fmt::format(
+        "{} lies outside the map, which goes from ({:.1f}, {:.1f}) to ({:.1f}, {:.1f}) m", place,
+        frame.origin.x(), frame.origin.y(), frame.origin.x() + frame.columns * frame.resolution,
+        frame.origin.y() + frame.rows * frame.resolution));
+    return;
+  }
+  constexpr int kWallPercent = 65;  // map_server's own threshold
+  if (map[cell] >= kWallPercent) {
+    context.warn(place + " lies in a wall of the map");
+  } else if (map[cell] == kUnknownCell) {
+    context.warn(place + " lies where the map knows nothing");
+  }
+}
+
+LocalizationResult localize(CutLog& log, Localizer localizer) {
+  while (const auto message = log.next()) {
+    localizer.add(*message);
+    while (localizer.next()) {
+      // All of them are in the result.
+    }
+  }
+  LocalizationResult result = localizer.finish();
+  result.complete = result.complete && !log.interrupted();
+  return result;
+}
+
+/// That no place was found is a result; that no scan could be used is not.
+void require_usable_scans(const LocalizationResult& result, const std::string& log) {
+  if (result.scans == 0 || result.scans_dropped < result.scans) return;
+  throw DataError({log}, fmt::format("none of its {} scans has enough returns to tell a place; "
+                                     "`loopstone info` shows what is wrong with them",
+                                     result.scans));
+}
+
+/// What was written, for the table.
+struct Written {
+  std::string csv;
+  std::int64_t pictures = 0;
+};
+
+void print_table(const nlohmann::ordered_json& summary, const Arguments& arguments,
+                 const Written& written, const AppContext& context) {
+  const auto number = [&](const char* key) { return summary.at(key).get<double>(); };
+  Result table;
+  table.add_row("scans", fmt::format("{}", summary.at("scans").get<std::int64_t>()));
+  if (const auto skipped = summary.at("records_skipped").get<std::int64_t>(); skipped > 0)
+    table.add_row("records skipped", fmt::format("{}", skipped));
+  table.add_row("recording", fmt::format("{:.1f}", number("duration_s")), "s");
+  table.add_row("path", fmt::format("{:.1f}", number("path_length_m")), "m");
+  for (const auto& [label, key] : {std::pair{"TRACKING", "tracking_share"},
+                                   {"DOUBTFUL", "doubtful_share"},
+                                   {"LOST", "lost_share"}}) {
+    table.add_row(label, fmt::format("{:5.1f} % of the time", 100.0 * number(key)));
+  }
+  table.add_row("first TRACKING",
+                summary.at("first_tracking_s").is_null()
+                    ? std::string("never")
+                    : fmt::format("after {:.1f} s, {:.1f} m", number("first_tracking_s"),
+                                  number("first_tracking_m")));
+  table.add_row("searches", fmt::format("{}", summary.at("searches").get<std::int64_t>()));
+  table.add_row("mean probability", fmt::format("{:.3f}", number("probability_mean")));
+  table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", number("wall_time_s"),
+                                    number("realtime_factor")));
+  table.add_row("trajectory",
+                arguments.output + (written.csv.empty() ? "" : ", with all else " + written.csv));
+  if (!arguments.report.empty()) table.add_row("report", arguments.report + "/report.html");
+  if (!arguments.animation.empty()) {
+    table.add_row("animation", fmt::format("{}, {} picture{}", arguments.animation,
+                                           written.pictures, written.pictures == 1 ? "" : "s"));
+  }
+  table.print(context);
+}
+
+ExitCode run(const Arguments& arguments, const AppContext& context) {
+  const auto start = Clock::now();
+  std::vector<Bound> bounds;
+  for (const std::string& text : arguments.require) bounds.push_back(parse_bound(text));
+  const std::optional<InitialPose> initial = initial_of(arguments);
+  LocalizationOptions options = options_of(arguments, context);
+
+  const LocalizationMap map = read_map(arguments.map);
+  if (initial) warn_of_initial_pose(*initial, map.occupancy(), context);
+  ProblemPrinter print_problem(context);
+  const auto reader = open_log(
+      arguments.log, {.strict = arguments.strict,
+                      .on_problem = [&](const Problem& problem) { print_problem(problem); }});
+  prepare_outputs(arguments);
+  const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
+
+  ProgressDisplay display(context);
+  CutLog log(*reader, arguments.cut, !context.robot_given(), "localising", display);
+  const LocalizationResult result =
+      localize(log, Localizer(map, robot, options, initial, arguments.seed, context.threads()));
+  ProgressDisplay::clear_line();
+  log.require_scans(arguments.log);
+  require_usable_scans(result, arguments.log);
+
+  LocalizationRunInfo info;
+  info.run = run_info(arguments.log, *reader, arguments.force, context);
+  info.run.options_toml = options_to_toml(list_options(options));
+  info.run.wall_time_s = std::chrono::duration<double>(Clock::now() - start).count();
+  info.map_path = arguments.map;
+  info.initial = initial;
+  info.seed = arguments.seed;
+  info.map_free_area_m2 = map.free_area_m2();
+  info.map_memory_bytes = static_cast<std::int64_t>(map.memory_bytes());
+
+  Written written;
+  written.csv = write_localization_trajectory(result, arguments.output);
+  if (!arguments.report.empty())
+    write_localization_outputs(result, map.occupancy(), info, arguments.report);
+  if (!arguments.animation.empty()) {
+    written.pictures =
+        write_localization_animation(result, map.occupancy(), arguments.animation, arguments.force);
+  }
+  for (const std::string& warning : result.warnings) context.warn(warning);
+  const std::string text = format_summary(result, map.occupancy(), info);
+  const auto summary = nlohmann::ordered_json::parse(text);
+  const std::vector<std::string> missed = missed_bounds(bounds, summary);
+  if (context.json()) {
+    print_to_stdout(text);
+  } else {
+    print_table(summary, arguments, written, context);
+  }
+  for (const std::string& bound : missed) context.warn("bound missed: " + bound);
+  if (!result.complete) {
+    context.warn("interrupted: the poses are those until then");
+    return kExitInterrupted;
+  }
+  return missed.empty() ? kExitDone : kExitBoundMissed;
+}
+
+}  // namespace
+
+void add_localize_command(CLI::App& app, AppContext& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("localize", "Where the robot was on a known map, and how sure that is");
+  command
+      ->add_option("LOG", arguments->log,
+                   "a log file, or a folder (DIR#20 names set 20 of a UCSD folder)")
+      ->required();
+  command->add_option("--map", arguments->map, "a map.yaml, or a folder that holds one")
+      ->type_name("MAP")
+      ->required();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "the trajectory to write; FILE.csv beside it holds all else")
+      ->type_name("FILE.tum")
+      ->required();
+  command
+      ->add_option("--initial", arguments->initial,
+                   "about where the robot is at the first scan [m, m, rad]")
+      ->type_name("X,Y,YAW");
+  command
+      ->add_option("--initial-sigma", arguments->initial_sigma,
+                   "standard deviations of that (default: 0.5,0.26)")
+      ->type_name("M,RAD");
+  command->add_flag("--global", arguments->global, "it may be anywhere on the map");
+  command
+      ->add_option("--particles", arguments->particles,
+                   "at most so many (default: option particles_max)")
+      ->type_name("N");
+  command->add_option("--seed", arguments->seed, "of the particles")
+      ->type_name("N")
+      ->capture_default_str();
+  add_cut_flags(*command, arguments->cut);
+  command
+      ->add_option("--report", arguments->report,
+                   "folder for a page with pictures and plots; made, or empty unless --force")
+      ->type_name("DIR");
+  command
+      ->add_option("--animation", arguments->animation,
+                   "folder for a numbered series of pictures, one every half metre of the path")
+      ->type_name("DIR");
+  command
+      ->add_option("--require", arguments->require,
+                   "a bound on a figure of --json's result; may be given several times")
+      ->type_name("KEY<=VALUE")
+      ->allow_extra_args(false);
+  command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
+  command->add_flag("--force", arguments->force, "write into folders that are not empty");
+  context.add_common_flags(*command);
+  context.add_threads_flag(*command);
+  context.add_option_flags(*command);
+  context.add_robot_flag(*command);
+  command->footer(kFooter);
+  context.on_run(*command, [arguments, &context] { return run(*arguments, context); });
+}
+
+}  // namespace loopstone::app
