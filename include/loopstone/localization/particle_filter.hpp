@@ -55,7 +55,12 @@ class ParticleFilter {
   [[nodiscard]] std::span<const State> states() const { return states_; }
   /// Their exponentials sum to one. -inf: ruled out.
   [[nodiscard]] std::span<const double> log_weights() const { return log_weights_; }
-  [[nodiscard]] std::vector<double> weights() const { return weights_from_log(log_weights_); }
+  [[nodiscard]] std::vector<double> weights() const {
+    std::vector<double> weights(size());
+    std::transform(log_weights_.begin(), log_weights_.end(), weights.begin(),
+                   [](double log_weight) { return std::exp(log_weight); });
+    return weights;
+  }
   /// [1, size()]: see loopstone::effective_sample_size.
   [[nodiscard]] double effective_sample_size() const { return effective_sample_size_; }
 
