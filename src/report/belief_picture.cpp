@@ -129,7 +129,7 @@ void BeliefPainter::Layout::draw_header(Canvas& canvas, const BeliefSnapshot& sn
   canvas.text({x, base}, fmt::format("{:.1f} s", (snapshot.stamp - start).seconds()), text, kInk);
   x += (options.whole_map ? 6.0 : 4.2) * text;
   // The probability as a bar, so that it can be followed from picture to picture.
-  const std::string words = options.whole_map ? "pose right to " : "right to ";
+  const std::string words = options.whole_map ? "probability  " : "prob. ";
   canvas.text({x, base}, words, text, kInk);
   x += canvas.text_width(words, text);
   const double bar = (options.whole_map ? 8.0 : 4.0) * text;
@@ -176,6 +176,7 @@ void BeliefPainter::Layout::draw_belief(Canvas& canvas, const Area& area, const 
     panel.dot(canvas, estimate.map_T_robot * point.cast<double>(),
               close ? 0.26 * text : 0.12 * text, kScanColour);
   }
+  panel.robot(canvas, estimate.map_T_robot, state_colour(estimate.state));
   Colour particle_colour = kParticleColour;
   particle_colour.alpha =
       std::clamp(12.0 / std::sqrt(static_cast<double>(snapshot.particles.size()) + 1.0), 0.15, 0.9);
@@ -193,7 +194,7 @@ void BeliefPainter::Layout::draw_belief(Canvas& canvas, const Area& area, const 
   for (std::size_t i = 0; i < snapshot.hypotheses.size(); ++i) {
     const LocalizationHypothesis& hypothesis = snapshot.hypotheses[i];
     const Point at = panel.pixel_of(hypothesis.map_T_robot.translation());
-    if (!panel.shows(at)) continue;
+    if (!panel.shows(at) || (close && snapshot.hypotheses.size() == 1)) continue;
     const double radius = 0.75 * text;
     canvas.ring(at, radius, 0.3 * text, kPaper);
     canvas.ring(at, radius, 0.15 * text, place);
@@ -209,7 +210,6 @@ void BeliefPainter::Layout::draw_belief(Canvas& canvas, const Area& area, const 
                   estimate.covariance.topLeftCorner<2, 2>(), 2.0, 0.14 * text,
                   state_colour(estimate.state));
   }
-  panel.robot(canvas, estimate.map_T_robot, state_colour(estimate.state));
   panel.scale_bar(canvas, 0.9 * text, kInk, kPaper);
   canvas.unclip();
   panel.frame(canvas, kHairline);

@@ -150,7 +150,7 @@ std::string key_figures(const LocalizationResult& result, const Grid<std::int8_t
 std::string moments(const LocalizationResult& result, const Grid<std::int8_t>& occupancy) {
   if (result.snapshots.empty()) return {};
   const BeliefPainter painter(occupancy, result.start,
-                              {.width_px = 560, .close_up_m = 14.0, .whole_map = false});
+                              {.width_px = 560, .close_up_m = 10.0, .whole_map = false});
   const std::size_t count = std::min(result.snapshots.size(), kMostMoments);
   std::string html =
       "<h2>The belief at some moments</h2>\n<p class=\"soft\">Green: particles, with their "
@@ -165,8 +165,7 @@ std::string moments(const LocalizationResult& result, const Grid<std::int8_t>& o
     html += html_figure(
         html_picture(encode_png(painter.draw(snapshot), 6), "moment",
                      "Belief after " + since_start(result, snapshot.stamp)),
-        fmt::format("{}, {} particles, {:.2f} m along the path",
-                    since_start(result, snapshot.stamp),
+        fmt::format("{} particles, after {:.2f} m",
                     with_thousands(static_cast<std::int64_t>(snapshot.particles.size())),
                     snapshot.estimate.travelled_m));
   }

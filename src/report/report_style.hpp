@@ -42,7 +42,7 @@ svg.plot text { fill: var(--soft); } svg.plot path { fill: none; }
 svg.plot .grid { stroke: var(--line); stroke-width: 1; } svg.plot .axis { stroke: var(--soft); stroke-width: 1; }
 svg.plot .curve { stroke-width: 1.6; stroke-linejoin: round; stroke-linecap: round; }
 svg.plot .curve.a { stroke: var(--a); } svg.plot .curve.b { stroke: var(--b); } svg.plot .curve.c { stroke: var(--c); }
-.tracking { fill: var(--tracking); } .doubtful { fill: var(--doubtful); } .lost { fill: var(--lost); } svg.plot .band { opacity: var(--tint); }
+.tracking { fill: var(--tracking); } .doubtful { fill: var(--doubtful); } .lost { fill: var(--lost); } svg.plot .band { opacity: var(--tint); } svg.plot .band.tracking { opacity: .04; }
 .state { display: inline-block; border-radius: .3rem; padding: 0 .45rem; font-size: .85rem; font-weight: 600; color: #fff; white-space: nowrap; }
 .state.tracking { background: #0072b2; } .state.doubtful { background: #e69f00; color: #1f2937; } .state.lost { background: #b0004e; }
 .gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr)); gap: 1rem; }

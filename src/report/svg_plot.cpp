@@ -106,9 +106,10 @@ class Plot {
       const double width = std::max(0.8, px(std::min(band.x_high, x_.high)) - left);
       fmt::format_to(std::back_inserter(out_),
                      "<rect class=\"band {0}\" x=\"{1:.1f}\" y=\"{2:.1f}\" width=\"{3:.1f}\" "
-                     "height=\"{4:.1f}\"/><rect class=\"strip {0}\" x=\"{1:.1f}\" y=\"{2:.1f}\" "
+                     "height=\"{4:.1f}\"/><rect class=\"strip {0}\" x=\"{1:.1f}\" y=\"{5:.1f}\" "
                      "width=\"{3:.1f}\" height=\"5\"/>\n",
-                     band.css_class, left, top_, width, spec_.height_px - kBottom - top_);
+                     band.css_class, left, top_, width, spec_.height_px - kBottom - top_,
+                     top_ - 8.0);
     }
   }
 

@@ -14,7 +14,7 @@ struct PlotCurve {
   std::vector<double> y{};
 };
 
-/// A stretch of the x axis that is shaded: a tint behind the curves and a strip along the top.
+/// A stretch of the x axis that is shaded: a tint behind the curves and a strip above them.
 struct PlotBand {
   std::string css_class;
   double x_low = 0.0;

@@ -25,7 +25,7 @@ struct LocalizationPictureOptions {
 
 struct BeliefPictureOptions {
   int width_px = 1280;
-  double close_up_m = 16.0;  ///< side of the close-up around the estimate
+  double close_up_m = 12.0;  ///< side of the close-up around the estimate
   bool whole_map =
       true;  ///< beside the close-up; else one picture: the close-up, or where the belief is wide the whole
 };
