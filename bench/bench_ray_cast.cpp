@@ -8,10 +8,11 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <memory>
+#include <memory_resource>
 #include <string>
 #include <vector>
 
+#include "large_pages.hpp"
 #include "loopstone/base/rng.hpp"
 #include "loopstone/formats/image.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -114,11 +115,17 @@ std::vector<Built> casters_of(const Place& place) {
   casters.push_back(build("walk", [&] { return WalkCaster(place.occupied, kMaxRangeM); }));
   casters.push_back(
       build("sphere", [&] { return SphereCaster(place.occupied, kMaxRangeM, Threads{1}); }));
+  static bench::LargePages large_pages;
   for (const int headings : {128, 384}) {
-    casters.push_back(build("table" + std::to_string(headings), [&] {
-      return TableCaster(place.occupied, kMaxRangeM, place.free, {.headings = headings},
-                         Threads{1});
-    }));
+    for (std::pmr::memory_resource* memory :
+         {std::pmr::get_default_resource(),
+          static_cast<std::pmr::memory_resource*>(&large_pages)}) {
+      const std::string pages = memory == &large_pages ? "large" : "";
+      casters.push_back(build("table" + std::to_string(headings) + pages, [&] {
+        return TableCaster(place.occupied, kMaxRangeM, place.free, {.headings = headings},
+                           Threads{1}, memory);
+      }));
+    }
   }
   return casters;
 }

@@ -26,13 +26,14 @@ from program import Loopstone, machine, run  # noqa: E402
 PAGE = ROOT / "docs/ray_casting.md"
 MAP = "maps/basement_hallways_5cm.png"
 TARGET_RAYS_PER_S = 20e6
-REPETITIONS = 5
+REPETITIONS = 3
 WAYS = [("random", "single rays, anywhere"), ("scans60", "scans of 60 beams"), ("scans360", "scans of 360 beams")]
 
 
 def measure(program, map_path, quick):
     """{"map": ..., "rows": {(way/caster): counters of the fastest repetition}}; CPU time of one thread."""
     command = [program, *([map_path] if map_path else []), "--benchmark_format=json",
+               "--benchmark_min_time=0.2",
                f"--benchmark_repetitions={1 if quick else REPETITIONS}"]
     report = json.loads(run(command)[0])
     rows = {}
@@ -45,7 +46,7 @@ def measure(program, map_path, quick):
     context = report["context"]
     return {"map": pathlib.Path(context["map"]).name, "cells": int(context["cells"]),
             "free_cells": int(context["free_cells"]), "max_range_m": float(context["max_range_m"]),
-            "repetitions": REPETITIONS, "rows": rows}
+            "repetitions": 1 if quick else REPETITIONS, "rows": rows}
 
 
 def casters_of(figures):
@@ -53,7 +54,10 @@ def casters_of(figures):
 
 
 def title(caster):
-    return f"table, {caster[5:]} headings" if caster.startswith("table") else caster
+    if not caster.startswith("table"):
+        return caster
+    headings = caster[5:].removesuffix("large")
+    return f"table, {headings} headings" + (", large pages" if caster.endswith("large") else "")
 
 
 def speed_table(figures):

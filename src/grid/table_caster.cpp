@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory_resource>
 #include <numbers>
 #include <vector>
 
-#include "grid/large_array.hpp"
 #include "grid/ray_batches.hpp"
 #include "loopstone/grid/sphere_caster.hpp"
 
@@ -79,7 +79,7 @@ struct TableCaster::Tables {
   Turn half_step;
   std::size_t tile_pitch = 0;
   std::vector<std::uint32_t> tiles{};
-  LargeArray<std::uint16_t> codes{};
+  std::pmr::vector<std::uint16_t> codes;
   std::vector<Eigen::Vector2f> directions{};  ///< of the headings
 
   [[nodiscard]] std::uint32_t bin_of(Turn turn) const {
@@ -140,7 +140,7 @@ void TableCaster::Tables::choose_tiles(const Grid<std::uint8_t>& occupied,
   for (std::uint32_t& tile : tiles) {
     if (tile != kNoTile) tile = count++;
   }
-  codes = LargeArray<std::uint16_t>(std::size_t{count} * kTileCells * headings);
+  codes.resize(std::size_t{count} * kTileCells * headings, kNoHit);
 }
 
 void TableCaster::Tables::fill_tile(std::size_t tile_index) {
@@ -180,7 +180,7 @@ void TableCaster::Tables::fill(Threads threads) {
 
 TableCaster::TableCaster(const Grid<std::uint8_t>& occupied, double max_range_m,
                          const Grid<std::uint8_t>& origins, const TableCasterOptions& options,
-                         Threads threads) {
+                         Threads threads, std::pmr::memory_resource* memory) {
   require_positive_range(max_range_m);
   const GridFrame& frame = occupied.frame();
   if (!origins.empty() &&
@@ -197,7 +197,9 @@ TableCaster::TableCaster(const Grid<std::uint8_t>& occupied, double max_range_m,
              .max_range_m = max_range_m,
              .quantum_m = static_cast<float>(table_range_m / kLargestCode),
              .headings = headings,
-             .half_step = static_cast<Turn>((std::uint64_t{1} << 31) / headings)});
+             .half_step = static_cast<Turn>((std::uint64_t{1} << 31) / headings),
+             .codes = std::pmr::vector<std::uint16_t>(
+                 memory != nullptr ? memory : std::pmr::get_default_resource())});
   tables->choose_tiles(occupied, origins);
   tables->fill(threads);
   tables_ = std::move(tables);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <span>
 
 #include "loopstone/base/options.hpp"
@@ -38,11 +39,13 @@ class TableCaster {
   /// \param max_range_m  rays see nothing beyond
   /// \param origins      where rays start: cells that are not 0; empty: wherever the grid is not occupied. Rays from
   ///                     other places are traced (SphereCaster), so they are answered exactly, only slower.
+  /// \param memory       for the table, outlives the caster; nullptr: the default one. Random look-ups are about twice as
+  ///                     fast in large pages, because finding a small one takes as long as the look-up
   /// Throws UsageError when the greatest range is not positive and finite, when `origins` has another size than
   /// `occupied`, or for fewer than 4 headings.
   TableCaster(const Grid<std::uint8_t>& occupied, double max_range_m,
               const Grid<std::uint8_t>& origins = {}, const TableCasterOptions& options = {},
-              Threads threads = {});
+              Threads threads = {}, std::pmr::memory_resource* memory = nullptr);
 
   /// [m]; +inf: nothing within the greatest range.
   [[nodiscard]] double range(const Ray& ray) const;
