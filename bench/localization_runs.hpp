@@ -39,7 +39,10 @@ struct Run {
 
 [[nodiscard]] inline CellStates read_any_map(const std::string& path) {
   if (path.ends_with(".yaml")) return read_ros_map(path);
-  return interpret_map(read_image(path), RosMapInfo{.image = path});
+  // Pictures without a YAML: Willow Garage at 10 cm, others at 5 cm.
+  const bool coarse = path.find("willow") != std::string::npos;
+  return interpret_map(read_image(path),
+                       RosMapInfo{.image = path, .resolution_m = coarse ? 0.1 : 0.05});
 }
 
 /// A place for a robot: free on the map and farther than 0.5 m from any surface.
@@ -53,6 +56,24 @@ struct Run {
     const Eigen::Vector2d place = frame.centre_of(cell);
     if (surfaces.distance(place, 1.0) > 0.5) return place;
   }
+}
+
+/// In a world made from a map what is unknown is solid: a robot's map of it shows a wall where its laser meets the unknown.
+[[nodiscard]] inline CellStates with_solid_unknown(CellStates map) {
+  const GridFrame& frame = map.frame();
+  CellStates result = map;
+  for (int row = 0; row < frame.rows; ++row) {
+    for (int column = 0; column < frame.columns; ++column) {
+      if (map[{column, row}] >= 0) continue;
+      bool beside_free = false;
+      for (int i = 0; i < 9; ++i) {
+        const std::int8_t other = map.value_or({column + i % 3 - 1, row + i / 3 - 1}, kUnknownCell);
+        beside_free = beside_free || (other >= 0 && other < 65);
+      }
+      if (beside_free) result[{column, row}] = kOccupiedCell;
+    }
+  }
+  return result;
 }
 
 /// Boxes and columns where there is room for them and for a robot to pass.
@@ -105,8 +126,8 @@ inline void kidnap(Run& run, double at_s, double for_s) {
   const bool built_in = request.place.find('.') == std::string::npos;
   RobotModel robot;
   World world = built_in ? make_world(request.place, request.seed)
-                         : make_world(read_any_map(request.place), request.place,
-                                      robot.footprint_radius_m + 0.1);
+                         : make_world(with_solid_unknown(read_any_map(request.place)),
+                                      request.place, robot.footprint_radius_m + 0.1);
   const Grid<std::int8_t> bare = true_map(world);
   World mapped = world;
   if (request.clutter > 0) {
@@ -117,7 +138,7 @@ inline void kidnap(Run& run, double at_s, double for_s) {
   }
   Run run{.map = request.clutter > 0 ? true_map(mapped) : bare, .robot = robot};
   if (request.random_start) {
-    const Eigen::Vector2d start = random_place(bare, SurfaceIndex(world.plan), rng);
+    const Eigen::Vector2d start = world.places[rng.below(world.places.size())];
     world.map_T_start = {start.x(), start.y(), rng.uniform(-kPi, kPi)};
     const auto nearer = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
       return (a - start).norm() < (b - start).norm();

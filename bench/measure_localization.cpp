@@ -156,9 +156,9 @@ int measure(const Arguments& arguments) {
     }
     if (trace.is_open()) {
       const PoseEvidence& e = estimate.evidence;
-      trace << fmt::format("{} {:.4f} {:.4f} {:.6f} {} {} {} {} {} {} {} {} {:.3f}\n",
+      trace << fmt::format("{} {:.4f} {:.4f} {:.6f} {} {} {} {} {} {} {} {} {} {:.3f}\n",
                            error.right() ? 1 : 0, error.metres, error.radians, estimate.probability,
-                           e.explained, e.violations, e.unexpected, e.mass, e.spread_m,
+                           e.explained, e.violations, e.unexpected, e.mass, e.precision, e.spread_m,
                            e.spread_rad, e.innovation, e.followed_m, estimate.travelled_m);
     }
   }

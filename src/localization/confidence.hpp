@@ -7,14 +7,17 @@
 
 namespace loopstone {
 
-/// The evidence as the probability is computed from it: each near [0, 1] or [-1, 1], and capped, so that no single one decides
-/// alone.
-inline constexpr std::size_t kConfidenceFeatures = 9;
+/// The evidence as the probability is computed from it: each in [0, 1], capped, so that no single one decides alone; the first
+/// is 1.
+inline constexpr std::size_t kConfidenceFeatures = 8;
 [[nodiscard]] std::array<double, kConfidenceFeatures> confidence_features(
     const PoseEvidence& evidence);
 
-/// Probability that a pose with that evidence is within 0.2 m and 5 deg of the truth: logistic regression on the features,
-/// fitted to simulated drives whose truth is known; see bench/confidence.py, which writes confidence_weights.hpp.
+/// Probability that a pose with that evidence is within 0.2 m and 5 deg of the truth:
+///   the belief in its place
+///   times the probability that a Gaussian of the pose's covariance stays within those bounds
+///   times the probability that the scans fit, a logistic function of the features above.
+/// The last one was fitted to simulated drives whose truth is known: bench/confidence.py writes confidence_weights.hpp.
 [[nodiscard]] double pose_probability(const PoseEvidence& evidence);
 
 }  // namespace loopstone

@@ -6,7 +6,7 @@
 
 namespace loopstone {
 
-inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{
-    -3.0, 6.0, -8.0, -1.0, 3.0, -6.0, -6.0, -2.0, 1.5};
+inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{-2.0, 8.0,  -12.0, -1.0,
+                                                                            -3.0, -3.0, -3.0,  0.5};
 
 }  // namespace loopstone

@@ -1,5 +1,6 @@
 #include "loopstone/localization/localizer.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -12,9 +13,10 @@
 #include "localization/map_tables.hpp"
 #include "localization/pose_track.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/motion_models.hpp"
 #include "loopstone/localization/pose_belief.hpp"
-#include "loopstone/localization/scan_evidence.hpp"
+#include "loopstone/registration/field_match.hpp"
 #include "loopstone/slam/scan_queue.hpp"
 
 namespace loopstone {
@@ -25,8 +27,17 @@ namespace {
 constexpr std::size_t kLeastReturns = 10;
 /// Beams of one scan are not independent: furniture and the map's errors touch many at once. So many count as one.
 constexpr double kBeamsAsOne = 6.0;
-/// Share of the newest scan in the evidence.
-constexpr double kNewest = 0.3;
+/// Between places the same errors of the map come back with every scan, so even fewer readings are independent.
+constexpr double kBeamsAsOneOfPlace = 10.0;
+/// Share of the newest scan in the evidence: bad news counts at once.
+constexpr double kNewestGood = 0.3;
+constexpr double kNewestBad = 0.7;
+/// The search calls a place sure when nothing else explains the scan nearly as well; none of a thousand was wrong.
+constexpr double kSureLogOdds = 7.0;
+/// Places that are followed at once.
+constexpr int kPlacesMost = 300;
+/// Belief in the rest of the map while more places look alike than can be followed.
+constexpr double kRestShare = 0.3;
 /// A refined pose so far from its particles has gone astray.
 constexpr double kAstrayM = 0.4;
 constexpr double kAstrayRad = 0.2;
@@ -54,6 +65,40 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t count) 
   kept.reserve(count);
   for (std::size_t i = 0; i < count; ++i) kept.push_back(points[i * points.size() / count]);
   return kept;
+}
+
+/// A mean of the last values that follows bad news at once and good news slowly.
+double followed(double mean, double value, bool worse) {
+  return mean + (worse ? kNewestBad : kNewestGood) * (value - mean);
+}
+
+/// Probability that a Gaussian error stays within 0.2 m, along its longest axis, and 5 deg.
+double precision_of(const Eigen::Matrix3d& covariance) {
+  constexpr double kWithinM = 0.2;
+  constexpr double kWithinRad = 5.0 * kPi / 180.0;
+  const double half_trace = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half_gap = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  const double longest = half_trace + std::hypot(half_gap, covariance(0, 1));
+  const auto within = [](double bound, double variance) {
+    return std::erf(bound / std::sqrt(2.0 * std::max(variance, 1e-12)));
+  };
+  return within(kWithinM, longest) * within(kWithinRad, covariance(2, 2));
+}
+
+/// How widely particles are drawn around a pose that a search found: not too narrowly, as the lattice is coarse, nor along a
+/// corridor farther than to the next pose found there.
+Eigen::Matrix3d spread_of(const Eigen::Matrix3d& covariance) {
+  constexpr double kLeastM = 0.05;
+  constexpr double kMostM = 0.4;
+  constexpr double kLeastRad = 0.03;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d variances =
+      axes.eigenvalues().cwiseMax(kLeastM * kLeastM).cwiseMin(kMostM * kMostM);
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  spread.topLeftCorner<2, 2>() =
+      axes.eigenvectors() * variances.asDiagonal() * axes.eigenvectors().transpose();
+  spread(2, 2) = std::clamp(covariance(2, 2), kLeastRad * kLeastRad, kMostM * kMostM);
+  return spread;
 }
 
 /// When the map is searched again: at once, then after ever more travel.
@@ -86,7 +131,8 @@ class Localizer::Impl {
         queue_(robot.wheels),
         belief_({.particles_max = options.particles_max,
                  .particles_min = options.particles_min,
-                 .resampling = resampling_scheme_from(options.resampling)},
+                 .resampling = resampling_scheme_from(options.resampling),
+                 .places_max = kPlacesMost},
                 seed, threads) {}
 
   void add(const SensorMessage& message) {
@@ -135,7 +181,7 @@ class Localizer::Impl {
     ++result_.scans;
     const PoseWithCovariance2 motion = motion_to(scan.stamp);
     advance(motion);
-    const ScanView view =
+    const LocalizationScan view =
         view_for_localization(scan, mount_of(scan, robot_), velocity_, options_.beams);
     if (view.points_robot.size() < kLeastReturns) {
       ++result_.scans_dropped;
@@ -147,14 +193,12 @@ class Localizer::Impl {
     if (belief_.empty()) return;
     follow_best_place();
     const bool seen = view.points_robot.size() >= kLeastReturns;
-    const bool refined = seen && track_->refine(thinned(view.points_robot, kRefinePoints),
-                                                map_.tables().search.field());
+    const bool refined = seen && refine(view);
     update_velocity(scan.stamp);
     LocalizationEstimate estimate = judge(view, refined);
     if (seen && options_.recover && recover(view, estimate)) {
       follow_best_place();
-      estimate = judge(view, track_->refine(thinned(view.points_robot, kRefinePoints),
-                                            map_.tables().search.field()));
+      estimate = judge(view, refine(view));
     }
     report(view, std::move(estimate));
   }
@@ -200,7 +244,7 @@ class Localizer::Impl {
   }
 
   /// The first belief: around the pose given, or wherever the map explains the scan.
-  void start(const ScanView& view) {
+  void start(const LocalizationScan& view) {
     std::vector<PoseBelief::Proposal> proposals;
     if (initial_) {
       PoseBelief::Proposal given{.map_T_robot = {.pose = initial_->map_T_robot}};
@@ -217,7 +261,7 @@ class Localizer::Impl {
   }
 
   /// Moves the particles to now and weighs them.
-  void weigh(const ScanView& view) {
+  void weigh(const LocalizationScan& view) {
     const PoseWithCovariance2 motion = since_weighing_;
     Eigen::Matrix3d covariance = motion.covariance;
     covariance.diagonal() +=
@@ -242,14 +286,15 @@ class Localizer::Impl {
     particles_weighed(view);
   }
 
-  void particles_weighed(const ScanView& view) {
+  void particles_weighed(const LocalizationScan& view) {
     const double scale = 1.0 / kBeamsAsOne;
+    const auto place_evidence = [&](const PlaceBelief& place) { return evidence_of(view, place); };
     belief_.update(
         [&](std::span<const Pose2> poses, std::span<double> out) {
           log_likelihoods(view, poses, out);
           for (double& value : out) value *= scale;
         },
-        scale * static_cast<double>(view.weighed.size()));
+        scale * static_cast<double>(view.weighed.size()), place_evidence);
     belief_.settle();
     since_weighing_ = {};
     since_weighing_s_ = 0.0;
@@ -257,7 +302,7 @@ class Localizer::Impl {
     turned_since_weighing_rad_ = 0.0;
   }
 
-  void log_likelihoods(const ScanView& view, std::span<const Pose2> poses,
+  void log_likelihoods(const LocalizationScan& view, std::span<const Pose2> poses,
                        std::span<double> out) const {
     const LikelihoodFieldModel& model = map_.tables().weigher;
     if (options_.sensor == "beam_skipping") {
@@ -267,10 +312,27 @@ class Localizer::Impl {
     }
   }
 
-  [[nodiscard]] double log_likelihood(const ScanView& view, const Pose2& pose) const {
-    double value = 0.0;
-    map_.tables().weigher.log_likelihoods(std::span(&pose, 1), view.weighed, std::span(&value, 1));
-    return value / kBeamsAsOne;
+  /// Log-likelihood of the scan from the best of some poses.
+  [[nodiscard]] double best_evidence(const LocalizationScan& view,
+                                     std::span<const Pose2> poses) const {
+    std::vector<double> values(poses.size());
+    map_.tables().judge.log_likelihoods(poses, view.weighed, values, threads_);
+    return *std::max_element(values.begin(), values.end()) / kBeamsAsOneOfPlace;
+  }
+
+  /// How well a place explains the scan: from the best of its particles, or from where registration moves their mean.
+  [[nodiscard]] double evidence_of(const LocalizationScan& view, const PlaceBelief& place) const {
+    constexpr std::size_t kParticles = 200;
+    constexpr std::size_t kPoints = 120;
+    const auto states = place.particles.states();
+    std::vector<Pose2> poses =
+        thinned(std::vector<Pose2>(states.begin(), states.end()), kParticles);
+    poses.push_back(place.moments.pose);
+    const MatchResult match =
+        match_to_field(thinned(view.points_robot, kPoints), map_.tables().search.field(),
+                       place.moments.pose, {}, 1);
+    if (has_supported_pose(match.status)) poses.push_back(match.target_T_source);
+    return best_evidence(view, poses);
   }
 
   /// Keeps the track on the most probable place.
@@ -293,6 +355,11 @@ class Localizer::Impl {
     if (changed || astray()) track_.emplace(mean);
   }
 
+  bool refine(const LocalizationScan& view) {
+    return track_->refine(thinned(view.points_robot, kRefinePoints),
+                          view.robot_T_lidar.translation(), map_.tables().search.field(), offset_);
+  }
+
   void update_velocity(Stamp stamp) {
     const Pose2& pose = track_->map_T_robot().pose;
     if (!result_.had_odometry && last_pose_ && stamp > last_pose_stamp_) {
@@ -302,7 +369,7 @@ class Localizer::Impl {
     last_pose_stamp_ = stamp;
   }
 
-  LocalizationEstimate judge(const ScanView& view, bool refined) {
+  LocalizationEstimate judge(const LocalizationScan& view, bool refined) {
     const PlaceBelief& best = belief_.places().front();
     LocalizationEstimate estimate;
     estimate.stamp = *last_stamp_;
@@ -315,16 +382,19 @@ class Localizer::Impl {
     if (view.points_robot.size() >= kLeastReturns) {
       const BeamFit fit = fit_beams(view, map_, estimate.map_T_robot);
       if (!fit_) fit_ = fit;
-      fit_->explained += kNewest * (fit.explained - fit_->explained);
-      fit_->violations += kNewest * (fit.violations - fit_->violations);
-      fit_->unexpected += kNewest * (fit.unexpected - fit_->unexpected);
+      fit_->explained = followed(fit_->explained, fit.explained, fit.explained < fit_->explained);
+      fit_->violations =
+          followed(fit_->violations, fit.violations, fit.violations > fit_->violations);
+      fit_->unexpected =
+          followed(fit_->unexpected, fit.unexpected, fit.unexpected > fit_->unexpected);
     }
     const BeamFit fit = fit_.value_or(BeamFit{});
     const Eigen::Matrix3d& spread = best.moments.covariance;
     estimate.evidence = {.explained = fit.explained,
                          .violations = fit.violations,
                          .unexpected = fit.unexpected,
-                         .mass = std::exp(best.log_mass),
+                         .mass = std::exp(best.log_mass) * (1.0 - rest_share_),
+                         .precision = precision_of(estimate.covariance),
                          .spread_m = std::sqrt(spread(0, 0) + spread(1, 1)),
                          .spread_rad = std::sqrt(spread(2, 2)),
                          .innovation = track_->innovation(),
@@ -338,7 +408,7 @@ class Localizer::Impl {
   }
 
   /// Searches the map when the pose is doubted for some scans, and lets what it finds compete. True when it found something.
-  bool recover(const ScanView& view, const LocalizationEstimate& estimate) {
+  bool recover(const LocalizationScan& view, const LocalizationEstimate& estimate) {
     constexpr int kDoubtedScans = 3;
     constexpr double kWellExplained = 0.8;
     if (estimate.state == LocalizationState::kTracking) {
@@ -347,7 +417,7 @@ class Localizer::Impl {
       return false;
     }
     // Where another place explains the scans as well, only motion can tell: no search can.
-    const bool explained = estimate.evidence.explained >= kWellExplained && fully_searched_;
+    const bool explained = estimate.evidence.explained >= kWellExplained && rest_share_ == 0.0;
     doubted_scans_ = explained ? 0 : doubted_scans_ + 1;
     if (doubted_scans_ < kDoubtedScans || !pace_.due(travelled_m_)) return false;
     doubted_scans_ = 0;
@@ -355,16 +425,16 @@ class Localizer::Impl {
     std::vector<PoseBelief::Proposal> proposals = search(view, lost ? "lost" : "doubtful");
     if (proposals.empty()) return false;
     // New places against old ones, by how well each explains this scan.
-    double old_sum = 0.0;
     double best_log = -std::numeric_limits<double>::infinity();
     for (auto& proposal : proposals) {
-      proposal.log_mass = log_likelihood(view, proposal.map_T_robot.pose);
+      proposal.log_mass += best_evidence(view, std::span(&proposal.map_T_robot.pose, 1));
       best_log = std::max(best_log, proposal.log_mass);
     }
+    double old_sum = 0.0;
     for (const PlaceBelief& place : belief_.places()) {
       const Pose2 now =
           place.id == best_id_ ? estimate.map_T_robot : place.moments.pose * since_weighing_.pose;
-      old_sum += std::exp(place.log_mass + log_likelihood(view, now) - best_log);
+      old_sum += std::exp(place.log_mass + best_evidence(view, std::span(&now, 1)) - best_log);
     }
     double new_sum = 0.0;
     for (const auto& proposal : proposals)
@@ -382,11 +452,12 @@ class Localizer::Impl {
     return true;
   }
 
-  std::vector<PoseBelief::Proposal> search(const ScanView& view, const char* reason) {
+  std::vector<PoseBelief::Proposal> search(const LocalizationScan& view, const char* reason) {
     const auto start = std::chrono::steady_clock::now();
     MapMatchOptions options;
-    options.poses_max = 40;
-    options.min_score = 0.3;
+    // A corridor alone has a place every metre, in two directions.
+    options.poses_max = kPlacesMost;
+    options.refined_max = 2 * kPlacesMost;
     const Pose2 lidar_T_robot = view.robot_T_lidar.inverse();
     std::vector<Eigen::Vector2d> points;
     points.reserve(view.points_robot.size());
@@ -396,17 +467,14 @@ class Localizer::Impl {
     record.poses_found = static_cast<int>(found.poses.size());
     std::vector<PoseBelief::Proposal> proposals;
     for (const MatchResult& match : found.poses) {
-      constexpr double kLeastM = 0.05;
-      constexpr double kLeastRad = 0.03;
       PoseBelief::Proposal proposal{
-          .map_T_robot = {match.target_T_source * lidar_T_robot, match.covariance}};
-      proposal.map_T_robot.covariance.diagonal() +=
-          Eigen::Vector3d(kLeastM * kLeastM, kLeastM * kLeastM, kLeastRad * kLeastRad);
+          .map_T_robot = {match.target_T_source * lidar_T_robot, spread_of(match.covariance)}};
       if (!is_known(proposal.map_T_robot.pose)) ++record.poses_added;
+      if (found.sure && !proposals.empty()) proposal.log_mass = -kSureLogOdds;
       proposals.push_back(proposal);
     }
     if (!found.poses.empty()) record.best_score = found.poses.front().score;
-    fully_searched_ = found.poses.size() < static_cast<std::size_t>(options.poses_max);
+    rest_share_ = found.complete ? 0.0 : kRestShare;
     result_.searches.push_back(std::move(record));
     pace_.searched(travelled_m_);
     result_.search_s += seconds_since(start);
@@ -424,14 +492,14 @@ class Localizer::Impl {
                        });
   }
 
-  void report(const ScanView& view, LocalizationEstimate estimate) {
+  void report(const LocalizationScan& view, LocalizationEstimate estimate) {
     if (result_.changes.empty() || result_.changes.back().state != estimate.state)
       result_.changes.push_back({estimate.stamp, estimate.state});
     if (travelled_m_ >= next_snapshot_m_) take_snapshot(view, estimate);
     result_.estimates.push_back(std::move(estimate));
   }
 
-  void take_snapshot(const ScanView& view, const LocalizationEstimate& estimate) {
+  void take_snapshot(const LocalizationScan& view, const LocalizationEstimate& estimate) {
     constexpr std::size_t kMost = 24;
     BeliefSnapshot snapshot{.stamp = estimate.stamp, .points = view.weighed, .estimate = estimate};
     for (const PlaceBelief& place : belief_.places()) {
@@ -476,11 +544,12 @@ class Localizer::Impl {
   double turned_since_weighing_rad_ = 0.0;
 
   std::optional<PoseTrack> track_{};  // of the most probable place
+  RangeOffset offset_{};
   int best_id_ = -1;
   double best_since_m_ = 0.0;
   std::optional<BeamFit> fit_{};
   int doubted_scans_ = 0;
-  bool fully_searched_ = true;
+  double rest_share_ = 0.0;
   SearchPace pace_{};
 
   LocalizationResult result_{};

@@ -16,7 +16,8 @@ inline constexpr double kCastMaxM = 60.0;
 struct LocalizationMap::Tables {
   Grid<std::int8_t> occupancy;
   MapSearch search;              ///< for finding scans, and for registering them
-  LikelihoodFieldModel weigher;  ///< for weighing particles
+  LikelihoodFieldModel weigher;  ///< for weighing particles of a place against each other
+  LikelihoodFieldModel judge;    ///< for weighing places against each other
   SphereCaster caster;           ///< for what should be seen
   double free_area_m2 = 0.0;
 

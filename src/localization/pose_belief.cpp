@@ -190,7 +190,8 @@ void PoseBelief::predict(const MotionModel& motion) {
   for (PlaceBelief& place : places_) place.particles.predict(motion, rng_, threads_);
 }
 
-double PoseBelief::update(const SensorModel& sensor, double readings) {
+void PoseBelief::update(const SensorModel& sensor, double readings,
+                        const std::function<double(const PlaceBelief&)>& evidence) {
   const std::vector<Pose2> poses = particles();
   std::vector<double> log_likelihoods(poses.size());
   sensor(poses, log_likelihoods);
@@ -198,17 +199,17 @@ double PoseBelief::update(const SensorModel& sensor, double readings) {
   std::size_t begin = 0;
   for (PlaceBelief& place : places_) {
     const std::size_t count = place.particles.size();
-    const double evidence =
+    const double mean =
         place.particles.reweight(std::span<const double>(log_likelihoods).subspan(begin, count));
-    log_masses.push_back(place.log_mass + evidence);
-    place.log_evidence = evidence / readings;
+    place.moments = weighted_moments(place.particles.states(), place.particles.weights());
+    place.log_evidence = mean / readings;
+    log_masses.push_back(place.log_mass + (evidence ? evidence(place) : mean));
     begin += count;
   }
   const LogWeightSum sum = sum_log_weights(log_masses);
-  if (!sum.any()) return sum.log_total;
+  if (!sum.any()) return;
   for (std::size_t i = 0; i < places_.size(); ++i)
     places_[i].log_mass = log_masses[i] - sum.log_total;
-  return sum.log_total;
 }
 
 void PoseBelief::regroup() {

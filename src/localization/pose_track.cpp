@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/field_match.hpp"
@@ -15,26 +16,82 @@ constexpr double kCovarianceFactor = 4.0;
 /// What dead reckoning adds at least between two scans.
 constexpr double kDriftM = 0.003;
 constexpr double kDriftRad = 0.001;
+/// Standard deviation of odometry's scale, which is the same all along the way.
+constexpr double kScaleSigma = 0.015;
 /// A registration farther from the prediction than this (squared Mahalanobis distance, 3 degrees of freedom) is not believed.
 constexpr double kGate = 40.0;
 /// Share of the newest registration in the mean innovation.
 constexpr double kNewest = 0.15;
 constexpr double kLeastExplained = 0.25;
+/// Only scans that fit the map this well teach the offset of ranges.
+constexpr double kWellExplained = 0.7;
 
 Eigen::Vector3d difference(const Pose2& to, const Pose2& from) {
   return {to.x - from.x, to.y - from.y, wrap_angle(to.yaw - from.yaw)};
 }
 
+/// An error of scale grows with the way, not with its root: over a way s by sigma * s. Where registration sees the way the
+/// position stays sure and the growth is small; along a corridor the covariance remembers how long the way has been.
+double way_covariance(const Eigen::Matrix2d& position, const Eigen::Vector2d& along, double way) {
+  const double sigma = std::sqrt(std::max(0.0, along.dot(position * along)));
+  return 2.0 * kScaleSigma * sigma * way + kScaleSigma * kScaleSigma * way * way;
+}
+
 }  // namespace
 
 void PoseTrack::advance(const PoseWithCovariance2& motion) {
+  const double way = motion.pose.translation().norm();
+  const Pose2 before = map_T_robot_.pose;
   map_T_robot_ = compound(map_T_robot_, motion);
+  if (way > 0.0) {
+    const Eigen::Vector2d along = (map_T_robot_.pose.translation() - before.translation()) / way;
+    auto position = map_T_robot_.covariance.topLeftCorner<2, 2>();
+    const double growth = way_covariance(position, along, way);
+    position += growth * along * along.transpose();
+  }
   map_T_robot_.covariance.diagonal() +=
       Eigen::Vector3d(kDriftM * kDriftM, kDriftM * kDriftM, kDriftRad * kDriftRad);
 }
 
-bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot, const MapField& field) {
-  const MatchResult match = match_to_field(points_robot, field, map_T_robot_.pose, {}, 1);
+std::vector<Eigen::Vector2d> RangeOffset::applied(std::span<const Eigen::Vector2d> points_robot,
+                                                  const Eigen::Vector2d& laser_robot,
+                                                  double more) const {
+  std::vector<Eigen::Vector2d> moved;
+  moved.reserve(points_robot.size());
+  for (const auto& point : points_robot)
+    moved.push_back(point + (metres_ + more) * (point - laser_robot).normalized());
+  return moved;
+}
+
+void RangeOffset::learn(std::span<const Eigen::Vector2d> points_robot,
+                        const Eigen::Vector2d& laser_robot, const MapField& field,
+                        const Pose2& map_T_robot) {
+  constexpr double kStepM = 0.01;
+  constexpr double kNewestCost = 0.1;
+  constexpr double kFastestM = 0.003;  // in one scan
+  const double width = FieldMatchOptions{}.kernel_width_m;
+  const auto cost_with = [&](double more) {
+    const auto points = applied(points_robot, laser_robot, more);
+    const MatchResult match = match_to_field(points, field, map_T_robot, {}, 0);
+    return field_cost(points, field, 0, match.target_T_source, width).cost /
+           static_cast<double>(points.size());
+  };
+  const double less = cost_with(-kStepM);
+  const double same = cost_with(0.0);
+  const double more = cost_with(kStepM);
+  slope_ += kNewestCost * ((more - less) / (2.0 * kStepM) - slope_);
+  curvature_ += kNewestCost * ((more - 2.0 * same + less) / (kStepM * kStepM) - curvature_);
+  // Newton's step where the cost is curved, else down the slope.
+  const double step = curvature_ > 0.0 ? -0.3 * slope_ / curvature_ : (slope_ > 0.0 ? -1.0 : 1.0);
+  const double cell = field.resolution_m(0);
+  metres_ = std::clamp(metres_ + std::clamp(step, -kFastestM, kFastestM), -cell, cell);
+}
+
+bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot,
+                       const Eigen::Vector2d& laser_robot, const MapField& field,
+                       RangeOffset& offset) {
+  const auto points = offset.applied(points_robot, laser_robot);
+  const MatchResult match = match_to_field(points, field, map_T_robot_.pose, {}, 1);
   if (!has_supported_pose(match.status) || match.score < kLeastExplained) {
     innovation_ += kNewest * (kGate / 3.0 - innovation_);
     return false;
@@ -53,6 +110,11 @@ bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot, const MapF
   const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain;
   map_T_robot_.covariance =
       rest * map_T_robot_.covariance * rest.transpose() + gain * noise * gain.transpose();
+  constexpr int kLearnEvery = 4;
+  if (match.status == MatchStatus::kConverged && match.score > kWellExplained &&
+      ++refined_ % kLearnEvery == 0) {
+    offset.learn(points_robot, laser_robot, field, pose);
+  }
   return true;
 }
 

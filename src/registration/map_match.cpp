@@ -14,8 +14,6 @@ namespace {
 
 /// Lattice poses that score so much less than the best are not refined: off the lattice, a pose gains less than that.
 constexpr double kMargin = 0.12;
-/// As many distinct lattice poses are refined.
-constexpr std::size_t kRefined = 64;
 constexpr std::size_t kRefinePoints = 400;
 /// The best of them are started again from around where they came to rest.
 constexpr std::size_t kPolished = 4;
@@ -205,7 +203,7 @@ MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& 
       return same_place(start, candidate.map_T_source, options);
     });
     if (known) continue;
-    if (starts.size() == kRefined) {
+    if (starts.size() == static_cast<std::size_t>(options.refined_max)) {
       all_refined = false;
       break;
     }
@@ -241,6 +239,7 @@ MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& 
                   distinct[0].score - next > options.sure_gap &&
                   distinct[0].status != MatchStatus::kDegenerate;
   }
+  result.complete = all_refined && distinct.size() <= static_cast<std::size_t>(options.poses_max);
   if (distinct.size() > static_cast<std::size_t>(options.poses_max))
     distinct.resize(static_cast<std::size_t>(options.poses_max));
   if (!distinct.empty())

@@ -38,7 +38,10 @@ struct PoseEvidence {
   double violations = 0.0;  ///< [0, 1], share of the beams that went through a wall of the map
   double unexpected =
       0.0;  ///< [0, 1], share of the beams that ended well before any wall: people, new things
-  double mass = 0.0;        ///< [0, 1], belief in the best hypothesis
+  double mass =
+      0.0;  ///< [0, 1], belief in the best place, against other places and the rest of the map
+  double precision =
+      0.0;  ///< [0, 1], probability by the covariance that the pose is within 0.2 m and 5 deg
   double spread_m = 0.0;    ///< standard deviation of its particles' positions
   double spread_rad = 0.0;  ///< of their headings
   double innovation =

@@ -80,11 +80,14 @@ class PoseBelief {
 
   void predict(const MotionModel& motion);
 
-  /// Weighs all particles, and the places by their evidence. Returns the evidence of the whole belief, -inf where no particle
-  /// can explain the scan (then nothing changes).
+  /// Weighs all particles of each place against each other, and the places by their evidence. Where no particle can explain the
+  /// scan, nothing changes.
   /// \param readings  independent ones that the log-likelihoods add up: what belongs to one of them tells how well a place
   ///                  explains scans
-  double update(const SensorModel& sensor, double readings = 1.0);
+  /// \param evidence  log-likelihood of the scan in a place as a whole; without it the mean over its particles, which is noisy
+  ///                  where they are few
+  void update(const SensorModel& sensor, double readings = 1.0,
+              const std::function<double(const PlaceBelief&)>& evidence = {});
 
   /// Joins and parts places, drops negligible ones, draws particles anew where weights have become uneven, and where a place
   /// explains scans worse than it used to, some of them widely around it.

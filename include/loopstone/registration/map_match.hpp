@@ -61,6 +61,7 @@ struct MapMatchOptions {
   double sure_score = 0.6;  ///< a best pose that explains less of the scan is never called sure
   double sure_gap = 0.03;   ///< nor is one that explains no more than so much above the next best
   int poses_max = 5;        ///< distinct poses to return
+  int refined_max = 64;     ///< distinct lattice poses to refine, the best first
   int points_max = 160;     ///< of the scan, for the search; the refinement takes up to 400
   double range_max_m =
       15.0;  ///< farther points only when there are few others: they make headings many
@@ -76,6 +77,8 @@ void visit_options(MapMatchOptions& options, Visitor&& visit) {
   visit("sure_gap", options.sure_gap, Range{0.0, 1.0},
         "nor is one that explains no more than so much above the next best");
   visit("poses_max", options.poses_max, Range{1, 1000}, "distinct poses to return");
+  visit("refined_max", options.refined_max, Range{1, 10000},
+        "distinct poses of the lattice to refine");
   visit("points_max", options.points_max, Range{10, 2000}, "points of the scan to search with");
   visit("range_max_m", options.range_max_m, Range{1.0, 1000.0},
         "farther points only when there are few others");
@@ -92,6 +95,7 @@ struct MapMatch {
   std::vector<MatchResult> poses{};
   bool sure =
       false;  ///< there is a best pose, it explains the scan, and no other one explains it nearly as well
+  bool complete = true;          ///< false: more places look alike than were refined or returned
   std::int64_t evaluations = 0;  ///< poses and blocks of poses that were scored in the search
 
   [[nodiscard]] bool found() const { return !poses.empty(); }
@@ -106,7 +110,7 @@ struct MapMatch {
 /// \param source  a scan's returns in the laser's frame [m]: beams start at its origin
 /// \param window  of the pose of that frame on the map; none: the whole map
 /// \return the best few distinct poses. Nothing is dropped silently: a lattice pose that scores within 0.12 of the best is
-///         refined, unless it is one of more than 64 distinct ones, and then the match isn't called sure.
+///         refined, unless it is one of more than refined_max distinct ones, and then the match isn't called sure.
 /// Cost: about 0.3 s (0.8 at most) for 10,000 m2 and 1081 beams, 6 ms for a window of 1 m and 50 deg. Deterministic. Thread-safe.
 /// Source: Olson 2009; Hess et al. 2016, section V; Kohlbrecher et al. 2011 for the refinement.
 [[nodiscard]] MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& map,

@@ -1,4 +1,4 @@
-#include "loopstone/localization/scan_evidence.hpp"
+#include "loopstone/localization/localization_scan.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,14 +28,14 @@ std::vector<Value> every_nth(const std::vector<Value>& values, std::size_t count
 
 }  // namespace
 
-ScanView view_for_localization(const LaserScan& scan, const Pose2& robot_T_lidar,
-                               const Tangent2& velocity, int count) {
+LocalizationScan view_for_localization(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                       const Tangent2& velocity, int count) {
   const auto wanted = static_cast<std::size_t>(count);
-  ScanView view{.robot_T_lidar = robot_T_lidar, .range_max_m = scan.range_max_m};
+  LocalizationScan view{.robot_T_lidar = robot_T_lidar, .range_max_m = scan.range_max_m};
   view.points_robot = scan_points(scan, robot_T_lidar, velocity);
   for (const auto& point : every_nth(view.points_robot, wanted))
     view.weighed.push_back(point.cast<float>());
-  std::vector<ScanView::Beam> beams;
+  std::vector<LocalizationScan::Beam> beams;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const auto range = static_cast<double>(scan.ranges_m[i]);
     if (std::isnan(range)) continue;
@@ -46,7 +46,8 @@ ScanView view_for_localization(const LaserScan& scan, const Pose2& robot_T_lidar
   return view;
 }
 
-BeamFit fit_beams(const ScanView& scan, const LocalizationMap& map, const Pose2& map_T_robot) {
+BeamFit fit_beams(const LocalizationScan& scan, const LocalizationMap& map,
+                  const Pose2& map_T_robot) {
   const auto& tables = map.tables();
   const Grid<float>& distances = tables.search.field().distances();
   const double on_wall_m = kOnWallM + distances.frame().resolution;

@@ -11,7 +11,7 @@
 namespace loopstone {
 
 /// A scan as localisation uses it: its returns, and a few of its beams, evenly spread.
-struct ScanView {
+struct LocalizationScan {
   std::vector<Eigen::Vector2d>
       points_robot{};                      ///< all returns, robot frame at the scan's stamp [m]
   std::vector<Eigen::Vector2f> weighed{};  ///< those that particles are weighed with
@@ -26,8 +26,9 @@ struct ScanView {
 
 /// \param count     of the beams to be kept, and of the returns to weigh with
 /// \param velocity  of the robot [m/s, m/s, rad/s], undoes the motion during the sweep
-[[nodiscard]] ScanView view_for_localization(const LaserScan& scan, const Pose2& robot_T_lidar,
-                                             const Tangent2& velocity, int count);
+[[nodiscard]] LocalizationScan view_for_localization(const LaserScan& scan,
+                                                     const Pose2& robot_T_lidar,
+                                                     const Tangent2& velocity, int count);
 
 /// How the beams of a scan fit what the map shows from a pose.
 struct BeamFit {
@@ -37,7 +38,7 @@ struct BeamFit {
 };
 
 /// Cost: one ray a beam, about 20 us for 90 beams.
-[[nodiscard]] BeamFit fit_beams(const ScanView& scan, const LocalizationMap& map,
+[[nodiscard]] BeamFit fit_beams(const LocalizationScan& scan, const LocalizationMap& map,
                                 const Pose2& map_T_robot);
 
 }  // namespace loopstone
