@@ -118,8 +118,8 @@ struct TableCaster::Tables {
   }
 
   void choose_tiles(const Grid<std::uint8_t>& occupied, const Grid<std::uint8_t>& origins);
-  void fill(Threads threads);
-  void fill_tile(std::size_t tile_index);
+  void fill(const SphereCaster& filler, Threads threads);
+  void fill_tile(const SphereCaster& filler, std::size_t tile_index);
 };
 
 void TableCaster::Tables::choose_tiles(const Grid<std::uint8_t>& occupied,
@@ -143,7 +143,7 @@ void TableCaster::Tables::choose_tiles(const Grid<std::uint8_t>& occupied,
   codes.resize(std::size_t{count} * kTileCells * headings, kNoHit);
 }
 
-void TableCaster::Tables::fill_tile(std::size_t tile_index) {
+void TableCaster::Tables::fill_tile(const SphereCaster& filler, std::size_t tile_index) {
   const auto first_column = static_cast<int>(tile_index % tile_pitch) * kTileSide;
   const auto first_row = static_cast<int>(tile_index / tile_pitch) * kTileSide;
   std::vector<double> angles_rad;
@@ -155,7 +155,7 @@ void TableCaster::Tables::fill_tile(std::size_t tile_index) {
     const Cell cell{first_column + (in_tile & (kTileSide - 1)), first_row + (in_tile >> kTileBits)};
     const Eigen::Vector2d centre = frame.centre_of(cell);
     const Pose2 pose{centre.x(), centre.y(), 0.0};
-    tracer.ranges(ScanRays{{&pose, 1}, angles_rad}, ranges_m);
+    filler.ranges(ScanRays{{&pose, 1}, angles_rad}, ranges_m);
     std::uint16_t* const cell_codes =
         &codes[(std::size_t{tiles[tile_index]} * kTileCells + static_cast<std::size_t>(in_tile)) *
                headings];
@@ -167,14 +167,14 @@ void TableCaster::Tables::fill_tile(std::size_t tile_index) {
   }
 }
 
-void TableCaster::Tables::fill(Threads threads) {
+void TableCaster::Tables::fill(const SphereCaster& filler, Threads threads) {
   for (std::uint32_t k = 0; k < headings; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / headings;
     directions.emplace_back(static_cast<float>(std::cos(angle)),
                             static_cast<float>(std::sin(angle)));
   }
   parallel_for(tiles.size(), threads, [&](std::size_t tile) {
-    if (tiles[tile] != kNoTile) fill_tile(tile);
+    if (tiles[tile] != kNoTile) fill_tile(filler, tile);
   });
 }
 
@@ -192,7 +192,7 @@ TableCaster::TableCaster(const Grid<std::uint8_t>& occupied, double max_range_m,
   const double table_range_m = max_range_m + frame.resolution;
   const auto headings = static_cast<std::uint32_t>(options.headings);
   auto tables = std::make_shared<Tables>(
-      Tables{.tracer = SphereCaster(occupied, table_range_m, threads),
+      Tables{.tracer = SphereCaster(occupied, max_range_m, threads),
              .frame = frame,
              .max_range_m = max_range_m,
              .quantum_m = static_cast<float>(table_range_m / kLargestCode),
@@ -201,7 +201,7 @@ TableCaster::TableCaster(const Grid<std::uint8_t>& occupied, double max_range_m,
              .codes = std::pmr::vector<std::uint16_t>(
                  memory != nullptr ? memory : std::pmr::get_default_resource())});
   tables->choose_tiles(occupied, origins);
-  tables->fill(threads);
+  tables->fill(SphereCaster(occupied, table_range_m, threads), threads);
   tables_ = std::move(tables);
 }
 
@@ -228,9 +228,7 @@ void TableCaster::ranges(std::span<const Ray> rays, std::span<float> ranges_m) c
       if (starts[i].tabulated) {
         ranges_m[begin + i] = tables.range_of(starts[i], bins[i]);
       } else {
-        const double range_m = tables.tracer.range(rays[begin + i]);
-        ranges_m[begin + i] =
-            static_cast<float>(range_m <= tables.max_range_m ? range_m : kNoRange);
+        ranges_m[begin + i] = static_cast<float>(tables.tracer.range(rays[begin + i]));
       }
     }
   }
@@ -263,9 +261,6 @@ void TableCaster::ranges(const ScanRays& rays, std::span<float> ranges_m) const 
     if (!start.tabulated) {
       tables.tracer.ranges(ScanRays{rays.map_T_lidar.subspan(pose, 1), rays.angles_rad},
                            {out, beam_count});
-      for (std::size_t k = 0; k < beam_count; ++k) {
-        if (out[k] > static_cast<float>(tables.max_range_m)) out[k] = static_cast<float>(kNoRange);
-      }
       continue;
     }
     const Turn heading = turn_of(rays.map_T_lidar[pose].yaw);
