@@ -58,22 +58,21 @@ struct Run {
   }
 }
 
-/// In a world made from a map what is unknown is solid: a robot's map of it shows a wall where its laser meets the unknown.
-[[nodiscard]] inline CellStates with_solid_unknown(CellStates map) {
-  const GridFrame& frame = map.frame();
-  CellStates result = map;
-  for (int row = 0; row < frame.rows; ++row) {
-    for (int column = 0; column < frame.columns; ++column) {
-      if (map[{column, row}] >= 0) continue;
-      bool beside_free = false;
-      for (int i = 0; i < 9; ++i) {
-        const std::int8_t other = map.value_or({column + i % 3 - 1, row + i / 3 - 1}, kUnknownCell);
-        beside_free = beside_free || (other >= 0 && other < 65);
-      }
-      if (beside_free) result[{column, row}] = kOccupiedCell;
+/// In a world made from a map what is unknown is solid, and so is everything beyond its edge: the map that the robot gets says
+/// so.
+[[nodiscard]] inline CellStates with_solid_unknown(const CellStates& map) {
+  GridFrame frame = map.frame();
+  frame.origin -= Eigen::Vector2d::Constant(frame.resolution);
+  frame.columns += 2;
+  frame.rows += 2;
+  CellStates solid(frame, kOccupiedCell);
+  for (int row = 0; row < map.frame().rows; ++row) {
+    for (int column = 0; column < map.frame().columns; ++column) {
+      const std::int8_t percent = map[{column, row}];
+      if (percent >= 0) solid[{column + 1, row + 1}] = percent;
     }
   }
-  return result;
+  return solid;
 }
 
 /// Boxes and columns where there is room for them and for a robot to pass.

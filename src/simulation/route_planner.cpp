@@ -98,11 +98,12 @@ bool RoutePlanner::reach_from(const Eigen::Vector2d& start) {
   return true;
 }
 
-std::optional<Eigen::Vector2d> RoutePlanner::reach_largest_region() {
+std::optional<Eigen::Vector2d> RoutePlanner::reach_largest_region(
+    const std::function<bool(const Eigen::Vector2d&)>& is_inside) {
   std::vector<std::uint32_t> largest;
   for (const std::uint32_t index : free_cells_) {
     const Cell cell = cell_at(index);
-    if (free_[cell] != 1) continue;
+    if (free_[cell] != 1 || !is_inside(frame().centre_of(cell))) continue;
     std::vector<std::uint32_t> region = flood(cell, 2);
     if (region.size() > largest.size()) largest = std::move(region);
   }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -27,7 +28,9 @@ class RoutePlanner {
   bool reach_from(const Eigen::Vector2d& start);
   /// Restricts the free cells to the largest connected region, in which a start is then returned: the cell with the
   /// most room among those near the region's middle. Nothing when no cell is free.
-  [[nodiscard]] std::optional<Eigen::Vector2d> reach_largest_region();
+  /// \param is_inside  regions that begin where this says no are left out: a solid given by its surfaces alone is hollow
+  [[nodiscard]] std::optional<Eigen::Vector2d> reach_largest_region(
+      const std::function<bool(const Eigen::Vector2d&)>& is_inside);
 
   /// The free cell nearest to a point, within `limit_m`.
   [[nodiscard]] std::optional<Cell> nearest_free(const Eigen::Vector2d& point,

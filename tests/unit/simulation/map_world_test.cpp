@@ -66,6 +66,19 @@ TEST(MapWorld, RangesAreExactForTheCells) {
   }
 }
 
+TEST(MapWorld, StartsWhereTheMapIsFreeHoweverLargeTheUnknownIs) {
+  // A small room in a wide unknown plane: the plane has no surfaces in it, but nobody can drive there.
+  const GridFrame frame{{0.0, 0.0}, 0.1, 400, 400};
+  Grid<std::int8_t> map(frame, -1);
+  for (int row = 100; row < 160; ++row) {
+    for (int column = 50; column < 120; ++column) map[{column, row}] = 0;
+  }
+  const World world = make_world(map, "room", 0.25);
+  ASSERT_FALSE(world.places.empty());
+  EXPECT_EQ(map[frame.cell_of(world.map_T_start.translation())], 0);
+  for (const auto& place : world.places) EXPECT_EQ(map[frame.cell_of(place)], 0);
+}
+
 TEST(MapWorld, IsDrivenWithoutTouchingAnything) {
   const World world = make_world(cluttered_map(), "clutter", 0.25);
   const Drive drive = drive_route(world, 0.25);
