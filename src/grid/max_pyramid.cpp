@@ -19,7 +19,8 @@ MaxPyramid::Level make_level(const GridFrame& frame, int level, std::uint8_t out
   const auto entries = static_cast<std::uint32_t>(made.highest_index - made.lowest_index + 1);
   made.run_length = static_cast<std::uint32_t>(kPad) + entries;
   made.pitch = made.run_length << level;
-  const auto rows = static_cast<std::size_t>(made.highest_row - made.lowest_row + 1);
+  const int row_count = made.highest_row - made.lowest_row + 1;
+  const auto rows = static_cast<std::size_t>(row_count);
   made.data.assign((rows + 1) * made.pitch + 2 * kPad, outside);
   return made;
 }
@@ -66,7 +67,8 @@ MaxPyramid::Level level_above(const MaxPyramid::Level& below, const GridFrame& f
                               std::uint8_t outside) {
   MaxPyramid::Level above = make_level(frame, below.level + 1, outside);
   const int shift = 1 << below.level;
-  const auto entries = static_cast<std::size_t>(above.highest_index - above.lowest_index + 1);
+  const int entry_count = above.highest_index - above.lowest_index + 1;
+  const auto entries = static_cast<std::size_t>(entry_count);
   // Two entries more at either end stand for what lies before and behind the row.
   std::vector<std::uint8_t> row_maximum(below.pitch + 4 * kPad, outside);
   std::uint8_t* const joined_rows = row_maximum.data() + 2;

@@ -14,7 +14,7 @@ inline constexpr int kDirectionBins = 1024;
   if (!(length > 0.0)) return 0;
   const double p = y / length;
   const double around = x >= 0.0 ? p + 1.0 : 3.0 - p;  // [0, 4)
-  const int bin = static_cast<int>(around * (kDirectionBins / 4));
+  const int bin = static_cast<int>(around * (0.25 * kDirectionBins));
   return bin & (kDirectionBins - 1);
 }
 

@@ -34,22 +34,22 @@ struct OnPatch {
           const Vector& translation)
       : patch(target.patches[static_cast<std::size_t>(pair.target)]),
         to_point(pair.arm + translation - target.points()[static_cast<std::size_t>(pair.target)]),
-        to_anchor(pair.arm + translation - patch.anchor) {}
+        to_anchor_(pair.arm + translation - patch.anchor) {}
 
   /// Distance across the surface; per axis where there is none.
   [[nodiscard]] double residual_m() const {
-    return patch.flat ? patch.normal.dot(to_anchor)
+    return patch.flat ? patch.normal.dot(to_anchor_)
                       : to_point.norm() / std::sqrt(static_cast<double>(kDimension));
   }
   [[nodiscard]] bool explained(double sigma_m) const {
     const double distance_m = to_point.norm();
     if (!patch.flat) return distance_m <= 3.0 * sigma_m;
-    return std::abs(patch.normal.dot(to_anchor)) <= 3.0 * sigma_m &&
+    return std::abs(patch.normal.dot(to_anchor_)) <= 3.0 * sigma_m &&
            distance_m <= patch.radius_m + 3.0 * sigma_m;
   }
 
  private:
-  Vector to_anchor;
+  Vector to_anchor_;
 };
 
 struct Noise {

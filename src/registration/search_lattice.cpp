@@ -38,7 +38,7 @@ std::vector<CellList> cells_at_headings(std::span<const Eigen::Vector2d> source,
                                         const GridFrame& frame, const SearchLattice& lattice) {
   std::vector<Eigen::Vector2d> arms;
   arms.reserve(source.size());
-  for (const auto& point : source) arms.push_back(point - lattice.pivot);
+  for (const auto& point : source) arms.emplace_back(point - lattice.pivot);
   std::vector<CellList> lists(lattice.headings.size());
   for (std::size_t h = 0; h < lists.size(); ++h) {
     const double cosine = std::cos(lattice.headings[h]);

@@ -28,7 +28,8 @@ class RowTable {
   /// \param reach  rows up to this far from the level's are asked for
   RowTable(const MaxPyramid::Level& level, int reach)
       : first_(level.lowest_row - 1 - reach), last_(level.highest_row + 1 + reach) {
-    offsets_.reserve(static_cast<std::size_t>(last_ - first_ + 1));
+    const int count = last_ - first_ + 1;
+    offsets_.reserve(static_cast<std::size_t>(count));
     for (int row = first_; row <= last_; ++row) offsets_.push_back(level.row_offset(row));
     lowest_ = level.lowest_row - 1;
     highest_ = level.highest_row + 1;

@@ -186,7 +186,8 @@ class HeadingScorer {
     // What falls off the grid is unseen, whatever the shift.
     const auto start = static_cast<std::int16_t>((xs_.size() - inside) * kUnseen);
     HeadingScores result;
-    result.scores.reserve(static_cast<std::size_t>(shifts_.rows * shifts_.runs));
+    const int run_count = shifts_.rows * shifts_.runs;
+    result.scores.reserve(static_cast<std::size_t>(run_count));
     for (int row = 0; row < shifts_.rows; ++row) {
       for (int run = 0; run < shifts_.runs; ++run) {
         const std::ptrdiff_t shift =
@@ -243,8 +244,9 @@ void strike_out(std::vector<HeadingScores>& headings, const Shifts& shifts, cons
     for (int row = std::max(0, place.row - kApart); row <= last_row; ++row) {
       const int last_column = std::min(shifts.rows - 1, place.column + kApart);
       for (int column = std::max(0, place.column - kApart); column <= last_column; ++column) {
-        near.scores[static_cast<std::size_t>(row * shifts.runs + column / kLanes)]
-                   [static_cast<std::size_t>(column % kLanes)] = 0;
+        const int run = row * shifts.runs + column / kLanes;
+        const int lane = column % kLanes;
+        near.scores[static_cast<std::size_t>(run)][static_cast<std::size_t>(lane)] = 0;
       }
     }
     near.find_best();
@@ -270,7 +272,8 @@ std::vector<Candidate> search_window(const ScanView& source, const ScanView& tar
 
   HeadingScorer score(grid, points, centre.translation(), shifts);
   std::vector<HeadingScores> headings;
-  headings.reserve(static_cast<std::size_t>(2 * half_headings + 1));
+  const int heading_count = 2 * half_headings + 1;
+  headings.reserve(static_cast<std::size_t>(heading_count));
   for (int h = -half_headings; h <= half_headings; ++h)
     headings.push_back(score(centre.yaw + h * yaw_step));
 

@@ -58,10 +58,10 @@ Image PlanePanel::shade(const CellStates& map) const {
       const Eigen::Vector2d offset(left + x + 0.5 - corner_.x - 0.5 * width_px_,
                                    corner_.y + 0.5 * height_px_ - top - y - 0.5);
       const Cell cell = map.frame().cell_of(centre_ + offset * pixel_m);
-      int state = kUnknownCell;
+      std::int8_t state = kUnknownCell;
       for (int r = 0; r <= reach; ++r) {
         for (int c = 0; c <= reach; ++c) {
-          state = std::max<int>(state, map.value_or({cell.column + c, cell.row + r}, kUnknownCell));
+          state = std::max(state, map.value_or({cell.column + c, cell.row + r}, kUnknownCell));
         }
       }
       const Rgb colour = cell_rgb(state);
