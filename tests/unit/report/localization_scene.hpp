@@ -61,7 +61,8 @@ inline LocalizationResult small_localization() {
                                     e.map_T_robot.y + far * std::sin(angle), angle});
     }
     for (int k = 0; k < e.hypotheses; ++k)
-      snapshot.hypotheses.push_back({{e.map_T_robot.x + 4.0 * k, 4.0, 0.0}, 0.5 / (k + 1)});
+      snapshot.hypotheses.push_back(
+          {{e.map_T_robot.x + 4.0 * k, e.map_T_robot.y - k, 0.0}, 0.5 / (k + 1)});
     for (int k = 0; k < 60; ++k)
       snapshot.points.emplace_back(2.0F * std::cos(0.1F * k), 2.0F * std::sin(0.1F * k));
     result.snapshots.push_back(snapshot);
