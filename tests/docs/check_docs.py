@@ -43,7 +43,7 @@ def wrong_calls(text, helps):
 
 
 def broken_links(text, folder):
-    for target in LINK.findall(text):
+    for target in LINK.findall(CODE.sub("", text)):  # a lambda, [](double x), is no link
         if not (folder / target).exists():
             yield f"link to {target}, which does not exist"
 
@@ -97,6 +97,7 @@ def self_test():
         ["`loopstone map` has no flag --treads"]
     assert not list(wrong_calls("loopstone is not a command here; `find_package(loopstone REQUIRED)` neither", helps))
     assert list(broken_links("[a](no/such.md) [b](https://x.org/y)", ROOT)) == ["link to no/such.md, which does not exist"]
+    assert not list(broken_links("```cpp\nauto f = [](double x) { return x; };\n```", ROOT))
     assert documented_keys("### summary.json\n| key | what |\n|---|---|\n| `a`, `b_m` | x `no` |\n") == ["a", "b_m"]
     assert list(undocumented(["a"], ["b"])) == ["summary.json has a, which the table lacks",
                                                "the table names b, which summary.json has not"]
