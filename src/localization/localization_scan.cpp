@@ -35,14 +35,14 @@ LocalizationScan view_for_localization(const LaserScan& scan, const Pose2& robot
   view.points_robot = scan_points(scan, robot_T_lidar, velocity);
   for (const auto& point : every_nth(view.points_robot, wanted))
     view.weighed.push_back(point.cast<float>());
-  std::vector<LocalizationScan::Beam> beams;
+  std::vector<std::size_t> beams;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const auto range = static_cast<double>(scan.ranges_m[i]);
-    if (std::isnan(range)) continue;
-    const double angle = scan.angle_rad(i);
-    beams.push_back({{std::cos(angle), std::sin(angle)}, range});
+    if (!std::isnan(scan.ranges_m[i])) beams.push_back(i);
   }
-  view.beams = every_nth(beams, wanted);
+  for (const std::size_t beam : every_nth(beams, wanted)) {
+    view.angles_rad.push_back(scan.angle_rad(beam));
+    view.ranges_m.push_back(scan.ranges_m[beam]);
+  }
   return view;
 }
 
@@ -52,14 +52,8 @@ BeamFit fit_beams(const LocalizationScan& scan, const LocalizationMap& map,
   const Grid<float>& distances = tables.search.field().distances();
   const double on_wall_m = kOnWallM + distances.frame().resolution;
   const Pose2 map_T_lidar = map_T_robot * scan.robot_T_lidar;
-  const Eigen::Matrix2d rotation = map_T_lidar.rotation();
-  const Eigen::Vector2d origin = map_T_lidar.translation();
-  std::vector<Ray> rays;
-  rays.reserve(scan.beams.size());
-  for (const auto& beam : scan.beams) rays.push_back({origin, rotation * beam.direction});
-  std::vector<float> expected(rays.size());
-  tables.caster.ranges(rays, expected);
-
+  std::vector<float> expected(scan.ranges_m.size());
+  tables.caster.ranges(ScanRays{std::span(&map_T_lidar, 1), scan.angles_rad}, expected);
   const auto distance_at = [&](const Eigen::Vector2d& point) {
     return static_cast<double>(distances.value_or(distances.frame().cell_of(point), 1e3F));
   };
@@ -67,15 +61,17 @@ BeamFit fit_beams(const LocalizationScan& scan, const LocalizationMap& map,
   int on_wall = 0;
   int through = 0;
   int before = 0;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const double measured = scan.beams[i].range_m;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const auto measured = static_cast<double>(scan.ranges_m[i]);
     const auto wall = static_cast<double>(expected[i]);
     if (!std::isfinite(measured)) {
       if (wall + kBeyondM < kSureRange * scan.range_max_m) ++through;
       continue;
     }
     ++returns;
-    const double distance = distance_at(origin + measured * rays[i].direction);
+    const Eigen::Vector2d end(measured * std::cos(scan.angles_rad[i]),
+                              measured * std::sin(scan.angles_rad[i]));
+    const double distance = distance_at(map_T_lidar * end);
     if (distance <= on_wall_m) ++on_wall;
     if (distance <= 2.0 * on_wall_m) continue;
     if (measured > wall + kBeyondM) ++through;
@@ -84,8 +80,8 @@ BeamFit fit_beams(const LocalizationScan& scan, const LocalizationMap& map,
   const auto share = [](int part, std::size_t whole) {
     return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
   };
-  return {share(on_wall, static_cast<std::size_t>(returns)), share(through, rays.size()),
-          share(before, rays.size())};
+  return {share(on_wall, static_cast<std::size_t>(returns)), share(through, expected.size()),
+          share(before, expected.size())};
 }
 
 }  // namespace loopstone

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "localization/confidence.hpp"
+#include "localization/learned_beam_sensor.hpp"
 #include "localization/map_tables.hpp"
 #include "localization/pose_track.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -41,8 +42,10 @@ constexpr double kRestShare = 0.3;
 /// A refined pose so far from its particles has gone astray.
 constexpr double kAstrayM = 0.4;
 constexpr double kAstrayRad = 0.2;
-/// Belief that is given to the places that a search finds, before they are weighed.
-constexpr double kNewPlacesShare = 0.1;
+/// Belief that is given to the places that a search finds, before they are weighed. A place that has been followed was weighed
+/// many times; one scan must not overturn that unless the robot is lost anyway.
+constexpr double kNewPlacesShare = 0.003;
+constexpr double kNewPlacesShareWhenLost = 0.5;
 /// Returns used for registration.
 constexpr std::size_t kRefinePoints = 240;
 /// Without odometry the robot keeps its velocity, give or take.
@@ -129,6 +132,7 @@ class Localizer::Impl {
         initial_(initial),
         threads_(threads),
         queue_(robot.wheels),
+        beam_sensor_(map.tables().caster),
         belief_({.particles_max = options.particles_max,
                  .particles_min = options.particles_min,
                  .resampling = resampling_scheme_from(options.resampling),
@@ -303,9 +307,11 @@ class Localizer::Impl {
   }
 
   void log_likelihoods(const LocalizationScan& view, std::span<const Pose2> poses,
-                       std::span<double> out) const {
+                       std::span<double> out) {
     const LikelihoodFieldModel& model = map_.tables().weigher;
-    if (options_.sensor == "beam_skipping") {
+    if (options_.sensor == "beam") {
+      beam_sensor_.log_likelihoods(view, poses, out, threads_);
+    } else if (options_.sensor == "beam_skipping") {
       (void)model.log_likelihoods_skipping(poses, view.weighed, out, {}, threads_);
     } else {
       model.log_likelihoods(poses, view.weighed, out, threads_);
@@ -393,7 +399,7 @@ class Localizer::Impl {
     estimate.evidence = {.explained = fit.explained,
                          .violations = fit.violations,
                          .unexpected = fit.unexpected,
-                         .mass = std::exp(best.log_mass) * (1.0 - rest_share_),
+                         .mass = mass_near(best, estimate.map_T_robot) * (1.0 - rest_share_),
                          .precision = precision_of(estimate.covariance),
                          .spread_m = std::sqrt(spread(0, 0) + spread(1, 1)),
                          .spread_rad = std::sqrt(spread(2, 2)),
@@ -407,18 +413,36 @@ class Localizer::Impl {
     return estimate;
   }
 
+  /// Belief in the particles that agree with a pose as far as their own spread lets them. A place along a corridor may be long.
+  [[nodiscard]] double mass_near(const PlaceBelief& place, const Pose2& pose) const {
+    constexpr double kNearM = 0.5;
+    constexpr double kNearRad = 0.35;
+    const Pose2 then = pose * since_weighing_.pose.inverse();
+    double near = 0.0;
+    for (std::size_t i = 0; i < place.particles.size(); ++i) {
+      const Pose2& particle = place.particles.states()[i];
+      if (std::hypot(particle.x - then.x, particle.y - then.y) < kNearM &&
+          std::abs(wrap_angle(particle.yaw - then.yaw)) < kNearRad) {
+        near += std::exp(place.particles.log_weights()[i]);
+      }
+    }
+    return near * std::exp(place.log_mass);
+  }
+
   /// Searches the map when the pose is doubted for some scans, and lets what it finds compete. True when it found something.
   bool recover(const LocalizationScan& view, const LocalizationEstimate& estimate) {
     constexpr int kDoubtedScans = 3;
-    constexpr double kWellExplained = 0.8;
+    constexpr double kDoesNotFit = 0.5;
     if (estimate.state == LocalizationState::kTracking) {
       doubted_scans_ = 0;
       pace_.calm();
       return false;
     }
-    // Where another place explains the scans as well, only motion can tell: no search can.
-    const bool explained = estimate.evidence.explained >= kWellExplained && rest_share_ == 0.0;
-    doubted_scans_ = explained ? 0 : doubted_scans_ + 1;
+    // Where another place explains the scans as well, only motion can tell: no search can. But scans that don't fit, or places
+    // that were too many to follow, are worth another look.
+    const double fits = estimate.probability / std::max(estimate.evidence.mass, 1e-9);
+    const bool worthwhile = fits < kDoesNotFit || rest_share_ > 0.0;
+    doubted_scans_ = worthwhile ? doubted_scans_ + 1 : 0;
     if (doubted_scans_ < kDoubtedScans || !pace_.due(travelled_m_)) return false;
     doubted_scans_ = 0;
     const bool lost = estimate.state == LocalizationState::kLost;
@@ -439,7 +463,7 @@ class Localizer::Impl {
     double new_sum = 0.0;
     for (const auto& proposal : proposals)
       new_sum += std::exp(proposal.log_mass - best_log) / static_cast<double>(proposals.size());
-    const double prior = lost ? 0.5 : kNewPlacesShare;
+    const double prior = lost ? kNewPlacesShareWhenLost : kNewPlacesShare;
     const double ratio = prior / (1.0 - prior) * new_sum / std::max(old_sum, 1e-12);
     // The particles stand where they were weighed last; move them to now before others join them.
     const GaussianMotion motion(since_weighing_.pose, since_weighing_.covariance);
@@ -447,7 +471,7 @@ class Localizer::Impl {
         [&motion](const Pose2& pose, Rng& noise) { return motion.sample(pose, noise); });
     since_weighing_ = {};
     since_weighing_s_ = 0.0;
-    belief_.add(proposals, std::clamp(ratio / (1.0 + ratio), 1e-3, 0.98));
+    belief_.add(proposals, std::clamp(ratio / (1.0 + ratio), 1e-3, lost ? 0.98 : 0.5));
     belief_.settle();
     return true;
   }
@@ -493,6 +517,8 @@ class Localizer::Impl {
   }
 
   void report(const LocalizationScan& view, LocalizationEstimate estimate) {
+    if (options_.sensor == "beam" && estimate.state == LocalizationState::kTracking)
+      beam_sensor_.learn_from(view, estimate.map_T_robot);
     if (result_.changes.empty() || result_.changes.back().state != estimate.state)
       result_.changes.push_back({estimate.stamp, estimate.state});
     if (travelled_m_ >= next_snapshot_m_) take_snapshot(view, estimate);
@@ -529,6 +555,7 @@ class Localizer::Impl {
   std::optional<InitialPose> initial_;
   Threads threads_;
   ScanQueue queue_;
+  LearnedBeamSensor beam_sensor_;
   PoseBelief belief_;
 
   std::optional<Stamp> first_stamp_{};

@@ -15,11 +15,8 @@ struct LocalizationScan {
   std::vector<Eigen::Vector2d>
       points_robot{};                      ///< all returns, robot frame at the scan's stamp [m]
   std::vector<Eigen::Vector2f> weighed{};  ///< those that particles are weighed with
-  struct Beam {
-    Eigen::Vector2d direction;  ///< unit, lidar frame
-    double range_m;             ///< measured; +inf: nothing within range_max_m
-  };
-  std::vector<Beam> beams{};
+  std::vector<double> angles_rad{};        ///< of the beams kept, lidar frame
+  std::vector<float> ranges_m{};           ///< likewise; +inf: nothing within range_max_m
   Pose2 robot_T_lidar{};
   double range_max_m = 0.0;
 };
