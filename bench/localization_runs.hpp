@@ -91,6 +91,28 @@ inline void add_clutter(World& world, const Grid<std::int8_t>& map, int count, R
   }
 }
 
+/// The map of a world that was made from a map, with what was added since. true_map() would draw the added things and miss the
+/// walls: they are borders between cells here, within half a cell of no cell's centre.
+[[nodiscard]] inline CellStates with_added(const CellStates& given, const FloorPlan& plan) {
+  CellStates map = given;
+  const GridFrame& frame = map.frame();
+  const auto draw = [&](const auto& thing, const Eigen::Vector2d& centre, double reach) {
+    const Cell low = frame.cell_of(centre.array() - reach);
+    const Cell high = frame.cell_of(centre.array() + reach);
+    for (int row = low.row; row <= high.row; ++row) {
+      for (int column = low.column; column <= high.column; ++column) {
+        const Cell cell{column, row};
+        if (frame.contains(cell) && is_inside(thing, frame.centre_of(cell)))
+          map[cell] = kOccupiedCell;
+      }
+    }
+  };
+  for (const Circle& circle : plan.circles) draw(circle, circle.centre, circle.radius_m);
+  for (const Box& box : plan.boxes)
+    draw(box, box.map_T_box.translation(), 0.5 * std::hypot(box.length_m, box.width_m));
+  return map;
+}
+
 /// Carries the robot on by part of its own route, unseen: what was recorded meanwhile is left out, and the clock goes on as if
 /// nothing had happened.
 inline void kidnap(Run& run, double at_s, double for_s) {
@@ -129,13 +151,12 @@ inline void kidnap(Run& run, double at_s, double for_s) {
                                       request.place, robot.footprint_radius_m + 0.1);
   const Grid<std::int8_t> bare = true_map(world);
   World mapped = world;
+  Run run{.map = bare, .robot = robot};
   if (request.clutter > 0) {
-    mapped.given_map.reset();
     add_clutter(mapped, bare, request.clutter, rng);
     add_clutter(world, bare, request.clutter, rng);
-    world.given_map.reset();
+    run.map = built_in ? true_map(mapped) : with_added(bare, mapped.plan);
   }
-  Run run{.map = request.clutter > 0 ? true_map(mapped) : bare, .robot = robot};
   if (request.random_start) {
     const Eigen::Vector2d start = world.places[rng.below(world.places.size())];
     world.map_T_start = {start.x(), start.y(), rng.uniform(-kPi, kPi)};
