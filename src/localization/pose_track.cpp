@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/field_match.hpp"
@@ -26,6 +28,13 @@ constexpr double kLeastExplained = 0.25;
 /// Only scans that fit the map this well teach the offset of ranges.
 constexpr double kWellExplained = 0.7;
 
+/// A wall is known to a cell, so the kernel is no narrower than one.
+FieldMatchOptions options_for(const MapField& field) {
+  FieldMatchOptions options;
+  options.kernel_width_m = std::max(options.kernel_width_m, field.resolution_m(0));
+  return options;
+}
+
 Eigen::Vector3d difference(const Pose2& to, const Pose2& from) {
   return {to.x - from.x, to.y - from.y, wrap_angle(to.yaw - from.yaw)};
 }
@@ -35,6 +44,37 @@ Eigen::Vector3d difference(const Pose2& to, const Pose2& from) {
 double way_covariance(const Eigen::Matrix2d& position, const Eigen::Vector2d& along, double way) {
   const double sigma = std::sqrt(std::max(0.0, along.dot(position * along)));
   return 2.0 * kScaleSigma * sigma * way + kScaleSigma * kScaleSigma * way * way;
+}
+
+/// Registers a scan from the prediction, on the finest level and from one above; where legs of tables and chairs make valleys of
+/// their own, now and then from all around too. The prediction's own valley is left only for one clearly deeper.
+MatchResult best_match(std::span<const Eigen::Vector2d> points, const MapField& field,
+                       const Pose2& guess, bool look_around) {
+  constexpr double kDeeper = 0.8;
+  constexpr double kAroundM = 0.1;
+  const FieldMatchOptions options = options_for(field);
+  const auto cost_of = [&](const MatchResult& match) {
+    return field_cost(points, field, 0, match.target_T_source, options.kernel_width_m).cost;
+  };
+  MatchResult best = match_to_field(points, field, guess, options, 0);
+  double best_cost =
+      has_supported_pose(best.status) ? cost_of(best) : std::numeric_limits<double>::infinity();
+  const auto consider = [&](const Pose2& start, std::size_t level) {
+    const MatchResult match = match_to_field(points, field, start, options, level);
+    if (!has_supported_pose(match.status)) return;
+    const double cost = cost_of(match);
+    if (!(cost < kDeeper * best_cost)) return;
+    best = match;
+    best_cost = cost;
+  };
+  consider(guess, 1);
+  if (look_around) {
+    for (const double x : {-kAroundM, 0.0, kAroundM}) {
+      for (const double y : {-kAroundM, 0.0, kAroundM})
+        consider({guess.x + x, guess.y + y, guess.yaw}, 0);
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -69,11 +109,11 @@ void RangeOffset::learn(std::span<const Eigen::Vector2d> points_robot,
   constexpr double kStepM = 0.01;
   constexpr double kNewestCost = 0.1;
   constexpr double kFastestM = 0.003;  // in one scan
-  const double width = FieldMatchOptions{}.kernel_width_m;
+  const FieldMatchOptions options = options_for(field);
   const auto cost_with = [&](double more) {
     const auto points = applied(points_robot, laser_robot, more);
-    const MatchResult match = match_to_field(points, field, map_T_robot, {}, 0);
-    return field_cost(points, field, 0, match.target_T_source, width).cost /
+    const MatchResult match = match_to_field(points, field, map_T_robot, options, 0);
+    return field_cost(points, field, 0, match.target_T_source, options.kernel_width_m).cost /
            static_cast<double>(points.size());
   };
   const double less = cost_with(-kStepM);
@@ -91,7 +131,9 @@ bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot,
                        const Eigen::Vector2d& laser_robot, const MapField& field,
                        RangeOffset& offset) {
   const auto points = offset.applied(points_robot, laser_robot);
-  const MatchResult match = match_to_field(points, field, map_T_robot_.pose, {}, 1);
+  constexpr int kLookAroundEvery = 8;
+  const bool look_around = ++registered_ % kLookAroundEvery == 0;
+  const MatchResult match = best_match(points, field, map_T_robot_.pose, look_around);
   if (!has_supported_pose(match.status) || match.score < kLeastExplained) {
     innovation_ += kNewest * (kGate / 3.0 - innovation_);
     return false;

@@ -51,6 +51,7 @@ class PoseTrack {
  private:
   PoseWithCovariance2 map_T_robot_;
   double innovation_ = 1.0;
+  int registered_ = 0;
   int refined_ = 0;
 };
 
