@@ -47,6 +47,7 @@ void visit_numbers_after_state(Estimate& e, Visitor&& visit) {
   visit("violations", e.evidence.violations, false);
   visit("unexpected", e.evidence.unexpected, false);
   visit("mass", e.evidence.mass, false);
+  visit("precision", e.evidence.precision, false);
   visit("spread_m", e.evidence.spread_m, false);
   visit("spread_rad", e.evidence.spread_rad, false);
   visit("innovation", e.evidence.innovation, false);

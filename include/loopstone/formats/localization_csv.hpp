@@ -13,7 +13,7 @@ namespace loopstone {
 ///   t_s,x_m,y_m,yaw_rad,                                                     map_T_robot
 ///   xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2,                     its covariance, upper triangle
 ///   state,probability,refined,hypotheses,particles,travelled_m,              TRACKING, DOUBTFUL or LOST; refined 0 or 1
-///   explained,violations,unexpected,mass,spread_m,spread_rad,innovation,followed_m     what the probability stands on
+///   explained,violations,unexpected,mass,precision,spread_m,spread_rad,innovation,followed_m     what the probability stands on
 ///
 /// Stamps have nine decimals, other numbers as many digits as bring the same value back; what is not finite is empty.
 [[nodiscard]] std::string format_localization_csv(

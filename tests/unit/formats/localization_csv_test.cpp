@@ -53,6 +53,7 @@ void expect_same(const LocalizationEstimate& a, const LocalizationEstimate& b) {
   EXPECT_EQ(a.evidence.violations, b.evidence.violations);
   EXPECT_EQ(a.evidence.unexpected, b.evidence.unexpected);
   EXPECT_EQ(a.evidence.mass, b.evidence.mass);
+  EXPECT_EQ(a.evidence.precision, b.evidence.precision);
   EXPECT_EQ(a.evidence.spread_m, b.evidence.spread_m);
   EXPECT_EQ(a.evidence.spread_rad, b.evidence.spread_rad);
   EXPECT_EQ(a.evidence.innovation, b.evidence.innovation);
@@ -85,7 +86,7 @@ TEST(LocalizationCsv, ColumnsAreNamedWithUnits) {
   EXPECT_EQ(text,
             "t_s,x_m,y_m,yaw_rad,xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2,state,"
             "probability,refined,hypotheses,particles,travelled_m,explained,violations,unexpected,"
-            "mass,spread_m,spread_rad,innovation,followed_m\n");
+            "mass,precision,spread_m,spread_rad,innovation,followed_m\n");
   EXPECT_TRUE(parse_localization_csv(text).empty());
 }
 
