@@ -95,6 +95,16 @@ std::optional<InitialPose> initial_pose(const std::string& start, const Run& run
   throw std::invalid_argument("start: truth, global or wrong, not " + start);
 }
 
+/// Between the last scan before a kidnapping and the first after it.
+double carried_distance_m(const Trajectory& truth, Stamp first_after) {
+  const auto& poses = truth.poses();
+  const auto after = std::find_if(poses.begin(), poses.end(), [&](const StampedPose2& pose) {
+    return pose.stamp >= first_after;
+  });
+  if (after == poses.begin() || after == poses.end()) return 0.0;
+  return (after->pose.translation() - std::prev(after)->pose.translation()).norm();
+}
+
 int measure(const Arguments& arguments) {
   const Run run = make_run(arguments.request);
   const auto build_start = cpu_seconds();
@@ -103,11 +113,18 @@ int measure(const Arguments& arguments) {
   Localizer localizer(map, run.robot, arguments.options, initial_pose(arguments.start, run),
                       arguments.request.seed, {1});
   const double start_s = cpu_seconds();
-  for (const SensorMessage& message : run.messages) localizer.add(message);
+  // With the search, a scan takes so much longer than any other that the longest is the search and its first weighing.
+  double longest_scan_s = 0.0;
+  for (const SensorMessage& message : run.messages) {
+    const double before = cpu_seconds();
+    localizer.add(message);
+    longest_scan_s = std::max(longest_scan_s, cpu_seconds() - before);
+  }
   const LocalizationResult result = localizer.finish();
   const double cpu_s = cpu_seconds() - start_s;
 
   double squares = 0.0;
+  double squares_of_all = 0.0;
   double nees = 0.0;
   int tracking = 0;
   int lost = 0;
@@ -117,6 +134,7 @@ int measure(const Arguments& arguments) {
   std::optional<double> first_tracking_m;
   std::optional<bool> first_tracking_right;
   std::vector<double> recovered_m;  // by kidnap; negative: not
+  std::vector<double> carried_m;    // how far each took the robot
   std::size_t kidnap = 0;
   std::optional<double> carried_at_m;
   std::ofstream trace;
@@ -126,10 +144,12 @@ int measure(const Arguments& arguments) {
     if (kidnap < run.kidnaps.size() && estimate.stamp >= run.kidnaps[kidnap]) {
       if (carried_at_m) recovered_m.push_back(-1.0);
       carried_at_m = estimate.travelled_m;
+      carried_m.push_back(carried_distance_m(run.truth, run.kidnaps[kidnap]));
       ++kidnap;
     }
     const bool is_tracking = estimate.state == LocalizationState::kTracking;
     right += error.right() ? 1 : 0;
+    squares_of_all += error.metres * error.metres;
     if (is_tracking) {
       ++tracking;
       if (!error.right()) ++wrong_tracking;
@@ -167,31 +187,35 @@ int measure(const Arguments& arguments) {
   const int right_tracking = tracking - wrong_tracking;
   const Error last =
       result.estimates.empty() ? Error{1e9, 4.0} : error_of(result.estimates.back(), run.truth);
-  std::string recovered;
-  for (const double metres : recovered_m)
-    recovered += fmt::format("{}{:.3f}", recovered.empty() ? "" : ", ", metres);
+  const auto list = [](const std::vector<double>& values) {
+    std::string text;
+    for (const double value : values)
+      text += fmt::format("{}{:.3f}", text.empty() ? "" : ", ", value);
+    return text;
+  };
   fmt::print(
       "{{\"place\": \"{}\", \"seed\": {}, \"map_m2\": {:.0f}, \"scans\": {}, \"path_m\": {:.1f}, "
-      "\"rmse_m\": {:.5f}, \"nees\": {:.3f}, \"right\": {:.4f}, \"tracking\": {:.4f}, \"lost\": "
+      "\"rmse_m\": {:.5f}, \"rmse_all_m\": {:.5f}, \"nees\": {:.3f}, \"right\": {:.4f}, "
+      "\"tracking\": {:.4f}, \"lost\": "
       "{:.4f}, "
       "\"wrong_tracking\": {:.5f}, \"right_lost\": {:.5f}, \"first_tracking_m\": {}, "
       "\"first_tracking_right\": {}, \"last_right\": {}, \"last_tracking\": {}, \"recovered_m\": "
-      "[{}], \"searches\": {}, "
+      "[{}], \"carried_m\": [{}], \"searches\": {}, \"longest_scan_s\": {:.4f}, "
       "\"search_s\": {:.4f}, \"filter_ms_per_scan\": {:.4f}, \"cpu_s\": {:.3f}, \"build_s\": "
       "{:.3f}, "
       "\"map_bytes\": {}, \"particles_last\": {}}}\n",
       arguments.request.place, arguments.request.seed, map.free_area_m2(), result.scans,
       result.path_length_m, right_tracking > 0 ? std::sqrt(squares / right_tracking) : -1.0,
-      right_tracking > 0 ? nees / right_tracking : -1.0, right / scans, tracking / scans,
-      lost / scans, wrong_tracking / scans, right_lost / scans,
+      std::sqrt(squares_of_all / scans), right_tracking > 0 ? nees / right_tracking : -1.0,
+      right / scans, tracking / scans, lost / scans, wrong_tracking / scans, right_lost / scans,
       first_tracking_m ? fmt::format("{:.3f}", *first_tracking_m) : "null",
       first_tracking_right ? (*first_tracking_right ? "true" : "false") : "null",
       last.right() ? "true" : "false",
       !result.estimates.empty() && result.estimates.back().state == LocalizationState::kTracking
           ? "true"
           : "false",
-      recovered, result.searches.size(), result.search_s, 1e3 * result.filter_s / scans, cpu_s,
-      build_s, map.memory_bytes(),
+      list(recovered_m), list(carried_m), result.searches.size(), longest_scan_s, result.search_s,
+      1e3 * result.filter_s / scans, cpu_s, build_s, map.memory_bytes(),
       result.estimates.empty() ? 0 : result.estimates.back().particles);
   return 0;
 }
