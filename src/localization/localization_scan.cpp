@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "localization/map_tables.hpp"
+#include "loopstone/base/thinned.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 
 namespace loopstone {
@@ -17,15 +18,6 @@ constexpr double kBeyondM = 0.4;
 /// surfaces send nothing back.
 constexpr double kSureRange = 0.5;
 
-template <typename Value>
-std::vector<Value> every_nth(const std::vector<Value>& values, std::size_t count) {
-  std::vector<Value> kept;
-  const std::size_t wanted = std::min(count, values.size());
-  kept.reserve(wanted);
-  for (std::size_t i = 0; i < wanted; ++i) kept.push_back(values[i * values.size() / wanted]);
-  return kept;
-}
-
 }  // namespace
 
 LocalizationScan view_for_localization(const LaserScan& scan, const Pose2& robot_T_lidar,
@@ -33,13 +25,13 @@ LocalizationScan view_for_localization(const LaserScan& scan, const Pose2& robot
   const auto wanted = static_cast<std::size_t>(count);
   LocalizationScan view{.robot_T_lidar = robot_T_lidar, .range_max_m = scan.range_max_m};
   view.points_robot = scan_points(scan, robot_T_lidar, velocity);
-  for (const auto& point : every_nth(view.points_robot, wanted))
+  for (const auto& point : thinned(view.points_robot, wanted))
     view.weighed.push_back(point.cast<float>());
   std::vector<std::size_t> beams;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (!std::isnan(scan.ranges_m[i])) beams.push_back(i);
   }
-  for (const std::size_t beam : every_nth(beams, wanted)) {
+  for (const std::size_t beam : thinned(beams, wanted)) {
     view.angles_rad.push_back(scan.angle_rad(beam));
     view.ranges_m.push_back(scan.ranges_m[beam]);
   }

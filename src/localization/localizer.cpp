@@ -13,6 +13,7 @@
 #include "localization/learned_beam_sensor.hpp"
 #include "localization/map_tables.hpp"
 #include "localization/pose_track.hpp"
+#include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/motion_models.hpp"
@@ -59,15 +60,6 @@ constexpr double kJitterRad = 0.005;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-template <typename Point>
-std::vector<Point> thinned(const std::vector<Point>& points, std::size_t count) {
-  if (points.size() <= count) return points;
-  std::vector<Point> kept;
-  kept.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) kept.push_back(points[i * points.size() / count]);
-  return kept;
 }
 
 /// A mean of the last values that follows bad news at once and good news slowly.
@@ -330,9 +322,7 @@ class Localizer::Impl {
   [[nodiscard]] double evidence_of(const LocalizationScan& view, const PlaceBelief& place) const {
     constexpr std::size_t kParticles = 200;
     constexpr std::size_t kPoints = 120;
-    const auto states = place.particles.states();
-    std::vector<Pose2> poses =
-        thinned(std::vector<Pose2>(states.begin(), states.end()), kParticles);
+    std::vector<Pose2> poses = thinned(place.particles.states(), kParticles);
     poses.push_back(place.moments.pose);
     const MatchResult match =
         match_to_field(thinned(view.points_robot, kPoints), map_.tables().search.field(),

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "registration/map_lattice_search.hpp"
 
@@ -26,15 +27,6 @@ constexpr double kBlockedM = 0.05;
 constexpr double kInFrontM = 0.35;
 
 using Points = std::vector<Eigen::Vector2d>;
-
-/// Every n-th point so that no more than `count` are left.
-Points thinned(std::span<const Eigen::Vector2d> points, std::size_t count) {
-  Points kept;
-  const std::size_t wanted = std::min(count, points.size());
-  kept.reserve(wanted);
-  for (std::size_t i = 0; i < wanted; ++i) kept.push_back(points[i * points.size() / wanted]);
-  return kept;
-}
 
 /// Points at an even spacing along the surfaces: a beam's share of a scan is larger the nearer the surface is.
 Points evenly_spaced(std::span<const Eigen::Vector2d> points, double spacing_m) {
