@@ -241,19 +241,39 @@ class Localizer::Impl {
 
   /// The first belief: around the pose given, or wherever the map explains the scan.
   void start(const LocalizationScan& view) {
-    std::vector<PoseBelief::Proposal> proposals;
     if (initial_) {
-      PoseBelief::Proposal given{.map_T_robot = {.pose = initial_->map_T_robot}};
-      given.map_T_robot.covariance.diagonal() << initial_->sigma_m * initial_->sigma_m,
-          initial_->sigma_m * initial_->sigma_m, initial_->sigma_rad * initial_->sigma_rad;
-      proposals.push_back(given);
-      belief_.add(proposals, 1.0);
-      particles_weighed(view);
+      start_around(view, *initial_);
     } else if (pace_.due(travelled_m_)) {
-      proposals = search(view, "start");
-      belief_.add(proposals, 1.0);
-      if (!belief_.empty()) particles_weighed(view);
+      belief_.add(search(view, "start"), 1.0);
     }
+    if (!belief_.empty()) particles_weighed(view);
+  }
+
+  /// A pose given by hand may be wrong. Other places that explain the scan are kept in mind, as unlikely ones: where the given
+  /// place is only similar to the true one, the true one wins soon.
+  void start_around(const LocalizationScan& view, const InitialPose& initial) {
+    constexpr double kGivenIsWrong = 1e-3;
+    PoseBelief::Proposal given{.map_T_robot = {.pose = initial.map_T_robot}};
+    given.map_T_robot.covariance.diagonal() << initial.sigma_m * initial.sigma_m,
+        initial.sigma_m * initial.sigma_m, initial.sigma_rad * initial.sigma_rad;
+    belief_.add(std::span(&given, 1), 1.0);
+    if (!options_.recover) return;
+    std::vector<PoseBelief::Proposal> proposals = search(view, "start");
+    rest_share_ = 0.0;
+    bool any_as_given = false;
+    for (PoseBelief::Proposal& proposal : proposals) {
+      const bool as_given = agrees(proposal.map_T_robot.pose, initial);
+      any_as_given = any_as_given || as_given;
+      proposal.log_mass = as_given ? 0.0 : std::log(kGivenIsWrong);
+    }
+    belief_.add(proposals, any_as_given ? 0.5 : kGivenIsWrong);
+  }
+
+  [[nodiscard]] static bool agrees(const Pose2& pose, const InitialPose& initial) {
+    constexpr double kSigmas = 3.0;
+    const Pose2& given = initial.map_T_robot;
+    return std::hypot(pose.x - given.x, pose.y - given.y) < kSigmas * initial.sigma_m &&
+           std::abs(wrap_angle(pose.yaw - given.yaw)) < kSigmas * initial.sigma_rad;
   }
 
   /// Moves the particles to now and weighs them.
