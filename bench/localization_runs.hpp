@@ -25,7 +25,9 @@ struct RunRequest {
   int people = 0;
   int clutter =
       0;  ///< things in the map that are gone, and as many in the world that the map lacks
-  int kidnaps = 0;            ///< times that the robot is carried elsewhere unseen
+  int kidnaps = 0;  ///< times that the robot is carried elsewhere unseen
+  std::uint64_t map_seed =
+      0;  ///< not 0: the robot gets the map of another built-in place of that kind
   bool random_start = false;  ///< anywhere in the place; else where the place's drives begin
 };
 
@@ -157,6 +159,7 @@ inline void kidnap(Run& run, double at_s, double for_s) {
     add_clutter(world, bare, request.clutter, rng);
     run.map = built_in ? true_map(mapped) : with_added(bare, mapped.plan);
   }
+  if (request.map_seed != 0) run.map = true_map(make_world(request.place, request.map_seed));
   if (request.random_start) {
     const Eigen::Vector2d start = world.places[rng.below(world.places.size())];
     world.map_T_start = {start.x(), start.y(), rng.uniform(-kPi, kPi)};

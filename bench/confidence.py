@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""Fits the probability that localisation gives to its pose to simulated drives whose truth is known, and measures on other
+drives how far it can be believed.
+
+The program is built by `make bench` (-DLOOPSTONE_BENCH=ON). Recorded maps are looked for in $LOOPSTONE_DATA, else in
+../shared/data; without them the built-in worlds must do. What was driven is kept in build/bench/confidence-*.json.
+
+  bench/confidence.py fit        training drives; writes src/localization/confidence_weights.hpp: build anew after it
+  bench/confidence.py measure    held-out drives; writes the tables and the picture of docs/localization.md
+  ... --seeds N                  drives of each kind in each place (default 4)
+  ... --quick                    one of each; to look at, writes nothing
+  ... --again                    no drives: from what was kept
+"""
+import argparse
+import json
+import os
+import pathlib
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import confidence_fit as model  # noqa: E402
+import confidence_tables as report  # noqa: E402
+from confidence_drives import Drive, drive_through, planned  # noqa: E402
+from doc_blocks import write_block  # noqa: E402
+from measure import data_folder  # noqa: E402
+from program import Loopstone, machine, say  # noqa: E402
+
+PAGE, BLOCK = ROOT / "docs/localization.md", "localization-confidence"
+PICTURE = ROOT / "docs/images/localization_reliability.svg"
+# No drive is in both sets. Seeds: of a kind of drive in a place.
+FIRST_SEED = {"fit": 1, "measure": 100001}
+SEEDS, QUICK_SEEDS = 4, 1
+# Neighbouring scans say the same: every so manieth teaches.
+TEACHING_SCANS = 4
+
+
+def drives_of(arguments):
+    """What was driven, and where and with what."""
+    kept = arguments.work / f"confidence-{arguments.what}{'-quick' if arguments.quick else ''}.json"
+    if arguments.again:
+        section = json.loads(kept.read_text())
+        return [Drive(**drive) for drive in section.pop("drives")], section
+    seeds = QUICK_SEEDS if arguments.quick else arguments.seeds
+    section = {"machine": machine(), "version": Loopstone(arguments.programs / "loopstone", arguments.work).version(),
+               "command": f"bench/confidence.py {arguments.what}" + (f" --seeds {seeds}" if seeds != SEEDS else "")}
+    drives = planned(arguments.data, FIRST_SEED[arguments.what], seeds)
+    drives = drive_through(arguments.programs / "measure_localization", drives, arguments.work)
+    kept.write_text(json.dumps({**section, "drives": [vars(drive) for drive in drives]}))
+    return drives, section
+
+
+def fit(arguments):
+    drives, _ = drives_of(arguments)
+    samples = model.samples_of(drives, TEACHING_SCANS)
+    before = model.read_weights(ROOT)
+    weights, likelihood = model.fit(samples, before)
+    say(f"log-likelihood of a drive: {model.log_likelihood(before, samples) / len(drives):.4f} before, "
+        f"{likelihood / len(drives):.4f} after")
+    for weight, (name, _) in zip(weights, model.FEATURES):
+        print(f"{name:12} {weight:9.4f}")
+    if not arguments.quick:
+        model.write_weights(ROOT, weights, len(drives), sum(len(drive.rows) for drive in drives))
+
+
+def measure(arguments):
+    drives, section = drives_of(arguments)
+    model.check(drives, model.read_weights(ROOT))
+    figures = report.figures_of(drives)
+    text = report.text_of(section, figures)
+    if arguments.quick:
+        print(text)
+        return
+    PICTURE.write_text(report.picture_of(figures), encoding="utf-8")
+    write_block(PAGE, BLOCK, text)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["fit", "measure"])
+    parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
+    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
+    parser.add_argument("--seeds", type=int, default=SEEDS)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--again", action="store_true")
+    arguments = parser.parse_args()
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    return fit(arguments) if arguments.what == "fit" else measure(arguments)
+
+
+if __name__ == "__main__":
+    main()
