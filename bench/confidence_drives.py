@@ -18,8 +18,9 @@ COLUMNS = ["right", "error_m", "error_rad", "probability", "explained", "violati
 class Kind:
     title: str
     places: list
-    maps: bool      # on the recorded maps, too
-    variants: list  # keys of measure_localization, taken in turn
+    maps: bool        # on the recorded maps, too
+    variants: list    # keys of measure_localization, taken in turn
+    repeats: int = 1  # few places, more drives in each
 
 
 KINDS = {
@@ -40,7 +41,7 @@ KINDS = {
     "alike": Kind("look-alike places", ["rooms", "corridor"], False, [
         {"start": "global"}, {"start": "truth", "people": 2}, {"start": "global", "clutter": 10, "people": 2},
         {"start": "truth", "kidnaps": 1}, {"start": "global", "kidnaps": 1}, {"start": "wrong", "people": 2},
-        {"start": "truth", "clutter": 20}, {"start": "wrong", "clutter": 10}]),
+        {"start": "truth", "clutter": 20}, {"start": "wrong", "clutter": 10}], repeats=3),
 }
 
 
@@ -62,9 +63,7 @@ def planned(data, first_seed, seeds):
     for kind, what in KINDS.items():
         maps = [data / "maps" / name for name in MAPS] if what.maps else []
         places = what.places + [str(path) for path in maps if path.exists()]
-        # Few places, more drives in each: every kind has its share.
-        count = seeds * max(1, round(6 / len(places)))
-        for index, (i, place) in itertools.product(range(count), enumerate(places)):
+        for index, (i, place) in itertools.product(range(seeds * what.repeats), enumerate(places)):
             seed = first_seed + len(drives)
             # A corridor's drives begin at its end: from the middle of it they would lead nowhere.
             keys = {"seed": seed, "duration_s": DURATION_S, "beams": BEAMS[(index + i) % 2],

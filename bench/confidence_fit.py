@@ -15,7 +15,7 @@ ITERATIONS_MOST = 200
 
 
 def features(row):
-    return [1.0, row["explained"], row["violations"], row["unexpected"], min(row["spread_m"], 1.0),
+    return [1.0, row["explained"], math.sqrt(row["violations"]), row["unexpected"], min(row["spread_m"], 1.0),
             min(row["spread_rad"], 0.5) / 0.5, min(math.log1p(row["innovation"]), 3.0) / 3.0,
             min(row["followed_m"], 5.0) / 5.0]
 
@@ -118,7 +118,7 @@ def fit(samples, start):
 def read_weights(root):
     text = (root / HEADER).read_text(encoding="utf-8")
     numbers = re.search(r"kConfidenceWeights\{([^}]*)\}", text).group(1)
-    return [float(number) for number in numbers.split(",") if number.strip()]
+    return [float(number) for number in re.sub("//.*", "", numbers).split(",") if number.strip()]
 
 
 def write_weights(root, weights, drives, scans):

@@ -10,7 +10,7 @@ namespace loopstone {
 std::array<double, kConfidenceFeatures> confidence_features(const PoseEvidence& evidence) {
   return {1.0,
           evidence.explained,
-          evidence.violations,
+          std::sqrt(evidence.violations),
           evidence.unexpected,
           std::min(evidence.spread_m, 1.0),
           std::min(evidence.spread_rad, 0.5) / 0.5,

@@ -8,7 +8,7 @@
 namespace loopstone {
 
 /// The evidence as the probability is computed from it: each in [0, 1], capped, so that no single one decides alone; the first
-/// is 1.
+/// is 1. The first few beams through a wall say most, so of their share the root is taken.
 inline constexpr std::size_t kConfidenceFeatures = 8;
 [[nodiscard]] std::array<double, kConfidenceFeatures> confidence_features(
     const PoseEvidence& evidence);
