@@ -29,8 +29,9 @@ namespace {
 constexpr std::size_t kLeastReturns = 10;
 /// Beams of one scan are not independent: furniture and the map's errors touch many at once. So many count as one.
 constexpr double kBeamsAsOne = 6.0;
-/// Between places the same errors of the map come back with every scan, so even fewer readings are independent.
-constexpr double kBeamsAsOneOfPlace = 10.0;
+/// Between places the same errors of the map come back with every scan, so far fewer readings are independent: in corridors that
+/// look alike, on a map drawn years before, 10 made the wrong one certain within some metres.
+constexpr double kBeamsAsOneOfPlace = 40.0;
 /// Share of the newest scan in the evidence: bad news counts at once.
 constexpr double kNewestGood = 0.3;
 constexpr double kNewestBad = 0.7;
@@ -47,6 +48,8 @@ constexpr double kAstrayRad = 0.2;
 /// many times; one scan must not overturn that unless the robot is lost anyway.
 constexpr double kNewPlacesShare = 0.003;
 constexpr double kNewPlacesShareWhenLost = 0.5;
+constexpr double kFarLogOdds = 7.0;
+constexpr double kFarLogOddsWhenLost = 4.0;
 /// Returns used for registration.
 constexpr std::size_t kRefinePoints = 240;
 /// Without odometry the robot keeps its velocity, give or take.
@@ -461,6 +464,9 @@ class Localizer::Impl {
     // New places against old ones, by how well each explains this scan.
     double best_log = -std::numeric_limits<double>::infinity();
     for (auto& proposal : proposals) {
+      // A robot slips by a metre more often than it is carried to a place that looks the same.
+      if (!is_near(proposal.map_T_robot.pose, estimate))
+        proposal.log_mass -= lost ? kFarLogOddsWhenLost : kFarLogOdds;
       proposal.log_mass += best_evidence(view, std::span(&proposal.map_T_robot.pose, 1));
       best_log = std::max(best_log, proposal.log_mass);
     }
@@ -513,6 +519,17 @@ class Localizer::Impl {
     pace_.searched(travelled_m_);
     result_.search_s += seconds_since(start);
     return proposals;
+  }
+
+  /// Is a pose where the robot may be by what was believed, but for a slip of the wheels?
+  [[nodiscard]] static bool is_near(const Pose2& pose, const LocalizationEstimate& estimate) {
+    constexpr double kSlipM = 1.5;
+    constexpr double kSlipRad = 0.6;
+    constexpr double kSigmas = 4.0;
+    const Pose2& believed = estimate.map_T_robot;
+    const double sigma_m = std::sqrt(estimate.covariance.topLeftCorner<2, 2>().trace());
+    return std::hypot(pose.x - believed.x, pose.y - believed.y) < kSlipM + kSigmas * sigma_m &&
+           std::abs(wrap_angle(pose.yaw - believed.yaw)) < kSlipRad;
   }
 
   [[nodiscard]] bool is_known(const Pose2& pose) const {

