@@ -14,4 +14,5 @@ if [[ -z ${BENCH_QUICK:-} && -e bench/compare_ucsd_odometry.py && -d ${LOOPSTONE
 fi
 python3 bench/registration.py ${BENCH_QUICK:+--quick}
 python3 bench/localization_speed.py ${BENCH_QUICK:+--quick}
+python3 bench/localization.py ${BENCH_QUICK:+--quick}
 python3 bench/ray_cast.py ${BENCH_QUICK:+--quick}
