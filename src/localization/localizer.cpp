@@ -48,8 +48,8 @@ constexpr double kAstrayRad = 0.2;
 /// many times; one scan must not overturn that unless the robot is lost anyway.
 constexpr double kNewPlacesShare = 0.003;
 constexpr double kNewPlacesShareWhenLost = 0.5;
-constexpr double kFarLogOdds = 7.0;
-constexpr double kFarLogOddsWhenLost = 4.0;
+/// Against those places, when others were found where the robot may have slipped to.
+constexpr double kFarLogOdds = 6.0;
 /// Returns used for registration.
 constexpr std::size_t kRefinePoints = 240;
 /// Without odometry the robot keeps its velocity, give or take.
@@ -463,10 +463,13 @@ class Localizer::Impl {
     if (proposals.empty()) return false;
     // New places against old ones, by how well each explains this scan.
     double best_log = -std::numeric_limits<double>::infinity();
+    // A robot slips by a metre more often than it is carried to a place that looks the same.
+    const auto nearby = [&](const PoseBelief::Proposal& proposal) {
+      return is_near(proposal.map_T_robot.pose, estimate);
+    };
+    const bool any_near = std::any_of(proposals.begin(), proposals.end(), nearby);
     for (auto& proposal : proposals) {
-      // A robot slips by a metre more often than it is carried to a place that looks the same.
-      if (!is_near(proposal.map_T_robot.pose, estimate))
-        proposal.log_mass -= lost ? kFarLogOddsWhenLost : kFarLogOdds;
+      if (any_near && !nearby(proposal)) proposal.log_mass -= kFarLogOdds;
       proposal.log_mass += best_evidence(view, std::span(&proposal.map_T_robot.pose, 1));
       best_log = std::max(best_log, proposal.log_mass);
     }
