@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import confidence_fit as model  # noqa: E402
 import confidence_tables as report  # noqa: E402
-from confidence_drives import Drive, drive_through, planned  # noqa: E402
+from confidence_drives import KINDS, Drive, drive_through, planned  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
 from program import Loopstone, machine, say  # noqa: E402
@@ -53,7 +53,7 @@ def drives_of(arguments):
 
 def fit(arguments):
     drives, _ = drives_of(arguments)
-    samples = model.samples_of(drives, TEACHING_SCANS)
+    samples = model.samples_of(drives, TEACHING_SCANS, lambda drive: KINDS[drive.kind].weight)
     before = model.read_weights(ROOT)
     weights, likelihood = model.fit(samples, before)
     say(f"log-likelihood of a drive: {model.log_likelihood(before, samples) / len(drives):.4f} before, "

@@ -21,8 +21,11 @@ class Kind:
     maps: bool        # on the recorded maps, too
     variants: list    # keys of measure_localization, taken in turn
     repeats: int = 1  # few places, more drives in each
+    weight: float = 1.0  # of a drive when the probability is fitted
 
 
+# A robot is given the map of another building far more seldom than an old map of its own; scans explain both badly, so the
+# weight of the former decides how much is believed of the latter.
 KINDS = {
     "normal": Kind("normal", ["office", "campus", "warehouse"], True, [
         {"start": "global", "people": 0}, {"start": "truth", "people": 2}, {"start": "global", "people": 4},
@@ -36,8 +39,11 @@ KINDS = {
     "wrong_start": Kind("wrong start", ["office", "campus", "warehouse", "rooms", "corridor"], True, [
         {"start": "wrong"}, {"start": "wrong", "people": 4}, {"start": "wrong", "clutter": 20, "people": 2},
         {"start": "wrong", "clutter": 10}]),
+    "rough": Kind("rough map", ["office", "campus", "warehouse"], True, [
+        {"start": "truth", "rough": 1, "people": 2}, {"start": "global", "rough": 1}, {"start": "truth", "rough": 1, "clutter": 10},
+        {"start": "global", "rough": 1, "kidnaps": 1}]),
     "another_map": Kind("another building's map", ["office", "campus", "warehouse"], False, [
-        {"start": "global", "map_seed": 50001}, {"start": "wrong", "map_seed": 50002, "people": 2}]),
+        {"start": "global", "map_seed": 50001}, {"start": "wrong", "map_seed": 50002, "people": 2}], weight=0.15),
     "alike": Kind("look-alike places", ["rooms", "corridor"], False, [
         {"start": "global"}, {"start": "truth", "people": 2}, {"start": "global", "clutter": 10, "people": 2},
         {"start": "truth", "kidnaps": 1}, {"start": "global", "kidnaps": 1}, {"start": "wrong", "people": 2},

@@ -32,13 +32,13 @@ def probability(weights, row):
     return row["mass"] * row["precision"] * logistic(dot(weights, features(row)))
 
 
-def samples_of(drives, every):
-    """(features, mass * precision, right, weight): each drive weighs 1, however long: its scans are not independent."""
+def samples_of(drives, every, weight_of):
+    """(features, mass * precision, right, weight): a drive weighs the same however long it is: its scans are not independent."""
     samples = []
     for drive in drives:
         rows = drive.rows[::every]
         for row in rows:
-            samples.append((features(row), row["mass"] * row["precision"], row["right"] > 0.5, 1.0 / len(rows)))
+            samples.append((features(row), row["mass"] * row["precision"], row["right"] > 0.5, weight_of(drive) / len(rows)))
     return samples
 
 

@@ -27,7 +27,8 @@ struct RunRequest {
       0;  ///< things in the map that are gone, and as many in the world that the map lacks
   int kidnaps = 0;  ///< times that the robot is carried elsewhere unseen
   std::uint64_t map_seed =
-      0;  ///< not 0: the robot gets the map of another built-in place of that kind
+      0;               ///< not 0: the robot gets the map of another built-in place of that kind
+  bool rough = false;  ///< the map is coarse and has gaps and blots, as old recorded ones do
   bool random_start = false;  ///< anywhere in the place; else where the place's drives begin
 };
 
@@ -58,6 +59,42 @@ struct Run {
     const Eigen::Vector2d place = frame.centre_of(cell);
     if (surfaces.distance(place, 1.0) > 0.5) return place;
   }
+}
+
+/// A map as a simple recording would have it: cells twice the size, of 10 cm or more; one wall cell in ten missing; one cell in
+/// seven beside a wall occupied, too.
+[[nodiscard]] inline CellStates roughened(const CellStates& map, Rng& rng) {
+  constexpr double kMissing = 0.1;
+  constexpr double kBlots = 1.0 / 7.0;
+  const auto occupied = [](std::int8_t percent) { return percent >= 65; };
+  GridFrame frame = map.frame();
+  frame.resolution *= 2.0;
+  frame.columns = (frame.columns + 1) / 2;
+  frame.rows = (frame.rows + 1) / 2;
+  CellStates coarse(frame, kUnknownCell);
+  for (int row = 0; row < frame.rows; ++row) {
+    for (int column = 0; column < frame.columns; ++column) {
+      for (int i = 0; i < 4; ++i) {
+        const std::int8_t percent =
+            map.value_or({2 * column + i % 2, 2 * row + i / 2}, kUnknownCell);
+        coarse[{column, row}] = std::max(coarse[{column, row}], percent);
+      }
+    }
+  }
+  CellStates rough = coarse;
+  for (int row = 0; row < frame.rows; ++row) {
+    for (int column = 0; column < frame.columns; ++column) {
+      const bool wall = occupied(coarse[{column, row}]);
+      bool beside = false;
+      for (int i = 0; i < 9; ++i) {
+        beside =
+            beside || occupied(coarse.value_or({column + i % 3 - 1, row + i / 3 - 1}, kFreeCell));
+      }
+      if (wall && rng.uniform() < kMissing) rough[{column, row}] = kFreeCell;
+      if (!wall && beside && rng.uniform() < kBlots) rough[{column, row}] = kOccupiedCell;
+    }
+  }
+  return rough;
 }
 
 /// In a world made from a map what is unknown is solid, and so is everything beyond its edge: the map that the robot gets says
@@ -159,6 +196,7 @@ inline void kidnap(Run& run, double at_s, double for_s) {
     add_clutter(world, bare, request.clutter, rng);
     run.map = built_in ? true_map(mapped) : with_added(bare, mapped.plan);
   }
+  if (request.rough) run.map = roughened(run.map, rng);
   if (request.map_seed != 0) run.map = true_map(make_world(request.place, request.map_seed));
   if (request.random_start) {
     const Eigen::Vector2d start = world.places[rng.below(world.places.size())];

@@ -1,6 +1,7 @@
 // Follows a robot through a simulated drive on a known map, and prints how that went as one JSON object:
 //   measure_localization PLACE [key=value]...
-// Keys: seed, duration_s, beams, people, clutter, kidnaps, map_seed, random_start (0/1), start (truth | global | wrong), particles, sensor,
+// Keys: seed, duration_s, beams, people, clutter, kidnaps, map_seed, rough (0/1), random_start (0/1),
+// start (truth | global | wrong), particles, sensor,
 // trace (a file: one line a scan with the evidence and the error, for fitting the probability).
 
 #include <fmt/format.h>
@@ -59,6 +60,8 @@ Arguments parse(int argc, char** argv) {
       r.clutter = std::stoi(value);
     else if (key == "kidnaps")
       r.kidnaps = std::stoi(value);
+    else if (key == "rough")
+      r.rough = value == "1";
     else if (key == "map_seed")
       r.map_seed = std::stoull(value);
     else if (key == "random_start")
