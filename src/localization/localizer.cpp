@@ -35,6 +35,8 @@ constexpr double kBeamsAsOneOfPlace = 40.0;
 /// Share of the newest scan in the evidence: bad news counts at once.
 constexpr double kNewestGood = 0.3;
 constexpr double kNewestBad = 0.7;
+/// Share of what was explained that is forgotten with each scan without returns.
+constexpr double kForgotten = 0.05;
 /// The search calls a place sure when nothing else explains the scan nearly as well; none of a thousand was wrong.
 constexpr double kSureLogOdds = 7.0;
 /// Places that are followed at once.
@@ -285,6 +287,14 @@ class Localizer::Impl {
     Eigen::Matrix3d covariance = motion.covariance;
     covariance.diagonal() +=
         Eigen::Vector3d(kJitterM * kJitterM, kJitterM * kJitterM, kJitterRad * kJitterRad);
+    if (track_) {
+      // On the axes of the robot as it was when the particles were weighed last.
+      const PoseWithCovariance2& now = track_->map_T_robot();
+      const Eigen::Matrix2d then_R_map = (now.pose * motion.pose.inverse()).rotation().transpose();
+      const Eigen::Matrix2d position = now.covariance.topLeftCorner<2, 2>();
+      covariance.topLeftCorner<2, 2>() += scale_covariance(
+          then_R_map * position * then_R_map.transpose(), motion.pose.translation());
+    }
     if (options_.motion == "odometry") {
       const TurnGoTurn parts = turn_go_turn(motion.pose);
       belief_.predict([parts](const Pose2& pose, Rng& noise) {
@@ -406,6 +416,9 @@ class Localizer::Impl {
           followed(fit_->violations, fit.violations, fit.violations > fit_->violations);
       fit_->unexpected =
           followed(fit_->unexpected, fit.unexpected, fit.unexpected > fit_->unexpected);
+    } else if (fit_) {
+      // A scanner that sees nothing confirms nothing.
+      fit_->explained *= 1.0 - kForgotten;
     }
     const BeamFit fit = fit_.value_or(BeamFit{});
     const Eigen::Matrix3d& spread = best.moments.covariance;
@@ -419,10 +432,13 @@ class Localizer::Impl {
                          .innovation = track_->innovation(),
                          .followed_m = travelled_m_ - best_since_m_};
     estimate.probability = pose_probability(estimate.evidence);
-    estimate.state =
-        estimate.probability >= options_.tracking_probability ? LocalizationState::kTracking
-        : estimate.probability < options_.lost_probability    ? LocalizationState::kLost
-                                                              : LocalizationState::kDoubtful;
+    // A pose that is imprecise along a corridor is not lost: it is in the right place.
+    const double place_probability =
+        estimate.probability / std::max(estimate.evidence.precision, 1e-9);
+    estimate.state = estimate.probability >= options_.tracking_probability
+                         ? LocalizationState::kTracking
+                     : place_probability < options_.lost_probability ? LocalizationState::kLost
+                                                                     : LocalizationState::kDoubtful;
     return estimate;
   }
 

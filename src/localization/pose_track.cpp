@@ -39,13 +39,6 @@ Eigen::Vector3d difference(const Pose2& to, const Pose2& from) {
   return {to.x - from.x, to.y - from.y, wrap_angle(to.yaw - from.yaw)};
 }
 
-/// An error of scale grows with the way, not with its root: over a way s by sigma * s. Where registration sees the way the
-/// position stays sure and the growth is small; along a corridor the covariance remembers how long the way has been.
-double way_covariance(const Eigen::Matrix2d& position, const Eigen::Vector2d& along, double way) {
-  const double sigma = std::sqrt(std::max(0.0, along.dot(position * along)));
-  return 2.0 * kScaleSigma * sigma * way + kScaleSigma * kScaleSigma * way * way;
-}
-
 /// Registers a scan from the prediction, on the finest level and from one above; where legs of tables and chairs make valleys of
 /// their own, now and then from all around too. The prediction's own valley is left only for one clearly deeper.
 MatchResult best_match(std::span<const Eigen::Vector2d> points, const MapField& field,
@@ -79,16 +72,21 @@ MatchResult best_match(std::span<const Eigen::Vector2d> points, const MapField& 
 
 }  // namespace
 
+Eigen::Matrix2d scale_covariance(const Eigen::Matrix2d& position, const Eigen::Vector2d& way) {
+  const double length = way.norm();
+  if (!(length > 0.0)) return Eigen::Matrix2d::Zero();
+  const Eigen::Vector2d along = way / length;
+  const double sigma = std::sqrt(std::max(0.0, along.dot(position * along)));
+  const double growth = 2.0 * kScaleSigma * sigma * length + std::pow(kScaleSigma * length, 2);
+  return growth * along * along.transpose();
+}
+
 void PoseTrack::advance(const PoseWithCovariance2& motion) {
-  const double way = motion.pose.translation().norm();
   const Pose2 before = map_T_robot_.pose;
   map_T_robot_ = compound(map_T_robot_, motion);
-  if (way > 0.0) {
-    const Eigen::Vector2d along = (map_T_robot_.pose.translation() - before.translation()) / way;
-    auto position = map_T_robot_.covariance.topLeftCorner<2, 2>();
-    const double growth = way_covariance(position, along, way);
-    position += growth * along * along.transpose();
-  }
+  map_T_robot_.covariance.topLeftCorner<2, 2>() +=
+      scale_covariance(map_T_robot_.covariance.topLeftCorner<2, 2>(),
+                       map_T_robot_.pose.translation() - before.translation());
   map_T_robot_.covariance.diagonal() +=
       Eigen::Vector3d(kDriftM * kDriftM, kDriftM * kDriftM, kDriftRad * kDriftRad);
 }

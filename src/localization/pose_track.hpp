@@ -8,6 +8,12 @@
 
 namespace loopstone {
 
+/// What an error of odometry's scale adds to the covariance of a position on a way. Such an error grows with the way, not with its
+/// root: over a way s by sigma * s. Where registration sees the way the position stays sure and the growth is small; along a
+/// corridor the covariance remembers how long the way has been.
+[[nodiscard]] Eigen::Matrix2d scale_covariance(const Eigen::Matrix2d& position,
+                                               const Eigen::Vector2d& way);
+
 /// How far behind the measured ends of beams the walls of the map lie [m]. A map knows a face to a cell: one drawn by a laser has
 /// it in the cell's middle, one drawn from a plan often at its near edge; and lasers have offsets of their own. Half a cell matters
 /// when one wall alone says how far along the robot is. Learned from what lets scans fit best.

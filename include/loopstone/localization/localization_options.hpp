@@ -17,7 +17,7 @@ struct LocalizationOptions {
   double update_distance_m = 0.1;     ///< particles are weighed after so much travel
   double update_angle_rad = 0.1;      ///< or after so much turning
   double tracking_probability = 0.9;  ///< from here up the state is TRACKING
-  double lost_probability = 0.1;      ///< below, LOST
+  double lost_probability = 0.1;      ///< below it for the place alone, LOST
   bool recover = true;                ///< search the map when the pose is doubted
   double snapshot_distance_m =
       0.0;  ///< keep the belief after so much travel; 0: at twelve moments of the run
@@ -41,7 +41,8 @@ void visit_options(LocalizationOptions& options, Visitor&& visit) {
   visit("update_angle_rad", options.update_angle_rad, Range{0.0, 3.2}, "or after so much turning");
   visit("tracking_probability", options.tracking_probability, Range{0.5, 1.0},
         "from here up the state is TRACKING");
-  visit("lost_probability", options.lost_probability, Range{0.0, 0.5}, "below, the state is LOST");
+  visit("lost_probability", options.lost_probability, Range{0.0, 0.5},
+        "below it for the place alone, however precise the pose is in it, the state is LOST");
   visit("recover", options.recover, "search the map when the pose is doubted");
   visit("snapshot_distance_m", options.snapshot_distance_m, Range{0.0, 1000.0},
         "keep the belief for pictures after so much travel; 0: at twelve moments of the run");

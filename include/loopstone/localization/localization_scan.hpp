@@ -29,8 +29,9 @@ struct LocalizationScan {
 
 /// How the beams of a scan fit what the map shows from a pose.
 struct BeamFit {
-  double explained = 0.0;   ///< [0, 1], share of the returns that lie on a wall
-  double violations = 0.0;  ///< [0, 1], share of the beams that went through a wall, well beyond it
+  double explained = 0.0;  ///< [0, 1], share of the returns that lie on a wall
+  double violations =
+      0.0;  ///< [0, 1], share of the beams that went well beyond a wall and ended on none
   double unexpected = 0.0;  ///< [0, 1], share of the beams that ended well before the first wall
 };
 
