@@ -213,17 +213,30 @@ void PoseBelief::update(const SensorModel& sensor, double readings,
 }
 
 void PoseBelief::regroup() {
-  const std::vector<Pose2> poses = particles();
+  // Particles that are ruled out and wait to be drawn anew must not bridge the gap between two that are not.
+  constexpr double kRuledOut = 12.0;
+  struct Origin {
+    int id;
+    double log_weight;
+  };
+  std::vector<Pose2> poses;
+  std::vector<Origin> origins;
+  for (const PlaceBelief& place : places_) {
+    const auto log_weights = place.particles.log_weights();
+    const double most = *std::max_element(log_weights.begin(), log_weights.end());
+    for (std::size_t i = 0; i < log_weights.size(); ++i) {
+      if (log_weights[i] < most - kRuledOut) continue;
+      poses.push_back(place.particles.states()[i]);
+      origins.push_back({place.id, place.log_mass + log_weights[i]});
+    }
+  }
   // Neighbouring cells are joined, so that particles up to two cells apart may be.
   const std::vector<int> labels = group_poses(poses, 0.5 * options_.gap_m, 0.5 * options_.gap_rad);
   std::vector<ParticleGroup> groups;
-  std::size_t index = 0;
-  for (const PlaceBelief& place : places_) {
-    for (std::size_t i = 0; i < place.particles.size(); ++i, ++index) {
-      const auto label = static_cast<std::size_t>(labels[index]);
-      if (label >= groups.size()) groups.resize(label + 1);
-      groups[label].add(place.id, poses[index], place.log_mass + place.particles.log_weights()[i]);
-    }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto label = static_cast<std::size_t>(labels[i]);
+    if (label >= groups.size()) groups.resize(label + 1);
+    groups[label].add(origins[i].id, poses[i], origins[i].log_weight);
   }
   take_stragglers_in(groups);
 
@@ -288,6 +301,11 @@ void PoseBelief::settle() {
             },
         .sample = [&](Rng& rng) { return around.sample(Pose2{}, rng); }};
     if (!place.log_evidence) continue;
+    // A place of few particles is filled up, however even their weights are.
+    constexpr double kAlways = 2.0;
+    constexpr double kWhenUneven = 0.5;
+    renewal.effective_share =
+        place.particles.size() < renewal.size->min_count ? kAlways : kWhenUneven;
     renew(place.particles, renewal, *place.log_evidence, rng_);
     place.log_evidence.reset();
   }

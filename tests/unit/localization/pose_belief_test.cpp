@@ -60,20 +60,13 @@ RC_GTEST_PROP(GroupPoses, AreTheNaiveOnes, ()) {
   std::vector<Pose2> poses;
   for (int i = 0; i < count; ++i)
     poses.push_back({*between(-2.0, 2.0), *between(-2.0, 2.0), *between(-3.1, 3.1)});
-  const std::vector<int> labels = group_poses(poses, 0.3, 2.0 * kPi / 8.0 + 1e-9);
+  // Headings divide the circle into a whole number of cells, no smaller than asked for: 7.
+  const std::vector<int> labels = group_poses(poses, 0.3, 2.0 * kPi / 7.5);
   const std::vector<int> naive = group_naively(poses, 0.3, 7);
-  const std::vector<int> naive8 = group_naively(poses, 0.3, 8);
-  // Headings divide the circle into a whole number of cells no smaller than asked for.
-  bool same7 = true;
-  bool same8 = true;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    for (std::size_t k = 0; k < poses.size(); ++k) {
-      same7 = same7 && (labels[i] == labels[k]) == (naive[i] == naive[k]);
-      same8 = same8 && (labels[i] == labels[k]) == (naive8[i] == naive8[k]);
-    }
+    for (std::size_t k = 0; k < poses.size(); ++k)
+      RC_ASSERT((labels[i] == labels[k]) == (naive[i] == naive[k]));
   }
-  RC_ASSERT(same7);
-  (void)same8;
 }
 
 TEST(WeightedMoments, AverageHeadingsOnTheCircle) {
@@ -105,10 +98,12 @@ TEST(PoseBelief, EqualPlacesKeepEqualBelief) {
     });
     belief.update(alike);
     belief.settle();
-    ASSERT_EQ(belief.places().size(), 2U) << "after " << step;
+    // What was injected around a place may be one of its own for a moment, with next to no belief in it.
+    ASSERT_GE(belief.places().size(), 2U) << "after " << step;
+    // Their evidence is estimated with particles, so belief does a random walk, but a short one.
+    ASSERT_GT(std::exp(belief.places()[1].log_mass), 0.02) << "after " << step;
   }
-  // Their evidence is estimated with particles, so belief does a random walk, but a short one.
-  EXPECT_GT(std::exp(belief.places()[1].log_mass), 0.02);
+  EXPECT_GT(std::abs(belief.places()[0].moments.pose.x - belief.places()[1].moments.pose.x), 9.0);
   EXPECT_NEAR(total_mass(belief), 1.0, 1e-9);
 }
 
