@@ -67,9 +67,8 @@ World make_world(const CellStates& map, const std::string& name, double robot_ra
   if (world.plan.surfaces.empty()) throw refuse();
   const SurfaceIndex obstacles(world.plan);
   RoutePlanner planner(obstacles, extent_of(world.plan), robot_radius_m + 0.1);
-  const auto start = planner.reach_largest_region([&](const Eigen::Vector2d& point) {
-    return !is_solid(map, map.frame().cell_of(point));
-  });
+  const auto start = planner.reach_largest_region(
+      [&](const Eigen::Vector2d& point) { return !is_solid(map, map.frame().cell_of(point)); });
   if (!start) throw refuse();
   world.map_T_start = {start->x(), start->y(), 0.0};
   world.places = planner.spread_points(4.0);
