@@ -1,0 +1,41 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "loopstone/localization/localization_map.hpp"
+#include "loopstone/localization/localization_scan.hpp"
+#include "loopstone/localization/pose_belief.hpp"
+
+namespace loopstone {
+
+/// Places that are followed at once.
+inline constexpr int kPlacesMost = 300;
+
+/// Where on the map a scan may have been taken.
+struct PlacesFound {
+  std::vector<PoseBelief::Proposal> proposals{};  ///< the best first
+  double best_score = 0.0;  ///< [0, 1], share of the scan that the best explains
+  bool complete = true;     ///< false: more places look alike than are proposed
+};
+
+/// Compares the scan with every place of the map. Cost: see match_on_map.
+[[nodiscard]] PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map);
+
+/// When the map is searched again: at once, then after ever more travel.
+class SearchPace {
+ public:
+  [[nodiscard]] bool due(double travelled_m) const { return travelled_m >= next_m_; }
+  void searched(double travelled_m) {
+    next_m_ = travelled_m + interval_m_;
+    interval_m_ = std::min(1.5 * interval_m_, 5.0);
+  }
+  void calm() { interval_m_ = kFirst; }
+
+ private:
+  static constexpr double kFirst = 0.5;
+  double next_m_ = 0.0;
+  double interval_m_ = kFirst;
+};
+
+}  // namespace loopstone

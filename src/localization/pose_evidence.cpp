@@ -1,0 +1,63 @@
+#include "localization/pose_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "loopstone/geometry/angle.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// Share of the newest scan in the mean.
+constexpr double kNewestGood = 0.3;
+constexpr double kNewestBad = 0.7;
+/// Share of what was explained that is forgotten with each scan without returns.
+constexpr double kForgotten = 0.05;
+
+double followed(double mean, double value, bool worse) {
+  return mean + (worse ? kNewestBad : kNewestGood) * (value - mean);
+}
+
+}  // namespace
+
+double precision_of(const Eigen::Matrix3d& covariance) {
+  constexpr double kWithinM = 0.2;
+  constexpr double kWithinRad = 5.0 * kPi / 180.0;
+  const double half_trace = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half_gap = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  const double longest = half_trace + std::hypot(half_gap, covariance(0, 1));
+  const auto within = [](double bound, double variance) {
+    return std::erf(bound / std::sqrt(2.0 * std::max(variance, 1e-12)));
+  };
+  return within(kWithinM, longest) * within(kWithinRad, covariance(2, 2));
+}
+
+double mass_near(const PlaceBelief& place, const Pose2& map_T_robot) {
+  constexpr double kNearM = 0.5;
+  constexpr double kNearRad = 0.35;
+  double near = 0.0;
+  for (std::size_t i = 0; i < place.particles.size(); ++i) {
+    const Pose2& particle = place.particles.states()[i];
+    if (std::hypot(particle.x - map_T_robot.x, particle.y - map_T_robot.y) < kNearM &&
+        std::abs(wrap_angle(particle.yaw - map_T_robot.yaw)) < kNearRad) {
+      near += std::exp(place.particles.log_weights()[i]);
+    }
+  }
+  return near * std::exp(place.log_mass);
+}
+
+void RecentFit::add(const BeamFit& fit) {
+  if (!mean_) mean_ = fit;
+  mean_->explained = followed(mean_->explained, fit.explained, fit.explained < mean_->explained);
+  mean_->violations =
+      followed(mean_->violations, fit.violations, fit.violations > mean_->violations);
+  mean_->unexpected =
+      followed(mean_->unexpected, fit.unexpected, fit.unexpected > mean_->unexpected);
+}
+
+void RecentFit::add_blind_scan() {
+  if (mean_) mean_->explained *= 1.0 - kForgotten;
+}
+
+}  // namespace loopstone

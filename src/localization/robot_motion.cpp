@@ -1,0 +1,107 @@
+#include "localization/robot_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "localization/pose_track.hpp"
+#include "loopstone/localization/motion_models.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// Without odometry the robot keeps its velocity, give or take.
+constexpr double kUnknownSpeed = 0.4;    // [m/s]
+constexpr double kUnknownYawRate = 0.8;  // [rad/s]
+/// Dead reckoning's own covariance leaves out what is systematic.
+constexpr double kOdometryFactor = 2.0;
+/// Particles spread at least so much with each step, or few would stand for many.
+constexpr double kJitterM = 0.01;
+constexpr double kJitterRad = 0.005;
+constexpr double kLeastSeconds = 1e-6;
+
+}  // namespace
+
+RobotMotion::RobotMotion(const std::string& model)
+    : model_(model == "odometry"   ? Model::kOdometry
+             : model == "velocity" ? Model::kVelocity
+                                   : Model::kAuto) {}
+
+PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) {
+  PoseWithCovariance2 motion;
+  if (!first_stamp_) first_stamp_ = stamp;
+  const Stamp from = last_stamp_.value_or(stamp);
+  last_stamp_ = stamp;
+  if (from == stamp) return motion;
+  const double duration_s = (stamp - from).seconds();
+  if (const auto known = odometer.motion_between(from, stamp)) {
+    had_odometry_ = true;
+    motion = *known;
+    motion.covariance *= kOdometryFactor;
+    velocity_ = log(motion.pose) / std::max(duration_s, kLeastSeconds);
+  } else {
+    motion.pose = exp(Tangent2(velocity_ * duration_s));
+    const double sigma_m = kUnknownSpeed * duration_s;
+    const double sigma_rad = kUnknownYawRate * duration_s;
+    motion.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
+  }
+  const double way_m = motion.pose.translation().norm();
+  travelled_m_ += way_m;
+  travelled_since_weighing_m_ += way_m;
+  turned_since_weighing_rad_ += std::abs(motion.pose.yaw);
+  since_weighing_ = compound(since_weighing_, motion);
+  since_weighing_s_ += duration_s;
+  return motion;
+}
+
+void RobotMotion::found_at(const Pose2& map_T_robot) {
+  if (!had_odometry_ && found_ && *last_stamp_ > found_stamp_) {
+    velocity_ = log(found_->inverse() * map_T_robot) / (*last_stamp_ - found_stamp_).seconds();
+  }
+  found_ = map_T_robot;
+  found_stamp_ = *last_stamp_;
+}
+
+PoseBelief::MotionModel RobotMotion::sampler(
+    const std::optional<PoseWithCovariance2>& track) const {
+  const Pose2& motion = since_weighing_.pose;
+  if (model_ == Model::kOdometry) {
+    return [parts = turn_go_turn(motion)](const Pose2& pose, Rng& noise) {
+      return sample_odometry_motion(pose, parts, {}, noise);
+    };
+  }
+  if (model_ == Model::kVelocity) {
+    const Tangent2 way = log(motion);
+    const double duration_s = std::max(since_weighing_s_, kLeastSeconds);
+    return [way, duration_s](const Pose2& pose, Rng& noise) {
+      return sample_velocity_motion(pose, way.x() / duration_s, way.z() / duration_s, duration_s,
+                                    {}, noise);
+    };
+  }
+  Eigen::Matrix3d covariance = since_weighing_.covariance;
+  covariance.diagonal() +=
+      Eigen::Vector3d(kJitterM * kJitterM, kJitterM * kJitterM, kJitterRad * kJitterRad);
+  if (track) {
+    // On the axes of the robot as it was when the particles were weighed last.
+    const Eigen::Matrix2d then_R_map = (track->pose * motion.inverse()).rotation().transpose();
+    const Eigen::Matrix2d position = track->covariance.topLeftCorner<2, 2>();
+    covariance.topLeftCorner<2, 2>() +=
+        scale_covariance(then_R_map * position * then_R_map.transpose(), motion.translation());
+  }
+  return [gaussian = GaussianMotion(motion, covariance)](const Pose2& pose, Rng& noise) {
+    return gaussian.sample(pose, noise);
+  };
+}
+
+void RobotMotion::particles_moved() {
+  since_weighing_ = {};
+  since_weighing_s_ = 0.0;
+}
+
+void RobotMotion::particles_weighed() {
+  particles_moved();
+  travelled_since_weighing_m_ = 0.0;
+  turned_since_weighing_rad_ = 0.0;
+}
+
+}  // namespace loopstone

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "loopstone/base/stamp.hpp"
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/localization/pose_belief.hpp"
+#include "loopstone/odometry/odometer.hpp"
+
+namespace loopstone {
+
+/// How the robot has moved: from scan to scan, and since its particles were weighed last.
+class RobotMotion {
+ public:
+  /// \param model  "auto", "odometry" or "velocity": how particles are moved
+  explicit RobotMotion(const std::string& model);
+
+  /// Goes on to the next scan's stamp. Returns the motion since the last one, from_T_to: by odometry, or at the last velocity, give
+  /// or take, where there is none.
+  PoseWithCovariance2 step_to(Stamp stamp, const Odometer& odometer);
+  /// Where the robot was found to be at the last stamp: the only source of its velocity without odometry.
+  void found_at(const Pose2& map_T_robot);
+
+  [[nodiscard]] const PoseWithCovariance2& since_weighing() const { return since_weighing_; }
+  [[nodiscard]] bool moved(double distance_m, double angle_rad) const {
+    return travelled_since_weighing_m_ >= distance_m || turned_since_weighing_rad_ >= angle_rad;
+  }
+  /// How particles move to now, drawn from the motion model.
+  /// \param track  the robot's pose now: tells how uncertain its way along an unobserved direction has become
+  [[nodiscard]] PoseBelief::MotionModel sampler(
+      const std::optional<PoseWithCovariance2>& track) const;
+  /// The particles stand where the robot is now.
+  void particles_moved();
+  void particles_weighed();
+
+  [[nodiscard]] const std::optional<Stamp>& first_stamp() const { return first_stamp_; }
+  [[nodiscard]] const std::optional<Stamp>& last_stamp() const { return last_stamp_; }
+  [[nodiscard]] const Tangent2& velocity() const {
+    return velocity_;
+  }  ///< robot frame [m/s, m/s, rad/s]
+  [[nodiscard]] double travelled_m() const { return travelled_m_; }
+  [[nodiscard]] bool had_odometry() const { return had_odometry_; }
+
+ private:
+  enum class Model { kAuto, kOdometry, kVelocity };
+
+  Model model_;
+  std::optional<Stamp> first_stamp_{};
+  std::optional<Stamp> last_stamp_{};
+  Tangent2 velocity_ = Tangent2::Zero();
+  bool had_odometry_ = false;
+  double travelled_m_ = 0.0;
+  PoseWithCovariance2 since_weighing_{};
+  double since_weighing_s_ = 0.0;
+  double travelled_since_weighing_m_ = 0.0;
+  double turned_since_weighing_rad_ = 0.0;
+  std::optional<Pose2> found_{};
+  Stamp found_stamp_{};
+};
+
+}  // namespace loopstone

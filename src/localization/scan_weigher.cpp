@@ -1,0 +1,73 @@
+#include "localization/scan_weigher.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "localization/map_tables.hpp"
+#include "loopstone/base/thinned.hpp"
+#include "loopstone/registration/field_match.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// Beams of one scan are not independent: furniture and the map's errors touch many at once. So many count as one.
+constexpr double kBeamsAsOne = 6.0;
+/// Between places the same errors of the map come back with every scan, so far fewer readings are independent: in corridors that
+/// look alike, on a map drawn years before, 10 made the wrong one certain within some metres.
+constexpr double kBeamsAsOneOfPlace = 40.0;
+
+}  // namespace
+
+ScanWeigher::ScanWeigher(const LocalizationMap& map, const std::string& sensor, Threads threads)
+    : map_(map),
+      sensor_(sensor == "beam"            ? Sensor::kBeam
+              : sensor == "beam_skipping" ? Sensor::kBeamSkipping
+                                          : Sensor::kLikelihoodField),
+      threads_(threads),
+      beam_sensor_(map.tables().caster) {}
+
+void ScanWeigher::log_likelihoods(const LocalizationScan& scan, std::span<const Pose2> map_T_robot,
+                                  std::span<double> out) {
+  const LikelihoodFieldModel& model = map_.tables().weigher;
+  switch (sensor_) {
+    case Sensor::kBeam:
+      beam_sensor_.log_likelihoods(scan, map_T_robot, out, threads_);
+      break;
+    case Sensor::kBeamSkipping:
+      (void)model.log_likelihoods_skipping(map_T_robot, scan.weighed, out, {}, threads_);
+      break;
+    case Sensor::kLikelihoodField:
+      model.log_likelihoods(map_T_robot, scan.weighed, out, threads_);
+      break;
+  }
+  for (double& value : out) value /= kBeamsAsOne;
+}
+
+double ScanWeigher::independent_readings(const LocalizationScan& scan) {
+  return static_cast<double>(scan.weighed.size()) / kBeamsAsOne;
+}
+
+double ScanWeigher::best_evidence(const LocalizationScan& scan,
+                                  std::span<const Pose2> map_T_robot) const {
+  std::vector<double> values(map_T_robot.size());
+  map_.tables().judge.log_likelihoods(map_T_robot, scan.weighed, values, threads_);
+  return *std::max_element(values.begin(), values.end()) / kBeamsAsOneOfPlace;
+}
+
+double ScanWeigher::evidence_of(const LocalizationScan& scan, const PlaceBelief& place) const {
+  constexpr std::size_t kParticles = 200;
+  constexpr std::size_t kPoints = 120;
+  std::vector<Pose2> poses = thinned(place.particles.states(), kParticles);
+  poses.push_back(place.moments.pose);
+  const MatchResult match = match_to_field(thinned(scan.points_robot, kPoints),
+                                           map_.tables().search.field(), place.moments.pose, {}, 1);
+  if (has_supported_pose(match.status)) poses.push_back(match.target_T_source);
+  return best_evidence(scan, poses);
+}
+
+void ScanWeigher::learn_from(const LocalizationScan& scan, const Pose2& map_T_robot) {
+  if (sensor_ == Sensor::kBeam) beam_sensor_.learn_from(scan, map_T_robot);
+}
+
+}  // namespace loopstone
