@@ -241,7 +241,7 @@ void TableCaster::ranges(const ScanRays& rays, std::span<float> ranges_m) const 
   std::vector<Turn> beam_turns;
   for (const double angle : rays.angles_rad) beam_turns.push_back(turn_of(angle));
   const auto start_of = [&](std::size_t pose) {
-    const auto start = tables.start_at(rays.map_T_lidar[pose].x, rays.map_T_lidar[pose].y);
+    auto start = tables.start_at(rays.map_T_lidar[pose].x, rays.map_T_lidar[pose].y);
     if (start.tabulated) {
       constexpr std::size_t kStep = kCacheLine / sizeof(std::uint16_t);
       for (std::size_t k = 0; k < tables.headings; k += kStep) {

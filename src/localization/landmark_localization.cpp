@@ -102,23 +102,22 @@ void LandmarkLocalizer::predict(
   filter_.predict(motion, rng_, threads_);
 }
 
-LandmarkEstimate LandmarkLocalizer::update(std::span<const LandmarkSighting> given) {
-  const std::vector<LandmarkSighting> sightings = usable(given);
+LandmarkEstimate LandmarkLocalizer::update(std::span<const LandmarkSighting> sightings) {
+  const std::vector<LandmarkSighting> seen = usable(sightings);
   const PoseWithCovariance2 prior = weighted_moments(filter_.states(), filter_.weights());
   const double log_evidence = filter_.update(
-      [&](const Pose2& map_T_robot) { return model_.log_likelihood(map_T_robot, sightings); },
-      threads_);
+      [&](const Pose2& map_T_robot) { return model_.log_likelihood(map_T_robot, seen); }, threads_);
 
   LandmarkEstimate estimate;
   estimate.map_T_robot = weighted_moments(filter_.states(), filter_.weights());
-  const auto association = model_.associate(estimate.map_T_robot.pose, sightings);
-  estimate.sightings = static_cast<int>(sightings.size());
+  const auto association = model_.associate(estimate.map_T_robot.pose, seen);
+  estimate.sightings = static_cast<int>(seen.size());
   estimate.explained =
       static_cast<int>(std::count_if(association.begin(), association.end(),
                                      [](const auto& landmark) { return landmark.has_value(); }));
   // While the belief is wide, or has several places, no normal distribution predicts the reading.
-  if (!sightings.empty() && narrow(prior)) {
-    FilterReading reading = compare_with_prediction(model_, prior, sightings, association);
+  if (!seen.empty() && narrow(prior)) {
+    FilterReading reading = compare_with_prediction(model_, prior, seen, association);
     reading.log_evidence = log_evidence;
     reading.effective_share = filter_.effective_sample_size() / static_cast<double>(filter_.size());
     monitor_.add(reading);

@@ -26,7 +26,7 @@ LocalizationScan view_for_localization(const LaserScan& scan, const Pose2& robot
   LocalizationScan view{.robot_T_lidar = robot_T_lidar, .range_max_m = scan.range_max_m};
   view.points_robot = scan_points(scan, robot_T_lidar, velocity);
   for (const auto& point : thinned(view.points_robot, wanted))
-    view.weighed.push_back(point.cast<float>());
+    view.weighed.emplace_back(point.cast<float>());
   std::vector<std::size_t> beams;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (!std::isnan(scan.ranges_m[i])) beams.push_back(i);

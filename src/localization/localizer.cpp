@@ -85,12 +85,12 @@ class Localizer::Impl {
     result_.had_odometry = motion_.had_odometry();
     result_.snapshots = snapshots_.take();
     if (result_.estimates.empty() && result_.scans > 0) {
-      result_.warnings.push_back(
+      result_.warnings.emplace_back(
           "no place on the map explains the scans: is it the map of this building, at the height "
           "of this laser?");
     }
     if (!result_.had_odometry && result_.scans > 0) {
-      result_.warnings.push_back(
+      result_.warnings.emplace_back(
           "the log has no odometry: the robot is assumed to keep its velocity from scan to scan");
     }
     return std::move(result_);

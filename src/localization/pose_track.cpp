@@ -97,7 +97,7 @@ std::vector<Eigen::Vector2d> RangeOffset::applied(std::span<const Eigen::Vector2
   std::vector<Eigen::Vector2d> moved;
   moved.reserve(points_robot.size());
   for (const auto& point : points_robot)
-    moved.push_back(point + (metres_ + more) * (point - laser_robot).normalized());
+    moved.emplace_back(point + (metres_ + more) * (point - laser_robot).normalized());
   return moved;
 }
 
