@@ -53,7 +53,7 @@ std::string write_localization_trajectory(const LocalizationResult& result,
     write_tum(tum_path, result.trajectory());
     return {};
   }
-  const std::string csv_path = fs::path(path).replace_extension(".csv").string();
+  std::string csv_path = fs::path(path).replace_extension(".csv").string();
   if (csv_path == tum_path) {
     throw UsageError(tum_path + ": is the name of the table beside the trajectory; name it .tum");
   }

@@ -49,7 +49,7 @@ class Palette {
  public:
   Palette() {
     for (int i = 0; i < kSteps; ++i) {
-      const double log_odds = (i - kSteps / 2) / 16.0;
+      const double log_odds = (i - 0.5 * kSteps) / 16.0;
       colours_[static_cast<std::size_t>(i)] =
           log_odds < 0.0 ? mix(kUnknown, kFree, std::min(1.0, 0.45 - 0.55 * log_odds))
                          : mix(kUnknown, kOccupied, std::min(1.0, log_odds / 1.5));
@@ -185,10 +185,10 @@ Image shade_map(const OccupancyMap& map, const MapView& view) {
 
 Image shade_map(const CellStates& map, const MapView& view) {
   return shade(view, [&](Cell low, int side) {
-    int most = kUnknownCell;
+    std::int8_t most = kUnknownCell;
     for (int row = low.row; row < low.row + side; ++row) {
       for (int column = low.column; column < low.column + side; ++column) {
-        most = std::max<int>(most, map.value_or({column, row}, kUnknownCell));
+        most = std::max(most, map.value_or({column, row}, kUnknownCell));
       }
     }
     return cell_rgb(most);
