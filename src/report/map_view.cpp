@@ -49,7 +49,7 @@ class Palette {
  public:
   Palette() {
     for (int i = 0; i < kSteps; ++i) {
-      const double log_odds = (i - 0.5 * kSteps) / 16.0;
+      const double log_odds = (i - kEvenOdds) / 16.0;
       colours_[static_cast<std::size_t>(i)] =
           log_odds < 0.0 ? mix(kUnknown, kFree, std::min(1.0, 0.45 - 0.55 * log_odds))
                          : mix(kUnknown, kOccupied, std::min(1.0, log_odds / 1.5));
@@ -63,6 +63,7 @@ class Palette {
 
  private:
   static constexpr int kSteps = 129;
+  static constexpr int kEvenOdds = kSteps / 2;
   std::array<Rgb, kSteps> colours_{};
 };
 
