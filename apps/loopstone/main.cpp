@@ -11,9 +11,9 @@
 #include "loopstone/version.hpp"
 #include "progress_display.hpp"
 
-namespace {
+namespace loopstone::app {
 
-using namespace loopstone::app;
+namespace {
 
 constexpr const char* kExamples = R"(
 Examples:
@@ -49,8 +49,8 @@ void refuse_unknown_command(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> known;
   for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
   if (std::find(known.begin(), known.end(), word) != known.end()) return;
-  const std::string nearest = loopstone::nearest_key(word, known);
-  throw loopstone::UsageError(
+  const std::string nearest = nearest_key(word, known);
+  throw UsageError(
       "there is no command " + word +
       (nearest.empty() ? "; `loopstone --help` lists all" : "; did you mean " + nearest + "?"));
 }
@@ -61,9 +61,7 @@ int fail(ExitCode code, const char* reason) {
   return code;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("loopstone"));
   spdlog::set_pattern("%^%l%$: %v");
   install_interrupt_handler();
@@ -72,7 +70,7 @@ int main(int argc, char** argv) {
                "loopstone"};
   AppContext context;
   context.set_command_line(argc, argv);
-  app.set_version_flag("--version", "loopstone " + std::string(loopstone::kVersion));
+  app.set_version_flag("--version", "loopstone " + std::string(kVersion));
   app.require_subcommand(1);
   add_commands(app, context);
   app.footer(kExamples);  // after the commands, which would inherit it
@@ -85,7 +83,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     return fail(kExitBadUsage, error.what());
-  } catch (const loopstone::UsageError& error) {
+  } catch (const UsageError& error) {
     return fail(kExitBadUsage, error.what());
   } catch (const std::bad_alloc&) {
     return fail(kExitBadData, "out of memory");
@@ -93,3 +91,9 @@ int main(int argc, char** argv) {
     return fail(kExitBadData, error.what());
   }
 }
+
+}  // namespace
+
+}  // namespace loopstone::app
+
+int main(int argc, char** argv) { return loopstone::app::run_program(argc, argv); }
