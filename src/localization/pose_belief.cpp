@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/geometry/angle.hpp"
 #include "loopstone/localization/motion_models.hpp"
 #include "loopstone/localization/renewal.hpp"
 
