@@ -1,5 +1,6 @@
 #include "loopstone/graph/pose_graph.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -10,13 +11,11 @@ namespace loopstone {
 
 namespace {
 
-[[noreturn]] void refuse(std::size_t edge_index, const RelativePoseEdge& edge,
-                         const std::string& why) {
-  throw UsageError("edge " + std::to_string(edge_index) + " (" + std::to_string(edge.from.index) +
-                   " -> " + std::to_string(edge.to.index) + "): " + why);
+/// By the leading minors (Sylvester).
+bool is_positive_definite(const Eigen::Matrix2d& m) {
+  return m(0, 0) > 0.0 && m(0, 0) * m(1, 1) - m(0, 1) * m(1, 0) > 0.0;
 }
 
-/// By the leading minors (Sylvester).
 bool is_positive_definite(const Eigen::Matrix3d& m) {
   const double minor2 = m(0, 0) * m(1, 1) - m(0, 1) * m(1, 0);
   const double minor3 = m(0, 0) * (m(1, 1) * m(2, 2) - m(1, 2) * m(2, 1)) -
@@ -25,9 +24,43 @@ bool is_positive_definite(const Eigen::Matrix3d& m) {
   return m(0, 0) > 0.0 && minor2 > 0.0 && minor3 > 0.0;
 }
 
-bool is_symmetric(const Eigen::Matrix3d& m) {
+template <int N>
+bool is_symmetric(const Eigen::Matrix<double, N, N>& m) {
   const double tolerance = 1e-9 * m.cwiseAbs().maxCoeff();
   return (m - m.transpose()).cwiseAbs().maxCoeff() <= tolerance;
+}
+
+/// Empty when the information of a measurement can be used.
+template <int N>
+std::string complaint_about(const Eigen::Matrix<double, N, N>& information) {
+  if (!information.allFinite()) return "its information is not finite";
+  if (!is_symmetric(information)) return "its information is not symmetric";
+  if (!is_positive_definite(information)) return "its information is not positive definite";
+  return {};
+}
+
+std::string complaint_about(const RelativePoseEdge& edge, int nodes) {
+  const auto exists = [nodes](NodeId node) { return node.index >= 0 && node.index < nodes; };
+  if (!exists(edge.from) || !exists(edge.to)) return "joins a node that does not exist";
+  if (edge.from == edge.to) return "joins a node to itself";
+  if (!edge.from_T_to.vector().allFinite()) return "its measurement is not finite";
+  return complaint_about(edge.information);
+}
+
+std::string complaint_about(const PosePrior& prior, int nodes) {
+  if (prior.node.index < 0 || prior.node.index >= nodes)
+    return "is about a node that does not exist";
+  if (!prior.map_T_node.vector().allFinite()) return "its pose is not finite";
+  return complaint_about(prior.information);
+}
+
+std::string complaint_about(const LandmarkEdge& edge, int nodes, int landmarks) {
+  if (edge.from.index < 0 || edge.from.index >= nodes) return "joins a node that does not exist";
+  if (edge.landmark.index < 0 || edge.landmark.index >= landmarks) {
+    return "joins a landmark that does not exist";
+  }
+  if (!edge.point_in_from.allFinite()) return "its measurement is not finite";
+  return complaint_about(edge.information);
 }
 
 }  // namespace
@@ -59,32 +92,98 @@ double edge_chi2(const RelativePoseEdge& edge, const Pose2& from, const Pose2& t
   return error.dot(edge.information * error);
 }
 
+Eigen::Vector3d prior_error(const PosePrior& prior, const Pose2& pose) {
+  return (prior.map_T_node.inverse() * pose).vector();
+}
+
+Eigen::Matrix3d prior_jacobian(const PosePrior& prior) {
+  // e = [Rz^T (t - t_z); yaw - yaw_z].
+  Eigen::Matrix3d result = Eigen::Matrix3d::Identity();
+  result.topLeftCorner<2, 2>() = prior.map_T_node.rotation().transpose();
+  return result;
+}
+
+double prior_chi2(const PosePrior& prior, const Pose2& pose) {
+  const Eigen::Vector3d error = prior_error(prior, pose);
+  return error.dot(prior.information * error);
+}
+
+Eigen::Vector2d landmark_error(const LandmarkEdge& edge, const Pose2& from,
+                               const Eigen::Vector2d& landmark) {
+  return from.inverse() * landmark - edge.point_in_from;
+}
+
+LandmarkJacobians landmark_jacobians(const Pose2& from, const Eigen::Vector2d& landmark) {
+  // e = R^T (l - t) - z, with d(R^T)/dyaw = -R^T S, S = [0 -1; 1 0].
+  const double c = std::cos(from.yaw);
+  const double s = std::sin(from.yaw);
+  const double dx = landmark.x() - from.x;
+  const double dy = landmark.y() - from.y;
+  LandmarkJacobians result;
+  result.from << -c, -s, -s * dx + c * dy,  //
+      s, -c, -c * dx - s * dy;
+  result.landmark << c, s,  //
+      -s, c;
+  return result;
+}
+
+double landmark_chi2(const LandmarkEdge& edge, const Pose2& from, const Eigen::Vector2d& landmark) {
+  const Eigen::Vector2d error = landmark_error(edge, from, landmark);
+  return error.dot(edge.information * error);
+}
+
 double graph_cost(const PoseGraph& graph) {
+  const auto pose = [&graph](NodeId node) -> const Pose2& {
+    return graph.poses[static_cast<std::size_t>(node.index)];
+  };
   double cost = 0.0;
   for (const RelativePoseEdge& edge : graph.edges) {
-    cost += edge_chi2(edge, graph.poses[static_cast<std::size_t>(edge.from.index)],
-                      graph.poses[static_cast<std::size_t>(edge.to.index)]);
+    cost += edge_chi2(edge, pose(edge.from), pose(edge.to));
+  }
+  for (const PosePrior& prior : graph.priors) cost += prior_chi2(prior, pose(prior.node));
+  for (const LandmarkEdge& edge : graph.landmark_edges) {
+    cost += landmark_chi2(edge, pose(edge.from),
+                          graph.landmarks[static_cast<std::size_t>(edge.landmark.index)]);
   }
   return cost;
 }
 
 void check_graph(const PoseGraph& graph) {
   const int nodes = static_cast<int>(graph.poses.size());
+  const int landmarks = static_cast<int>(graph.landmarks.size());
+  const auto refuse = [](const std::string& what, std::size_t index, const std::string& why) {
+    throw UsageError(what + ' ' + std::to_string(index) + why);
+  };
+  const auto ends = [](int from, int to) {
+    return " (" + std::to_string(from) + " -> " + std::to_string(to) + "): ";
+  };
   for (std::size_t i = 0; i < graph.poses.size(); ++i) {
-    if (!graph.poses[i].vector().allFinite()) {
-      throw UsageError("node " + std::to_string(i) + ": its pose is not finite");
-    }
+    if (!graph.poses[i].vector().allFinite()) refuse("node", i, ": its pose is not finite");
+  }
+  for (std::size_t i = 0; i < graph.landmarks.size(); ++i) {
+    if (!graph.landmarks[i].allFinite()) refuse("landmark", i, ": its position is not finite");
   }
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
     const RelativePoseEdge& edge = graph.edges[i];
-    const auto exists = [nodes](NodeId node) { return node.index >= 0 && node.index < nodes; };
-    if (!exists(edge.from) || !exists(edge.to)) refuse(i, edge, "joins a node that does not exist");
-    if (edge.from == edge.to) refuse(i, edge, "joins a node to itself");
-    if (!edge.from_T_to.vector().allFinite()) refuse(i, edge, "its measurement is not finite");
-    if (!edge.information.allFinite()) refuse(i, edge, "its information is not finite");
-    if (!is_symmetric(edge.information)) refuse(i, edge, "its information is not symmetric");
-    if (!is_positive_definite(edge.information)) {
-      refuse(i, edge, "its information is not positive definite");
+    const std::string why = complaint_about(edge, nodes);
+    if (!why.empty()) refuse("edge", i, ends(edge.from.index, edge.to.index) + why);
+  }
+  for (std::size_t i = 0; i < graph.priors.size(); ++i) {
+    const PosePrior& prior = graph.priors[i];
+    const std::string why = complaint_about(prior, nodes);
+    if (!why.empty())
+      refuse("prior", i, " (node " + std::to_string(prior.node.index) + "): " + why);
+  }
+  for (std::size_t i = 0; i < graph.landmark_edges.size(); ++i) {
+    const LandmarkEdge& edge = graph.landmark_edges[i];
+    const std::string why = complaint_about(edge, nodes, landmarks);
+    if (!why.empty()) {
+      refuse("landmark edge", i, ends(edge.from.index, edge.landmark.index) + why);
+    }
+  }
+  for (const NodeId node : graph.fixed) {
+    if (node.index < 0 || node.index >= nodes) {
+      throw UsageError("fixed node " + std::to_string(node.index) + " does not exist");
     }
   }
 }
@@ -101,10 +200,17 @@ GraphComponents connected_components(const PoseGraph& graph) {
     }
     return node;
   };
-  for (const RelativePoseEdge& edge : graph.edges) {
-    const int a = root_of(edge.from.index);
-    const int b = root_of(edge.to.index);
+  const auto join = [&](int node, int other) {
+    const int a = root_of(node);
+    const int b = root_of(other);
     root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  };
+  for (const RelativePoseEdge& edge : graph.edges) join(edge.from.index, edge.to.index);
+  std::vector<int> first_seen_from(graph.landmarks.size(), -1);
+  for (const LandmarkEdge& edge : graph.landmark_edges) {
+    int& first = first_seen_from[static_cast<std::size_t>(edge.landmark.index)];
+    if (first < 0) first = edge.from.index;
+    join(first, edge.from.index);
   }
   GraphComponents result;
   result.of_node.resize(graph.poses.size());
