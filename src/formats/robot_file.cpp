@@ -68,14 +68,16 @@ void visit_robot(RobotModel& robot, RollPitchYaw& camera_angles, Visitor&& visit
         "about the y axis; positive looks down [rad]");
   visit("camera.yaw_rad", camera_angles.yaw_rad, kAngle,
         "about the z axis; positive looks left [rad]");
-  visit("camera.focal_x_px", camera.focal_x_px, Range{1.0, 100000.0}, "focal length, columns [px]");
-  visit("camera.focal_y_px", camera.focal_y_px, Range{1.0, 100000.0}, "focal length, rows [px]");
-  visit("camera.centre_x_px", camera.centre_x_px, Range{-100000.0, 100000.0},
+  visit("camera.focal_x_px", camera.depth.focal_x_px, Range{1.0, 100000.0},
+        "focal length, columns [px]");
+  visit("camera.focal_y_px", camera.depth.focal_y_px, Range{1.0, 100000.0},
+        "focal length, rows [px]");
+  visit("camera.centre_x_px", camera.depth.centre_x_px, Range{-100000.0, 100000.0},
         "column of the optical axis [px]");
-  visit("camera.centre_y_px", camera.centre_y_px, Range{-100000.0, 100000.0},
+  visit("camera.centre_y_px", camera.depth.centre_y_px, Range{-100000.0, 100000.0},
         "row of the optical axis [px]");
-  visit("camera.width_px", camera.width_px, Range{1, 100000}, "columns of a picture [px]");
-  visit("camera.height_px", camera.height_px, Range{1, 100000}, "rows of a picture [px]");
+  visit("camera.width_px", camera.depth.width_px, Range{1, 100000}, "columns of a picture [px]");
+  visit("camera.height_px", camera.depth.height_px, Range{1, 100000}, "rows of a picture [px]");
 }
 
 std::vector<OptionEntry> list_robot(RobotModel& robot, RollPitchYaw& camera_angles) {

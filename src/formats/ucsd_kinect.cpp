@@ -90,7 +90,7 @@ UcsdChannel open_ucsd_kinect(const NpzFile& file, const UcsdFiles& files) {
   }
   channel.kept = std::move(frames->disparity_leads ? disparity : colour);
   channel.make = [frames](Stamp stamp, std::int64_t index) {
-    RgbdFrame frame{stamp, {}, {}};
+    RgbdFrame frame{stamp, stamp, {}, {}};
     if (!frames->disparity_leads) {
       frame.colour_path = frames->colour.path(index);
       return frame;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "loopstone/geometry/pose2.hpp"
-#include "loopstone/geometry/pose3.hpp"
+#include "loopstone/sensor/camera_model.hpp"
 
 namespace loopstone {
 
@@ -21,18 +21,6 @@ struct LidarMount {
   std::string name = "front";
   Pose2 robot_T_lidar{0.14, 0.0, 0.0};
   double height_m = 0.51435;
-};
-
-/// A depth camera: pinhole intrinsics and mount. The camera frame of robot_T_camera is body-like (x forward, y left,
-/// z up); the optical frame (z forward, x right, y down) follows from it.
-struct CameraModel {
-  Pose3 robot_T_camera = Pose3::from_roll_pitch_yaw({0.18, 0.005, 0.36}, 0.0, 0.36, 0.021);
-  double focal_x_px = 585.05108211;
-  double focal_y_px = 585.05108211;
-  double centre_x_px = 315.83800193;  ///< column
-  double centre_y_px = 242.94140713;  ///< row
-  int width_px = 640;
-  int height_px = 480;
 };
 
 /// What is fixed about a robot. The defaults describe the UCSD differential-drive robot.

@@ -29,12 +29,12 @@ void expect_same(const RobotModel& a, const RobotModel& b) {
   EXPECT_EQ(a.camera.robot_T_camera.translation, b.camera.robot_T_camera.translation);
   EXPECT_LT(a.camera.robot_T_camera.rotation.angularDistance(b.camera.robot_T_camera.rotation),
             1e-7);
-  EXPECT_EQ(a.camera.focal_x_px, b.camera.focal_x_px);
-  EXPECT_EQ(a.camera.focal_y_px, b.camera.focal_y_px);
-  EXPECT_EQ(a.camera.centre_x_px, b.camera.centre_x_px);
-  EXPECT_EQ(a.camera.centre_y_px, b.camera.centre_y_px);
-  EXPECT_EQ(a.camera.width_px, b.camera.width_px);
-  EXPECT_EQ(a.camera.height_px, b.camera.height_px);
+  EXPECT_EQ(a.camera.depth.focal_x_px, b.camera.depth.focal_x_px);
+  EXPECT_EQ(a.camera.depth.focal_y_px, b.camera.depth.focal_y_px);
+  EXPECT_EQ(a.camera.depth.centre_x_px, b.camera.depth.centre_x_px);
+  EXPECT_EQ(a.camera.depth.centre_y_px, b.camera.depth.centre_y_px);
+  EXPECT_EQ(a.camera.depth.width_px, b.camera.depth.width_px);
+  EXPECT_EQ(a.camera.depth.height_px, b.camera.depth.height_px);
 }
 
 TEST(RobotFile, TheShippedRobotIsTheDefaultOne) {
