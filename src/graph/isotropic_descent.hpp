@@ -1,0 +1,25 @@
+#pragma once
+
+#include "graph/chordal.hpp"
+
+namespace loopstone {
+
+struct DescentResult {
+  IsotropicState state{};
+  double cost = 0.0;
+  int iterations = 0;      ///< steps tried
+  bool converged = false;  ///< a step no longer promised to lower the cost noticeably
+};
+
+struct DescentOptions {
+  int max_iterations = 100;
+  /// Stop when a Newton step promises to lower the cost by less than this share.
+  double relative_tolerance = 1e-9;
+};
+
+/// A local minimum of an isotropic problem: Newton's method on positions and headings, with Gauss-Newton where the
+/// Hessian is not positive definite, damped when a step does not lower the cost.
+[[nodiscard]] DescentResult descend_isotropic(const IsotropicSystem& system, IsotropicState start,
+                                              const DescentOptions& options = {});
+
+}  // namespace loopstone
