@@ -1,0 +1,181 @@
+#include "loopstone/mapping/floor_texture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/geometry/angle.hpp"
+#include "mapping/texture_finish.hpp"
+#include "mapping/texture_mapper.hpp"
+
+namespace loopstone {
+namespace {
+
+constexpr std::size_t kFloorFrames = 80;
+
+/// The frames that can be used: with depth and colour, spread evenly when only so many are wanted.
+std::vector<RgbdFrame> complete_frames(const RgbdSource& source) {
+  std::vector<RgbdFrame> frames;
+  for (const RgbdFrame& frame : source.frames) {
+    if (!frame.colour_path.empty() && !frame.depth_path.empty()) frames.push_back(frame);
+  }
+  return frames;
+}
+
+FloorEstimate estimate_floor(const RgbdSource& source, const std::vector<RgbdFrame>& frames,
+                             const CameraModel& camera, Threads threads) {
+  const std::size_t count = std::min(kFloorFrames, frames.size());
+  std::vector<InverseDepthImage> depths(count);
+  parallel_for(count, threads, [&](std::size_t i) {
+    RgbdFrame frame = frames[i * frames.size() / count];
+    frame.colour_path.clear();
+    try {
+      depths[i] = source.load(frame).depth;
+    } catch (const DataError&) {  // counted when the frame's turn comes
+    }
+  });
+  FloorPlaneEstimator estimator(camera);
+  for (const InverseDepthImage& depth : depths) estimator.add(depth);
+  return estimator.estimate();
+}
+
+/// A frame whose turn it is.
+struct Job {
+  const RgbdFrame* frame = nullptr;
+  FramePose pose{};
+  RgbdImages images{};
+  std::string problem{};  ///< why it could not be loaded
+};
+
+class FrameChooser {
+ public:
+  FrameChooser(const Trajectory& trajectory, const TextureOptions& options, double camera_late_s,
+               TextureStatistics& statistics)
+      : trajectory_(trajectory),
+        options_(options),
+        late_(Duration::from_seconds(camera_late_s)),
+        statistics_(statistics) {}
+
+  /// Where the frame was taken, if it is worth using.
+  [[nodiscard]] std::optional<FramePose> choose(const RgbdFrame& frame) {
+    const Stamp depth_stamp = frame.stamp - late_;
+    const Stamp colour_stamp = frame.colour_stamp - late_;
+    const auto depth_pose = trajectory_.at(depth_stamp);
+    const auto colour_pose = trajectory_.at(colour_stamp);
+    if (!depth_pose || !colour_pose) {
+      ++statistics_.frames_without_pose;
+      return {};
+    }
+    if (last_) {
+      const Pose2 step = last_->inverse() * *colour_pose;
+      if (step.translation().norm() < options_.min_travel_m &&
+          std::abs(step.yaw) < options_.min_turn_rad) {
+        ++statistics_.frames_still;
+        return {};
+      }
+    }
+    last_ = colour_pose;
+    FramePose pose{*depth_pose, *colour_pose};
+    constexpr double kSpan_s = 0.05;
+    const auto before = trajectory_.at_clamped(colour_stamp - Duration::from_seconds(kSpan_s));
+    const auto after = trajectory_.at_clamped(colour_stamp + Duration::from_seconds(kSpan_s));
+    const Pose2 motion = before->inverse() * *after;
+    pose.speed_m_s = motion.translation().norm() / (2.0 * kSpan_s);
+    pose.yaw_rate_rad_s = motion.yaw / (2.0 * kSpan_s);
+    return pose;
+  }
+
+ private:
+  const Trajectory& trajectory_;
+  const TextureOptions& options_;
+  Duration late_;
+  TextureStatistics& statistics_;
+  std::optional<Pose2> last_{};
+};
+
+void use_frame(const Job& job, TextureMapper& mapper, FloorTexture& texture) {
+  TextureStatistics& statistics = texture.statistics;
+  if (!job.problem.empty()) {
+    constexpr std::int64_t kMostWarnings = 3;
+    if (++statistics.frames_unreadable <= kMostWarnings) texture.warnings.push_back(job.problem);
+  } else if (mapper.add(job.images, job.pose) == TextureMapper::Use::kTilted) {
+    ++statistics.frames_tilted;
+  } else {
+    ++statistics.frames_used;
+  }
+}
+
+/// Loads the next frames while the ones before are put on the map.
+void map_frames(const RgbdSource& source, const std::vector<RgbdFrame>& frames,
+                const Trajectory& trajectory, const TextureOptions& options, Threads threads,
+                const ProgressCallback& progress, TextureMapper& mapper, FloorTexture& texture) {
+  FrameChooser chooser(
+      trajectory, options,
+      options.correct_clock && texture.clock.significant ? texture.clock.late_s : 0.0,
+      texture.statistics);
+  const std::size_t batch = 2 * static_cast<std::size_t>(threads.resolved());
+  std::vector<Job> loaded;
+  std::size_t next = 0;
+  while (true) {
+    std::vector<Job> loading;
+    while (next < frames.size() && loading.size() < batch) {
+      const RgbdFrame& frame = frames[next++];
+      if (const auto pose = chooser.choose(frame)) loading.push_back({&frame, *pose, {}, {}});
+    }
+    if (loading.empty() && loaded.empty()) return;
+    parallel_for(loading.size() + 1, threads, [&](std::size_t i) {
+      if (i == 0) {
+        for (const Job& job : loaded) use_frame(job, mapper, texture);
+        return;
+      }
+      Job& job = loading[i - 1];
+      try {
+        job.images = source.load(*job.frame);
+      } catch (const DataError& error) {
+        job.problem = error.what();
+      }
+    });
+    loaded = std::move(loading);
+    if (progress && !progress({"colouring the floor", static_cast<std::int64_t>(next),
+                               static_cast<std::int64_t>(frames.size())})) {
+      texture.complete = false;
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+FloorTexture map_floor_texture(const RgbdSource& source, const Trajectory& trajectory,
+                               const CameraModel& given_camera, const TextureOptions& options,
+                               Threads threads, const ProgressCallback& progress) {
+  FloorTexture texture;
+  const std::vector<RgbdFrame> frames = complete_frames(source);
+  texture.statistics.frames = static_cast<std::int64_t>(frames.size());
+
+  texture.floor = estimate_floor(source, frames, given_camera, threads);
+  CameraModel camera = given_camera;
+  FloorEstimate used_floor = texture.floor;
+  if (options.correct_mount) {
+    camera.robot_T_camera = texture.floor.robot_T_camera;
+  } else {
+    used_floor.plane = floor_plane_of(camera.robot_T_camera);
+  }
+
+  if (options.correct_clock) {
+    texture.clock = estimate_camera_clock({frames, source.load}, trajectory, camera, threads);
+  }
+
+  TextureMapper mapper(camera, used_floor, options);
+  map_frames(source, frames, trajectory, options, threads, progress, mapper, texture);
+
+  texture.statistics.gain_spread = mapper.gain_spread();
+  texture.statistics.memory_bytes = static_cast<std::int64_t>(mapper.cells().memory_bytes());
+  finish_texture(mapper.cells(), options, texture);
+  return texture;
+}
+
+}  // namespace loopstone

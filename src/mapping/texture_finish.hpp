@@ -1,0 +1,12 @@
+#pragma once
+
+#include "loopstone/mapping/floor_texture.hpp"
+#include "mapping/texture_cell.hpp"
+
+namespace loopstone {
+
+/// Turns what was gathered into the colours, frame and areas of `texture`, small gaps filled.
+void finish_texture(const TileGrid<TextureCell>& gathered, const TextureOptions& options,
+                    FloorTexture& texture);
+
+}  // namespace loopstone

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/geometry/pose3.hpp"
+#include "loopstone/grid/tile_grid.hpp"
+#include "loopstone/mapping/floor_texture.hpp"
+#include "mapping/floor_sight.hpp"
+#include "mapping/light_rows.hpp"
+#include "mapping/texture_cell.hpp"
+
+namespace loopstone {
+
+/// Where a frame was taken: the robot at the stamps of its two pictures, and how it moved.
+struct FramePose {
+  Pose2 map_T_robot_depth;
+  Pose2 map_T_robot_colour;
+  double speed_m_s = 0.0;
+  double yaw_rate_rad_s = 0.0;
+};
+
+/// Gathers the colours of floor cells, frame by frame.
+class TextureMapper {
+ public:
+  /// \param camera  as it is really mounted; `floor` belongs to it
+  TextureMapper(const CameraModel& camera, const FloorEstimate& floor,
+                const TextureOptions& options);
+
+  enum class Use { kUsed, kTilted };
+  /// Frames come in a fixed order: colours are levelled against what is there.
+  Use add(const RgbdImages& images, const FramePose& pose);
+
+  [[nodiscard]] const TileGrid<TextureCell>& cells() const { return cells_; }
+  /// Standard deviation of the frames' brightness, as share.
+  [[nodiscard]] double gain_spread() const;
+
+ private:
+  struct Sample {
+    TextureCell* cell = nullptr;
+    LinearRgb light{};
+    float weight = 0.0F;
+  };
+  /// Of the colour picture: where floor may be used, and how it lies on the floor around the robot.
+  struct Footprint {
+    std::vector<Eigen::Vector2d> corners_robot{};  ///< convex, in order
+    int first_row = 0;
+    int end_row = 0;
+  };
+
+  [[nodiscard]] Footprint make_footprint() const;
+  void sample_cells(const FramePose& pose);
+  template <bool kDistorted>
+  void sample_row(int row, int first_column, int last_column, const Eigen::Matrix3d& colour,
+                  const Eigen::Matrix3d& depth, const FramePose& pose);
+  void level_samples();
+
+  CameraModel camera_;
+  TextureOptions options_;
+  Pose3 robot_T_colour_;
+  Pose3 robot_T_depth_;
+  Footprint footprint_;
+  float blur_per_depth2_;  ///< a pixel's length along the view on the floor, over depth^2 [1/m]
+  FloorSight sight_;
+  LightRows light_;
+  TileGrid<TextureCell> cells_;
+  std::vector<Sample> samples_{};
+  std::array<std::vector<float>, 3> ratios_{};
+  std::int64_t frames_levelled_ = 0;
+  double log_gain_sum_ = 0.0;
+  double log_gain_sum2_ = 0.0;
+};
+
+}  // namespace loopstone
