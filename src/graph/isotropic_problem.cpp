@@ -30,8 +30,8 @@ IsotropicEdge pose_edge(std::size_t from, std::size_t to, const Pose2& from_T_to
           {from_T_to.x, from_T_to.y}};
 }
 
-/// The node that gives each component its frame: the map, else a pose that is held, else the first one.
-std::vector<bool> anchors_of(const IsotropicProblem& problem, const PoseGraph& graph) {
+/// The map where there are priors, else a pose that is held, else the first one.
+void choose_anchors(IsotropicProblem& problem, const PoseGraph& graph) {
   std::vector<std::size_t> root(problem.nodes);
   std::iota(root.begin(), root.end(), std::size_t{0});
   const auto root_of = [&root](std::size_t node) {
@@ -50,11 +50,12 @@ std::vector<bool> anchors_of(const IsotropicProblem& problem, const PoseGraph& g
   if (problem.headings > problem.poses) offer(problem.poses);
   for (const NodeId node : graph.fixed) offer(index(node.index));
   for (std::size_t node = 0; node < problem.nodes; ++node) offer(node);
-  std::vector<bool> anchored(problem.nodes, false);
-  for (const std::size_t anchor : anchor_of_root) {
-    if (anchor < problem.nodes) anchored[anchor] = true;
+  problem.anchor_of.resize(problem.nodes);
+  problem.anchored.resize(problem.nodes);
+  for (std::size_t node = 0; node < problem.nodes; ++node) {
+    problem.anchor_of[node] = anchor_of_root[root_of(node)];
+    problem.anchored[node] = problem.anchor_of[node] == node;
   }
-  return anchored;
 }
 
 }  // namespace
@@ -81,7 +82,7 @@ IsotropicProblem isotropic_problem(const PoseGraph& graph) {
                              1.0,
                              {edge.point_in_from.x(), edge.point_in_from.y()}});
   }
-  problem.anchored = anchors_of(problem, graph);
+  choose_anchors(problem, graph);
   return problem;
 }
 

@@ -32,7 +32,8 @@ struct IsotropicProblem {
       0;  ///< nodes that have a heading: the poses, and the map when there are priors
   std::size_t nodes = 0;  ///< the landmarks come last
   std::vector<IsotropicEdge> edges{};
-  std::vector<bool> anchored{};  ///< one flag a node: it defines the frame of its component
+  std::vector<std::size_t> anchor_of{};  ///< the node that gives a node's component its frame
+  std::vector<bool> anchored{};          ///< one flag a node: it is an anchor
 };
 
 struct IsotropicState {
