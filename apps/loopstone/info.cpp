@@ -103,7 +103,12 @@ std::string sensors_table(const LogSummary& summary, const Paint& paint) {
   if (summary.odometry) text += timing_row("odometry", summary.odometry->timing, *summary.first);
   if (summary.wheels) text += timing_row("wheels", summary.wheels->timing, *summary.first);
   if (summary.imu) text += timing_row("imu", summary.imu->timing, *summary.first);
-  if (summary.camera) text += timing_row("camera", *summary.camera, *summary.first);
+  if (summary.camera && summary.camera->depth.records > 0) {
+    text += timing_row("depth", summary.camera->depth, *summary.first);
+  }
+  if (summary.camera && summary.camera->colour.records > 0) {
+    text += timing_row("colour", summary.camera->colour, *summary.first);
+  }
   return text;
 }
 
@@ -178,6 +183,23 @@ std::string lidar_text(const LogSummary& summary, const LidarSummary& lidar, con
   return text;
 }
 
+std::string size_text(const PictureSize& size) {
+  return fmt::format("{} x {} pixels", size.width_px, size.height_px);
+}
+
+std::string camera_text(const CameraSummary& camera, const Paint& paint) {
+  std::string text = "\n" + paint.bold("camera") + "\n";
+  if (camera.depth.records > 0) text += row("depth", size_text(camera.depth_size));
+  if (camera.colour.records > 0) text += row("colour", size_text(camera.colour_size));
+  if (camera.pairs > 0) {
+    text += row("pairs", fmt::format("{}; colour is taken {:+.1f} ms after depth (median), at most "
+                                     "{:+.1f} ms",
+                                     camera.pairs, 1e3 * camera.median_offset_s,
+                                     1e3 * camera.largest_offset_s));
+  }
+  return text;
+}
+
 std::string motion_text(const LogSummary& summary, const Paint& paint) {
   std::string text;
   if (summary.odometry) {
@@ -236,6 +258,7 @@ std::string text_of(const std::string& path, const LogSummary& summary) {
     text += sensors_table(summary, paint);
   }
   for (const LidarSummary& lidar : summary.lidars) text += lidar_text(summary, lidar, paint);
+  if (summary.camera) text += camera_text(*summary.camera, paint);
   text += motion_text(summary, paint);
   text += findings_text(summary, paint);
   const std::string verdict = verdict_of(summary);
@@ -288,6 +311,22 @@ nlohmann::ordered_json lidar_json(const LidarSummary& lidar, Stamp start) {
   return json;
 }
 
+nlohmann::ordered_json camera_json(const CameraSummary& camera, Stamp start) {
+  auto json = timing_json(camera.frames, start);
+  const auto stream = [&](const TimingSummary& timing, const PictureSize& size) {
+    auto part = timing_json(timing, start);
+    part["width_px"] = size.width_px;
+    part["height_px"] = size.height_px;
+    return part;
+  };
+  if (camera.depth.records > 0) json["depth"] = stream(camera.depth, camera.depth_size);
+  if (camera.colour.records > 0) json["colour"] = stream(camera.colour, camera.colour_size);
+  json["pairs"] = camera.pairs;
+  json["median_offset_s"] = camera.median_offset_s;
+  json["largest_offset_s"] = camera.largest_offset_s;
+  return json;
+}
+
 nlohmann::ordered_json findings_json(const LogSummary& summary) {
   auto json = nlohmann::ordered_json::array();
   for (const Finding& finding : summary.findings) {
@@ -336,7 +375,7 @@ void print_json(const std::string& path, const LogSummary& summary, const AppCon
     json["median_yaw_rate_rad_s"] = summary.imu->median_yaw_rate_rad_s;
     result.add_json("imu", json);
   }
-  if (summary.camera) result.add_json("camera", timing_json(*summary.camera, start));
+  if (summary.camera) result.add_json("camera", camera_json(*summary.camera, start));
   result.add_json("findings", findings_json(summary))
       .add_json("mappable", summary.worst() != Severity::kError)
       .add_json("verdict", verdict_of(summary));

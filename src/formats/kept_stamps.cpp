@@ -65,7 +65,7 @@ KeptStamps keep_increasing(std::span<const double> seconds) {
       kept.stamps.push_back(*last);
       ++next;
     } else {
-      kept.refused.push_back({static_cast<std::int64_t>(i), refusal(seconds[i], last)});
+      kept.refused.push_back({static_cast<std::int64_t>(i), refusal(seconds[i], last), {}});
     }
   }
   return kept;

@@ -14,6 +14,7 @@ struct KeptStamps {
   struct Refused {
     std::int64_t index;
     std::string reason;
+    std::string name{};  ///< what people call the record; empty: "record N", counted from 1
   };
   std::vector<Stamp> stamps{};          ///< strictly increasing
   std::vector<std::int64_t> indices{};  ///< the record that each belongs to

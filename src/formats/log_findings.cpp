@@ -161,6 +161,22 @@ void look_at_imu(const ImuSummary& imu, Findings& findings) {
   }
 }
 
+void look_at_camera(const CameraSummary& camera, Findings& findings) {
+  for (const PictureSize* size : {&camera.depth_size, &camera.colour_size}) {
+    if (!size->problem.empty()) findings.warn("camera: " + size->problem);
+  }
+  const std::int64_t most = std::max(camera.depth.records, camera.colour.records);
+  if (camera.depth.records == 0 || camera.colour.records == 0) {
+    findings.note(fmt::format("camera: there are only {} pictures",
+                              camera.depth.records == 0 ? "colour" : "depth"));
+  } else if (share(camera.pairs, most) < 0.5) {
+    findings.warn(
+        fmt::format("camera: only {} of {} pictures find a partner of the other kind in time; do "
+                    "both cameras share a clock?",
+                    camera.pairs, most));
+  }
+}
+
 /// The part of the scans' time that a source of motion covers.
 double covered(const TimingSummary& motion, const LogSummary& summary) {
   const TimingSummary& scans = summary.lidars.front().timing;
@@ -211,11 +227,13 @@ std::vector<Finding> find_suspicious(const LogSummary& summary,
     look_at_imu(*summary.imu, findings);
     look_at_timing(summary.imu->timing, "imu", *summary.first, findings);
   }
+  if (summary.camera) look_at_camera(*summary.camera, findings);
   std::int64_t records = summary.records_skipped;
   for (const LidarSummary& lidar : summary.lidars) records += lidar.timing.records;
   if (summary.odometry) records += summary.odometry->timing.records;
   if (summary.wheels) records += summary.wheels->timing.records;
   if (summary.imu) records += summary.imu->timing.records;
+  if (summary.camera) records += summary.camera->frames.records;
   if (summary.records_skipped > 0) {
     const std::string text =
         fmt::format("{} of {} records are broken, repeated or out of order and are skipped",

@@ -6,59 +6,15 @@
 #include <limits>
 #include <utility>
 
+#include "formats/camera_collector.hpp"
 #include "formats/log_findings.hpp"
+#include "formats/timing_collector.hpp"
 
 namespace loopstone {
 namespace {
 
-constexpr std::size_t kMostIntervals = std::size_t{1} << 22;
 constexpr std::size_t kRangeBins = 20'000;  // of 1 cm
 constexpr std::array<double, 5> kPercentiles{0.05, 0.25, 0.50, 0.75, 0.95};
-
-template <typename T>
-T median(std::vector<T>& values) {
-  if (values.empty()) return T{};
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-class TimingCollector {
- public:
-  void add(Stamp stamp) {
-    if (timing_.records++ == 0) {
-      timing_.first = stamp;
-    } else {
-      const double interval_s = (stamp - timing_.last).seconds();
-      if (intervals_s_.size() < kMostIntervals) {
-        intervals_s_.push_back(static_cast<float>(interval_s));
-      }
-      if (interval_s > timing_.largest_gap_s) {
-        timing_.largest_gap_s = interval_s;
-        timing_.largest_gap_at = timing_.last;
-      }
-    }
-    timing_.last = stamp;
-  }
-
-  TimingSummary finish() {
-    // Recorders write in bursts: the median alone may be far below what is usual.
-    const double mean_s = timing_.records < 2 ? 0.0
-                                              : (timing_.last - timing_.first).seconds() /
-                                                    static_cast<double>(timing_.records - 1);
-    if (mean_s > 0.0) timing_.rate_hz = 1.0 / mean_s;
-    const double typical_s = std::max(mean_s, static_cast<double>(median(intervals_s_)));
-    const double gap_s = std::max(0.5, 5.0 * typical_s);
-    timing_.gaps = std::count_if(intervals_s_.begin(), intervals_s_.end(), [&](float interval_s) {
-      return static_cast<double>(interval_s) > gap_s;
-    });
-    return timing_;
-  }
-
- private:
-  TimingSummary timing_;
-  std::vector<float> intervals_s_;
-};
 
 class LidarCollector {
  public:
@@ -200,7 +156,7 @@ class ImuCollector {
     const Eigen::Vector3d& acceleration = sample.linear_acceleration_m_s2;
     const double length = acceleration.norm();
     if (length > 0.0) along_z_ += acceleration.z() / length;
-    if (lengths_.size() >= kMostIntervals) return;
+    if (lengths_.size() >= TimingCollector::kMostIntervals) return;
     lengths_.push_back(static_cast<float>(length));
     yaw_rates_.push_back(static_cast<float>(sample.angular_velocity_rad_s.z()));
   }
@@ -208,8 +164,8 @@ class ImuCollector {
     ImuSummary summary;
     summary.timing = timing_.finish();
     summary.gravity_along_z = along_z_ / static_cast<double>(summary.timing.records);
-    summary.median_acceleration_m_s2 = static_cast<double>(median(lengths_));
-    summary.median_yaw_rate_rad_s = static_cast<double>(median(yaw_rates_));
+    summary.median_acceleration_m_s2 = static_cast<double>(median_of(lengths_));
+    summary.median_yaw_rate_rad_s = static_cast<double>(median_of(yaw_rates_));
     return summary;
   }
 
@@ -225,7 +181,7 @@ struct Collectors {
   std::optional<OdometryCollector> odometry{};
   std::optional<WheelCollector> wheels{};
   std::optional<ImuCollector> imu{};
-  std::optional<TimingCollector> camera{};
+  std::optional<CameraCollector> camera{};
 
   void add(const LaserScan& scan) {
     lidars.try_emplace(scan.lidar, scan.lidar).first->second.add(scan);
@@ -233,7 +189,7 @@ struct Collectors {
   void add(const OdometryPose& pose) { made(odometry).add(pose); }
   void add(const WheelTicks& ticks) { made(wheels).add(ticks); }
   void add(const ImuSample& sample) { made(imu).add(sample); }
-  void add(const RgbdFrame& frame) { made(camera).add(frame.stamp); }
+  void add(const RgbdFrame& frame) { made(camera).add(frame); }
 
  private:
   template <typename Collector>

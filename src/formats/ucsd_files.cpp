@@ -87,6 +87,10 @@ std::vector<int> ucsd_sets(const fs::path& folder) {
   return {sets.begin(), sets.end()};
 }
 
+bool holds_disparity(const UcsdFiles& files) {
+  return !files.disparity_folder.empty() || files.depth_folder.empty();
+}
+
 UcsdFiles find_ucsd_files(const fs::path& folder, std::optional<int> set) {
   const std::vector<int> sets = ucsd_sets(folder);
   if (sets.empty()) fail_without_sets(folder);
@@ -111,6 +115,7 @@ UcsdFiles find_ucsd_files(const fs::path& folder, std::optional<int> set) {
   const std::string number = std::to_string(files.set);
   files.colour_folder = find_images(folder, "RGB" + number);
   files.disparity_folder = find_images(folder, "Disparity" + number);
+  files.depth_folder = find_images(folder, "Depth" + number);
   return files;
 }
 

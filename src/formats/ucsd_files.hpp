@@ -18,7 +18,11 @@ struct UcsdFiles {
   std::filesystem::path odometry{};          ///< OdometryN.npz: our addition, see docs/formats.md
   std::filesystem::path colour_folder{};     ///< .../dataRGBD/RGBN
   std::filesystem::path disparity_folder{};  ///< .../dataRGBD/DisparityN
+  std::filesystem::path depth_folder{};      ///< .../dataRGBD/DepthN: our addition, plain depth
 };
+
+/// Whether the depth camera's numbers are disparities: unless there is a folder of plain depth and none of disparity.
+[[nodiscard]] bool holds_disparity(const UcsdFiles& files);
 
 /// The numbers of the sets in a folder (or its sensors/ or data/), in order.
 [[nodiscard]] std::vector<int> ucsd_sets(const std::filesystem::path& folder);

@@ -1,8 +1,17 @@
-#include <cmath>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <map>
 #include <memory>
-#include <unordered_set>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
+#include <vector>
 
+#include "formats/text_numbers.hpp"
+#include "formats/ucsd_pairs.hpp"
 #include "formats/ucsd_sensors.hpp"
 
 namespace loopstone {
@@ -10,56 +19,114 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPairWithin_s = 0.05;
+constexpr std::array<std::string_view, 3> kColourEndings{".png", ".ppm", ".pgm"};
+constexpr std::array<std::string_view, 5> kDepthEndings{".png", ".tiff", ".tif", ".pfm", ".pgm"};
 
-/// The pictures of one kind: which stamps have one, by the names in the folder.
-struct Pictures {
-  fs::path folder{};
-  std::string prefix{};
-  std::unordered_set<std::string> names{};
-
-  /// Path of the picture of the stamp with this index, empty when it isn't there.
-  [[nodiscard]] std::string path(std::int64_t index) const {
-    const std::string name = prefix + std::to_string(index + 1) + ".png";
-    return names.contains(name) ? (folder / name).string() : std::string();
+/// The pictures of a folder by the number in their names, which counts from 1.
+std::map<std::int64_t, std::string> list_pictures(const fs::path& folder, const std::string& prefix,
+                                                  std::span<const std::string_view> endings) {
+  std::map<std::int64_t, std::string> paths;
+  std::error_code ignored;
+  if (folder.empty()) return paths;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const std::string ending = entry.path().extension().string();
+    if (!name.starts_with(prefix) ||
+        std::find(endings.begin(), endings.end(), ending) == endings.end()) {
+      continue;
+    }
+    const auto number = parse_integer(
+        std::string_view(name).substr(prefix.size(), name.size() - prefix.size() - ending.size()));
+    if (!number || *number < 1) continue;
+    // Of two with the same number the first by name, so that the order of the folder does not matter.
+    std::string& path = paths[*number];
+    if (path.empty() || entry.path().string() < path) path = entry.path().string();
   }
+  return paths;
+}
+
+/// One camera: the stamps that have a picture, and what became of the others.
+struct Stream {
+  std::vector<Stamp> stamps{};
+  std::vector<std::string> paths{};
+  std::vector<KeptStamps::Refused> refused{};
+  std::vector<std::int64_t> numbers{};  ///< of the pictures, from 1
+  std::size_t stamps_without_picture = 0;
+  std::size_t pictures_without_stamp = 0;
 };
 
-Pictures list_pictures(const fs::path& folder, const std::string& prefix) {
-  Pictures pictures{folder, prefix, {}};
-  std::error_code ignored;
-  if (folder.empty()) return pictures;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    std::string name = entry.path().filename().string();
-    if (name.starts_with(prefix) && name.ends_with(".png")) pictures.names.insert(std::move(name));
+Stream open_stream(const std::vector<double>& seconds,
+                   const std::map<std::int64_t, std::string>& pictures) {
+  Stream stream;
+  KeptStamps kept = keep_increasing(seconds);
+  stream.refused = std::move(kept.refused);
+  for (std::size_t i = 0; i < kept.stamps.size(); ++i) {
+    const auto picture = pictures.find(kept.indices[i] + 1);
+    if (picture == pictures.end()) {
+      ++stream.stamps_without_picture;
+      continue;
+    }
+    stream.stamps.push_back(kept.stamps[i]);
+    stream.paths.push_back(picture->second);
+    stream.numbers.push_back(picture->first);
   }
-  return pictures;
+  const auto beyond = pictures.upper_bound(static_cast<std::int64_t>(seconds.size()));
+  stream.pictures_without_stamp = static_cast<std::size_t>(std::distance(beyond, pictures.end()));
+  return stream;
+}
+
+/// What a user should know about a stream that is not complete.
+void note_gaps(const Stream& stream, const std::string& kind, const fs::path& folder,
+               std::vector<std::string>& notes) {
+  const std::string place = folder.empty() ? "dataRGBD" : folder.filename().string();
+  if (stream.stamps_without_picture > 0) {
+    notes.push_back(std::to_string(stream.stamps_without_picture) + " of " +
+                    std::to_string(stream.stamps_without_picture + stream.stamps.size()) + " " +
+                    kind + " pictures are not in " + place);
+  }
+  if (stream.pictures_without_stamp > 0) {
+    notes.push_back(std::to_string(stream.pictures_without_stamp) + " " + kind + " pictures in " +
+                    place + " have no stamp and are left out");
+  }
+}
+
+/// Puts the refused pictures of a stream between the frames, where they would have stood.
+void add_refused(const Stream& stream, const std::string& kind, bool is_depth,
+                 const std::vector<PicturePair>& pairs, std::vector<KeptStamps::Refused>& refused) {
+  std::size_t frame = 0;
+  for (const KeptStamps::Refused& picture : stream.refused) {
+    // Frames are in the order of each stream's numbers.
+    for (; frame < pairs.size(); ++frame) {
+      const std::int64_t place = is_depth ? pairs[frame].depth : pairs[frame].colour;
+      if (place >= 0 && stream.numbers[static_cast<std::size_t>(place)] > picture.index) break;
+    }
+    refused.push_back({static_cast<std::int64_t>(frame) - 1, picture.reason,
+                       kind + " picture " + std::to_string(picture.index + 1)});
+  }
 }
 
 struct Frames {
-  Pictures colour{};
-  Pictures disparity{};
-  bool disparity_leads = true;
-  std::vector<std::int64_t>
-      colour_of{};  ///< index of the colour picture of each disparity; -1: none
-};
+  Stream depth{};
+  Stream colour{};
+  std::vector<PicturePair> pairs{};
 
-/// For each leading stamp the nearest stamp of the other kind, if near enough. Both rows increase.
-std::vector<std::int64_t> nearest(const KeptStamps& leading, const KeptStamps& other,
-                                  std::size_t records) {
-  std::vector<std::int64_t> found(records, -1);
-  std::size_t j = 0;
-  for (std::size_t i = 0; i < leading.stamps.size() && !other.stamps.empty(); ++i) {
-    const auto distance_s = [&](std::size_t k) {
-      return std::abs((other.stamps[k] - leading.stamps[i]).seconds());
-    };
-    while (j + 1 < other.stamps.size() && distance_s(j + 1) <= distance_s(j)) ++j;
-    if (distance_s(j) <= kPairWithin_s) {
-      found[static_cast<std::size_t>(leading.indices[i])] = other.indices[j];
+  [[nodiscard]] RgbdFrame frame(std::size_t index) const {
+    const PicturePair& pair = pairs[index];
+    const auto depth_at = static_cast<std::size_t>(pair.depth);
+    const auto colour_at = static_cast<std::size_t>(pair.colour);
+    RgbdFrame frame;
+    if (pair.colour >= 0) {
+      frame.stamp = frame.colour_stamp = colour.stamps[colour_at];
+      frame.colour_path = colour.paths[colour_at];
     }
+    if (pair.depth >= 0) {
+      frame.stamp = depth.stamps[depth_at];
+      frame.depth_path = depth.paths[depth_at];
+      if (pair.colour < 0) frame.colour_stamp = frame.stamp;
+    }
+    return frame;
   }
-  return found;
-}
+};
 
 }  // namespace
 
@@ -69,36 +136,44 @@ UcsdChannel open_ucsd_kinect(const NpzFile& file, const UcsdFiles& files) {
   const auto stamps = [&](const char* key) {
     return file.has(key) ? read_ucsd_stamps(file, path, key) : std::vector<double>{};
   };
-  const std::vector<double> disparity_s = stamps("disparity_time_stamps");
-  const std::vector<double> colour_s = stamps("rgb_time_stamps");
   const std::string set = std::to_string(files.set);
-  auto frames = std::make_shared<Frames>();
-  frames->colour = list_pictures(files.colour_folder, "rgb" + set + "_");
-  frames->disparity = list_pictures(files.disparity_folder, "disparity" + set + "_");
-  if (frames->colour.names.empty() && frames->disparity.names.empty()) {
-    channel.notes.push_back("there are stamps of " + std::to_string(disparity_s.size()) +
-                            " disparity and " + std::to_string(colour_s.size()) +
+  const bool is_disparity = holds_disparity(files);
+  const fs::path& depth_folder = is_disparity ? files.disparity_folder : files.depth_folder;
+  const std::string kind = is_disparity ? "disparity" : "depth";
+  const bool has_depth_stamps = !is_disparity && file.has("depth_time_stamps");
+  const std::vector<double> depth_s =
+      stamps(has_depth_stamps ? "depth_time_stamps" : "disparity_time_stamps");
+  const std::vector<double> colour_s = stamps("rgb_time_stamps");
+
+  const auto depth_pictures = list_pictures(depth_folder, kind + set + "_", kDepthEndings);
+  const auto colour_pictures =
+      list_pictures(files.colour_folder, "rgb" + set + "_", kColourEndings);
+  if (depth_pictures.empty() && colour_pictures.empty()) {
+    channel.notes.push_back("there are stamps of " + std::to_string(depth_s.size()) + " " + kind +
+                            " and " + std::to_string(colour_s.size()) +
                             " colour pictures, but no pictures in dataRGBD");
     return channel;
   }
 
-  frames->disparity_leads = !frames->disparity.names.empty() && !disparity_s.empty();
-  KeptStamps disparity = keep_increasing(disparity_s);
-  KeptStamps colour = keep_increasing(colour_s);
-  if (frames->disparity_leads) {
-    frames->colour_of = nearest(disparity, colour, disparity_s.size());
+  auto frames = std::make_shared<Frames>();
+  frames->depth = open_stream(depth_s, depth_pictures);
+  frames->colour = open_stream(colour_s, colour_pictures);
+  note_gaps(frames->depth, kind, depth_folder, channel.notes);
+  note_gaps(frames->colour, "colour", files.colour_folder, channel.notes);
+  frames->pairs = pair_pictures(frames->depth.stamps, frames->colour.stamps,
+                                longest_pair_offset(frames->depth.stamps, frames->colour.stamps));
+
+  KeptStamps& kept = channel.kept;
+  for (std::size_t i = 0; i < frames->pairs.size(); ++i) {
+    kept.stamps.push_back(frames->frame(i).stamp);
+    kept.indices.push_back(static_cast<std::int64_t>(i));
   }
-  channel.kept = std::move(frames->disparity_leads ? disparity : colour);
-  channel.make = [frames](Stamp stamp, std::int64_t index) {
-    RgbdFrame frame{stamp, stamp, {}, {}};
-    if (!frames->disparity_leads) {
-      frame.colour_path = frames->colour.path(index);
-      return frame;
-    }
-    frame.depth_path = frames->disparity.path(index);
-    const std::int64_t colour_index = frames->colour_of[static_cast<std::size_t>(index)];
-    if (colour_index >= 0) frame.colour_path = frames->colour.path(colour_index);
-    return frame;
+  add_refused(frames->depth, kind, true, frames->pairs, kept.refused);
+  add_refused(frames->colour, "colour", false, frames->pairs, kept.refused);
+  std::stable_sort(kept.refused.begin(), kept.refused.end(),
+                   [](const auto& a, const auto& b) { return a.index < b.index; });
+  channel.make = [frames](Stamp, std::int64_t index) {
+    return frames->frame(static_cast<std::size_t>(index));
   };
   return channel;
 }

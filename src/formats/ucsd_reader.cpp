@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 class UcsdReader final : public LogReader {
  public:
-  UcsdReader(const UcsdFiles& files, LogOptions options) : options_(std::move(options)) {
+  UcsdReader(const UcsdFiles& files, LogOptions options)
+      : options_(std::move(options)), has_plain_depth_(!holds_disparity(files)) {
     // Of equal stamps the earlier channel comes first: the motion is known before the scan that needs it.
     open(files.odometry, open_ucsd_odometry);
     open(files.encoders, open_ucsd_encoders);
@@ -67,6 +68,7 @@ class UcsdReader final : public LogReader {
   }
   std::string format() const override { return "ucsd"; }
   RobotModel robot(RobotModel base) const override {
+    if (has_plain_depth_) base.camera.encoding.kind = "depth";
     if (!mount_) return base;
     if (base.lidars.empty()) base.lidars.emplace_back();
     base.lidars[0].robot_T_lidar = *mount_;
@@ -110,8 +112,10 @@ class UcsdReader final : public LogReader {
     const auto& refused = channel.sensor.kept.refused;
     for (auto& next = channel.refused_reported;
          next < refused.size() && refused[next].index < index; ++next) {
+      const std::string& name = refused[next].name;
       const std::string reason =
-          "record " + std::to_string(refused[next].index + 1) + ": " + refused[next].reason;
+          (name.empty() ? "record " + std::to_string(refused[next].index + 1) : name) + ": " +
+          refused[next].reason;
       if (options_.strict) throw DataError({channel.sensor.path}, reason);
       ++skipped_;
       if (options_.on_problem) options_.on_problem({{channel.sensor.path}, reason});
@@ -119,6 +123,7 @@ class UcsdReader final : public LogReader {
   }
 
   LogOptions options_;
+  bool has_plain_depth_ = false;
   std::vector<Channel> channels_;
   std::vector<std::string> notes_;
   std::optional<Pose2> mount_;

@@ -22,7 +22,7 @@ void refuse_bad(KeptStamps& kept, const std::string& reason, Predicate is_good) 
       result.stamps.push_back(kept.stamps[i]);
       result.indices.push_back(kept.indices[i]);
     } else {
-      result.refused.push_back({kept.indices[i], reason});
+      result.refused.push_back({kept.indices[i], reason, {}});
     }
   }
   std::sort(result.refused.begin(), result.refused.end(),

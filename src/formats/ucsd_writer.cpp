@@ -9,6 +9,7 @@
 
 #include "formats/npz_writer.hpp"
 #include "formats/range_file.hpp"
+#include "formats/ucsd_picture_copies.hpp"
 
 namespace loopstone {
 namespace {
@@ -68,6 +69,8 @@ class UcsdWriter final : public LogWriter {
     if (ranges_) files.push_back(hokuyo().write());
     if (files.empty()) throw DataError({folder_.string()}, "nothing to write: the log is empty");
     for (AtomicFile& file : files) file.finish_writing();
+    if (colour_) colour_->finish();
+    if (depth_) depth_->finish();
     for (AtomicFile& file : files) file.commit();
     ranges_.reset();
   }
@@ -82,10 +85,9 @@ class UcsdWriter final : public LogWriter {
       notes.push_back("the laser's mount is in Hokuyo" + set_ +
                       ".npz as robot_T_lidar, which other readers of this layout don't know");
     }
-    if (frames_ > 0) {
-      notes.push_back("the pictures of " + std::to_string(frames_) +
-                      " camera frames are not copied; they belong into dataRGBD/RGB" + set_ +
-                      " and Disparity" + set_);
+    if (has_plain_depth_ && depth_) {
+      notes.push_back("the depth pictures are in dataRGBD/Depth" + set_ +
+                      ", which other readers of this layout don't know");
     }
     return notes;
   }
@@ -135,9 +137,25 @@ class UcsdWriter final : public LogWriter {
   }
 
   void take(const RgbdFrame& frame) {
-    ++frames_;
-    if (!frame.colour_path.empty()) colour_stamps_s_.push_back(frame.stamp.seconds());
-    if (!frame.depth_path.empty()) depth_stamps_s_.push_back(frame.stamp.seconds());
+    const fs::path pictures = folder_ / "dataRGBD";
+    if (!frame.colour_path.empty()) {
+      if (!colour_) colour_.emplace(pictures / ("RGB" + set_), "rgb" + set_ + "_");
+      colour_->add(frame.colour_path);
+      colour_stamps_s_.push_back(frame.colour_stamp.seconds());
+    }
+    if (!frame.depth_path.empty()) {
+      if (!depth_) {
+        const fs::path source(frame.depth_path);
+        // Metres as floats can't be disparities; nor is what another log of this layout calls depth.
+        has_plain_depth_ = robot_.camera.encoding.kind == "depth" ||
+                           source.filename().string().starts_with("depth") ||
+                           (source.extension() != ".png" && source.extension() != ".pgm");
+        depth_.emplace(pictures / ((has_plain_depth_ ? "Depth" : "Disparity") + set_),
+                       (has_plain_depth_ ? "depth" : "disparity") + set_ + "_");
+      }
+      depth_->add(frame.depth_path);
+      depth_stamps_s_.push_back(frame.stamp.seconds());
+    }
   }
 
   void take(const LaserScan& scan) {
@@ -202,7 +220,7 @@ class UcsdWriter final : public LogWriter {
   }
   NpzWriter kinect() const {
     NpzWriter file(path("Kinect"));
-    file.add_row("disparity_time_stamps", depth_stamps_s_);
+    file.add_row(has_plain_depth_ ? "depth_time_stamps" : "disparity_time_stamps", depth_stamps_s_);
     file.add_row("rgb_time_stamps", colour_stamps_s_);
     return file;
   }
@@ -238,7 +256,9 @@ class UcsdWriter final : public LogWriter {
   Columns poses_;
   std::vector<double> colour_stamps_s_;
   std::vector<double> depth_stamps_s_;
-  std::int64_t frames_ = 0;
+  std::optional<UcsdPictureCopies> colour_;
+  std::optional<UcsdPictureCopies> depth_;
+  bool has_plain_depth_ = false;
   LaserScan layout_;
   std::size_t beams_ = 0;
   bool states_mount_ = false;

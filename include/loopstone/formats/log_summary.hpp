@@ -87,6 +87,26 @@ struct ImuSummary {
       0.0;  ///< about the bias, for a robot that drives straight or stands most of the time
 };
 
+/// Columns and rows of a picture; 0 when there is none or it can't be read.
+struct PictureSize {
+  int width_px = 0;
+  int height_px = 0;
+  std::string problem{};  ///< why it can't be read
+};
+
+/// An RGB-D camera: two streams of pictures that may run apart.
+struct CameraSummary {
+  TimingSummary frames{};  ///< pairs, and pictures that are alone
+  TimingSummary depth{};
+  TimingSummary colour{};
+  std::int64_t pairs = 0;
+  /// Stamp of colour less stamp of depth within the pairs; the largest by its size.
+  double largest_offset_s = 0.0;
+  double median_offset_s = 0.0;
+  PictureSize depth_size{};  ///< of the first picture
+  PictureSize colour_size{};
+};
+
 enum class Severity { kNote, kWarning, kError };
 
 /// Something that a user should know, in plain words.
@@ -105,7 +125,7 @@ struct LogSummary {
   std::optional<OdometrySummary> odometry{};
   std::optional<WheelSummary> wheels{};
   std::optional<ImuSummary> imu{};
-  std::optional<TimingSummary> camera{};
+  std::optional<CameraSummary> camera{};
   bool complete = true;  ///< false when it was interrupted
   /// Worst first. An error means that no map can be made.
   std::vector<Finding> findings{};
