@@ -1,6 +1,9 @@
 #include "loopstone/graph/initial_poses.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "graph/chordal.hpp"
 
 namespace loopstone {
 
@@ -23,9 +26,8 @@ std::vector<std::vector<Neighbour>> neighbours_of_nodes(const PoseGraph& graph) 
   return result;
 }
 
-}  // namespace
-
-std::vector<Pose2> initial_poses(const PoseGraph& graph, Initialisation initialisation) {
+/// Poses that follow one another along edges, from those that are known.
+std::vector<Pose2> poses_along_edges(const PoseGraph& graph, bool chain_first) {
   const auto neighbours = neighbours_of_nodes(graph);
   std::vector<Pose2> poses = graph.poses;
   std::vector<bool> placed(poses.size(), false);
@@ -45,22 +47,117 @@ std::vector<Pose2> initial_poses(const PoseGraph& graph, Initialisation initiali
       ++node;
     }
   };
-
-  for (std::size_t first = 0; first < poses.size(); ++first) {
-    if (placed[first]) continue;
-    placed[first] = true;
-    queue.assign(1, first);
-    if (initialisation == Initialisation::kOdometryChain) place_successors(first);
-    for (std::size_t head = 0; head < queue.size(); ++head) {
+  std::size_t head = 0;
+  const auto spread = [&] {
+    for (; head < queue.size(); ++head) {
       const std::size_t node = queue[head];
+      if (chain_first) place_successors(node);
       for (const Neighbour& neighbour : neighbours[node]) {
         if (placed[neighbour.node]) continue;
         place(node, neighbour);
-        if (initialisation == Initialisation::kOdometryChain) place_successors(neighbour.node);
+        if (chain_first) place_successors(neighbour.node);
       }
     }
+  };
+  const auto begin_at = [&](std::size_t node) {
+    placed[node] = true;
+    queue.push_back(node);
+  };
+
+  for (const NodeId node : graph.fixed) begin_at(static_cast<std::size_t>(node.index));
+  spread();
+  for (const PosePrior& prior : graph.priors) {
+    const auto node = static_cast<std::size_t>(prior.node.index);
+    if (placed[node]) continue;
+    poses[node] = prior.map_T_node;
+    begin_at(node);
+    spread();
+  }
+  for (std::size_t node = 0; node < poses.size(); ++node) {
+    if (placed[node]) continue;
+    begin_at(node);
+    spread();
   }
   return poses;
+}
+
+std::vector<Pose2> chordal_poses(const PoseGraph& graph) {
+  const IsotropicSystem system = isotropic_system(graph);
+  const PositionSolver positions(system);
+  PoseGraph result = graph;
+  write_state(chordal_state(system, positions, state_of(graph, system.problem)), result);
+  for (const NodeId node : graph.fixed) {
+    const auto i = static_cast<std::size_t>(node.index);
+    result.poses[i] = graph.poses[i];
+  }
+  return std::move(result.poses);
+}
+
+}  // namespace
+
+std::string_view to_string(Initialisation initialisation) {
+  switch (initialisation) {
+    case Initialisation::kAsGiven:
+      return "file";
+    case Initialisation::kOdometryChain:
+      return "odometry";
+    case Initialisation::kSpanningTree:
+      return "spanning_tree";
+    case Initialisation::kChordal:
+      return "chordal";
+  }
+  return "unknown";
+}
+
+std::vector<Pose2> initial_poses(const PoseGraph& graph, Initialisation initialisation) {
+  switch (initialisation) {
+    case Initialisation::kOdometryChain:
+      return poses_along_edges(graph, true);
+    case Initialisation::kSpanningTree:
+      return poses_along_edges(graph, false);
+    case Initialisation::kChordal:
+      return chordal_poses(graph);
+    case Initialisation::kAsGiven:
+      break;
+  }
+  return graph.poses;
+}
+
+std::vector<Eigen::Vector2d> initial_landmarks(const PoseGraph& graph) {
+  std::vector<Eigen::Vector2d> sums(graph.landmarks.size(), Eigen::Vector2d::Zero());
+  std::vector<int> counts(graph.landmarks.size(), 0);
+  for (const LandmarkEdge& edge : graph.landmark_edges) {
+    const auto landmark = static_cast<std::size_t>(edge.landmark.index);
+    sums[landmark] += graph.poses[static_cast<std::size_t>(edge.from.index)] * edge.point_in_from;
+    ++counts[landmark];
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    sums[i] = counts[i] > 0 ? Eigen::Vector2d(sums[i] / counts[i]) : graph.landmarks[i];
+  }
+  return sums;
+}
+
+GraphStart make_start(const PoseGraph& graph, Initialisation initialisation) {
+  if (initialisation == Initialisation::kAsGiven) {
+    return {initialisation, graph.poses, graph.landmarks, graph_cost(graph)};
+  }
+  PoseGraph placed = graph;
+  placed.poses = initial_poses(graph, initialisation);
+  placed.landmarks = initial_landmarks(placed);
+  const double cost = graph_cost(placed);
+  return {initialisation, std::move(placed.poses), std::move(placed.landmarks), cost};
+}
+
+GraphStart best_start(const PoseGraph& graph, bool poses_given) {
+  GraphStart best = make_start(graph, Initialisation::kChordal);
+  const auto offer = [&](Initialisation initialisation) {
+    GraphStart start = make_start(graph, initialisation);
+    if (start.cost < best.cost) best = std::move(start);
+  };
+  offer(Initialisation::kSpanningTree);
+  offer(Initialisation::kOdometryChain);
+  if (poses_given) offer(Initialisation::kAsGiven);
+  return best;
 }
 
 }  // namespace loopstone
