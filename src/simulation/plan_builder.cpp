@@ -16,6 +16,7 @@ void PlanBuilder::wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, doubl
     if (to - from < 0.02) return;
     const Eigen::Vector2d middle = a + along * (0.5 * (from + to) / length);
     box({middle.x(), middle.y(), yaw}, to - from, thickness_m);
+    world_.plan.boxes.back().is_wall = true;
   };
   // Walls meet at their centre lines; half a thickness more fills the corner.
   double from = -0.5 * thickness_m;

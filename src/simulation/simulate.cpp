@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
+#include "simulation/rgbd_sensor.hpp"
 #include "simulation/sensor_models.hpp"
 
 namespace loopstone {
@@ -14,7 +15,7 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // Streams of the seed; each sensor draws from its own, so that one can be changed without the others.
-enum Stream : std::uint64_t { kClocks = 10, kWheels, kImu, kLaser, kPeople };
+enum Stream : std::uint64_t { kClocks = 10, kWheels, kImu, kLaser, kPeople, kCamera };
 
 /// Fires the sensors one after the other, by their stamps.
 class Simulator {
@@ -30,6 +31,14 @@ class Simulator {
         imu_(drive, options.imu, Rng(seed).fork(kImu)),
         laser_(drive, surfaces_, crowd_, robot.lidars.empty() ? LidarMount{} : robot.lidars.front(),
                options.laser, Rng(seed).fork(kLaser)) {
+    if (sink.frame) {
+      const Rng camera = Rng(seed).fork(kCamera);
+      Rng phase = camera.fork(1);
+      camera_clock_ =
+          Clock(options.camera.rate_hz, 0.05 + phase.uniform() / options.camera.rate_hz);
+      camera_.emplace(world, drive, surfaces_, crowd_, true_camera(robot.camera, options.camera),
+                      options.camera, camera.fork(2));
+    }
     // Nobody starts the sensors at the same moment.
     Rng phases = Rng(seed).fork(kClocks);
     wheel_clock_ = Clock(options.wheels.rate_hz, phases.uniform() / options.wheels.rate_hz);
@@ -43,7 +52,9 @@ class Simulator {
       const double wheel = wheel_time_;
       const double imu = options_.odometry_poses ? kNever : imu_clock_.time_s(imu_index_);
       const double laser = laser_clock_.time_s(laser_index_) + options_.laser.clock_offset_s;
-      const double next = std::min({wheel, imu, laser});
+      const double frame =
+          camera_ ? camera_clock_.time_s(camera_index_) + options_.camera.clock_offset_s : kNever;
+      const double next = std::min({wheel, imu, laser, frame});
       if (next > drive_.duration_s()) break;
       if (next == wheel) {
         emit_wheels();
@@ -52,6 +63,8 @@ class Simulator {
         sample.stamp = stamp(imu);
         emit(std::move(sample));
         ++imu_index_;
+      } else if (next == frame) {
+        take_frame();
       } else if (!fire_laser(laser)) {
         summary_.complete = false;
         break;
@@ -87,6 +100,17 @@ class Simulator {
     read_wheels();
   }
 
+  void take_frame() {
+    const SimulatedCamera& camera = options_.camera;
+    const double time = camera_clock_.time_s(camera_index_);
+    const double colour_time = time + camera.colour.lag_s;
+    SimulatedFrame frame{camera_index_++, stamp(time + camera.clock_offset_s),
+                         stamp(colour_time + camera.clock_offset_s), camera_->depth_at(time),
+                         camera_->colour_at(colour_time)};
+    ++summary_.frames;
+    emit(sink_.frame(frame));
+  }
+
   bool fire_laser(double stamp_s) {
     const double time = laser_clock_.time_s(laser_index_++);
     if (options_.odometry_poses) {
@@ -113,6 +137,9 @@ class Simulator {
   WheelSensor wheels_;
   ImuSensor imu_;
   LaserSensor laser_;
+  std::optional<RgbdSensor> camera_{};
+  Clock camera_clock_{1.0, 0.0};
+  std::int64_t camera_index_ = 0;
   Clock wheel_clock_{1.0, 0.0};
   Clock imu_clock_{1.0, 0.0};
   Clock laser_clock_{1.0, 0.0};

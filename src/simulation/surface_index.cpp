@@ -155,23 +155,20 @@ void SurfaceIndex::for_each_in(Cell cell, auto&& visit) const {
   }
 }
 
-double SurfaceIndex::cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
-                          double max_range_m) const {
+void SurfaceIndex::walk(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                        double max_range_m, auto&& visit) const {
   const Eigen::Vector2d high =
       frame_.origin + frame_.resolution * Eigen::Vector2d(frame_.columns, frame_.rows);
   const Span span = clip(origin, direction, frame_.origin, high);
-  if (span.from > span.to || span.from > max_range_m) return kInfinity;
+  if (span.from > span.to || span.from > max_range_m) return;
   Cell cell = frame_.cell_of(origin + span.from * direction);
   cell.column = std::clamp(cell.column, 0, frame_.columns - 1);
   cell.row = std::clamp(cell.row, 0, frame_.rows - 1);
   AxisWalk x =
       axis_walk(origin.x(), direction.x(), cell.column, frame_.origin.x(), frame_.resolution);
   AxisWalk y = axis_walk(origin.y(), direction.y(), cell.row, frame_.origin.y(), frame_.resolution);
-  double nearest = kInfinity;
   while (frame_.contains(cell)) {
-    for_each_in(cell, [&](const auto& surface) {
-      nearest = std::min(nearest, range_to(surface, origin, direction));
-    });
+    const double nearest = visit(cell);
     const double leaves_at = std::min(x.next, y.next);
     // Whatever lies in later cells is farther than the border to them, but for rounding.
     if (nearest <= leaves_at - kBorder || leaves_at > max_range_m) break;
@@ -183,7 +180,39 @@ double SurfaceIndex::cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& 
       y.next += y.delta;
     }
   }
+}
+
+double SurfaceIndex::cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                          double max_range_m) const {
+  double nearest = kInfinity;
+  walk(origin, direction, max_range_m, [&](Cell cell) {
+    for_each_in(cell, [&](const auto& surface) {
+      nearest = std::min(nearest, range_to(surface, origin, direction));
+    });
+    return nearest;
+  });
   return nearest <= max_range_m ? nearest : kInfinity;
+}
+
+SurfaceHit SurfaceIndex::hit(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                             double max_range_m) const {
+  SurfaceHit nearest;
+  walk(origin, direction, max_range_m, [&](Cell cell) {
+    const std::size_t index = frame_.index_of(cell);
+    for (std::uint32_t i = first_[index]; i < first_[index + 1]; ++i) {
+      const double range = range_to_surface(surfaces_[i], origin, direction);
+      if (range < nearest.range_m) nearest = {range, surfaces_[i]};
+    }
+    return nearest.range_m;
+  });
+  return nearest.range_m <= max_range_m ? nearest : SurfaceHit{};
+}
+
+double SurfaceIndex::range_to_surface(std::uint32_t surface, const Eigen::Vector2d& origin,
+                                      const Eigen::Vector2d& direction) const {
+  return surface < segments_.size()
+             ? range_to(segments_[surface], origin, direction)
+             : range_to(circles_[surface - segments_.size()], origin, direction);
 }
 
 double SurfaceIndex::distance(const Eigen::Vector2d& point, double limit_m) const {

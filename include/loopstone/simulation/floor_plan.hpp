@@ -24,6 +24,7 @@ struct Box {
   Pose2 map_T_box;  ///< of its centre
   double length_m = 0.0;
   double width_m = 0.0;
+  bool is_wall = false;  ///< else a thing that stands before one
 };
 
 /// What stands in a building at the height of the laser. Solids may overlap; a ray sees the outline of their union.

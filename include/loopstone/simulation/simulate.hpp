@@ -6,8 +6,10 @@
 #include "loopstone/base/options.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 #include "loopstone/sensor/messages.hpp"
+#include "loopstone/sensor/rgbd_images.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/simulation/drive.hpp"
+#include "loopstone/simulation/simulated_camera.hpp"
 #include "loopstone/simulation/world.hpp"
 
 namespace loopstone {
@@ -56,6 +58,7 @@ struct SimulationOptions {
   SimulatedLaser laser{};
   SimulatedWheels wheels{};
   SimulatedImu imu{};
+  SimulatedCamera camera{};
 };
 
 template <typename Visitor>
@@ -111,11 +114,24 @@ void visit_options(SimulationOptions& options, Visitor&& visit) {
   visit.group("laser", options.laser);
   visit.group("wheels", options.wheels);
   visit.group("imu", options.imu);
+  visit.group("camera", options.camera);
 }
 
-/// Where a simulation's output goes. Called in the order of the stamps; either may be empty.
+/// The pictures of one frame of the RGB-D camera.
+struct SimulatedFrame {
+  std::int64_t index = 0;  ///< of the frame, from 0
+  Stamp depth_stamp{};
+  Stamp colour_stamp{};
+  RawDepthImage depth{};
+  ColourImage colour{};
+};
+
+/// Where a simulation's output goes. Called in the order of the stamps; each may be empty.
 struct SimulationSink {
   std::function<void(SensorMessage)> message{};
+  /// Keeps the pictures of a frame and returns the message that says where they are, which then goes to `message`. Without
+  /// it nothing is rendered.
+  std::function<RgbdFrame(const SimulatedFrame&)> frame{};
   /// map_T_robot at the first beam of every scan, with the scan's stamp.
   std::function<void(const StampedPose2&)> truth{};
   /// Told how much of the drive is done; returns false to stop.
@@ -127,14 +143,16 @@ struct SimulationSummary {
   double duration_s = 0.0;
   double route_length_m = 0.0;
   std::int64_t scans = 0;
+  std::int64_t frames = 0;  ///< of the RGB-D camera
   std::int64_t messages = 0;
   bool complete = true;  ///< false when progress asked to stop
 };
 
 /// Drives the robot through the world and lets its sensors measure: WheelTicks and ImuSample (or OdometryPose, one with
-/// each scan's stamp and one with each encoder reading's) and LaserScan of the robot's first lidar. The same arguments
-/// give the same messages to the bit. Memory: the drive (about 3 kB a second) and the world.
-/// Cost: about 0.3 us a beam.
+/// each scan's stamp and one with each encoder reading's), LaserScan of the robot's first lidar, and RgbdFrame of its
+/// camera when the sink takes frames. The same arguments give the same messages to the bit, and those of the other sensors
+/// are the same with and without the camera. Memory: the drive (about 3 kB a second) and the world.
+/// Cost: about 0.3 us a beam, 50 ms an RGB-D frame.
 SimulationSummary simulate(const World& world, const RobotModel& robot,
                            const SimulationOptions& options, std::uint64_t seed,
                            const SimulationSink& sink);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/grid/grid.hpp"
+#include "loopstone/simulation/floor_pattern.hpp"
 #include "loopstone/simulation/floor_plan.hpp"
 
 namespace loopstone {
@@ -24,7 +26,8 @@ struct World {
   std::vector<Eigen::Vector2d> returns{};  ///< passed in this order after the visit, to close loops
   double floor_area_m2 = 0.0;              ///< gross, inside the outer walls
   std::optional<Grid<std::int8_t>>
-      given_map{};  ///< the map that the world was made from, if it was
+      given_map{};                              ///< the map that the world was made from, if it was
+  std::shared_ptr<const FloorPattern> floor{};  ///< colour of the floor; without: "mixed"
 };
 
 /// The names that make_world knows.
