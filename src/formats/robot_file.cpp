@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <string_view>
+#include <vector>
 
 #include "formats/atomic_file.hpp"
 #include "formats/toml_values.hpp"
@@ -30,9 +34,83 @@ RollPitchYaw roll_pitch_yaw(const Eigen::Quaterniond& rotation) {
 const Range kAngle{-2.0 * kPi, 2.0 * kPi};
 const Range kMount{-100.0, 100.0};
 
+/// The rotations of a robot as angles, which is how people write them.
+struct CameraAngles {
+  RollPitchYaw camera{};
+  RollPitchYaw colour{};
+};
+
+CameraAngles angles_of(const CameraModel& camera) {
+  return {roll_pitch_yaw(camera.robot_T_camera.rotation),
+          roll_pitch_yaw(camera.camera_T_colour.rotation)};
+}
+
+Pose3 posed(const Eigen::Vector3d& translation, const RollPitchYaw& angles) {
+  return Pose3::from_roll_pitch_yaw(translation, angles.roll_rad, angles.pitch_rad, angles.yaw_rad);
+}
+
+template <typename Visitor>
+void visit_mount(const std::string& prefix, const std::string& relative_to,
+                 Eigen::Vector3d& translation, RollPitchYaw& angles, Visitor& visit) {
+  visit(prefix + "x_m", translation.x(), kMount, "ahead of " + relative_to + " [m]");
+  visit(prefix + "y_m", translation.y(), kMount, "left of " + relative_to + " [m]");
+  visit(prefix + "z_m", translation.z(), kMount, "above " + relative_to + " [m]");
+  visit(prefix + "roll_rad", angles.roll_rad, kAngle, "about the x axis [rad]");
+  visit(prefix + "pitch_rad", angles.pitch_rad, kAngle,
+        "about the y axis; positive looks down [rad]");
+  visit(prefix + "yaw_rad", angles.yaw_rad, kAngle, "about the z axis; positive looks left [rad]");
+}
+
+template <typename Visitor>
+void visit_lens(const std::string& prefix, LensModel& lens, Visitor& visit) {
+  const Range focal{1.0, 100000.0};
+  const Range centre{-100000.0, 100000.0};
+  const Range bend{-100.0, 100.0};
+  visit(prefix + "width_px", lens.width_px, Range{1, 100000}, "columns of a picture [px]");
+  visit(prefix + "height_px", lens.height_px, Range{1, 100000}, "rows of a picture [px]");
+  visit(prefix + "focal_x_px", lens.focal_x_px, focal, "focal length, columns [px]");
+  visit(prefix + "focal_y_px", lens.focal_y_px, focal, "focal length, rows [px]");
+  visit(prefix + "centre_x_px", lens.centre_x_px, centre, "column of the optical axis [px]");
+  visit(prefix + "centre_y_px", lens.centre_y_px, centre, "row of the optical axis [px]");
+  visit(prefix + "k1", lens.k1, bend, "radial distortion, r^2 (as OpenCV orders them)");
+  visit(prefix + "k2", lens.k2, bend, "radial distortion, r^4");
+  visit(prefix + "p1", lens.p1, bend, "tangential distortion");
+  visit(prefix + "p2", lens.p2, bend, "tangential distortion");
+  visit(prefix + "k3", lens.k3, bend, "radial distortion, r^6");
+}
+
+template <typename Visitor>
+void visit_camera(CameraModel& camera, CameraAngles& angles, Visitor& visit) {
+  visit_mount("camera.", "the robot's centre on the floor", camera.robot_T_camera.translation,
+              angles.camera, visit);
+  visit_lens("camera.depth.", camera.depth, visit);
+  visit_mount("camera.colour.", "the depth camera", camera.camera_T_colour.translation,
+              angles.colour, visit);
+  visit(
+      "camera.colour.is_registered", camera.colour_is_registered,
+      "colour pictures have the depth camera's pixels: lens and place of this table are not used");
+  visit_lens("camera.colour.", camera.colour, visit);
+  DepthEncoding& encoding = camera.encoding;
+  const std::string prefix = "camera.encoding.";
+  visit(prefix + "kind", encoding.kind, OneOf{{"disparity", "depth"}},
+        "what the 16-bit numbers of depth pictures are; 0 is no measurement");
+  visit(prefix + "disparity_slope", encoding.disparity_slope, Range{-1000.0, 1000.0},
+        "depth = numerator / (slope * number + offset)");
+  visit(prefix + "disparity_offset", encoding.disparity_offset, Range{-1e6, 1e6},
+        "of this formula");
+  visit(prefix + "disparity_numerator_m", encoding.disparity_numerator_m, Range{1e-6, 1e6},
+        "of this formula [m]");
+  visit(prefix + "metres_per_unit", encoding.metres_per_unit, Range{1e-9, 1000.0},
+        "of depth numbers [m]");
+  visit(prefix + "range_min_m", encoding.range_min_m, Range{0.0, 1000.0},
+        "nearer is no measurement [m]");
+  visit(prefix + "range_max_m", encoding.range_max_m, Range{0.001, 10000.0},
+        "farther is no measurement [m]");
+}
+
 /// Describes a robot's fields to a visitor, as visit_options does for options.
 template <typename Visitor>
-void visit_robot(RobotModel& robot, RollPitchYaw& camera_angles, Visitor&& visit) {
+void visit_robot(RobotModel& robot, CameraAngles& angles, Visitor&& visit) {
   visit("name", robot.name, OneOf{}, "for people");
   visit("footprint_radius_m", robot.footprint_radius_m, Range{0.0, 10.0},
         "cells this near to the robot's path are free [m]");
@@ -56,34 +134,53 @@ void visit_robot(RobotModel& robot, RollPitchYaw& camera_angles, Visitor&& visit
           "where its x axis points, counter-clockwise [rad]");
     visit(prefix + "height_m", lidar.height_m, kMount, "above the floor [m]");
   }
-
-  CameraModel& camera = robot.camera;
-  visit("camera.x_m", camera.robot_T_camera.translation.x(), kMount,
-        "ahead of the robot's centre [m]");
-  visit("camera.y_m", camera.robot_T_camera.translation.y(), kMount,
-        "left of the robot's centre [m]");
-  visit("camera.z_m", camera.robot_T_camera.translation.z(), kMount, "above the floor [m]");
-  visit("camera.roll_rad", camera_angles.roll_rad, kAngle, "about the x axis [rad]");
-  visit("camera.pitch_rad", camera_angles.pitch_rad, kAngle,
-        "about the y axis; positive looks down [rad]");
-  visit("camera.yaw_rad", camera_angles.yaw_rad, kAngle,
-        "about the z axis; positive looks left [rad]");
-  visit("camera.focal_x_px", camera.depth.focal_x_px, Range{1.0, 100000.0},
-        "focal length, columns [px]");
-  visit("camera.focal_y_px", camera.depth.focal_y_px, Range{1.0, 100000.0},
-        "focal length, rows [px]");
-  visit("camera.centre_x_px", camera.depth.centre_x_px, Range{-100000.0, 100000.0},
-        "column of the optical axis [px]");
-  visit("camera.centre_y_px", camera.depth.centre_y_px, Range{-100000.0, 100000.0},
-        "row of the optical axis [px]");
-  visit("camera.width_px", camera.depth.width_px, Range{1, 100000}, "columns of a picture [px]");
-  visit("camera.height_px", camera.depth.height_px, Range{1, 100000}, "rows of a picture [px]");
+  visit_camera(robot.camera, angles, visit);
 }
 
-std::vector<OptionEntry> list_robot(RobotModel& robot, RollPitchYaw& camera_angles) {
+std::vector<OptionEntry> list_robot(RobotModel& robot, CameraAngles& angles) {
   std::vector<OptionEntry> entries;
-  visit_robot(robot, camera_angles, OptionLister(entries));
+  visit_robot(robot, angles, OptionLister(entries));
   return entries;
+}
+
+/// The lens once stood in [camera] itself: says where its keys are now.
+std::vector<OptionProblem> take_moved_keys(TomlDocument& document, const std::string& path) {
+  static constexpr std::array<std::string_view, 6> kMoved{
+      "focal_x_px", "focal_y_px", "centre_x_px", "centre_y_px", "width_px", "height_px"};
+  std::vector<OptionProblem> problems;
+  std::erase_if(document.values, [&](const TomlValue& value) {
+    for (const std::string_view name : kMoved) {
+      if (value.key != fmt::format("camera.{}", name)) continue;
+      const auto line = value.line > 0 ? std::optional(value.line) : std::nullopt;
+      problems.push_back(
+          {value.key,
+           value.text,
+           fmt::format("is now camera.depth.{0}; the colour camera's is camera.colour.{0}", name),
+           {path, line, {}}});
+      return true;
+    }
+    return false;
+  });
+  return problems;
+}
+
+/// What no single key can tell.
+std::vector<OptionProblem> check_camera(const CameraModel& camera, const std::string& path) {
+  std::vector<OptionProblem> problems;
+  const DepthEncoding& encoding = camera.encoding;
+  if (encoding.range_min_m >= encoding.range_max_m) {
+    problems.push_back({"camera.encoding.range_min_m",
+                        toml_number(encoding.range_min_m),
+                        "must be less than camera.encoding.range_max_m",
+                        {path, {}, {}}});
+  }
+  if (encoding.kind == "disparity" && encoding.disparity_slope == 0.0) {
+    problems.push_back({"camera.encoding.disparity_slope",
+                        "0.0",
+                        "must not be 0: all disparities would mean the same depth",
+                        {path, {}, {}}});
+  }
+  return problems;
 }
 
 }  // namespace
@@ -103,18 +200,21 @@ RobotModel parse_robot(std::string_view toml, const std::string& path) {
     robot.lidars.clear();
     document.values.erase(none);
   }
-  RollPitchYaw camera_angles = roll_pitch_yaw(robot.camera.robot_T_camera.rotation);
-  std::vector<OptionProblem> problems =
-      apply_values(list_robot(robot, camera_angles), document.values, path);
+  std::vector<OptionProblem> problems = take_moved_keys(document, path);
+  CameraAngles angles = angles_of(robot.camera);
+  for (const auto& found : {apply_values(list_robot(robot, angles), document.values, path),
+                            check_camera(robot.camera, path)}) {
+    problems.insert(problems.end(), found.begin(), found.end());
+  }
   problems.insert(problems.begin(), document.problems.begin(), document.problems.end());
   if (!problems.empty()) throw OptionsError(std::move(problems));
 
   for (LidarMount& lidar : robot.lidars) {
     lidar.robot_T_lidar.yaw = wrap_angle(lidar.robot_T_lidar.yaw);
   }
-  robot.camera.robot_T_camera =
-      Pose3::from_roll_pitch_yaw(robot.camera.robot_T_camera.translation, camera_angles.roll_rad,
-                                 camera_angles.pitch_rad, camera_angles.yaw_rad);
+  CameraModel& camera = robot.camera;
+  camera.robot_T_camera = posed(camera.robot_T_camera.translation, angles.camera);
+  camera.camera_T_colour = posed(camera.camera_T_colour.translation, angles.colour);
   return robot;
 }
 
@@ -124,12 +224,12 @@ RobotModel read_robot_file(const std::string& path) {
 
 std::string robot_to_toml(const RobotModel& robot) {
   RobotModel copy = robot;
-  RollPitchYaw camera_angles = roll_pitch_yaw(copy.camera.robot_T_camera.rotation);
+  CameraAngles angles = angles_of(copy.camera);
   std::string text = "# A robot of Loopstone. x forward, y left, z up; metres, radians.\n";
   if (copy.lidars.empty()) text += "lidars = []\n";
   std::string group;
-  for (const OptionEntry& entry : list_robot(copy, camera_angles)) {
-    const auto dot = entry.key.find('.');
+  for (const OptionEntry& entry : list_robot(copy, angles)) {
+    const auto dot = entry.key.rfind('.');
     const std::string own = dot == std::string::npos ? "" : entry.key.substr(0, dot);
     if (own != group) {
       const auto bracket = own.find('[');

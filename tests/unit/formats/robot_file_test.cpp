@@ -13,6 +13,25 @@ namespace {
 
 using testing::HasSubstr;
 
+void expect_same_pose(const Pose3& a, const Pose3& b) {
+  EXPECT_EQ(a.translation, b.translation);
+  EXPECT_LT(a.rotation.angularDistance(b.rotation), 1e-7);
+}
+
+void expect_same_lens(const LensModel& a, const LensModel& b) {
+  EXPECT_EQ(a.focal_x_px, b.focal_x_px);
+  EXPECT_EQ(a.focal_y_px, b.focal_y_px);
+  EXPECT_EQ(a.centre_x_px, b.centre_x_px);
+  EXPECT_EQ(a.centre_y_px, b.centre_y_px);
+  EXPECT_EQ(a.width_px, b.width_px);
+  EXPECT_EQ(a.height_px, b.height_px);
+  EXPECT_EQ(a.k1, b.k1);
+  EXPECT_EQ(a.k2, b.k2);
+  EXPECT_EQ(a.p1, b.p1);
+  EXPECT_EQ(a.p2, b.p2);
+  EXPECT_EQ(a.k3, b.k3);
+}
+
 void expect_same(const RobotModel& a, const RobotModel& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.footprint_radius_m, b.footprint_radius_m);
@@ -26,15 +45,18 @@ void expect_same(const RobotModel& a, const RobotModel& b) {
     EXPECT_EQ(a.lidars[i].robot_T_lidar, b.lidars[i].robot_T_lidar);
     EXPECT_EQ(a.lidars[i].height_m, b.lidars[i].height_m);
   }
-  EXPECT_EQ(a.camera.robot_T_camera.translation, b.camera.robot_T_camera.translation);
-  EXPECT_LT(a.camera.robot_T_camera.rotation.angularDistance(b.camera.robot_T_camera.rotation),
-            1e-7);
-  EXPECT_EQ(a.camera.depth.focal_x_px, b.camera.depth.focal_x_px);
-  EXPECT_EQ(a.camera.depth.focal_y_px, b.camera.depth.focal_y_px);
-  EXPECT_EQ(a.camera.depth.centre_x_px, b.camera.depth.centre_x_px);
-  EXPECT_EQ(a.camera.depth.centre_y_px, b.camera.depth.centre_y_px);
-  EXPECT_EQ(a.camera.depth.width_px, b.camera.depth.width_px);
-  EXPECT_EQ(a.camera.depth.height_px, b.camera.depth.height_px);
+  expect_same_pose(a.camera.robot_T_camera, b.camera.robot_T_camera);
+  expect_same_pose(a.camera.camera_T_colour, b.camera.camera_T_colour);
+  expect_same_lens(a.camera.depth, b.camera.depth);
+  expect_same_lens(a.camera.colour, b.camera.colour);
+  EXPECT_EQ(a.camera.colour_is_registered, b.camera.colour_is_registered);
+  EXPECT_EQ(a.camera.encoding.kind, b.camera.encoding.kind);
+  EXPECT_EQ(a.camera.encoding.disparity_slope, b.camera.encoding.disparity_slope);
+  EXPECT_EQ(a.camera.encoding.disparity_offset, b.camera.encoding.disparity_offset);
+  EXPECT_EQ(a.camera.encoding.disparity_numerator_m, b.camera.encoding.disparity_numerator_m);
+  EXPECT_EQ(a.camera.encoding.metres_per_unit, b.camera.encoding.metres_per_unit);
+  EXPECT_EQ(a.camera.encoding.range_min_m, b.camera.encoding.range_min_m);
+  EXPECT_EQ(a.camera.encoding.range_max_m, b.camera.encoding.range_max_m);
 }
 
 TEST(RobotFile, TheShippedRobotIsTheDefaultOne) {
@@ -49,6 +71,11 @@ TEST(RobotFile, WhatIsWrittenReadsBackTheSame) {
   robot.wheels.counts_are_cumulative = true;
   robot.lidars = {{"front", {0.2, -0.1, 0.5}, 0.4}, {"rear", {-0.2, 0.0, 3.0}, 0.3}};
   robot.camera.robot_T_camera = Pose3::from_roll_pitch_yaw({1.0, 2.0, 3.0}, 0.1, -0.2, 2.5);
+  robot.camera.camera_T_colour = Pose3::from_roll_pitch_yaw({0.01, -0.02, 0.03}, 0.3, 0.2, -0.1);
+  robot.camera.depth = {501.25, 502.5, 310.1, 240.2, 320, 240, 0.1, -0.2, 0.003, -0.004, 0.05};
+  robot.camera.colour = {1.0 / 0.007, 602.5, 640.5, 512.25, 1280, 1024, -0.3, 0.4, -0.5, 0.6, -0.7};
+  robot.camera.colour_is_registered = true;
+  robot.camera.encoding = {"depth", 0.125, 2.0, 7.5, 0.0001, 0.25, 6.5};
   const std::string toml = robot_to_toml(robot);
   expect_same(parse_robot(toml, "r.toml"), robot);
   EXPECT_EQ(robot_to_toml(parse_robot(toml, "r.toml")), toml);
@@ -63,6 +90,34 @@ TEST(RobotFile, NamedLidarsReplaceTheDefaultOnes) {
   RobotModel none;
   none.lidars.clear();
   EXPECT_EQ(parse_robot(robot_to_toml(none), "r").lidars.size(), 0u);
+}
+
+TEST(RobotFile, TheLensHasMovedAndTheMessageSaysWhere) {
+  try {
+    (void)parse_robot("[camera]\nfocal_x_px = 600.0\nwidth_px = 320\nx_m = 0.2\n", "r");
+    FAIL() << "accepted";
+  } catch (const OptionsError& error) {
+    EXPECT_EQ(error.problems().size(), 2u);
+    EXPECT_THAT(error.what(), HasSubstr("r:2: camera.focal_x_px = 600"));
+    EXPECT_THAT(error.what(), HasSubstr("is now camera.depth.focal_x_px"));
+    EXPECT_THAT(error.what(), HasSubstr("camera.colour.width_px"));
+  }
+}
+
+TEST(RobotFile, ACameraThatCanNotMeasureIsRefused) {
+  const auto refused = [](const std::string& toml, const std::string& part) {
+    try {
+      (void)parse_robot(toml, "r");
+      FAIL() << toml;
+    } catch (const OptionsError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(part));
+    }
+  };
+  refused("[camera.encoding]\nkind = \"parallax\"", "one of disparity, depth");
+  refused("[camera.encoding]\nrange_min_m = 11.0", "must be less than camera.encoding.range_max_m");
+  refused("[camera.encoding]\ndisparity_slope = 0.0", "must not be 0");
+  refused("[camera.depth]\nfocal_x_px = 0.0", "camera.depth.focal_x_px");
+  refused("[camera.color]\nis_registered = true", "did you mean camera.colour.is_registered?");
 }
 
 TEST(RobotFile, AllProblemsComeAtOnce) {

@@ -42,8 +42,8 @@ TEST(UcsdPairs, TheNearestServesAndServesOnce) {
   // 33 takes 34 and 100 takes 101. 66 could only have 30, and the streams would cross: it stays alone.
   std::vector<std::pair<std::int64_t, std::int64_t>> got;
   for (const PicturePair& pair : pairs) got.emplace_back(pair.depth, pair.colour);
-  const std::vector<std::pair<std::int64_t, std::int64_t>> wanted{{-1, 0}, {0, 1}, {1, 3},
-                                                                  {2, 2},  {3, 4}, {-1, 5}};
+  const std::vector<std::pair<std::int64_t, std::int64_t>> wanted{{-1, 0}, {0, 1}, {-1, 2}, {1, 3},
+                                                                  {2, -1}, {3, 4}, {-1, 5}};
   EXPECT_EQ(got, wanted);
 }
 
