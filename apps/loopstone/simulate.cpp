@@ -9,10 +9,15 @@
 #include <optional>
 
 #include "commands.hpp"
+#include "floor_files.hpp"
+#include "loopstone/formats/image.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/formats/tum.hpp"
+#include "loopstone/formats/ucsd_pictures.hpp"
+#include "loopstone/geometry/roll_pitch_yaw.hpp"
+#include "loopstone/simulation/floor_pattern.hpp"
 #include "loopstone/version.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
@@ -36,6 +41,9 @@ struct Arguments {
   std::optional<double> max_range_m;
   std::optional<double> range_noise_m;
   std::optional<int> people;
+  bool rgbd = false;
+  std::optional<std::string> floor;
+  double floor_width_m = 4.0;
 };
 
 constexpr const char* kFooter = R"(
@@ -48,11 +56,18 @@ WORLD is a map.yaml with its picture, as ROS map_server reads it, or one of
 
 DIR then holds the log (ucsd: DIR itself is the log; carmen: DIR/log.clf), truth.tum (map_T_robot at every scan),
 map.yaml and map.pgm (the true map) and world.json (what was simulated). The same arguments give the same bytes.
-Wheels, gyro, laser and drive have more options: see --set, for example --set wheels.imbalance=0.002
+Wheels, gyro, laser, camera and drive have more options: see --set, for example --set wheels.imbalance=0.002
+
+--rgbd adds the robot's RGB-D camera: pictures in dataRGBD, their stamps in Kinect20.npz, the camera's true mount (not quite
+the robot file's) in world.json, and the true colours of the floor at 1 cm in floor.png and floor.yaml, on the frame of the
+map, with the letters on it in floor_letters.csv. Floors are
+  tiles, carpet, wood, text (lines of it, letters mostly 5 cm high), mixed (a quarter of each, every 4 m)
+  or a PNG picture, which is repeated.
 
 Examples:
   loopstone simulate office -o sim --seed 1
   loopstone simulate campus -o campus --format carmen --people 20
+  loopstone simulate office -o seen --rgbd --floor text --duration 60
   loopstone simulate warehouse -o sick --format carmen --beams 180 --fov 179 --scan-rate 5 --max-range 80)";
 
 /// A flag's value is held to the same rule as the option that it sets, and beats the file.
@@ -74,6 +89,16 @@ SimulationOptions options_of(const Arguments& arguments, const AppContext& conte
   if (!problems.empty()) throw OptionsError(problems);
   if (arguments.format == "carmen") options.odometry_poses = true;
   return options;
+}
+
+std::shared_ptr<const FloorPattern> floor_of(const Arguments& arguments) {
+  const std::string name = arguments.floor.value_or("mixed");
+  std::error_code ignored;
+  if (!name.ends_with(".png") && !fs::exists(name, ignored)) {
+    return std::make_shared<const FloorPattern>(make_floor(name, arguments.seed));
+  }
+  return std::make_shared<const FloorPattern>(
+      make_floor(as_colours(read_image(name)), arguments.floor_width_m));
 }
 
 World world_of(const Arguments& arguments, const RobotModel& robot) {
@@ -113,6 +138,20 @@ nlohmann::ordered_json to_json(const RobotModel& robot) {
            {{"x_m", robot_T_lidar.x}, {"y_m", robot_T_lidar.y}, {"yaw_rad", robot_T_lidar.yaw}}}};
 }
 
+/// The camera as it truly was, which the robot's file does not say.
+nlohmann::ordered_json to_json(const CameraModel& camera, const SimulatedCamera& options) {
+  const Eigen::Vector3d angles = to_roll_pitch_yaw(camera.robot_T_camera);
+  const Eigen::Vector3d& position = camera.robot_T_camera.translation;
+  return {{"robot_T_camera",
+           {{"x_m", position.x()},
+            {"y_m", position.y()},
+            {"z_m", position.z()},
+            {"roll_rad", angles.x()},
+            {"pitch_rad", angles.y()},
+            {"yaw_rad", angles.z()}}},
+          {"clock_offset_s", options.clock_offset_s}};
+}
+
 struct Simulated {
   SimulationSummary summary;
   Trajectory truth;
@@ -127,6 +166,16 @@ Simulated write_log(const World& world, const RobotModel& robot, const Simulatio
   Simulated simulated;
   SimulationSink sink;
   sink.message = [&](const SensorMessage& message) { writer->write(message); };
+  const UcsdPictures pictures{log_path};
+  if (arguments.rgbd) {
+    pictures.make_folders();
+    sink.frame = [&](const SimulatedFrame& frame) -> RgbdFrame {
+      pictures.write_disparity(frame.index, frame.depth);
+      pictures.write_colour(frame.index, frame.colour);
+      return {frame.depth_stamp, frame.colour_stamp, pictures.colour_path(frame.index),
+              pictures.disparity_path(frame.index)};
+    };
+  }
   sink.truth = [&](const StampedPose2& pose) { simulated.truth.append(pose.stamp, pose.pose); };
   std::int64_t scans = 0;
   sink.progress = [&](double done_s, double total_s) {
@@ -144,7 +193,14 @@ Simulated write_log(const World& world, const RobotModel& robot, const Simulatio
 ExitCode run(const Arguments& arguments, AppContext& context) {
   const RobotModel robot = context.robot();
   const SimulationOptions options = options_of(arguments, context);
-  const World world = world_of(arguments, robot);
+  if (arguments.floor && !arguments.rgbd) {
+    throw UsageError("--floor says what the camera sees; it needs --rgbd");
+  }
+  if (arguments.rgbd && arguments.format != "ucsd") {
+    throw UsageError("CARMEN text can't hold pictures; --rgbd needs --format ucsd");
+  }
+  World world = world_of(arguments, robot);
+  if (arguments.rgbd) world.floor = floor_of(arguments);
   prepare_output_folder(arguments.output, arguments.force);
   const fs::path folder(arguments.output);
   const std::string log_path =
@@ -153,7 +209,9 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   const Simulated simulated = write_log(world, robot, options, arguments, log_path, context);
   const SimulationSummary& summary = simulated.summary;
   write_tum((folder / "truth.tum").string(), simulated.truth);
-  write_ros_map((folder / "map.yaml").string(), true_map(world));
+  const CellStates map = true_map(world);
+  write_ros_map((folder / "map.yaml").string(), map);
+  if (world.floor) write_floor(folder, *world.floor, map.frame());
   for (const std::string& note : simulated.notes) context.warn(note);
 
   Result result;
@@ -165,12 +223,17 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
       .add("route_length_m", "route", summary.route_length_m, "m", 1)
       .add("duration_s", "duration", summary.duration_s, "s", 1)
       .add("scans", "scans", summary.scans)
-      .add("messages", "messages", summary.messages)
-      .add("complete", "complete", summary.complete);
+      .add("messages", "messages", summary.messages);
+  if (arguments.rgbd) result.add("frames", "RGB-D frames", summary.frames);
+  result.add("complete", "complete", summary.complete);
   nlohmann::ordered_json description = result.json();
   description["log"] =
       arguments.format == "carmen" ? "log.clf" : ".";  // from here, so that a folder can be moved
   description["robot"] = to_json(robot);
+  if (arguments.rgbd) {
+    description["floor"] = arguments.floor.value_or("mixed");
+    description["camera"] = to_json(true_camera(robot.camera, options.camera), options.camera);
+  }
   description["options"] = to_json(options);
   description["version"] = std::string(kVersion);
   write_text_file((folder / "world.json").string(), description.dump(2) + "\n");
@@ -212,6 +275,16 @@ void add_simulate_command(CLI::App& app, AppContext& context) {
   command->add_option("--people", arguments->people, "who walk about (default: 0)")
       ->type_name("N")
       ->check(CLI::Range(0, 1000));
+  command->add_flag("--rgbd", arguments->rgbd, "take pictures with the robot's RGB-D camera");
+  command
+      ->add_option("--floor", arguments->floor,
+                   "what the camera sees the floor covered with (default: mixed)")
+      ->type_name("NAME|FILE.png");
+  command
+      ->add_option("--floor-width", arguments->floor_width_m,
+                   "of the picture FILE.png before it repeats (default: 4)")
+      ->type_name("M")
+      ->check(CLI::Range(0.01, 1000.0));
   command->add_flag("--force", arguments->force, "write into DIR even if it holds something");
   context.add_robot_flag(*command);
   context.add_option_flags(*command);
