@@ -11,7 +11,7 @@ namespace loopstone {
 namespace {
 
 constexpr double kCell_m = 0.01;
-constexpr double kHeightTolerance_m = 0.02;
+constexpr double kHeightTolerance_m = 0.01;
 constexpr double kMostDepth_m = 1.4;  ///< farther floor is too coarse in the picture
 constexpr float kCoarse_m = 0.05F;
 constexpr float kFine_m = 0.02F;

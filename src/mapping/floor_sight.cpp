@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "loopstone/geometry/pose3.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
@@ -27,6 +28,10 @@ FloorSight::FloorSight(const CameraModel& camera, const FloorPlane& plane, doubl
   const Eigen::Matrix3d colour_R_depth = colour_T_depth.rotation.toRotationMatrix();
   depth_in_colour_m_ = colour_T_depth.translation.cast<float>();
   const LensModel& lens = colour_lens(camera);
+  // So far apart that the marks of one hole leave no block between them.
+  const double baseline_m = std::max(1e-3, colour_T_depth.translation.head<2>().norm());
+  void_step_per_m_ = static_cast<float>(kBlock / (lens.focal_x_px * baseline_m));
+  most_per_m_ = static_cast<float>(1.5 / std::max(0.1, camera.encoding.range_min_m));
   focal_x_px_ = static_cast<float>(lens.focal_x_px);
   focal_y_px_ = static_cast<float>(lens.focal_y_px);
   centre_x_px_ = static_cast<float>(lens.centre_x_px);
@@ -94,10 +99,34 @@ void FloorSight::measure_tilt(const InverseDepthImage& depth) {
   tilt_rad_ = plane_height_m_ * factor.solve(right).head<2>().norm();
 }
 
+bool FloorSight::is_void(int column, int row) const {
+  constexpr int kReach_px = 4;
+  for (const int v : {row - kReach_px, row, row + kReach_px}) {
+    for (const int u : {column - kReach_px, column, column + kReach_px}) {
+      if (u < 0 || v < 0 || u >= width_ || v >= height_) continue;
+      if (floor_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
+                 static_cast<std::size_t>(u)] != kNothing) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 void FloorSight::mark_obstacles(const InverseDepthImage& depth) {
   marked_.assign(static_cast<std::size_t>(block_columns_) * static_cast<std::size_t>(block_rows_),
                  0);
   blocks_.assign(marked_.size(), 0);
+  const auto mark = [&](const Eigen::Vector3f& ray, float per_m) {
+    const Eigen::Vector3f p = ray + per_m * depth_in_colour_m_;
+    if (p.z() < 0.1F) return;
+    const float scale = 1.0F / p.z();
+    const int u = static_cast<int>(focal_x_px_ * p.x() * scale + centre_x_px_) / kBlock;
+    const int v = static_cast<int>(focal_y_px_ * p.y() * scale + centre_y_px_) / kBlock;
+    if (u < 0 || v < 0 || u >= block_columns_ || v >= block_rows_) return;
+    marked_[static_cast<std::size_t>(v) * static_cast<std::size_t>(block_columns_) +
+            static_cast<std::size_t>(u)] = 1;
+  };
   std::size_t ray = 0;
   for (int row = 0; row < height_; row += kEvery) {
     const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(width_);
@@ -105,15 +134,15 @@ void FloorSight::mark_obstacles(const InverseDepthImage& depth) {
       const std::size_t i = first + static_cast<std::size_t>(column);
       const float per_m = depth.per_m[i];
       // Only what is nearer than the floor can hide it; where no floor is expected (above the horizon) all is.
-      if (per_m <= expected_[i] + noise_gate_per_m_ + height_gate_ * per_m) continue;
-      const Eigen::Vector3f p = colour_rays_[ray] + per_m * depth_in_colour_m_;
-      if (p.z() < 0.1F) continue;
-      const float scale = 1.0F / p.z();
-      const int u = static_cast<int>(focal_x_px_ * p.x() * scale + centre_x_px_) / kBlock;
-      const int v = static_cast<int>(focal_y_px_ * p.y() * scale + centre_y_px_) / kBlock;
-      if (u < 0 || v < 0 || u >= block_columns_ || v >= block_rows_) continue;
-      marked_[static_cast<std::size_t>(v) * static_cast<std::size_t>(block_columns_) +
-              static_cast<std::size_t>(u)] = 1;
+      if (per_m > expected_[i] + noise_gate_per_m_ + height_gate_ * per_m) {
+        mark(colour_rays_[ray], per_m);
+      } else if (per_m == 0.0F && is_void(column, row)) {
+        // Things nearer than the camera measures leave a hole. How near is unknown: all that they may hide is hidden.
+        for (float assumed = std::max(0.0F, expected_[i]); assumed < most_per_m_;
+             assumed += void_step_per_m_) {
+          mark(colour_rays_[ray], assumed);
+        }
+      }
     }
   }
   // The edges of things are uncertain by a few pixels: their neighbours are not trusted either.

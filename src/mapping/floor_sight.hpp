@@ -51,6 +51,8 @@ class FloorSight {
       4;  ///< side of the blocks of the colour picture that are told apart
 
   void measure_tilt(const InverseDepthImage& depth);
+  /// Whether nothing was measured around a pixel either.
+  [[nodiscard]] bool is_void(int column, int row) const;
   void mark_obstacles(const InverseDepthImage& depth);
 
   int width_;
@@ -68,6 +70,8 @@ class FloorSight {
   float focal_y_px_;
   float centre_x_px_;
   float centre_y_px_;
+  float void_step_per_m_;  ///< steps in which what a hole may hide is tried [1/m]
+  float most_per_m_;
   int block_columns_;
   int block_rows_;
   std::vector<std::uint8_t> marked_{};

@@ -1,5 +1,7 @@
 #include "loopstone/mapping/floor_texture.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -147,6 +149,46 @@ void map_frames(const RgbdSource& source, const std::vector<RgbdFrame>& frames,
   }
 }
 
+/// What a user should know, in plain words.
+void add_warnings(const TextureOptions& options, FloorTexture& texture) {
+  std::vector<std::string> warnings;
+  const FloorEstimate& floor = texture.floor;
+  constexpr double kWorthSaying_rad = radians(0.3);
+  constexpr double kWorthSaying_m = 0.01;
+  if (floor.status == FloorStatus::kNotSeen && texture.statistics.frames > 0) {
+    warnings.emplace_back(
+        "the camera hardly sees the floor where its mount in the robot file says; the texture may "
+        "be "
+        "empty or wrong");
+  } else if (std::abs(floor.pitch_error_rad) > kWorthSaying_rad ||
+             std::abs(floor.roll_error_rad) > kWorthSaying_rad ||
+             std::abs(floor.height_error_m) > kWorthSaying_m) {
+    warnings.push_back(
+        fmt::format("the camera's mount differs from the robot file: pitch by {:+.2f} deg, roll by "
+                    "{:+.2f} deg, "
+                    "height by {:+.1f} cm{}",
+                    degrees(floor.pitch_error_rad), degrees(floor.roll_error_rad),
+                    100.0 * floor.height_error_m, options.correct_mount ? "; corrected" : ""));
+  }
+  const CameraClock& clock = texture.clock;
+  if (clock.significant) {
+    warnings.push_back(fmt::format(
+        "the camera's stamps are {:.0f} ms too {} (+- {:.1f} ms); corrected",
+        std::abs(1e3 * clock.late_s), clock.late_s > 0.0 ? "late" : "early", 1e3 * clock.sigma_s));
+  }
+  const TextureStatistics& s = texture.statistics;
+  if (s.frames_tilted * 20 > s.frames) {
+    warnings.push_back(
+        fmt::format("{} of {} frames see a floor that is tilted against the others'; not used",
+                    s.frames_tilted, s.frames));
+  }
+  if (s.frames_without_pose * 20 > s.frames) {
+    warnings.push_back(fmt::format("{} of {} frames were taken when the trajectory has no pose",
+                                   s.frames_without_pose, s.frames));
+  }
+  texture.warnings.insert(texture.warnings.begin(), warnings.begin(), warnings.end());
+}
+
 }  // namespace
 
 FloorTexture map_floor_texture(const RgbdSource& source, const Trajectory& trajectory,
@@ -175,6 +217,7 @@ FloorTexture map_floor_texture(const RgbdSource& source, const Trajectory& traje
   texture.statistics.gain_spread = mapper.gain_spread();
   texture.statistics.memory_bytes = static_cast<std::int64_t>(mapper.cells().memory_bytes());
   finish_texture(mapper.cells(), options, texture);
+  add_warnings(options, texture);
   return texture;
 }
 

@@ -23,7 +23,7 @@ namespace loopstone {
 struct TextureOptions {
   double resolution_m = 0.01;
   double max_blur_m = 0.02;
-  double height_tolerance_m = 0.02;
+  double height_tolerance_m = 0.01;
   double min_travel_m = 0.02;
   double min_turn_rad = 0.01;
   double exposure_s = 0.01;
