@@ -14,6 +14,7 @@ find_package(BZip2 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(loopstone_libzip REQUIRED IMPORTED_TARGET libzip) # Debian's CMake config of libzip needs zipcmp installed
 pkg_check_modules(loopstone_cairo REQUIRED IMPORTED_TARGET cairo)
+pkg_check_modules(loopstone_libdeflate REQUIRED IMPORTED_TARGET libdeflate)
 
 # Libraries that end up on the link line of a program that uses a static libloopstone (see cmake/loopstone-config.cmake.in).
 set(LOOPSTONE_LINKED_LIBRARIES
@@ -27,7 +28,8 @@ set(LOOPSTONE_LINKED_LIBRARIES
     ZLIB::ZLIB
     BZip2::BZip2
     PkgConfig::loopstone_libzip
-    PkgConfig::loopstone_cairo)
+    PkgConfig::loopstone_cairo
+    PkgConfig::loopstone_libdeflate)
 
 # Header-only libraries, needed only while building.
 set(LOOPSTONE_HEADER_LIBRARIES nlohmann_json::nlohmann_json)

@@ -9,7 +9,7 @@ packages=(
   g++ cmake ninja-build make ccache lld pkg-config python3-minimal
   libeigen3-dev libtbb-dev libhwy-dev libfmt-dev
   nlohmann-json3-dev libtomlplusplus-dev libyaml-cpp-dev
-  libpng-dev libzip-dev zlib1g-dev libbz2-dev libcairo2-dev
+  libpng-dev libzip-dev zlib1g-dev libdeflate-dev libbz2-dev libcairo2-dev
   libcli11-dev libspdlog-dev
   libgtest-dev libgmock-dev librapidcheck-dev
 )

@@ -123,10 +123,11 @@ void write_file_atomically(const std::string& path, std::string_view bytes) {
   file.commit();
 }
 
-std::string read_whole_file(const std::string& path, std::size_t most_bytes) {
+std::string read_whole_file(const std::string& path, std::size_t most_bytes, std::string buffer) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) fail(path, "cannot open this file", errno);
-  std::string content;
+  std::string content = std::move(buffer);
+  content.clear();
   struct stat status {};
   if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
     content.reserve(std::min(static_cast<std::size_t>(status.st_size), most_bytes));

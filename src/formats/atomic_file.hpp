@@ -46,7 +46,9 @@ void write_file_atomically(const std::string& path, std::string_view bytes);
 
 /// The whole content of a file. Throws DataError naming the path, also for folders and for files larger than
 /// `most_bytes`.
+/// \param buffer  its memory is used for the content; what it held is lost
 [[nodiscard]] std::string read_whole_file(const std::string& path,
-                                          std::size_t most_bytes = std::size_t{4} << 30);
+                                          std::size_t most_bytes = std::size_t{4} << 30,
+                                          std::string buffer = {});
 
 }  // namespace loopstone

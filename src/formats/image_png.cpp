@@ -1,43 +1,23 @@
 #include <png.h>
 
 #include <bit>
-#include <csetjmp>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "formats/png_guard.hpp"
+#include "formats/png_plain.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/image.hpp"
-
-// libpng reports errors by longjmp, which skips destructors. So every call that may jump sits in guarded(), whose body
-// holds no object that would need one.
 
 namespace loopstone {
 namespace {
 
 constexpr std::size_t kMostPixels = std::size_t{1} << 28;
-
-struct Failure {
-  char reason[160] = "";
-};
-
-void on_error(png_structp png, png_const_charp message) {
-  auto* failure = static_cast<Failure*>(png_get_error_ptr(png));
-  std::size_t i = 0;
-  for (; message[i] != '\0' && i + 1 < sizeof failure->reason; ++i) failure->reason[i] = message[i];
-  failure->reason[i] = '\0';
-  png_longjmp(png, 1);
-}
-
-void on_warning(png_structp, png_const_charp) {}
-
-/// Runs body; false when libpng jumped out of it.
-template <typename Body>
-bool guarded(png_structp png, const Body& body) {
-  if (setjmp(png_jmpbuf(png)) != 0) return false;
-  body();
-  return true;
-}
 
 struct Source {
   std::string_view bytes;
@@ -53,7 +33,9 @@ void read_bytes(png_structp png, png_bytep to, std::size_t count) {
 
 class Reader {
  public:
-  Reader() : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning)) {
+  Reader()
+      : png_(
+            png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, on_png_error, on_png_warning)) {
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
     if (info_ == nullptr) throw std::bad_alloc();
   }
@@ -63,48 +45,18 @@ class Reader {
 
   [[nodiscard]] png_structp png() const { return png_; }
   [[nodiscard]] png_infop info() const { return info_; }
-  Failure failure{};
+  PngFailure failure{};
 
  private:
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
 };
-
-class Writer {
- public:
-  Writer() : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning)) {
-    if (png_ != nullptr) info_ = png_create_info_struct(png_);
-    if (info_ == nullptr) throw std::bad_alloc();
-  }
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-  ~Writer() { png_destroy_write_struct(&png_, &info_); }
-
-  [[nodiscard]] png_structp png() const { return png_; }
-  [[nodiscard]] png_infop info() const { return info_; }
-  Failure failure{};
-
- private:
-  png_structp png_ = nullptr;
-  png_infop info_ = nullptr;
-};
-
-void append_bytes(png_structp png, png_bytep from, std::size_t count) {
-  static_cast<std::string*>(png_get_io_ptr(png))
-      ->append(reinterpret_cast<const char*>(from), count);
-}
 
 /// Everything comes out as 1 to 4 channels of 8 or 16 bits in the machine's byte order.
 void ask_for_plain_samples(png_structp png) {
   png_set_expand(png);  // palettes, fewer bits than 8, transparent colours as alpha
   if constexpr (std::endian::native == std::endian::little) png_set_swap(png);
   png_set_interlace_handling(png);
-}
-
-int colour_type_of(int channels) {
-  constexpr int kTypes[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
-                            PNG_COLOR_TYPE_RGB_ALPHA};
-  return kTypes[channels - 1];
 }
 
 std::vector<std::uint8_t*> rows_of(Image& image) {
@@ -117,6 +69,11 @@ std::vector<std::uint8_t*> rows_of(Image& image) {
 }  // namespace
 
 Image decode_png(std::string_view bytes, const std::string& path_for_errors) {
+  if (auto plain = decode_plain_png(bytes)) return std::move(*plain);
+  return decode_any_png(bytes, path_for_errors);
+}
+
+Image decode_any_png(std::string_view bytes, const std::string& path_for_errors) {
   Reader reader;
   const auto fail = [&](const std::string& reason) {
     throw DataError({path_for_errors}, "is a damaged PNG picture: " + reason);
@@ -151,33 +108,6 @@ Image decode_png(std::string_view bytes, const std::string& path_for_errors) {
   });
   if (!pixels_read) fail(reader.failure.reason);
   return image;
-}
-
-std::string encode_png(const Image& image, int compression) {
-  Writer writer;
-  std::string encoded;
-  const std::size_t stride = image.bytes.size() / static_cast<std::size_t>(image.height);
-  const bool written = guarded(writer.png(), [&] {
-    png_set_write_fn(writer.png(), &encoded, append_bytes, nullptr);
-    png_set_compression_level(writer.png(), compression);
-    // Maps are flat areas: guessing the best filter for each row costs more time than it saves bytes.
-    png_set_filter(writer.png(), 0, compression < 6 ? PNG_FILTER_SUB : PNG_ALL_FILTERS);
-    png_set_IHDR(writer.png(), writer.info(), static_cast<png_uint_32>(image.width),
-                 static_cast<png_uint_32>(image.height), 8 * image.bytes_per_sample,
-                 colour_type_of(image.channels), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
-    png_write_info(writer.png(), writer.info());
-    if (image.bytes_per_sample == 2 && std::endian::native == std::endian::little)
-      png_set_swap(writer.png());
-    for (std::size_t begin = 0; begin < image.bytes.size(); begin += stride) {
-      png_write_row(writer.png(), image.bytes.data() + begin);
-    }
-    png_write_end(writer.png(), nullptr);
-  });
-  if (!written)
-    throw std::runtime_error(std::string("libpng could not encode a picture: ") +
-                             writer.failure.reason);
-  return encoded;
 }
 
 }  // namespace loopstone

@@ -3,11 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
+#include <mutex>
 #include <utility>
 #include <variant>
 
 #include "formats/atomic_file.hpp"
 #include "formats/float_image.hpp"
+#include "formats/png_plain.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/image.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
@@ -69,6 +72,29 @@ ColourImage to_colour(Image image) {
   return colour;
 }
 
+ColourImage colour_of_rows(const PngRows& rows) {
+  ColourImage colour{rows.width, rows.height, {}};
+  colour.rgb.reserve(rows.row_bytes() * static_cast<std::size_t>(rows.height));
+  for (int row = 0; row < rows.height; ++row) {
+    colour.rgb.insert(colour.rgb.end(), rows.row(row), rows.row(row) + rows.row_bytes());
+  }
+  return colour;
+}
+
+InverseDepthImage explain_rows(const PngRows& rows, std::span<const float> per_m_of_number) {
+  const auto width = static_cast<std::size_t>(rows.width);
+  InverseDepthImage depth{rows.width, rows.height,
+                          std::vector<float>(width * static_cast<std::size_t>(rows.height))};
+  float* to = depth.per_m.data();
+  for (int row = 0; row < rows.height; ++row, to += width) {
+    const std::uint8_t* const from = rows.row(row);
+    for (std::size_t i = 0; i < width; ++i) {
+      to[i] = per_m_of_number[from[2 * i] * std::size_t{256} + from[2 * i + 1]];
+    }
+  }
+  return depth;
+}
+
 InverseDepthImage explain_numbers(const Image& image, std::span<const float> per_m_of_number,
                                   const std::string& path) {
   if (image.channels != 1 || image.bytes_per_sample != 2) {
@@ -99,44 +125,100 @@ InverseDepthImage invert_metres(const FloatImage& image, const DepthEncoding& en
   return depth;
 }
 
+ColourImage decode_colour(std::string_view bytes, PngScratch& scratch, const std::string& path) {
+  if (is_tiff(bytes)) {
+    throw DataError({path}, "is TIFF; colour pictures are PNG or PNM: convert it");
+  }
+  const auto rows = unpack_plain_png(bytes, scratch);
+  if (rows && rows->channels == 3 && rows->bytes_per_sample == 1) return colour_of_rows(*rows);
+  return to_colour(decode_image(bytes, path));
+}
+
+InverseDepthImage decode_depth(std::string_view bytes, const DepthEncoding& encoding,
+                               std::span<const float> per_m_of_number, PngScratch& scratch,
+                               const std::string& path) {
+  const auto rows = unpack_plain_png(bytes, scratch);
+  if (rows && rows->channels == 1 && rows->bytes_per_sample == 2) {
+    return explain_rows(*rows, per_m_of_number);
+  }
+  if (bytes.starts_with("Pf") || bytes.starts_with("PF")) {
+    return invert_metres(decode_pfm(bytes, path), encoding);
+  }
+  if (is_tiff(bytes)) {
+    const auto picture = decode_tiff(bytes, path);
+    if (const auto* metres = std::get_if<FloatImage>(&picture)) {
+      return invert_metres(*metres, encoding);
+    }
+    return explain_numbers(std::get<Image>(picture), per_m_of_number, path);
+  }
+  return explain_numbers(decode_image(bytes, path), per_m_of_number, path);
+}
+
+/// What one thread needs while it loads a picture.
+struct Workplace {
+  std::string file{};
+  PngScratch png{};
+};
+
 }  // namespace
 
-ColourImage decode_colour(std::string_view bytes, const std::string& path_for_errors) {
-  if (is_tiff(bytes)) {
-    throw DataError({path_for_errors}, "is TIFF; colour pictures are PNG or PNM: convert it");
+/// The workplaces that are free.
+struct RgbdLoader::Workplaces {
+  std::mutex mutex{};
+  std::vector<std::unique_ptr<Workplace>> free{};
+
+  /// Runs body(workplace) with one that no other thread has.
+  template <typename Body>
+  auto with_one(const Body& body) {
+    std::unique_ptr<Workplace> mine = take();
+    auto result = body(*mine);  // when this throws, the workplace is not missed
+    const std::lock_guard lock(mutex);
+    free.push_back(std::move(mine));
+    return result;
   }
-  return to_colour(decode_image(bytes, path_for_errors));
+
+ private:
+  std::unique_ptr<Workplace> take() {
+    const std::lock_guard lock(mutex);
+    if (free.empty()) return std::make_unique<Workplace>();
+    std::unique_ptr<Workplace> mine = std::move(free.back());
+    free.pop_back();
+    return mine;
+  }
+};
+
+ColourImage decode_colour(std::string_view bytes, const std::string& path_for_errors) {
+  PngScratch scratch;
+  return decode_colour(bytes, scratch, path_for_errors);
 }
 
 InverseDepthImage decode_depth(std::string_view bytes, const DepthEncoding& encoding,
                                std::span<const float> per_m_of_number,
                                const std::string& path_for_errors) {
-  if (bytes.starts_with("Pf") || bytes.starts_with("PF")) {
-    return invert_metres(decode_pfm(bytes, path_for_errors), encoding);
-  }
-  if (is_tiff(bytes)) {
-    const auto picture = decode_tiff(bytes, path_for_errors);
-    if (const auto* metres = std::get_if<FloatImage>(&picture)) {
-      return invert_metres(*metres, encoding);
-    }
-    return explain_numbers(std::get<Image>(picture), per_m_of_number, path_for_errors);
-  }
-  return explain_numbers(decode_image(bytes, path_for_errors), per_m_of_number, path_for_errors);
+  PngScratch scratch;
+  return decode_depth(bytes, encoding, per_m_of_number, scratch, path_for_errors);
 }
 
 RgbdLoader::RgbdLoader(const CameraModel& camera)
-    : camera_(camera), per_m_of_number_(inverse_depth_table(camera.encoding)) {}
+    : camera_(camera),
+      per_m_of_number_(inverse_depth_table(camera.encoding)),
+      workplaces_(std::make_shared<Workplaces>()) {}
 
 ColourImage RgbdLoader::load_colour(const std::string& path) const {
-  ColourImage colour = decode_colour(read_whole_file(path, kMostPictureBytes), path);
+  ColourImage colour = workplaces_->with_one([&](Workplace& mine) {
+    mine.file = read_whole_file(path, kMostPictureBytes, std::move(mine.file));
+    return decode_colour(mine.file, mine.png, path);
+  });
   check_size(colour.width, colour.height, colour_lens(camera_),
              camera_.colour_is_registered ? "camera.depth" : "camera.colour", path);
   return colour;
 }
 
 InverseDepthImage RgbdLoader::load_depth(const std::string& path) const {
-  InverseDepthImage depth = decode_depth(read_whole_file(path, kMostPictureBytes), camera_.encoding,
-                                         per_m_of_number_, path);
+  InverseDepthImage depth = workplaces_->with_one([&](Workplace& mine) {
+    mine.file = read_whole_file(path, kMostPictureBytes, std::move(mine.file));
+    return decode_depth(mine.file, camera_.encoding, per_m_of_number_, mine.png, path);
+  });
   check_size(depth.width, depth.height, camera_.depth, "camera.depth", path);
   return depth;
 }

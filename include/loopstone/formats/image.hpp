@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,5 +57,13 @@ struct Image {
                                  const std::string& path_for_errors = "image");
 [[nodiscard]] Image read_image(const std::string& path);
 void write_png(const std::string& path, const Image& image, int compression = 3);
+
+/// Writes a PNG of 8 bits a channel one row at a time, for pictures that do not fit into memory. The file appears whole or
+/// not at all, also when `fill_row` throws. Throws DataError.
+/// \param fill_row  puts width * channels samples of a row into the span, which holds the row before; rows come from the
+///                  top, 0, down
+void write_png_rows(const std::string& path, int width, int height, int channels,
+                    const std::function<void(int row, std::span<std::uint8_t> samples)>& fill_row,
+                    int compression = 3);
 
 }  // namespace loopstone

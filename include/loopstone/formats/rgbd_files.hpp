@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,7 +16,8 @@ namespace loopstone {
 ///
 /// Colour is PNG or PNM: grey is expanded, 16 bits are reduced to 8, alpha is dropped. Depth is a picture of 16-bit numbers
 /// (PNG, PNM, TIFF), which the camera's DepthEncoding explains, or of metres as 32-bit numbers (PFM, TIFF).
-/// Every function is const and may be called from several threads at once.
+/// Every function is const and may be called from several threads at once. Memory for unpacking is kept from call to call,
+/// as much as one frame needs for every thread that was loading at the same time.
 class RgbdLoader {
  public:
   /// Throws UsageError when the camera's depth encoding is of an unknown kind.
@@ -29,8 +31,11 @@ class RgbdLoader {
   [[nodiscard]] InverseDepthImage load_depth(const std::string& path) const;
 
  private:
+  struct Workplaces;
+
   CameraModel camera_;
   std::vector<float> per_m_of_number_;
+  std::shared_ptr<Workplaces> workplaces_;
 };
 
 /// A colour picture from the bytes of a PNG or PNM file. Throws DataError.

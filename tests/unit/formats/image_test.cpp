@@ -2,8 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "formats/png_plain.hpp"
+#include "formats/png_unfilter.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/rng.hpp"
 #include "support/temp_dir.hpp"
@@ -60,6 +71,109 @@ TEST(Png, EveryTruncationAndManyFlipsAreRefusedOrRead) {
       continue;
     }
   }
+}
+
+/// The naive twin of the quick decoder is libpng.
+TEST(Png, TheQuickDecoderAgreesWithLibpng) {
+  Rng rng(12);
+  for (int channels = 1; channels <= 4; ++channels) {
+    for (const int bytes_per_sample : {1, 2}) {
+      // Smooth pictures, so that libpng chooses every filter somewhere.
+      Image image = make_image(61, 47, channels, bytes_per_sample);
+      for (std::size_t i = 0; i < image.bytes.size(); ++i) {
+        image.bytes[i] = static_cast<std::uint8_t>(i / 3 + rng.below(3 + i / 4000));
+      }
+      for (const int compression : {0, 1, 6, 9}) {
+        const std::string bytes = encode_png(image, compression);
+        const auto quick = decode_plain_png(bytes);
+        ASSERT_TRUE(quick) << channels << " channels";
+        const Image slow = decode_any_png(bytes, "m");
+        EXPECT_EQ(quick->bytes, slow.bytes);
+        EXPECT_EQ(quick->width, slow.width);
+        EXPECT_EQ(quick->channels, slow.channels);
+        EXPECT_EQ(quick->bytes_per_sample, slow.bytes_per_sample);
+        EXPECT_EQ(quick->max_value, slow.max_value);
+      }
+    }
+  }
+}
+
+TEST(Png, EveryFilterIsUndone) {
+  // Bytes that no encoder would choose, with each filter on a row; libpng tells what they mean.
+  Rng rng(13);
+  for (const std::size_t bytes_per_pixel : {1U, 2U, 3U, 4U, 6U, 8U}) {
+    const std::size_t row_bytes = 9 * bytes_per_pixel;
+    std::vector<std::uint8_t> rows;
+    for (int row = 0; row < 40; ++row) {
+      rows.push_back(static_cast<std::uint8_t>(rng.below(5)));
+      for (std::size_t i = 0; i < row_bytes; ++i) {
+        rows.push_back(static_cast<std::uint8_t>(rng.below(256)));
+      }
+    }
+    std::vector<std::uint8_t> wanted = rows;
+    for (std::size_t row = 0; row < 40; ++row) {
+      std::uint8_t* const at = &wanted[row * (row_bytes + 1)];
+      for (std::size_t i = 1; i <= row_bytes; ++i) {
+        const bool has_left = i > bytes_per_pixel;
+        const int a = has_left ? at[i - bytes_per_pixel] : 0;
+        const int b = row > 0 ? (at - row_bytes - 1)[i] : 0;
+        const int c = row > 0 && has_left ? (at - row_bytes - 1)[i - bytes_per_pixel] : 0;
+        const int p = a + b - c;  // PNG specification, section 9.4
+        const int pa = std::abs(p - a);
+        const int pb = std::abs(p - b);
+        const int pc = std::abs(p - c);
+        const int paeth = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
+        const std::array<int, 5> guess{0, a, b, (a + b) / 2, paeth};
+        at[i] = static_cast<std::uint8_t>(at[i] + guess[at[0]]);
+      }
+    }
+    ASSERT_TRUE(unfilter_png(rows.data(), row_bytes, 40, bytes_per_pixel));
+    EXPECT_EQ(rows, wanted) << bytes_per_pixel;
+    rows[0] = 5;
+    EXPECT_FALSE(unfilter_png(rows.data(), row_bytes, 40, bytes_per_pixel));
+  }
+}
+
+TEST(Png, WhatTheQuickDecoderTakesLibpngTakesToo) {
+  const std::string good = encode_png(random_image(8, 16, 16, 3, 1), 6);
+  Rng rng(10);
+  int taken = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string damaged = good;
+    for (std::uint64_t flips = rng.below(3); flips > 0; --flips) {
+      damaged[rng.below(damaged.size())] ^= static_cast<char>(1U << rng.below(8));
+    }
+    const auto quick = decode_plain_png(damaged);
+    if (!quick) continue;
+    ++taken;
+    EXPECT_EQ(decode_any_png(damaged, "m").bytes, quick->bytes);
+  }
+  EXPECT_GT(taken, 500);
+  EXPECT_FALSE(decode_plain_png(good.substr(0, good.size() - 1)));
+}
+
+TEST(Png, RowsAreWrittenOneAtATime) {
+  const test::TempDir dir;
+  for (int channels = 1; channels <= 4; ++channels) {
+    const Image image = random_image(14, 33, 21, channels, 1);
+    int calls = 0;
+    write_png_rows(dir / "a.png", 33, 21, channels, [&](int row, std::span<std::uint8_t> samples) {
+      EXPECT_EQ(row, calls++);
+      const std::size_t stride = samples.size();
+      std::copy_n(image.bytes.begin() + static_cast<std::ptrdiff_t>(stride) * row, stride,
+                  samples.begin());
+    });
+    const Image back = read_image(dir / "a.png");
+    EXPECT_EQ(back.bytes, image.bytes);
+    EXPECT_EQ(back.channels, channels);
+  }
+  const auto fails = [](int row, std::span<std::uint8_t>) {
+    if (row == 5) throw DataError({"frames"}, "ended");
+  };
+  EXPECT_THROW(write_png_rows(dir / "b.png", 9, 9, 3, fails), DataError);
+  EXPECT_FALSE(std::filesystem::exists(dir / "b.png"));
+  EXPECT_THROW(write_png_rows(dir / "b.png", 0, 9, 3, fails), UsageError);
+  EXPECT_THROW(write_png_rows(dir / "b.png", 9, 9, 5, fails), UsageError);
 }
 
 TEST(Pgm, PlainAndRawWithComments) {
