@@ -43,7 +43,7 @@ void factorise_city(benchmark::State& state) {
   std::vector<bool> fixed(graph.poses.size(), false);
   fixed.front() = true;
   NormalEquations equations(graph, fixed, {});
-  equations.linearise(graph.poses);
+  (void)equations.linearise({graph.poses, {}});
   BlockCholesky cholesky(equations.hessian());
   for (auto _ : state) benchmark::DoNotOptimize(cholesky.factorise(equations.hessian(), 0.0));
   state.counters["fill_blocks"] = static_cast<double>(cholesky.fill());

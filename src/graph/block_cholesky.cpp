@@ -1,49 +1,32 @@
 #include "graph/block_cholesky.hpp"
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
+
+#include "graph/front_assembly.hpp"
 
 namespace loopstone {
 
-namespace {
-
-constexpr int kNone = -1;
-
-/// The inverse of the Cholesky factor of a 3x3 matrix (lower triangle read); false when it is not positive definite.
-bool inverse_cholesky(const Eigen::Matrix3d& a, Eigen::Matrix3d& inverse) {
-  const double d0 = a(0, 0);
-  if (!(d0 > 0.0)) return false;
-  const double i0 = 1.0 / std::sqrt(d0);
-  const double l10 = a(1, 0) * i0;
-  const double l20 = a(2, 0) * i0;
-  const double d1 = a(1, 1) - l10 * l10;
-  if (!(d1 > 0.0)) return false;
-  const double i1 = 1.0 / std::sqrt(d1);
-  const double l21 = (a(2, 1) - l20 * l10) * i1;
-  const double d2 = a(2, 2) - l20 * l20 - l21 * l21;
-  if (!(d2 > 0.0) || !std::isfinite(d2)) return false;
-  const double i2 = 1.0 / std::sqrt(d2);
-  const double m10 = -l10 * i0 * i1;
-  const double m21 = -l21 * i1 * i2;
-  const double m20 = -(l20 * i0 + l21 * m10) * i2;
-  inverse << i0, 0.0, 0.0,  //
-      m10, i1, 0.0,         //
-      m20, m21, i2;
-  return true;
-}
-
-}  // namespace
-
 BlockMatrix block_matrix(int size, std::vector<std::pair<int, int>> pairs) {
+  // Sorted by two counting passes: first by row, then by column, which keeps the rows in order.
+  const auto columns = static_cast<std::size_t>(size);
   for (auto& [column, row] : pairs) {
     if (column > row) std::swap(column, row);
   }
-  std::sort(pairs.begin(), pairs.end());
+  const auto counted = [&](auto key) {
+    std::vector<std::size_t> start(columns + 1, 0);
+    for (const auto& pair : pairs) ++start[static_cast<std::size_t>(key(pair)) + 1];
+    for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
+    std::vector<std::pair<int, int>> sorted(pairs.size());
+    for (const auto& pair : pairs) sorted[start[static_cast<std::size_t>(key(pair))]++] = pair;
+    pairs = std::move(sorted);
+  };
+  counted([](const std::pair<int, int>& pair) { return pair.second; });
+  counted([](const std::pair<int, int>& pair) { return pair.first; });
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+
   BlockMatrix result;
-  result.column_start.assign(static_cast<std::size_t>(size) + 1, 0);
+  result.column_start.assign(columns + 1, 0);
   result.rows.reserve(pairs.size());
   for (const auto& [column, row] : pairs) {
     if (column == row) continue;
@@ -53,146 +36,156 @@ BlockMatrix block_matrix(int size, std::vector<std::pair<int, int>> pairs) {
   for (std::size_t i = 1; i < result.column_start.size(); ++i) {
     result.column_start[i] += result.column_start[i - 1];
   }
-  result.diagonal.assign(static_cast<std::size_t>(size), Eigen::Matrix3d::Zero());
+  result.diagonal.assign(columns, Eigen::Matrix3d::Zero());
   result.below.assign(result.rows.size(), Eigen::Matrix3d::Zero());
   return result;
 }
 
-std::vector<int> fill_reducing_order(int size, std::span<const std::pair<int, int>> pairs) {
-  using Pattern = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-  std::vector<Eigen::Triplet<double, int>> entries;
-  entries.reserve(2 * pairs.size() + static_cast<std::size_t>(size));
-  for (int i = 0; i < size; ++i) entries.emplace_back(i, i, 1.0);
-  for (const auto& [a, b] : pairs) {
-    entries.emplace_back(a, b, 1.0);
-    entries.emplace_back(b, a, 1.0);
+BlockCholesky::BlockCholesky(const BlockMatrix& pattern) {
+  const int size = static_cast<int>(pattern.diagonal.size());
+  std::vector<std::pair<int, int>> pairs;
+  pairs.reserve(pattern.rows.size());
+  for (int j = 0; j < size; ++j) {
+    const auto column = static_cast<std::size_t>(j);
+    for (int p = pattern.column_start[column]; p < pattern.column_start[column + 1]; ++p) {
+      pairs.emplace_back(j, pattern.rows[static_cast<std::size_t>(p)]);
+    }
   }
-  Pattern pattern(size, size);
-  pattern.setFromTriplets(entries.begin(), entries.end());
-  Eigen::AMDOrdering<int>::PermutationType order(size);
-  Eigen::AMDOrdering<int>{}(pattern, order);
-  // Eigen gives the inverse permutation: indices()[place] = i.
-  std::vector<int> place(static_cast<std::size_t>(size));
-  for (int i = 0; i < size; ++i) place[static_cast<std::size_t>(order.indices()[i])] = i;
-  return place;
+  tree_ = front_tree(size, pairs);
+  lay_out_fronts();
+  lay_out_entries(pattern);
 }
 
-BlockCholesky::BlockCholesky(const BlockMatrix& pattern) {
-  const std::size_t size = pattern.diagonal.size();
-  // The rows of column j of L: those of A, and those of its children in the elimination tree.
-  column_start_.assign(size + 1, 0);
-  rows_.reserve(4 * pattern.rows.size());
-  std::vector<int> first_child(size, kNone);
-  std::vector<int> next_sibling(size, kNone);
-  std::vector<int> seen_by(size, kNone);
-  for (std::size_t j = 0; j < size; ++j) {
-    const int column = static_cast<int>(j);
-    const auto add = [&](int row) {
-      if (row == column || seen_by[static_cast<std::size_t>(row)] == column) return;
-      seen_by[static_cast<std::size_t>(row)] = column;
-      rows_.push_back(row);
-    };
-    const std::size_t begin = rows_.size();
-    for (int p = pattern.column_start[j]; p < pattern.column_start[j + 1]; ++p) {
-      add(pattern.rows[static_cast<std::size_t>(p)]);
+void BlockCholesky::lay_out_fronts() {
+  std::size_t panel_end = 0;
+  std::array<std::size_t, 2> top{0, 0};
+  std::array<std::size_t, 2> highest{0, 0};
+  std::size_t longest = 0;
+  for (const Front& front : tree_.fronts) {
+    const auto pivots = static_cast<std::size_t>(front.pivots);
+    const auto below = static_cast<std::size_t>(front.below());
+    fill_ += pivots * (pivots - 1) / 2 + pivots * below;
+    panel_start_.push_back(panel_end);
+    panel_end += 3 * pivots * padded_rows(3 * (pivots + below));
+    // The fronts on a stack of one parity are finished but not yet taken up; when this one is, its children, on the
+    // other stack, are gone.
+    const auto parity = static_cast<std::size_t>(front.depth % 2);
+    update_start_.push_back(top[parity]);
+    top[parity] += 3 * below * padded_rows(3 * below);
+    highest[parity] = std::max(highest[parity], top[parity]);
+    if (!front.children.empty()) {
+      top[1 - parity] = update_start_[static_cast<std::size_t>(front.children.front())];
     }
-    for (int child = first_child[j]; child != kNone;
-         child = next_sibling[static_cast<std::size_t>(child)]) {
-      const auto c = static_cast<std::size_t>(child);
-      for (int p = column_start_[c]; p < column_start_[c + 1]; ++p) {
-        add(rows_[static_cast<std::size_t>(p)]);
+    longest = std::max(longest, padded_rows(3 * below));
+  }
+  panels_ = std::make_unique_for_overwrite<double[]>(panel_end + kFrontSlack);
+  std::fill_n(panels_.get() + panel_end, kFrontSlack, 0.0);
+  for (std::size_t parity = 0; parity < 2; ++parity) {
+    stacks_[parity] = std::make_unique_for_overwrite<double[]>(highest[parity] + kFrontSlack);
+  }
+  inverse_diagonal_.assign(3 * tree_.place.size(), 0.0);
+  x_.assign(3 * tree_.place.size(), 0.0);
+  below_.assign(longest, 0.0);
+}
+
+void BlockCholesky::lay_out_entries(const BlockMatrix& pattern) {
+  const auto place = [this](int i) { return tree_.place[static_cast<std::size_t>(i)]; };
+  const int size = static_cast<int>(pattern.diagonal.size());
+  const auto for_each_block = [&](auto&& visit) {
+    for (int j = 0; j < size; ++j) {
+      visit(-1 - j, place(j), place(j));
+      const auto column = static_cast<std::size_t>(j);
+      for (int p = pattern.column_start[column]; p < pattern.column_start[column + 1]; ++p) {
+        visit(p, place(pattern.rows[static_cast<std::size_t>(p)]), place(j));
       }
     }
-    std::sort(rows_.begin() + static_cast<std::ptrdiff_t>(begin), rows_.end());
-    column_start_[j + 1] = static_cast<int>(rows_.size());
-    if (rows_.size() > begin) {
-      const auto parent = static_cast<std::size_t>(rows_[begin]);
-      next_sibling[j] = first_child[parent];
-      first_child[parent] = column;
+  };
+  const auto front_at = [this](int a, int b) {
+    return static_cast<std::size_t>(tree_.front_of[static_cast<std::size_t>(std::min(a, b))]);
+  };
+  entry_start_.assign(tree_.fronts.size() + 1, 0);
+  for_each_block([&](int, int row, int column) { ++entry_start_[front_at(row, column) + 1]; });
+  for (std::size_t i = 1; i < entry_start_.size(); ++i) entry_start_[i] += entry_start_[i - 1];
+  entries_.resize(entry_start_.back());
+  std::vector<std::size_t> next(entry_start_.begin(), entry_start_.end() - 1);
+  for_each_block([&](int source, int row, int column) {
+    const std::size_t f = front_at(row, column);
+    const bool transposed = row < column;
+    const std::size_t offset =
+        panel_offset(tree_.fronts[f], std::max(row, column), std::min(row, column));
+    entries_[next[f]++] = {source, offset, transposed};
+  });
+}
+
+DenseFront BlockCholesky::dense_front(std::size_t front) {
+  const Front& f = tree_.fronts[front];
+  return {panels_.get() + panel_start_[front],
+          stacks_[static_cast<std::size_t>(f.depth % 2)].get() + update_start_[front],
+          inverse_diagonal_.data() + 3 * static_cast<std::size_t>(f.first_pivot),
+          3 * static_cast<std::size_t>(f.size()), 3 * static_cast<std::size_t>(f.pivots)};
+}
+
+void BlockCholesky::assemble(std::size_t front, const BlockMatrix& a, double damping,
+                             const DenseFront& dense) {
+  clear(dense);
+  const std::size_t stride = padded_rows(dense.rows);
+  for (std::size_t e = entry_start_[front]; e < entry_start_[front + 1]; ++e) {
+    const Entry& entry = entries_[e];
+    double* target = dense.panel + entry.offset;
+    if (entry.source < 0) {
+      add_block(a.diagonal[static_cast<std::size_t>(-1 - entry.source)], target, stride);
+      for (std::size_t k = 0; k < 3; ++k) target[k * stride + k] *= 1.0 + damping;
+    } else if (entry.transposed) {
+      add_block(a.below[static_cast<std::size_t>(entry.source)].transpose(), target, stride);
+    } else {
+      add_block(a.below[static_cast<std::size_t>(entry.source)], target, stride);
     }
   }
-  below_.resize(rows_.size());
-  inverse_diagonal_.resize(size);
-  work_.resize(size);
-  pending_.next.resize(size);
-  pending_.position.resize(size);
+  for (const int child : tree_.fronts[front].children) {
+    const auto c = static_cast<std::size_t>(child);
+    add_update(tree_.fronts[c].runs, dense_front(c), dense);
+  }
 }
 
 bool BlockCholesky::factorise(const BlockMatrix& a, double damping) {
-  const std::size_t size = a.diagonal.size();
-  pending_.first_of_row.assign(size, kNone);
-  for (std::size_t j = 0; j < size; ++j) {
-    work_[j] = a.diagonal[j];
-    work_[j].diagonal() *= 1.0 + damping;
-    for (int p = column_start_[j]; p < column_start_[j + 1]; ++p) {
-      work_[static_cast<std::size_t>(rows_[static_cast<std::size_t>(p)])].setZero();
-    }
-    for (int p = a.column_start[j]; p < a.column_start[j + 1]; ++p) {
-      const auto i = static_cast<std::size_t>(p);
-      work_[static_cast<std::size_t>(a.rows[i])] = a.below[i];
-    }
-    subtract_pending(static_cast<int>(j));
-    if (!finish_column(static_cast<int>(j))) return false;
+  for (std::size_t f = 0; f < tree_.fronts.size(); ++f) {
+    const DenseFront dense = dense_front(f);
+    assemble(f, a, damping, dense);
+    if (!factorise_front(dense)) return false;
   }
   return true;
 }
 
-void BlockCholesky::defer(int column, int position) {
-  const auto c = static_cast<std::size_t>(column);
-  if (position == column_start_[c + 1]) return;
-  int& first =
-      pending_.first_of_row[static_cast<std::size_t>(rows_[static_cast<std::size_t>(position)])];
-  pending_.position[c] = position;
-  pending_.next[c] = first;
-  first = column;
-}
-
-void BlockCholesky::subtract_pending(int column) {
-  Eigen::Matrix3d& diagonal = work_[static_cast<std::size_t>(column)];
-  for (int k = pending_.first_of_row[static_cast<std::size_t>(column)]; k != kNone;) {
-    const auto source = static_cast<std::size_t>(k);
-    const int next = pending_.next[source];
-    const int position = pending_.position[source];
-    const Eigen::Matrix3d factor = below_[static_cast<std::size_t>(position)].transpose();
-    diagonal.noalias() -= factor.transpose() * factor;
-    for (int p = position + 1; p < column_start_[source + 1]; ++p) {
-      const auto i = static_cast<std::size_t>(p);
-      work_[static_cast<std::size_t>(rows_[i])].noalias() -= below_[i] * factor;
-    }
-    defer(k, position + 1);
-    k = next;
+void BlockCholesky::solve_in_place(std::span<Eigen::Vector3d> b) {
+  const auto x_at = [this](int place) { return x_.data() + 3 * static_cast<std::size_t>(place); };
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    Eigen::Map<Eigen::Vector3d>(x_at(tree_.place[i])) = b[i];
   }
-}
-
-bool BlockCholesky::finish_column(int column) {
-  const auto j = static_cast<std::size_t>(column);
-  if (!inverse_cholesky(work_[j], inverse_diagonal_[j])) return false;
-  const Eigen::Matrix3d factor = inverse_diagonal_[j].transpose();
-  for (int p = column_start_[j]; p < column_start_[j + 1]; ++p) {
-    const auto i = static_cast<std::size_t>(p);
-    below_[i].noalias() = work_[static_cast<std::size_t>(rows_[i])] * factor;
-  }
-  defer(column, column_start_[j]);
-  return true;
-}
-
-std::vector<Eigen::Vector3d> BlockCholesky::solve(std::vector<Eigen::Vector3d> b) const {
-  const std::size_t size = inverse_diagonal_.size();
-  for (std::size_t j = 0; j < size; ++j) {
-    b[j] = inverse_diagonal_[j] * b[j];
-    for (int p = column_start_[j]; p < column_start_[j + 1]; ++p) {
-      const auto i = static_cast<std::size_t>(p);
-      b[static_cast<std::size_t>(rows_[i])] -= below_[i] * b[j];
+  for (std::size_t f = 0; f < tree_.fronts.size(); ++f) {
+    const Front& front = tree_.fronts[f];
+    solve_front_forward(dense_front(f), x_at(front.first_pivot), below_.data());
+    const double* part = below_.data();
+    for (const int row : front.rows) {
+      double* x = x_at(row);
+      for (int k = 0; k < 3; ++k) x[k] -= *part++;
     }
   }
-  for (std::size_t j = size; j-- > 0;) {
-    Eigen::Vector3d sum = b[j];
-    for (int p = column_start_[j]; p < column_start_[j + 1]; ++p) {
-      const auto i = static_cast<std::size_t>(p);
-      sum -= below_[i].transpose() * b[static_cast<std::size_t>(rows_[i])];
+  for (std::size_t f = tree_.fronts.size(); f-- > 0;) {
+    const Front& front = tree_.fronts[f];
+    double* part = below_.data();
+    for (const int row : front.rows) {
+      const double* x = x_at(row);
+      for (int k = 0; k < 3; ++k) *part++ = x[k];
     }
-    b[j] = inverse_diagonal_[j].transpose() * sum;
+    solve_front_backward(dense_front(f), x_at(front.first_pivot), below_.data());
   }
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    b[i] = Eigen::Map<const Eigen::Vector3d>(x_at(tree_.place[i]));
+  }
+}
+
+std::vector<Eigen::Vector3d> BlockCholesky::solve(std::vector<Eigen::Vector3d> b) {
+  solve_in_place(b);
   return b;
 }
 

@@ -1,9 +1,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include "graph/elimination_order.hpp"
+#include "graph/front_kernels.hpp"
+#include "graph/front_tree.hpp"
 
 namespace loopstone {
 
@@ -19,45 +26,52 @@ struct BlockMatrix {
 /// The zero matrix with room for the blocks (row, column) and (column, row) of the pairs. Pairs may repeat.
 [[nodiscard]] BlockMatrix block_matrix(int size, std::vector<std::pair<int, int>> pairs);
 
-/// An order of elimination with little fill: result[i] is the place of i. Approximate minimum degree
-/// (Amestoy, Davis and Duff 1996) on the blocks.
-[[nodiscard]] std::vector<int> fill_reducing_order(int size,
-                                                   std::span<const std::pair<int, int>> pairs);
-
 /// A = L L^T for a symmetric positive definite block matrix. The pattern of L is found once, so a matrix of the same
-/// pattern is factorised again without any bookkeeping.
-/// Left-looking by block columns: Davis 2006, "Direct methods for sparse linear systems", sections 4.1 and 4.8.
+/// pattern is factorised again without any bookkeeping or allocation.
+/// Multifrontal: each supernode is a small dense matrix, and hands what is left of it to its parent in the elimination
+/// tree. Duff and Reid 1983, "The multifrontal solution of indefinite sparse symmetric linear equations"; Liu 1992.
 class BlockCholesky {
  public:
-  /// Finds the pattern of L; the values are not looked at.
+  /// Finds the pattern of L, with the blocks eliminated in their order; the values are not looked at.
   explicit BlockCholesky(const BlockMatrix& pattern);
 
   /// Factorises A + damping * diag(A). False when that is not positive definite; then there is nothing to solve with.
   [[nodiscard]] bool factorise(const BlockMatrix& a, double damping);
 
   /// Solves A x = b.
-  [[nodiscard]] std::vector<Eigen::Vector3d> solve(std::vector<Eigen::Vector3d> b) const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> solve(std::vector<Eigen::Vector3d> b);
+  /// The same, b becoming x.
+  void solve_in_place(std::span<Eigen::Vector3d> b);
 
-  /// Blocks below the diagonal of L.
-  [[nodiscard]] std::size_t fill() const { return rows_.size(); }
+  /// Blocks below the diagonal of L, zeros of merged supernodes included.
+  [[nodiscard]] std::size_t fill() const { return fill_; }
+
+  [[nodiscard]] const FrontTree& tree() const { return tree_; }
+  /// The factor of a front.
+  [[nodiscard]] DenseFront dense_front(std::size_t front);
 
  private:
-  /// Columns that still have to be subtracted from a later one: a linked list for each row that comes next.
-  struct Pending {
-    std::vector<int> first_of_row;
-    std::vector<int> next;
-    std::vector<int> position;
+  /// Where a block of A goes.
+  struct Entry {
+    int source = 0;          ///< in BlockMatrix::below; -1 - i for diagonal block i
+    std::size_t offset = 0;  ///< in the front's panel
+    bool transposed = false;
   };
-  void defer(int column, int position);
-  void subtract_pending(int column);
-  [[nodiscard]] bool finish_column(int column);
+  void lay_out_fronts();
+  void lay_out_entries(const BlockMatrix& pattern);
+  void assemble(std::size_t front, const BlockMatrix& a, double damping, const DenseFront& dense);
 
-  std::vector<int> column_start_;
-  std::vector<int> rows_;
-  std::vector<Eigen::Matrix3d> below_;
-  std::vector<Eigen::Matrix3d> inverse_diagonal_;  ///< of L's diagonal blocks, lower triangular
-  std::vector<Eigen::Matrix3d> work_;              ///< the column in the making, by row
-  Pending pending_;
+  FrontTree tree_;
+  std::vector<std::size_t> panel_start_;   ///< of each front, in panels_
+  std::vector<std::size_t> update_start_;  ///< of each front, in the stack of its depth's parity
+  std::vector<std::size_t> entry_start_;   ///< of each front, in entries_
+  std::vector<Entry> entries_;
+  std::unique_ptr<double[]> panels_;  ///< not set to zero: each front clears its own
+  std::array<std::unique_ptr<double[]>, 2> stacks_;
+  std::vector<double> inverse_diagonal_;
+  std::vector<double> x_;      ///< right-hand side and solution, by place
+  std::vector<double> below_;  ///< the part of one front
+  std::size_t fill_ = 0;
 };
 
 }  // namespace loopstone

@@ -8,15 +8,16 @@
 namespace loopstone {
 
 /// How the cost of a residual grows with its chi2.
-enum class RobustKernel { kNone, kHuber, kCauchy, kGemanMcClure, kTukey };
+enum class RobustKernel { kNone, kHuber, kCauchy, kGemanMcClure, kTukey, kDcs };
 
 /// The names that options use.
-inline constexpr std::array<std::pair<std::string_view, RobustKernel>, 5> kRobustKernelNames{
+inline constexpr std::array<std::pair<std::string_view, RobustKernel>, 6> kRobustKernelNames{
     {{"none", RobustKernel::kNone},
      {"huber", RobustKernel::kHuber},
      {"cauchy", RobustKernel::kCauchy},
      {"geman_mcclure", RobustKernel::kGemanMcClure},
-     {"tukey", RobustKernel::kTukey}}};
+     {"tukey", RobustKernel::kTukey},
+     {"dcs", RobustKernel::kDcs}}};
 
 /// The kernel of that name. Throws UsageError for another one.
 [[nodiscard]] RobustKernel robust_kernel_from(std::string_view name);
@@ -30,7 +31,8 @@ struct RobustValue {
 /// A kernel of the given width, in the residual's units: residuals within `width` count (nearly) in full. The weight
 /// depends on sqrt(chi2) / width alone, so it stays when residual and width scale together; rho(s) ~ s near zero.
 /// Beyond the width Tukey's weight is 0: such residuals say nothing at all.
-/// Source: Zhang 1997, "Parameter estimation techniques", table 1, with chi2 in place of x^2.
+/// Source: Zhang 1997, "Parameter estimation techniques", table 1, with chi2 in place of x^2; DCS: Agarwal et al. 2013,
+/// "Robust map optimization using dynamic covariance scaling", in closed form.
 [[nodiscard]] inline RobustValue evaluate(RobustKernel kernel, double width, double chi2) {
   const double width2 = width * width;
   const double ratio = chi2 / width2;
@@ -50,6 +52,12 @@ struct RobustValue {
       if (ratio >= 1.0) return {width2 / 3.0, 0.0};
       const double rest = 1.0 - ratio;
       return {width2 / 3.0 * (1.0 - rest * rest * rest), rest * rest};
+    }
+    case RobustKernel::kDcs: {
+      // s = 2 phi / (phi + chi2), phi = width^2; the weight is s^2.
+      if (ratio <= 1.0) break;
+      const double scale = 2.0 / (1.0 + ratio);
+      return {width2 * (3.0 * ratio - 1.0) / (1.0 + ratio), scale * scale};
     }
   }
   return {chi2, 1.0};

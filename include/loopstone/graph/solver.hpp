@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,8 +12,11 @@
 namespace loopstone {
 
 struct SolverOptions {
+  /// gauss_newton: undamped steps while they help, damped ones when they do not.
+  std::string method = "gauss_newton";
   int max_iterations = 100;
-  /// Stop when a step promises to lower the cost by less than this share.
+  /// Stop when what is left to gain is less than this share of the cost: what a step promises, or what the next one
+  /// would, going by how the promises of undamped steps shrink.
   double relative_tolerance = 1e-8;
   std::string robust_kernel = "none";
   /// In standard deviations of an edge.
@@ -23,11 +27,13 @@ struct SolverOptions {
 
 template <typename Visitor>
 void visit_options(SolverOptions& options, Visitor&& visit) {
+  visit("method", options.method, OneOf{{"gauss_newton", "levenberg_marquardt", "dogleg"}},
+        "how steps are found");
   visit("max_iterations", options.max_iterations, Range{1, 10000}, "stop after so many steps");
   visit("relative_tolerance", options.relative_tolerance, Range{0.0, 0.1},
-        "stop when a step promises to lower the cost by less than this share");
+        "stop when less than this share of the cost is left to gain");
   visit("robust_kernel", options.robust_kernel,
-        OneOf{{"none", "huber", "cauchy", "geman_mcclure", "tukey"}},
+        OneOf{{"none", "huber", "cauchy", "geman_mcclure", "tukey", "dcs"}},
         "how edges that disagree with the rest are softened");
   visit("robust_width", options.robust_width, Range{1e-3, 1e6},
         "standard deviations up to which an edge counts in full");
@@ -39,13 +45,14 @@ enum class SolveStatus {
   kConverged,
   kNotConverged,      ///< the iterations ran out; the poses are the best found
   kNumericalFailure,  ///< the normal equations could not be solved; the poses are the best found
-  kDisconnected,  ///< several components: each is solved, but where they lie to one another is unknown
+  kDisconnected,  ///< several components without a prior or fixed pose: each is solved, but where they lie to one another is unknown
 };
 
 [[nodiscard]] std::string_view to_string(SolveStatus status);
 
 struct SolveResult {
   std::vector<Pose2> poses;
+  std::vector<Eigen::Vector2d> landmarks;
   double cost_initial = 0.0;         ///< sum e^T information e at the start
   double cost = 0.0;                 ///< the same at the poses; no kernel in it
   double robust_cost_initial = 0.0;  ///< what was minimised: the sum after the kernel
@@ -53,15 +60,20 @@ struct SolveResult {
   int iterations = 0;  ///< steps tried
   SolveStatus status = SolveStatus::kNotConverged;
   int components = 0;                ///< connected parts of the graph
-  std::vector<double> edge_weights;  ///< (0, 1] that the kernel gave to each edge
+  std::vector<double> edge_weights;  ///< [0, 1] that the kernel gave to each edge
+  std::vector<double> prior_weights;
+  std::vector<double> landmark_weights;  ///< of the landmark edges
 };
 
-/// Poses that minimise the sum of (robust) e^T information e, from the graph's poses: Gauss-Newton; when a step does
-/// not lower the cost, Levenberg-Marquardt until one does. The first pose of each component is held fixed.
+/// Poses and landmarks that minimise the sum of (robust) e^T information e, from where the graph has them. The gauge is
+/// that of PoseGraph.
 ///
-/// Throws UsageError as check_graph does, and for an unknown kernel. Graphs without poses or edges are solved as they are.
-/// Cost: per step, one sparse Cholesky factorisation with 3x3 blocks in a fill-reducing order. Deterministic.
-/// Source: Grisetti et al. 2010, "A tutorial on graph-based SLAM"; damping of Nielsen 1999.
+/// Gauss-Newton lets the cost rise for a few steps before it turns to Levenberg-Marquardt, since full steps often lead
+/// through a rise to the optimum; the poses returned are always the best found.
+///
+/// Throws UsageError as check_graph does, and for an unknown kernel or method. Graphs without poses or edges are solved as
+/// they are. Cost: per step, one multifrontal Cholesky factorisation with 3x3 blocks in a fill-reducing order. Deterministic.
+/// Source: Grisetti et al. 2010, "A tutorial on graph-based SLAM"; damping of Nielsen 1999; dogleg of Powell 1970.
 [[nodiscard]] SolveResult optimize(const PoseGraph& graph, const SolverOptions& options = {});
 
 }  // namespace loopstone

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string_view>
+
+#include "graph/block_cholesky.hpp"
+#include "graph/normal_equations.hpp"
+#include "loopstone/graph/solver.hpp"
+
+namespace loopstone {
+
+enum class DescentMethod { kGaussNewton, kLevenbergMarquardt, kDogleg };
+
+/// Throws UsageError for a name that SolverOptions does not know.
+[[nodiscard]] DescentMethod descent_method_from(std::string_view name);
+
+struct DescentOptions {
+  DescentMethod method = DescentMethod::kGaussNewton;
+  int max_iterations = 100;
+  double relative_tolerance = 1e-8;
+};
+
+struct DescentResult {
+  SolveStatus status = SolveStatus::kNotConverged;
+  int iterations = 0;
+  GraphCosts initial;
+  GraphCosts final;
+};
+
+/// Lowers the robust cost of the state until nothing is left to gain.
+[[nodiscard]] DescentResult descend(NormalEquations& equations, BlockCholesky& cholesky,
+                                    const DescentOptions& options, GraphState& state);
+
+/// The state after a step, by the places of its poses and landmarks.
+void apply_step(const GraphState& from, const NormalEquations& equations,
+                std::span<const Eigen::Vector3d> step, GraphState& to);
+
+}  // namespace loopstone
