@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
+#include "loopstone/base/linear_light.hpp"
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/simulation/floor_plan.hpp"
 
@@ -52,6 +54,7 @@ void write_floor(const std::filesystem::path& folder, const FloorPattern& floor,
                  const GridFrame& map) {
   const GridFrame frame = floor_frame(map);
   Image image = make_image(frame.columns, frame.rows, 3);
+  const std::vector<std::uint8_t> levels = srgb_table();
   std::size_t at = 0;
   for (int row = frame.rows - 1; row >= 0; --row) {
     for (int column = 0; column < frame.columns; ++column) {
@@ -60,7 +63,8 @@ void write_floor(const std::filesystem::path& folder, const FloorPattern& floor,
       const LinearColour colour =
           floor.mean_over(Extent{centre.array() - half, centre.array() + half});
       for (int channel = 0; channel < 3; ++channel) {
-        image.bytes[at++] = static_cast<std::uint8_t>(std::lround(srgb_of_linear(colour[channel])));
+        image.bytes[at++] =
+            levels[static_cast<std::size_t>(std::lround(65535.0F * colour[channel]))];
       }
     }
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/linear_light.hpp"
 #include "loopstone/simulation/floor_pattern.hpp"
 #include "simulation/letters.hpp"
 
@@ -248,7 +249,7 @@ FloorPattern make_floor(const ColourImage& picture, double width_m) {
   const int rows = power_of_two_at_least(picture.height, kMostTexels);
   std::array<float, 256> linear{};
   for (std::size_t i = 0; i < linear.size(); ++i) {
-    linear[i] = linear_of_srgb(static_cast<std::uint8_t>(i));
+    linear[i] = static_cast<float>(linear_of_srgb(static_cast<double>(i) / 255.0));
   }
   std::vector<LinearColour> texels;
   texels.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));

@@ -44,17 +44,6 @@ void for_each_share(double low, double high, Visitor&& visit) {
 
 }  // namespace
 
-float linear_of_srgb(std::uint8_t value) {
-  const double v = value / 255.0;
-  return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-}
-
-float srgb_of_linear(float linear) {
-  const double l = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-  const double v = l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055;
-  return static_cast<float>(255.0 * v);
-}
-
 FloorPattern::FloorPattern(int columns, int rows, const Eigen::Vector2d& texel_m,
                            const std::vector<LinearColour>& texels,
                            std::vector<FloorLetter> letters)

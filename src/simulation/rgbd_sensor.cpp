@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "loopstone/base/linear_light.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
 
 namespace loopstone {
@@ -83,7 +84,8 @@ RgbdSensor::RgbdSensor(const World& world, const Drive& drive, const SurfaceInde
       brightness_(brightness_of(colour_lens(camera), options.colour.vignetting)) {
   levels_.reserve(kLightSteps);
   for (std::size_t i = 0; i < kLightSteps; ++i) {
-    levels_.push_back(srgb_of_linear(static_cast<float>(i) / (kLightSteps - 1)));
+    levels_.push_back(
+        static_cast<float>(255.0 * srgb_of_linear(static_cast<double>(i) / (kLightSteps - 1))));
   }
 }
 

@@ -16,11 +16,6 @@ namespace loopstone {
 /// Red, green, blue in linear light; 1 is white.
 using LinearColour = Eigen::Vector3f;
 
-/// Linear light of an sRGB value of 8 bits, and back without rounding: 0 to 255, held to that range.
-/// Source: IEC 61966-2-1.
-[[nodiscard]] float linear_of_srgb(std::uint8_t value);
-[[nodiscard]] float srgb_of_linear(float linear);
-
 /// A letter painted on the floor. Its frame: origin at the lower left corner, x along the line of text.
 struct FloorLetter {
   char letter = ' ';
