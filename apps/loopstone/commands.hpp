@@ -13,6 +13,7 @@ void add_localize_command(CLI::App& app, AppContext& context);
 void add_map_command(CLI::App& app, AppContext& context);
 void add_match_command(CLI::App& app, AppContext& context);
 void add_odometry_command(CLI::App& app, AppContext& context);
+void add_optimize_command(CLI::App& app, AppContext& context);
 void add_simulate_command(CLI::App& app, AppContext& context);
 
 }  // namespace loopstone::app

@@ -36,6 +36,7 @@ void add_commands(CLI::App& app, AppContext& context) {
   add_localize_command(app, context);
   add_match_command(app, context);
   add_odometry_command(app, context);
+  add_optimize_command(app, context);
   add_evaluate_command(app, context);
   add_simulate_command(app, context);
   add_convert_command(app, context);

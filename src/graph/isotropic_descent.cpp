@@ -20,7 +20,10 @@ enum class Curvature {
 class LocalModel {
  public:
   explicit LocalModel(const IsotropicSystem& system)
-      : system_(&system), matrix_(system.pattern), right_side_(system.problem.nodes) {}
+      : system_(&system),
+        matrix_(system.pattern),
+        right_side_(system.problem.nodes),
+        scale_(system.problem.nodes) {}
 
   void linearise(const IsotropicState& state, Curvature curvature, double damping);
 
@@ -45,16 +48,18 @@ class LocalModel {
   const IsotropicSystem* system_;
   Matrix matrix_;
   Steps right_side_;
+  Steps scale_;  ///< the diagonal without negative curvature: what damping is measured by
 };
 
 void LocalModel::linearise(const IsotropicState& state, Curvature curvature, double damping) {
   matrix_.set_zero();
   std::fill(right_side_.begin(), right_side_.end(), Matrix::Values::Zero());
+  std::fill(scale_.begin(), scale_.end(), Matrix::Values::Zero());
   for (std::size_t i = 0; i < system_->problem.edges.size(); ++i) add_edge(i, state, curvature);
   hold_anchors();
   if (damping > 0.0) {
     for (std::size_t i = 0; i < system_->problem.nodes; ++i) {
-      matrix_.diagonal(static_cast<int>(i)).re.diagonal() *= 1.0 + damping;
+      matrix_.diagonal(static_cast<int>(i)).re.diagonal() += damping * scale_[i];
     }
   }
 }
@@ -81,6 +86,8 @@ void LocalModel::add_edge(std::size_t i, const IsotropicState& state, Curvature 
   b_to.head<2>() -= tau * residual;
   b_from(2) += tau * residual.dot(turned) + weight * d.imag();
   b_to(2) -= weight * d.imag();
+  scale_[static_cast<std::size_t>(from)] += Matrix::Values(tau, tau, tau * std::norm(q) + weight);
+  scale_[static_cast<std::size_t>(to)] += Matrix::Values(tau, tau, weight);
 
   const double rotation = newton ? weight * d.real() : weight;
   const double bend = newton ? q.real() * r.real() + q.imag() * r.imag() : 0.0;
@@ -137,49 +144,46 @@ IsotropicState moved(const IsotropicState& state, const IsotropicSystem& system,
 
 DescentResult descend_isotropic(const IsotropicSystem& system, IsotropicState start,
                                 const DescentOptions& options) {
-  constexpr double kFirstDamping = 1e-4;
+  constexpr double kFirstDamping = 1e-5;
   constexpr double kMostDamping = 1e10;
   constexpr double kNegligibleCost = 1e-20;
+  constexpr double kWorthwhile = 0.9;  // of the cost: what a Gauss-Newton step has to get below
   DescentResult result;
   result.state = std::move(start);
   result.cost = isotropic_cost(system.problem, result.state);
   LocalModel model(system);
   Steps steps;
-  double damping = 0.0;
-  Curvature curvature = Curvature::kNewton;
-  while (result.iterations < options.max_iterations && damping < kMostDamping) {
+  double promised = 0.0;
+  // Whether a step leads below the cost times the share; if so it is taken.
+  const auto step_down = [&](Curvature curvature, double damping, double share) {
     ++result.iterations;
     model.linearise(result.state, curvature, damping);
-    if (!model.solve(steps)) {
-      if (curvature == Curvature::kNewton) {
-        curvature = Curvature::kGaussNewton;
-      } else {
-        damping = std::max(10.0 * damping, kFirstDamping);
-      }
-      continue;
-    }
-    const double promised = model.promise(steps);
-    const bool last =
-        promised <= std::max(options.relative_tolerance * result.cost, kNegligibleCost);
+    if (!model.solve(steps)) return false;
+    promised = model.promise(steps);
     IsotropicState trial = moved(result.state, system, steps);
     const double cost = isotropic_cost(system.problem, trial);
-    if (cost < result.cost) {
-      result.state = std::move(trial);
-      result.cost = cost;
-      damping = damping > kFirstDamping ? 0.1 * damping : 0.0;
-      // Gauss-Newton's promise says little about what Newton's would be.
-      if (last && damping == 0.0) {
-        result.converged = true;
-        break;
-      }
-      curvature = Curvature::kNewton;
+    if (!(cost < share * result.cost)) return false;
+    result.state = std::move(trial);
+    result.cost = cost;
+    return true;
+  };
+
+  double damping = 0.0;
+  bool far = true;  // where Gauss-Newton, which sees no negative curvature, leads down fast
+  while (result.iterations < options.max_iterations && damping < kMostDamping) {
+    const double negligible = std::max(options.relative_tolerance * result.cost, kNegligibleCost);
+    promised = 2.0 * negligible + 1.0;
+    const bool down = step_down(Curvature::kNewton, damping, 1.0);
+    if (promised <= negligible && (damping == 0.0 || !down)) {
+      result.converged = true;
+      break;
+    }
+    if (down) {
+      damping = damping > kFirstDamping ? 0.4 * damping : 0.0;
+    } else if (far) {
+      far = step_down(Curvature::kGaussNewton, 0.0, kWorthwhile);
     } else {
-      if (last) {
-        result.converged = true;
-        break;
-      }
-      curvature = Curvature::kGaussNewton;
-      damping = std::max(10.0 * damping, kFirstDamping);
+      damping = std::max(3.0 * damping, kFirstDamping);
     }
   }
   return result;

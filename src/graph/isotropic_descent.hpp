@@ -17,8 +17,8 @@ struct DescentOptions {
   double relative_tolerance = 1e-9;
 };
 
-/// A local minimum of an isotropic problem: Newton's method on positions and headings, with Gauss-Newton where the
-/// Hessian is not positive definite, damped when a step does not lower the cost.
+/// A local minimum of an isotropic problem: Newton's method on positions and headings; Gauss-Newton while that leads down
+/// fast from where the Hessian is not positive definite, and a damped Hessian where it does not.
 [[nodiscard]] DescentResult descend_isotropic(const IsotropicSystem& system, IsotropicState start,
                                               const DescentOptions& options = {});
 
