@@ -10,6 +10,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "mapping/cloud_gatherer.hpp"
 #include "mapping/texture_finish.hpp"
 #include "mapping/texture_mapper.hpp"
 
@@ -98,22 +99,29 @@ class FrameChooser {
   std::optional<Pose2> last_{};
 };
 
-void use_frame(const Job& job, TextureMapper& mapper, FloorTexture& texture) {
+/// What frames are gathered into.
+struct Gatherers {
+  TextureMapper texture;
+  std::optional<CloudGatherer> cloud{};
+};
+
+void use_frame(const Job& job, Gatherers& gatherers, FloorTexture& texture) {
   TextureStatistics& statistics = texture.statistics;
   if (!job.problem.empty()) {
     constexpr std::int64_t kMostWarnings = 3;
     if (++statistics.frames_unreadable <= kMostWarnings) texture.warnings.push_back(job.problem);
-  } else if (mapper.add(job.images, job.pose) == TextureMapper::Use::kTilted) {
+  } else if (gatherers.texture.add(job.images, job.pose) == TextureMapper::Use::kTilted) {
     ++statistics.frames_tilted;
   } else {
     ++statistics.frames_used;
+    if (gatherers.cloud) gatherers.cloud->add(job.images, job.pose);
   }
 }
 
 /// Loads the next frames while the ones before are put on the map.
 void map_frames(const RgbdSource& source, const std::vector<RgbdFrame>& frames,
                 const Trajectory& trajectory, const TextureOptions& options, Threads threads,
-                const ProgressCallback& progress, TextureMapper& mapper, FloorTexture& texture) {
+                const ProgressCallback& progress, Gatherers& gatherers, FloorTexture& texture) {
   FrameChooser chooser(
       trajectory, options,
       options.correct_clock && texture.clock.significant ? texture.clock.late_s : 0.0,
@@ -130,7 +138,7 @@ void map_frames(const RgbdSource& source, const std::vector<RgbdFrame>& frames,
     if (loading.empty() && loaded.empty()) return;
     parallel_for(loading.size() + 1, threads, [&](std::size_t i) {
       if (i == 0) {
-        for (const Job& job : loaded) use_frame(job, mapper, texture);
+        for (const Job& job : loaded) use_frame(job, gatherers, texture);
         return;
       }
       Job& job = loading[i - 1];
@@ -211,12 +219,17 @@ FloorTexture map_floor_texture(const RgbdSource& source, const Trajectory& traje
     texture.clock = estimate_camera_clock({frames, source.load}, trajectory, camera, threads);
   }
 
-  TextureMapper mapper(camera, used_floor, options);
-  map_frames(source, frames, trajectory, options, threads, progress, mapper, texture);
+  Gatherers gatherers{TextureMapper(camera, used_floor, options)};
+  if (options.cloud_cube_m > 0.0) {
+    gatherers.cloud.emplace(camera, used_floor.noise_per_m, options.cloud_cube_m);
+  }
+  map_frames(source, frames, trajectory, options, threads, progress, gatherers, texture);
+  const TextureMapper& mapper = gatherers.texture;
 
   texture.statistics.gain_spread = mapper.gain_spread();
   texture.statistics.memory_bytes = static_cast<std::int64_t>(mapper.cells().memory_bytes());
   finish_texture(mapper.cells(), options, texture);
+  if (gatherers.cloud) texture.cloud = gatherers.cloud->points();
   add_warnings(options, texture);
   return texture;
 }

@@ -5,23 +5,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "loopstone/geometry/pose2.hpp"
 #include "loopstone/geometry/pose3.hpp"
 #include "loopstone/grid/tile_grid.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "mapping/floor_sight.hpp"
+#include "mapping/frame_pose.hpp"
 #include "mapping/light_rows.hpp"
 #include "mapping/texture_cell.hpp"
 
 namespace loopstone {
-
-/// Where a frame was taken: the robot at the stamps of its two pictures, and how it moved.
-struct FramePose {
-  Pose2 map_T_robot_depth;
-  Pose2 map_T_robot_colour;
-  double speed_m_s = 0.0;
-  double yaw_rate_rad_s = 0.0;
-};
 
 /// Gathers the colours of floor cells, frame by frame.
 class TextureMapper {

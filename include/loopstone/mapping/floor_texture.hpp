@@ -12,6 +12,7 @@
 #include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/grid/tile_grid.hpp"
 #include "loopstone/mapping/camera_clock.hpp"
+#include "loopstone/mapping/coloured_point.hpp"
 #include "loopstone/mapping/floor_plane.hpp"
 #include "loopstone/mapping/rgbd_source.hpp"
 #include "loopstone/odometry/trajectory.hpp"
@@ -28,6 +29,7 @@ struct TextureOptions {
   double min_turn_rad = 0.01;
   double exposure_s = 0.01;
   double fill_gap_m = 0.03;
+  double cloud_cube_m = 0.0;
   bool correct_mount = true;
   bool correct_clock = true;
   bool level_exposure = true;
@@ -47,6 +49,8 @@ void visit_options(TextureOptions& options, Visitor&& visit) {
         "how long the shutter is open: motion smears so long");
   visit("fill_gap_m", options.fill_gap_m, Range{0.0, 1.0},
         "unseen cells between seen ones this near are filled from them");
+  visit("cloud_cube_m", options.cloud_cube_m, Range{0.0, 1.0},
+        "side of the cubes in which all points seen are gathered in colour; 0: none are");
   visit("correct_mount", options.correct_mount,
         "estimate roll, pitch and height of the camera from the floor");
   visit("correct_clock", options.correct_clock,
@@ -85,6 +89,7 @@ struct FloorTexture {
   TileGrid<TextureColour> cells{};
   GridFrame frame{};  ///< covers all cells that are known; its cell (0, 0) is cells' first_cell
   Cell first_cell{};
+  std::vector<ColouredPoint> cloud{};  ///< everything seen, when asked for
   FloorEstimate floor{};
   CameraClock clock{};
   TextureStatistics statistics{};
@@ -105,7 +110,8 @@ struct FloorTexture {
 ///   3. each frame that adds something gives a colour to every cell that it sees: the mean light over the cell's outline in
 ///      the picture, if the depth picture measured floor there; weighted by blur, levelled in brightness, joined robustly
 ///      (TextureCell),
-///   4. small gaps between seen cells are filled.
+///   4. small gaps between seen cells are filled,
+///   5. if asked for, every point that the depth camera measured gets its colour as well (`cloud`).
 /// The robot's pose at each picture's own stamp is interpolated on the trajectory.
 ///
 /// \param source      frames in time order; loaded when needed, at most a few at a time
