@@ -166,14 +166,15 @@ Simulated write_log(const World& world, const RobotModel& robot, const Simulatio
   Simulated simulated;
   SimulationSink sink;
   sink.message = [&](const SensorMessage& message) { writer->write(message); };
-  const UcsdPictures pictures{log_path};
+  UcsdPictures pictures{log_path};
+  pictures.holds_disparity = robot.camera.encoding.kind == "disparity";
   if (arguments.rgbd) {
     pictures.make_folders();
     sink.frame = [&](const SimulatedFrame& frame) -> RgbdFrame {
-      pictures.write_disparity(frame.index, frame.depth);
+      pictures.write_depth(frame.index, frame.depth);
       pictures.write_colour(frame.index, frame.colour);
       return {frame.depth_stamp, frame.colour_stamp, pictures.colour_path(frame.index),
-              pictures.disparity_path(frame.index)};
+              pictures.depth_path(frame.index)};
     };
   }
   sink.truth = [&](const StampedPose2& pose) { simulated.truth.append(pose.stamp, pose.pose); };

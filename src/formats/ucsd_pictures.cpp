@@ -33,12 +33,13 @@ std::string UcsdPictures::colour_path(std::int64_t index) const {
   return path_of(*this, "RGB", "rgb", index);
 }
 
-std::string UcsdPictures::disparity_path(std::int64_t index) const {
-  return path_of(*this, "Disparity", "disparity", index);
+std::string UcsdPictures::depth_path(std::int64_t index) const {
+  return holds_disparity ? path_of(*this, "Disparity", "disparity", index)
+                         : path_of(*this, "Depth", "depth", index);
 }
 
 void UcsdPictures::make_folders() const {
-  for (const char* kind : {"RGB", "Disparity"}) {
+  for (const char* kind : {"RGB", holds_disparity ? "Disparity" : "Depth"}) {
     const fs::path made = folder_of(*this, kind);
     std::error_code error;
     fs::create_directories(made, error);
@@ -54,10 +55,10 @@ void UcsdPictures::write_colour(std::int64_t index, const ColourImage& colour) c
   write_png(colour_path(index), image, kCompression);
 }
 
-void UcsdPictures::write_disparity(std::int64_t index, const RawDepthImage& depth) const {
+void UcsdPictures::write_depth(std::int64_t index, const RawDepthImage& depth) const {
   Image image = make_image(depth.width, depth.height, 1, 2);
   std::memcpy(image.bytes.data(), depth.numbers.data(), image.bytes.size());
-  write_png(disparity_path(index), image, kCompression);
+  write_png(depth_path(index), image, kCompression);
 }
 
 }  // namespace loopstone

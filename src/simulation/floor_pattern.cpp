@@ -13,12 +13,7 @@
 namespace loopstone {
 namespace {
 
-constexpr float kWhite = 65535.0F;  ///< a texel's number for 1
 constexpr float kMostSamples = 12.0F;
-
-std::uint16_t number_of(float linear) {
-  return static_cast<std::uint16_t>(std::clamp(linear, 0.0F, 1.0F) * kWhite + 0.5F);
-}
 
 bool is_power_of_two(int value) { return value > 0 && (value & (value - 1)) == 0; }
 
@@ -54,35 +49,26 @@ FloorPattern::FloorPattern(int columns, int rows, const Eigen::Vector2d& texel_m
   }
   Level finest{columns, rows, {}};
   finest.texels.reserve(texels.size());
-  for (const LinearColour& c : texels) {
-    finest.texels.push_back({number_of(c.x()), number_of(c.y()), number_of(c.z()), 0});
-  }
+  for (const LinearColour& c : texels) finest.texels.emplace_back(c.x(), c.y(), c.z(), 0.0F);
   levels_.push_back(std::move(finest));
   while (levels_.back().columns > 1 || levels_.back().rows > 1) {
     const Level& fine = levels_.back();
     const int step_x = fine.columns > 1 ? 2 : 1;
     const int step_y = fine.rows > 1 ? 2 : 1;
     Level coarse{fine.columns / step_x, fine.rows / step_y, {}};
-    coarse.texels.resize(static_cast<std::size_t>(coarse.columns) *
-                         static_cast<std::size_t>(coarse.rows));
+    coarse.texels.reserve(static_cast<std::size_t>(coarse.columns) *
+                          static_cast<std::size_t>(coarse.rows));
     for (int row = 0; row < coarse.rows; ++row) {
       for (int column = 0; column < coarse.columns; ++column) {
-        std::array<std::uint32_t, 4> sum{};
+        Texel sum = Texel::Zero();
         for (int y = 0; y < step_y; ++y) {
           for (int x = 0; x < step_x; ++x) {
-            const auto at = static_cast<std::size_t>(row * step_y + y) *
-                                static_cast<std::size_t>(fine.columns) +
-                            static_cast<std::size_t>(column * step_x + x);
-            for (std::size_t c = 0; c < 3; ++c) sum[c] += fine.texels[at][c];
+            sum += fine.texels[static_cast<std::size_t>(row * step_y + y) *
+                                   static_cast<std::size_t>(fine.columns) +
+                               static_cast<std::size_t>(column * step_x + x)];
           }
         }
-        const auto count = static_cast<std::uint32_t>(step_x * step_y);
-        Texel& texel =
-            coarse.texels[static_cast<std::size_t>(row) * static_cast<std::size_t>(coarse.columns) +
-                          static_cast<std::size_t>(column)];
-        for (std::size_t c = 0; c < 3; ++c) {
-          texel[c] = static_cast<std::uint16_t>((sum[c] + count / 2) / count);
-        }
+        coarse.texels.push_back(sum / static_cast<float>(step_x * step_y));
       }
     }
     levels_.push_back(std::move(coarse));
@@ -93,10 +79,7 @@ Eigen::Vector2d FloorPattern::period_m() const {
   return {levels_.front().columns * texel_m_.x(), levels_.front().rows * texel_m_.y()};
 }
 
-LinearColour FloorPattern::mean() const {
-  const Texel& texel = levels_.back().texels.front();
-  return LinearColour(texel[0], texel[1], texel[2]) / kWhite;
-}
+LinearColour FloorPattern::mean() const { return levels_.back().texels.front().head<3>(); }
 
 LinearColour FloorPattern::mean_over(const Extent& rectangle) const {
   const Level& finest = levels_.front();
@@ -110,11 +93,11 @@ LinearColour FloorPattern::mean_over(const Extent& rectangle) const {
         for_each_share(rectangle.low.x() / texel_m_.x(), rectangle.high.x() / texel_m_.x(),
                        [&](std::int64_t x, double width) {
                          const Texel& texel = row[wrapped(x, finest.columns)];
-                         sum += width * height * Eigen::Vector3d(texel[0], texel[1], texel[2]);
+                         sum += width * height * texel.head<3>().cast<double>();
                          area += width * height;
                        });
       });
-  return (sum / (area * static_cast<double>(kWhite))).cast<float>();
+  return (sum / area).cast<float>();
 }
 
 LinearColour FloorPattern::mean_over(const Pose2& map_T_centre, double side_m) const {
@@ -131,10 +114,10 @@ LinearColour FloorPattern::mean_over(const Pose2& map_T_centre, double side_m) c
       const Texel& texel = finest.texels[static_cast<std::size_t>(wrapped(y, finest.rows)) *
                                              static_cast<std::size_t>(finest.columns) +
                                          static_cast<std::size_t>(wrapped(x, finest.columns))];
-      sum += Eigen::Vector3d(texel[0], texel[1], texel[2]);
+      sum += texel.head<3>().cast<double>();
     }
   }
-  return (sum / (static_cast<double>(count) * count * static_cast<double>(kWhite))).cast<float>();
+  return (sum / (static_cast<double>(count) * count)).cast<float>();
 }
 
 Eigen::Vector2f FloorPattern::to_texels(const Eigen::Vector2d& point) const {
@@ -146,8 +129,7 @@ Eigen::Vector2f FloorPattern::to_texels(const Eigen::Vector2d& point) const {
   return {static_cast<float>(u), static_cast<float>(v)};
 }
 
-void FloorPattern::add_bilinear(const Level& level, float u, float v, float weight,
-                                float* sum) const {
+FloorPattern::Texel FloorPattern::bilinear(const Level& level, float u, float v) {
   const int column = floored(u);
   const int row = floored(v);
   const float right = u - static_cast<float>(column);
@@ -157,14 +139,9 @@ void FloorPattern::add_bilinear(const Level& level, float u, float v, float weig
   const auto columns = static_cast<std::size_t>(level.columns);
   const Texel* r0 = &level.texels[static_cast<std::size_t>(row & (level.rows - 1)) * columns];
   const Texel* r1 = &level.texels[static_cast<std::size_t>((row + 1) & (level.rows - 1)) * columns];
-  const float w11 = weight * right * up;
-  const float w01 = weight * up - w11;  // upper left
-  const float w10 = weight * right - w11;
-  const float w00 = weight - weight * up - w10;
-  for (std::size_t c = 0; c < 4; ++c) {
-    sum[c] += w00 * static_cast<float>(r0[c0][c]) + w10 * static_cast<float>(r0[c1][c]) +
-              w01 * static_cast<float>(r1[c0][c]) + w11 * static_cast<float>(r1[c1][c]);
-  }
+  const Texel low = r0[c0] + right * (r0[c1] - r0[c0]);
+  const Texel high = r1[c0] + right * (r1[c1] - r1[c0]);
+  return low + up * (high - low);
 }
 
 LinearColour FloorPattern::seen_over(const Eigen::Vector2d& point,
@@ -198,18 +175,19 @@ LinearColour FloorPattern::seen_over(const Eigen::Vector2d& point,
   const Level& fine = levels_[level];
   const float fine_scale = 1.0F / static_cast<float>(std::uint32_t{1} << level);
   const Eigen::Vector2f at = to_texels(point);
-  alignas(16) float sum[4] = {0.0F, 0.0F, 0.0F, 0.0F};
+  Texel fine_sum = Texel::Zero();
+  Texel coarse_sum = Texel::Zero();
   const float share = 1.0F / static_cast<float>(samples);
   for (int i = 0; i < samples; ++i) {
     const float along = (static_cast<float>(i) + 0.5F) * share - 0.5F;
     const float u = (at.x() + along * step.x()) * fine_scale;
     const float v = (at.y() + along * step.y()) * fine_scale;
-    add_bilinear(fine, u - 0.5F, v - 0.5F, (1.0F - blend) * share, sum);
+    fine_sum += bilinear(fine, u - 0.5F, v - 0.5F);
     if (blend > 0.0F) {
-      add_bilinear(levels_[level + 1], 0.5F * u - 0.5F, 0.5F * v - 0.5F, blend * share, sum);
+      coarse_sum += bilinear(levels_[level + 1], 0.5F * u - 0.5F, 0.5F * v - 0.5F);
     }
   }
-  return LinearColour(sum[0], sum[1], sum[2]) / kWhite;
+  return share * ((1.0F - blend) * fine_sum + blend * coarse_sum).head<3>();
 }
 
 std::vector<FloorLetter> FloorPattern::letters_in(const Extent& rectangle) const {

@@ -5,7 +5,11 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <variant>
+#include <vector>
 
+#include "loopstone/formats/image.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
@@ -75,6 +79,71 @@ TEST(SimulateCommand, SameArgumentsSameBytes) {
   EXPECT_GE(files, 7);
 }
 
+TEST(SimulateCommand, TakesPicturesInTheLayoutOfTheRobot) {
+  TempDir folder;
+  const std::string output = folder / "seen";
+  const ProgramResult run =
+      run_program({"simulate", "rooms", "-o", output, "--rgbd", "--floor", "text", "--duration",
+                   "1", "--beams", "19", "--set", "camera.clock_offset_s=0.03", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.error.find("warning"), std::string::npos) << run.error;
+  const int frames = nlohmann::json::parse(run.out)["frames"].get<int>();
+  EXPECT_GE(frames, 4);
+  const Image colour = read_image(output + "/dataRGBD/RGB20/rgb20_1.png");
+  EXPECT_EQ(colour.width, 640);
+  EXPECT_EQ(colour.height, 480);
+  EXPECT_EQ(colour.channels, 3);
+  const Image disparity = read_image(output + "/dataRGBD/Disparity20/disparity20_1.png");
+  EXPECT_EQ(disparity.width, 640);
+  EXPECT_EQ(disparity.bytes_per_sample, 2);
+  EXPECT_EQ(disparity.channels, 1);
+  // The middle of the lowest row sees the floor half a metre ahead.
+  const double per_m = (-0.00304 * disparity.sample(479, 320) + 3.31) / 1.03;
+  EXPECT_NEAR(1.0 / per_m, 0.5, 0.1);
+  int read = 0;
+  const auto log = open_log(output);
+  while (const auto message = log->next()) {
+    const auto* frame = std::get_if<RgbdFrame>(&*message);
+    if (frame == nullptr) continue;
+    ++read;
+    EXPECT_TRUE(fs::exists(frame->colour_path)) << frame->colour_path;
+    EXPECT_TRUE(fs::exists(frame->depth_path));
+    EXPECT_NEAR((frame->colour_stamp - frame->stamp).seconds(), 0.013, 1e-6);
+  }
+  EXPECT_EQ(read, frames);
+
+  const auto description = nlohmann::json::parse(bytes_of(output + "/world.json"));
+  EXPECT_EQ(description["floor"].get<std::string>(), "text");
+  EXPECT_NEAR(description["camera"]["clock_offset_s"].get<double>(), 0.03, 1e-12);
+  EXPECT_NEAR(description["camera"]["robot_T_camera"]["pitch_rad"].get<double>(), 0.3775, 1e-9);
+
+  // The floor lies on the map's frame, in cells of 1 cm.
+  const CellStates map = read_ros_map(output + "/map.yaml");
+  const Image floor = read_image(output + "/floor.png");
+  EXPECT_EQ(floor.width, 5 * map.frame().columns);
+  EXPECT_EQ(floor.height, 5 * map.frame().rows);
+  EXPECT_THAT(bytes_of(output + "/floor.yaml"), HasSubstr("resolution: 0.01"));
+  EXPECT_GT(count_lines(bytes_of(output + "/floor_letters.csv")), 1000U);
+}
+
+TEST(SimulateCommand, TheFloorMayBeAPicture) {
+  TempDir folder;
+  Image picture = make_image(2, 1, 3);
+  picture.bytes = {250, 10, 10, 10, 250, 10};
+  write_png(folder / "floor.png", picture);
+  const std::string output = folder / "seen";
+  const ProgramResult run =
+      run_program({"simulate", "rooms", "-o", output, "--rgbd", "--floor", folder / "floor.png",
+                   "--floor-width", "0.1", "--duration", "1", "--beams", "19"});
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const Image floor = read_image(output + "/floor.png");
+  int red = 0;
+  for (int column = 0; column < 100; ++column) {
+    if (floor.sample(3, column, 0) == 250) ++red;
+  }
+  EXPECT_EQ(red, 50);
+}
+
 TEST(SimulateCommand, DrivesOnAMapThatItWroteItself) {
   TempDir folder;
   ASSERT_EQ(
@@ -106,6 +175,11 @@ TEST(SimulateCommand, RefusesWhatMakesNoSense) {
       {{"office", "--scan-rate", "90"}, 2, "sweep"},
       {{"office", "--set", "laser.noize_m=1"}, 2, "laser.noise_m"},
       {{"missing.yaml"}, 1, "missing.yaml"},
+      {{"office", "--floor", "wood"}, 2, "--rgbd"},
+      {{"office", "--rgbd", "--floor", "lava"}, 2, "tiles, carpet"},
+      {{"office", "--rgbd", "--floor", "missing.png"}, 1, "missing.png"},
+      {{"office", "--rgbd", "--format", "carmen"}, 2, "ucsd"},
+      {{"office", "--rgbd", "--set", "camera.rate=3"}, 2, "camera.rate_hz"},
   };
   for (const Case& each : cases) {
     std::vector<std::string> arguments{"simulate", "-o", output};
