@@ -1,9 +1,12 @@
 #!/usr/bin/env bash
-# Puts the registration libraries that bench/registration.py compares with into build/bench/peers; nothing is installed into the
+# Puts the libraries that bench/registration.py and bench/pose_graphs.py compare with into build/bench/peers; nothing is installed into the
 # system. Whatever can't be had is left out, and the comparison goes on without it.
 #   small_gicp  its source package from PyPI (headers) and its wheel
 #   Open3D      wheel from PyPI (the CPU build), in a virtual environment with numpy and scipy
 #   PCL         Debian's packages, unpacked beside (no dependencies on VTK and the like are pulled in); needs apt-get and dpkg
+# and those that bench/pose_graphs.py compares with:
+#   GTSAM, g2o  wheels from PyPI (gtsam, g2opy), in the same virtual environment
+#   Ceres       Debian's packages, unpacked beside
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 root=$PWD
@@ -50,10 +53,36 @@ pcl() {
     echo "PCL 1.13.0" >"$peers/pcl_matchers.version"
 }
 
+graph_wheels() {
+  [[ -x $peers/venv/bin/python ]] || python3 -m venv "$peers/venv" || return 1
+  "$peers/venv/bin/python" -c 'import numpy, gtsam, g2opy' 2>/dev/null && return 0
+  "$peers/venv/bin/pip" --quiet install numpy && "$peers/venv/bin/pip" --quiet install --no-deps gtsam==4.3.0 g2opy==2.3.0
+}
+
+ceres() {
+  local prefix=$peers/ceres
+  if [[ ! -d $prefix/usr/include/ceres ]]; then
+    local debs=$peers/ceres_debs
+    mkdir -p "$debs"
+    (cd "$debs" && apt-get -qq download libceres-dev libceres3 libgoogle-glog-dev libgoogle-glog0v6 libgflags-dev libgflags2.2 \
+      libunwind8 libspqr2 libcholmod3 libccolamd2 libcamd2 libcolamd2 libamd2 libsuitesparseconfig5 libmetis5 libcxsparse3 \
+      libblas3 liblapack3 libatlas3-base libgfortran5 2>/dev/null) || return 1
+    for deb in "$debs"/*.deb; do dpkg -x "$deb" "$prefix" || return 1; done
+  fi
+  local libraries=$prefix/usr/lib/$(uname -m)-linux-gnu
+  # The libraries need each other, so the path must hold for them too.
+  "$cxx" "${flags[@]}" -isystem "$prefix/usr/include" bench/peers/ceres_pose_graph.cpp -o "$peers/ceres_pose_graph" \
+    -L "$libraries" -Wl,--disable-new-dtags,-rpath,"$libraries:$libraries/blas:$libraries/lapack" \
+    -Wl,--allow-shlib-undefined "$libraries/libceres.so" "$libraries/libglog.so" &&
+    echo "Ceres 2.1.0" >"$peers/ceres_pose_graph.version"
+}
+
 # What was built from the same sources stays.
 newer() { [[ -x $1 && $1 -nt $2 && $1 -nt bench/answers.hpp && $1 -nt bench/pairs_file.hpp ]]; }
 
 python_packages || say "Open3D and small_gicp's wheel: missing (no PyPI?)"
 newer "$peers/small_gicp_matchers" bench/peers/small_gicp_matchers.cpp || small_gicp || say "small_gicp: missing"
 newer "$peers/pcl_matchers" bench/peers/pcl_matchers.cpp || pcl || say "PCL: missing (needs apt-get with Debian's package lists)"
+graph_wheels || say "GTSAM and g2o's wheels: missing (no PyPI?)"
+newer "$peers/ceres_pose_graph" bench/peers/ceres_pose_graph.cpp || ceres || say "Ceres: missing (needs apt-get with Debian's package lists)"
 exit 0
