@@ -30,6 +30,7 @@ THIRD_PARTY = {
     "png.h": FILE_PARTS,
     "zip.h": FILE_PARTS,
     "zlib.h": FILE_PARTS,
+    "libdeflate.h": FILE_PARTS,
     "bzlib.h": FILE_PARTS,
     "cairo": FILE_PARTS,
     "CLI/": {"apps"},

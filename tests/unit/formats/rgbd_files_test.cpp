@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "loopstone/base/error.hpp"
@@ -104,6 +105,43 @@ TEST(RgbdLoader, LoadsBothPicturesOfAFrame) {
   const RgbdImages only_colour = loader.load({Stamp{5}, Stamp{5}, folder / "c.png", {}});
   EXPECT_TRUE(only_colour.depth.empty());
   EXPECT_FALSE(only_colour.colour.empty());
+}
+
+TEST(RgbdLoader, ManyThreadsLoadTheSameAsOne) {
+  const test::TempDir folder;
+  constexpr int kFrames = 8;
+  Rng rng(6);
+  std::vector<RgbdFrame> frames;
+  for (int i = 0; i < kFrames; ++i) {
+    const std::string number = std::to_string(i);
+    std::vector<std::uint16_t> numbers(12);
+    for (auto& value : numbers) value = static_cast<std::uint16_t>(300 + rng.below(700));
+    write_png(folder / ("d" + number + ".png"), numbers_image(numbers, 4));
+    Image colour = make_image(5, 2, 3);
+    for (auto& byte : colour.bytes) byte = static_cast<std::uint8_t>(rng.below(256));
+    write_png(folder / ("c" + number + ".png"), colour);
+    frames.push_back(
+        {Stamp{i}, Stamp{i}, folder / ("c" + number + ".png"), folder / ("d" + number + ".png")});
+  }
+  const RgbdLoader loader(small_camera());
+  std::vector<RgbdImages> alone;
+  for (const RgbdFrame& frame : frames) alone.push_back(RgbdLoader(small_camera()).load(frame));
+  std::vector<int> different(4, 0);
+  std::vector<std::thread> threads;
+  for (std::size_t thread = 0; thread < different.size(); ++thread) {
+    threads.emplace_back([&, thread] {
+      for (std::size_t i = 0; i < 200; ++i) {
+        const std::size_t frame = (i + 3 * thread) % kFrames;
+        const RgbdImages images = loader.load(frames[frame]);
+        if (images.colour.rgb != alone[frame].colour.rgb ||
+            images.depth.per_m != alone[frame].depth.per_m) {
+          ++different[thread];
+        }
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(different, std::vector<int>(4, 0));
 }
 
 TEST(RgbdLoader, AnotherSizeIsRefusedByName) {
