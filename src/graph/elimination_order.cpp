@@ -4,6 +4,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace loopstone {
 
@@ -110,14 +111,27 @@ void order_rest(const Neighbours& neighbours, int first_place, std::vector<int>&
   }
 }
 
-}  // namespace
-
-std::vector<int> fill_reducing_order(int size, std::span<const std::pair<int, int>> pairs) {
+std::vector<int> order_of(int size, Neighbours neighbours) {
   std::vector<int> place(static_cast<std::size_t>(size), kNone);
-  Neighbours neighbours = neighbours_of(size, pairs);
   const int eliminated = eliminate_chains(neighbours, place);
   order_rest(neighbours, eliminated, place);
   return place;
+}
+
+}  // namespace
+
+std::vector<int> fill_reducing_order(int size, std::span<const std::pair<int, int>> pairs) {
+  return order_of(size, neighbours_of(size, pairs));
+}
+
+std::vector<int> fill_reducing_order_of_unique(int size,
+                                               std::span<const std::pair<int, int>> pairs) {
+  Neighbours neighbours(static_cast<std::size_t>(size));
+  for (const auto& [a, b] : pairs) {
+    neighbours[static_cast<std::size_t>(a)].push_back(b);
+    neighbours[static_cast<std::size_t>(b)].push_back(a);
+  }
+  return order_of(size, std::move(neighbours));
 }
 
 }  // namespace loopstone

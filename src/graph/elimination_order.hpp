@@ -12,5 +12,8 @@ namespace loopstone {
 /// Pairs may repeat and may join a node to itself.
 [[nodiscard]] std::vector<int> fill_reducing_order(int size,
                                                    std::span<const std::pair<int, int>> pairs);
+/// The same for pairs that are known to differ.
+[[nodiscard]] std::vector<int> fill_reducing_order_of_unique(
+    int size, std::span<const std::pair<int, int>> pairs);
 
 }  // namespace loopstone

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "loopstone/base/options.hpp"
+#include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/graph/solver.hpp"
+
+namespace loopstone {
+
+/// Loop closures are judged, all other edges are trusted.
+struct GncOptions {
+  /// Squared standard deviations that a true closure may be off: 0.999 of a chi-square with 3 degrees of freedom.
+  double inlier_chi2 = 16.266;
+  /// By how much the cost is bent more sharply from round to round.
+  double sharpening = 1.4;
+  int max_rounds = 200;
+  /// Start from the chain of odometry edges, which are trusted; the graph's own poses when false.
+  bool start_from_odometry = true;
+  /// Judge first which closures agree with one another, and begin with those (consistent_closures).
+  bool consistency_first = true;
+};
+
+template <typename Visitor>
+void visit_options(GncOptions& options, Visitor&& visit) {
+  visit("inlier_chi2", options.inlier_chi2, Range{0.1, 1e6},
+        "squared standard deviations that a true loop closure may be off");
+  visit("sharpening", options.sharpening, Range{1.01, 10.0},
+        "by how much outliers are told apart more sharply from round to round");
+  visit("max_rounds", options.max_rounds, Range{1, 10000}, "stop after so many rounds");
+  visit("start_from_odometry", options.start_from_odometry,
+        "start from the chain of odometry edges, not from the graph's poses");
+  visit("consistency_first", options.consistency_first,
+        "begin with the loop closures that agree with one another");
+}
+
+struct GncResult {
+  SolveResult solved;             ///< with the accepted closures alone; edge_weights hold 1 or 0
+  std::vector<double> edge_chi2;  ///< of every edge at the solution, which says why it was rejected
+  std::size_t accepted = 0;       ///< loop closures
+  std::size_t rejected = 0;
+  int rounds = 0;
+};
+
+/// Poses from measurements of which many loop closures may be wrong: truncated least squares, approached from a convex
+/// cost by graduated non-convexity.
+///
+/// The rounds judge a closure by its own residual, which is small where a long, soft chain of odometry gives way to a false
+/// one. So at the end each closure is judged once more by what the others say (Baarda 1968, data snooping): those whose removal
+/// lowers the cost by more than inlier_chi2 go, those that agree with the prediction from the rest come back.
+/// Source: Yang, Antonante, Tzoumas and Carlone 2020, "Graduated non-convexity for robust spatial perception".
+[[nodiscard]] GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options = {},
+                                     const SolverOptions& solver = {});
+
+struct ConsistencyOptions {
+  /// Squared standard deviations that the loop of two true closures and the odometry between them may be open.
+  double consistent_chi2 = 11.345;
+  /// Up to this many closures the greatest set is found exactly; beyond, by a greedy search that may miss it.
+  int exact_up_to = 150;
+};
+
+struct ConsistentClosures {
+  std::vector<std::size_t> edges;  ///< indices of the closures in the greatest set found
+  bool exact = false;              ///< proven to be the greatest
+};
+
+/// The greatest set of loop closures that all agree pairwise, given the odometry: a maximum clique of the graph of
+/// consistent pairs. Needs odometry edges between consecutive poses; closures at poses without are left out.
+/// Cost: O(closures^2). Source: Mangelson et al. 2018, "Pairwise consistent measurement set maximization for robust
+/// multi-robot map merging"; exact cliques by Tomita and Seki 2003, greedy ones by Pattabiraman et al. 2015.
+[[nodiscard]] ConsistentClosures consistent_closures(const PoseGraph& graph,
+                                                     const ConsistencyOptions& options = {});
+
+/// A greatest clique of an undirected graph, as ascending nodes. `adjacent[i][j]` is symmetric.
+struct Clique {
+  std::vector<int> nodes;
+  bool exact = false;
+};
+[[nodiscard]] Clique greatest_clique(const std::vector<std::vector<bool>>& adjacent,
+                                     int exact_up_to);
+
+}  // namespace loopstone

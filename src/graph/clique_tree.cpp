@@ -1,0 +1,349 @@
+#include "graph/clique_tree.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "graph/elimination_order.hpp"
+#include "graph/front_assembly.hpp"
+
+namespace loopstone {
+
+namespace {
+
+constexpr int kNone = -1;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+using MapVector = Eigen::Map<Eigen::Vector3d>;
+
+}  // namespace
+
+void CliqueTree::Clique::allocate() {
+  const std::size_t panel = pivot_count() * padded_rows(pivot_count() + below_count());
+  const std::size_t update = below_count() * padded_rows(below_count());
+  values.assign(panel + update + 2 * pivot_count() + padded_rows(below_count()) + kFrontSlack, 0.0);
+}
+
+DenseFront CliqueTree::Clique::dense() {
+  double* panel = values.data();
+  double* update = panel + pivot_count() * padded_rows(pivot_count() + below_count());
+  return {panel, update, update + below_count() * padded_rows(below_count()),
+          pivot_count() + below_count(), pivot_count()};
+}
+
+double* CliqueTree::Clique::forward() { return dense().inverse_diagonal + pivot_count(); }
+double* CliqueTree::Clique::left_over() { return forward() + pivot_count(); }
+
+void CliqueTree::clear() { *this = CliqueTree(); }
+
+void CliqueTree::resize(std::size_t variables) {
+  for (std::size_t i = clique_of_.size(); i < variables; ++i) {
+    unattached_.push_back(static_cast<int>(i));
+  }
+  clique_of_.resize(variables, kNone);
+  delta_.resize(variables, Eigen::Vector3d::Zero());
+  passed_on_.resize(variables, Eigen::Vector3d::Zero());
+  local_.resize(variables, kNone);
+  changed_in_.resize(variables, 0);
+}
+
+int CliqueTree::new_clique() {
+  if (free_.empty()) {
+    cliques_.emplace_back();
+    return static_cast<int>(cliques_.size()) - 1;
+  }
+  const int clique = free_.back();
+  free_.pop_back();
+  return clique;
+}
+
+CliqueTree::Part CliqueTree::detach(std::span<const int> touched) {
+  Part part;
+  std::vector<int> removed;
+  for (const int variable : touched) {
+    for (int c = clique_of_[at(variable)]; c != kNone && cliques_[at(c)].alive;
+         c = cliques_[at(c)].parent) {
+      cliques_[at(c)].alive = false;
+      removed.push_back(c);
+    }
+  }
+  for (const int c : removed) {
+    Clique& clique = cliques_[at(c)];
+    for (const int child : clique.children) {
+      if (!cliques_[at(child)].alive) continue;
+      cliques_[at(child)].parent = kNone;
+      part.orphans.push_back(child);
+    }
+    for (const int variable : clique.pivots) {
+      clique_of_[at(variable)] = kNone;
+      part.variables.push_back(variable);
+    }
+    clique = Clique();
+    free_.push_back(c);
+  }
+  part.variables.insert(part.variables.end(), unattached_.begin(), unattached_.end());
+  unattached_.clear();
+  std::sort(part.variables.begin(), part.variables.end());
+  std::sort(part.orphans.begin(), part.orphans.end());
+  return part;
+}
+
+void CliqueTree::order(const Part& part, int newest, std::span<const LinearFactor> factors,
+                       const std::vector<std::vector<int>>& factors_of) {
+  // The newest pose is where the next edge will begin, so it goes last, in the root, and is left out of the ordering.
+  const auto size = static_cast<int>(part.variables.size());
+  std::vector<std::vector<int>> orphans_of(at(size));
+  for (std::size_t o = 0; o < part.orphans.size(); ++o) {
+    for (const int row : cliques_[at(part.orphans[o])].rows) {
+      orphans_of[at(local_[at(row)])].push_back(static_cast<int>(o));
+    }
+  }
+  const int last = local_[at(newest)];
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<int> seen_by(at(size), kNone);
+  for (int i = 0; i < size; ++i) {
+    seen_by[at(i)] = i;
+    const int variable = part.variables[at(i)];
+    const auto add = [&](int other) {
+      if (other == kNone || other == last || seen_by[at(other)] == i) return;
+      seen_by[at(other)] = i;
+      if (other < i && i != last) pairs.emplace_back(i, other);
+    };
+    for (const int f : factors_of[at(variable)]) {
+      const LinearFactor& factor = factors[at(f)];
+      if (factor.second == kNone) continue;
+      add(local_[at(factor.first == variable ? factor.second : factor.first)]);
+    }
+    for (const int o : orphans_of[at(i)]) {
+      for (const int row : cliques_[at(part.orphans[at(o)])].rows) add(local_[at(row)]);
+    }
+  }
+  order_ = fill_reducing_order_of_unique(size, pairs);
+  if (last == kNone) return;
+  const int place = order_[at(last)];
+  for (int& p : order_) {
+    if (p > place) --p;
+  }
+  order_[at(last)] = size - 1;
+}
+
+void CliqueTree::add_orphan(int orphan, int clique, const Front& front) {
+  // The rows of an orphan may have changed their order: block by block, transposed where that is so.
+  Clique& child = cliques_[at(orphan)];
+  child.parent = clique;
+  cliques_[at(clique)].children.push_back(orphan);
+  const DenseFront from = child.dense();
+  const DenseFront to = cliques_[at(clique)].dense();
+  const std::size_t child_stride = padded_rows(child.below_count());
+  const std::size_t panel_stride = padded_rows(to.rows);
+  const std::size_t update_stride = padded_rows(to.rows - to.pivots);
+  std::vector<std::size_t> position;
+  position.reserve(child.rows.size());
+  for (const int row : child.rows) {
+    const int place = order_[at(local_[at(row)])];
+    const int pivot = place - front.first_pivot;
+    if (pivot < front.pivots) {
+      position.push_back(3 * at(pivot));
+    } else {
+      const auto found = std::lower_bound(front.rows.begin(), front.rows.end(), place);
+      position.push_back(3 *
+                         (at(front.pivots) + static_cast<std::size_t>(found - front.rows.begin())));
+    }
+  }
+  const auto target = [&](std::size_t row, std::size_t column) {
+    return column < to.pivots
+               ? to.panel + column * panel_stride + row
+               : to.update + (column - to.pivots) * update_stride + (row - to.pivots);
+  };
+  double* forward = cliques_[at(clique)].forward();
+  double* left_over = cliques_[at(clique)].left_over();
+  const double* rest = child.left_over();
+  for (std::size_t j = 0; j < position.size(); ++j) {
+    const std::size_t column = position[j];
+    double* b = column < to.pivots ? forward + column : left_over + (column - to.pivots);
+    for (std::size_t k = 0; k < 3; ++k) b[k] += rest[3 * j + k];
+    for (std::size_t i = j; i < position.size(); ++i) {
+      const double* block = from.update + 3 * j * child_stride + 3 * i;
+      const std::size_t row = position[i];
+      if (row >= column) {
+        double* sum = target(row, column);
+        const std::size_t stride = column < to.pivots ? panel_stride : update_stride;
+        for (std::size_t c = 0; c < 3; ++c) {
+          for (std::size_t r = 0; r < 3; ++r) sum[c * stride + r] += block[c * child_stride + r];
+        }
+      } else {
+        double* sum = target(column, row);
+        const std::size_t stride = row < to.pivots ? panel_stride : update_stride;
+        for (std::size_t c = 0; c < 3; ++c) {
+          for (std::size_t r = 0; r < 3; ++r) sum[r * stride + c] += block[c * child_stride + r];
+        }
+      }
+    }
+  }
+}
+
+bool CliqueTree::eliminate(const Part& part, std::span<const LinearFactor> factors,
+                           const std::vector<std::vector<int>>& factors_of) {
+  const auto size = static_cast<int>(part.variables.size());
+  // In the order of elimination. An orphan's rows need only be joined to the first of them: its elimination joins the rest.
+  std::vector<std::pair<int, int>> pairs;
+  const auto place = [this](int variable) { return order_[at(local_[at(variable)])]; };
+  for (const int variable : part.variables) {
+    for (const int f : factors_of[at(variable)]) {
+      const LinearFactor& factor = factors[at(f)];
+      if (factor.second == kNone || factor.first != variable) continue;
+      if (local_[at(factor.second)] == kNone) continue;
+      pairs.emplace_back(place(variable), place(factor.second));
+    }
+  }
+  std::vector<int> first_of_orphan;
+  for (const int orphan : part.orphans) {
+    const std::vector<int>& rows = cliques_[at(orphan)].rows;
+    int first = size;
+    for (const int row : rows) first = std::min(first, place(row));
+    first_of_orphan.push_back(first);
+    for (const int row : rows) pairs.emplace_back(first, place(row));
+  }
+  const FrontTree tree = front_tree(size, pairs);
+  for (int& p : order_) p = tree.place[at(p)];
+  std::vector<int> variable_at(at(size));
+  for (int i = 0; i < size; ++i) variable_at[at(order_[at(i)])] = part.variables[at(i)];
+
+  std::vector<std::vector<int>> orphans_of(tree.fronts.size());
+  for (std::size_t o = 0; o < part.orphans.size(); ++o) {
+    const int first = tree.place[at(first_of_orphan[o])];
+    // Within a front pivots may have been renumbered, so the first row need not be the same, but its front is.
+    orphans_of[at(tree.front_of[at(first)])].push_back(part.orphans[o]);
+  }
+
+  new_cliques_.clear();
+  for (std::size_t f = 0; f < tree.fronts.size(); ++f) {
+    const Front& front = tree.fronts[f];
+    const int c = new_clique();
+    new_cliques_.push_back(c);
+    Clique& clique = cliques_[at(c)];
+    clique.alive = true;
+    for (int p = 0; p < front.pivots; ++p) {
+      const int variable = variable_at[at(front.first_pivot + p)];
+      clique.pivots.push_back(variable);
+      clique_of_[at(variable)] = c;
+    }
+    for (const int row : front.rows) clique.rows.push_back(variable_at[at(row)]);
+    clique.allocate();
+    const DenseFront dense = clique.dense();
+    const std::size_t stride = padded_rows(dense.rows);
+    double* forward = clique.forward();
+    double* left_over = clique.left_over();
+
+    for (const int variable : clique.pivots) {
+      const int here = place(variable);
+      for (const int i : factors_of[at(variable)]) {
+        const LinearFactor& factor = factors[at(i)];
+        const bool is_first = factor.first == variable;
+        const auto& diagonal = is_first ? factor.first_first : factor.second_second;
+        add_block(diagonal, dense.panel + panel_offset(front, here, here), stride);
+        MapVector(forward + 3 * (here - front.first_pivot)) -=
+            is_first ? factor.gradient_first : factor.gradient_second;
+        const int other = is_first ? factor.second : factor.first;
+        if (other == kNone || local_[at(other)] == kNone) continue;
+        const int there = place(other);
+        if (there < here) continue;  // there already
+        double* target = dense.panel + panel_offset(front, there, here);
+        // The block (row other, column variable).
+        if (is_first) {
+          add_block(factor.first_second.transpose(), target, stride);
+        } else {
+          add_block(factor.first_second, target, stride);
+        }
+      }
+    }
+    for (const int child : front.children) {
+      const int child_clique = new_cliques_[at(child)];
+      Clique& below = cliques_[at(child_clique)];
+      below.parent = c;
+      cliques_[at(c)].children.push_back(child_clique);
+      const Front& child_front = tree.fronts[at(child)];
+      add_update(child_front.runs, below.dense(), dense);
+      const double* rest = below.left_over();
+      for (const RowRun& run : child_front.runs) {
+        for (int i = 0; i < 3 * run.length; ++i) {
+          const int position = 3 * run.in_parent + i;
+          const int pivots = 3 * front.pivots;
+          double& b = position < pivots ? forward[position] : left_over[position - pivots];
+          b += rest[3 * run.here + i];
+        }
+      }
+    }
+    for (const int orphan : orphans_of[f]) add_orphan(orphan, c, front);
+    if (!factorise_front(dense)) return false;
+    below_.resize(std::max(below_.size(), padded_rows(clique.below_count())));
+    solve_front_forward(dense, forward, below_.data());
+    for (std::size_t i = 0; i < clique.below_count(); ++i) left_over[i] -= below_[i];
+  }
+  return true;
+}
+
+void CliqueTree::solve_clique(int c, double negligible, std::vector<int>& changed) {
+  Clique& clique = cliques_[at(c)];
+  below_.resize(std::max(below_.size(), padded_rows(clique.below_count())));
+  for (std::size_t i = 0; i < clique.rows.size(); ++i) {
+    MapVector(below_.data() + 3 * i) = delta_[at(clique.rows[i])];
+  }
+  x_.assign(clique.forward(), clique.forward() + clique.pivot_count());
+  solve_front_backward(clique.dense(), x_.data(), below_.data());
+  for (std::size_t i = 0; i < clique.pivots.size(); ++i) {
+    const int variable = clique.pivots[i];
+    delta_[at(variable)] = MapVector(x_.data() + 3 * i);
+    changed.push_back(variable);
+    // Small changes add up until they are passed on.
+    const Eigen::Vector3d change = delta_[at(variable)] - passed_on_[at(variable)];
+    if (!(change.lpNorm<Eigen::Infinity>() > negligible)) continue;
+    passed_on_[at(variable)] = delta_[at(variable)];
+    changed_in_[at(variable)] = update_;
+  }
+}
+
+void CliqueTree::back_substitute(double negligible, std::vector<int>& changed) {
+  const auto moved = [this](int variable) { return changed_in_[at(variable)] == update_; };
+  const auto any_moved = [&](const std::vector<int>& variables) {
+    return std::any_of(variables.begin(), variables.end(), moved);
+  };
+  std::vector<int> below;
+  std::vector<bool> is_new(cliques_.size(), false);
+  for (const int c : new_cliques_) is_new[at(c)] = true;
+  for (std::size_t i = new_cliques_.size(); i-- > 0;) {
+    const int c = new_cliques_[i];
+    solve_clique(c, negligible, changed);
+    for (const int child : cliques_[at(c)].children) {
+      if (!is_new[at(child)]) below.push_back(child);
+    }
+  }
+  while (!below.empty()) {
+    const int c = below.back();
+    below.pop_back();
+    const Clique& clique = cliques_[at(c)];
+    if (!any_moved(clique.rows)) continue;
+    solve_clique(c, negligible, changed);
+    below.insert(below.end(), clique.children.begin(), clique.children.end());
+  }
+}
+
+CliqueTree::Result CliqueTree::update(std::span<const int> touched, int newest,
+                                      std::span<const LinearFactor> factors,
+                                      const std::vector<std::vector<int>>& factors_of,
+                                      double negligible) {
+  Result result;
+  ++update_;
+  const Part part = detach(touched);
+  result.eliminated = part.variables.size();
+  for (std::size_t i = 0; i < part.variables.size(); ++i) {
+    local_[at(part.variables[i])] = static_cast<int>(i);
+  }
+  order(part, newest, factors, factors_of);
+  result.solved = eliminate(part, factors, factors_of);
+  for (const int variable : part.variables) local_[at(variable)] = kNone;
+  if (result.solved) back_substitute(negligible, result.changed);
+  return result;
+}
+
+}  // namespace loopstone

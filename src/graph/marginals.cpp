@@ -1,0 +1,121 @@
+#include "loopstone/graph/marginals.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "graph/block_cholesky.hpp"
+#include "graph/gauge.hpp"
+#include "graph/normal_equations.hpp"
+#include "loopstone/base/error.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// Columns of the inverse of the normal equations' matrix.
+class InverseColumns {
+ public:
+  explicit InverseColumns(const PoseGraph& graph)
+      : equations_(graph, gauge_of(graph, connected_components(graph)).fixed, {}),
+        cholesky_(equations_.hessian()) {
+    (void)equations_.linearise({graph.poses, graph.landmarks});
+    factorised_ = cholesky_.factorise(equations_.hessian(), 0.0);
+  }
+
+  [[nodiscard]] bool available() const { return factorised_; }
+
+  /// The blocks of the columns of `column` at the poses `rows`; zero where either is fixed.
+  [[nodiscard]] std::vector<Eigen::Matrix3d> blocks(NodeId column, std::span<const NodeId> rows) {
+    std::vector<Eigen::Matrix3d> result(rows.size(), Eigen::Matrix3d::Zero());
+    const int place = place_of(column);
+    if (place < 0) return result;
+    for (int k = 0; k < 3; ++k) {
+      x_.assign(equations_.gradient().size(), Eigen::Vector3d::Zero());
+      x_[static_cast<std::size_t>(place)](k) = 1.0;
+      cholesky_.solve_in_place(x_);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const int row = place_of(rows[i]);
+        if (row >= 0) result[i].col(k) = x_[static_cast<std::size_t>(row)];
+      }
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] int place_of(NodeId node) const {
+    return equations_.place_of(static_cast<std::size_t>(node.index));
+  }
+
+  NormalEquations equations_;
+  BlockCholesky cholesky_;
+  bool factorised_ = false;
+  std::vector<Eigen::Vector3d> x_;
+};
+
+void check_node(const PoseGraph& graph, NodeId node) {
+  if (node.index < 0 || node.index >= static_cast<int>(graph.poses.size())) {
+    throw UsageError("covariance of node " + std::to_string(node.index) + ", which does not exist");
+  }
+}
+
+Eigen::Matrix3d symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transpose()); }
+
+}  // namespace
+
+PoseMarginals marginal_covariances(const PoseGraph& graph, std::span<const NodeId> nodes) {
+  check_graph(graph);
+  for (const NodeId node : nodes) check_node(graph, node);
+  InverseColumns inverse(graph);
+  PoseMarginals result;
+  result.available = inverse.available();
+  if (!result.available) return result;
+  for (const NodeId node : nodes) {
+    result.covariances.push_back(symmetric(inverse.blocks(node, {&node, 1}).front()));
+  }
+  return result;
+}
+
+PairMarginals joint_covariances(const PoseGraph& graph,
+                                std::span<const std::pair<NodeId, NodeId>> pairs) {
+  check_graph(graph);
+  // Each pose's columns are found once, at all poses that it is asked for with.
+  std::map<NodeId, std::vector<NodeId>> rows_of;
+  for (const auto& [first, second] : pairs) {
+    check_node(graph, first);
+    check_node(graph, second);
+    rows_of[first].push_back(first);
+    rows_of[first].push_back(second);
+    rows_of[second].push_back(second);
+  }
+  InverseColumns inverse(graph);
+  PairMarginals result;
+  result.available = inverse.available();
+  if (!result.available) return result;
+  std::map<std::pair<NodeId, NodeId>, Eigen::Matrix3d> found;  // column, row
+  for (const auto& [column, rows] : rows_of) {
+    const std::vector<Eigen::Matrix3d> blocks = inverse.blocks(column, rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) found[{column, rows[i]}] = blocks[i];
+  }
+  for (const auto& [first, second] : pairs) {
+    Eigen::Matrix<double, 6, 6> joint;
+    joint.topLeftCorner<3, 3>() = symmetric(found[{first, first}]);
+    joint.bottomLeftCorner<3, 3>() = found[{first, second}];
+    joint.topRightCorner<3, 3>() = found[{first, second}].transpose();
+    joint.bottomRightCorner<3, 3>() = symmetric(found[{second, second}]);
+    result.covariances.push_back(joint);
+  }
+  return result;
+}
+
+Eigen::Matrix3d relative_covariance(const Pose2& first, const Pose2& second,
+                                    const Eigen::Matrix<double, 6, 6>& joint) {
+  // The error of an edge that measured nothing: its derivatives are those of the motion itself.
+  const EdgeJacobians j = edge_jacobians(RelativePoseEdge{}, first, second);
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian << j.from, j.to;
+  return jacobian * joint * jacobian.transpose();
+}
+
+}  // namespace loopstone
