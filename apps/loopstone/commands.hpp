@@ -14,6 +14,7 @@ void add_map_command(CLI::App& app, AppContext& context);
 void add_match_command(CLI::App& app, AppContext& context);
 void add_odometry_command(CLI::App& app, AppContext& context);
 void add_optimize_command(CLI::App& app, AppContext& context);
+void add_texture_command(CLI::App& app, AppContext& context);
 void add_simulate_command(CLI::App& app, AppContext& context);
 
 }  // namespace loopstone::app

@@ -4,10 +4,12 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "app.hpp"
 #include "commands.hpp"
+#include "floor_run.hpp"
 #include "log_run.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
@@ -27,13 +29,15 @@ struct Arguments {
   std::string pipeline = "submaps";
   LogCut cut;
   bool no_loop_closure = false;
+  bool no_texture = false;
+  bool cloud = false;
   bool force = false;
   bool strict = false;
 };
 
-void print_result(const MapResult& result, const RunInfo& info, const std::string& out,
-                  const AppContext& context) {
-  const std::string summary = format_summary(result, info);
+void print_result(const MapResult& result, const FloorTexture* texture, const RunInfo& info,
+                  const std::string& out, const AppContext& context) {
+  const std::string summary = format_summary(result, info, texture);
   if (context.json()) {
     print_to_stdout(summary);
     return;
@@ -50,6 +54,7 @@ void print_result(const MapResult& result, const RunInfo& info, const std::strin
   table.add("submaps", "submaps", s.submaps);
   table.add_row("loop closures", fmt::format("{} accepted, {} rejected", s.loop_closures_accepted,
                                              s.loop_closures_rejected));
+  if (texture != nullptr) add_texture_rows(*texture, table);
   table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", info.wall_time_s,
                                     s.duration_s / std::max(info.wall_time_s, 1e-9)));
   table.add_row("peak memory",
@@ -75,29 +80,45 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
 
   ProgressDisplay display(context);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping", display);
+  CameraFrames camera;
   MapResult result;
   if (textbook) {
     ScanToScanMapper mapper(robot, textbook_options, context.threads());
-    while (const auto message = log.next()) mapper.add(*message);
+    while (const auto message = log.next()) {
+      camera.take(*message);
+      mapper.add(*message);
+    }
     result = mapper.finish(display.callback());
   } else {
     Mapper mapper(robot, options, context.threads());
-    while (const auto message = log.next()) mapper.add(*message);
+    while (const auto message = log.next()) {
+      camera.take(*message);
+      mapper.add(*message);
+    }
     result = mapper.finish();
   }
   ProgressDisplay::clear_line();
   log.require_scans(arguments.log);
   result.complete = result.complete && !log.interrupted();
 
+  std::optional<FloorTexture> texture;
+  if (!arguments.no_texture && camera.complete() > 0 && result.complete) {
+    TextureOptions texture_options = options.texture;
+    if (arguments.cloud) gather_cloud(texture_options);
+    texture = colour_floor(camera, result.trajectory, robot, texture_options, context, display);
+    result.complete = texture->complete;
+  }
+  const FloorTexture* floor = texture ? &*texture : nullptr;
+
   RunInfo info = run_info(arguments.log, *reader, arguments.force, context);
   info.options_toml =
       options_to_toml(textbook ? list_options(textbook_options) : list_options(options));
   info.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_map_outputs(result, info, arguments.out);
+  write_map_outputs(result, info, arguments.out, floor);
 
   for (const auto& warning : result.warnings) context.warn(warning);
-  print_result(result, info, arguments.out, context);
+  print_result(result, floor, info, arguments.out, context);
   if (!result.complete) {
     context.warn("interrupted: the map is of what was read until then");
     return kExitInterrupted;
@@ -126,6 +147,10 @@ void add_map_command(CLI::App& app, AppContext& context) {
   add_cut_flags(*command, arguments->cut);
   command->add_flag("--no-loop-closure", arguments->no_loop_closure,
                     "do not correct the map where places are seen again");
+  command->add_flag("--no-texture", arguments->no_texture,
+                    "leave out the colour of the floor, though the log has RGB-D");
+  command->add_flag("--cloud", arguments->cloud,
+                    "also cloud.ply: everything the RGB-D camera saw, in colour");
   command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");
   context.add_common_flags(*command);

@@ -72,26 +72,6 @@ void AtomicFile::write(std::string_view bytes) {
   if (buffer_.size() > kBufferBytes) flush_buffer();
 }
 
-void AtomicFile::replace_front(std::string_view bytes) {
-  assert(descriptor_ >= 0 && "written after finish_writing()");
-  flush_buffer();
-  std::string_view rest = bytes;
-  off_t at = 0;
-  while (!rest.empty()) {
-    const ssize_t written =
-        straight_through_ ? -1 : ::pwrite(descriptor_, rest.data(), rest.size(), at);
-    if (written < 0) {
-      const int error_number = straight_through_ ? ESPIPE : errno;
-      if (error_number == EINTR) continue;
-      discard();
-      fail(path_, "cannot write the head of this file; give the name of an ordinary file",
-           error_number);
-    }
-    rest.remove_prefix(static_cast<std::size_t>(written));
-    at += written;
-  }
-}
-
 void AtomicFile::flush_buffer() {
   std::string_view rest = buffer_;
   while (!rest.empty()) {

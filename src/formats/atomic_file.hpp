@@ -18,9 +18,6 @@ class AtomicFile {
   ~AtomicFile();
 
   void write(std::string_view bytes);
-  /// Writes over the beginning of what was written so far, which must be at least as long: for heads that hold a count. A
-  /// target that is written straight through can't be changed: DataError.
-  void replace_front(std::string_view bytes);
   /// Everything written so far reaches the disk or this throws; nothing may be written afterwards. Lets a writer of
   /// several files find out that the disk is full before the first of them appears.
   void finish_writing();

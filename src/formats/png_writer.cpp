@@ -12,6 +12,7 @@
 
 #include "formats/atomic_file.hpp"
 #include "formats/png_guard.hpp"
+#include "formats/png_rows.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/image.hpp"
 
@@ -91,13 +92,11 @@ std::string encode_png(const Image& image, int compression) {
   return encoded;
 }
 
-void write_png_rows(const std::string& path, int width, int height, int channels,
-                    const std::function<void(int row, std::span<std::uint8_t> samples)>& fill_row,
+void write_png_rows(AtomicFile& file, int width, int height, int channels, const FillRow& fill_row,
                     int compression) {
   if (width <= 0 || height <= 0 || channels < 1 || channels > 4) {
     throw UsageError("an image needs at least one pixel and one to four channels");
   }
-  AtomicFile file(path);
   Writer writer;
   std::string encoded;
   const Image head{width, height, channels, 1, 255, {}};
@@ -112,6 +111,13 @@ void write_png_rows(const std::string& path, int width, int height, int channels
   }
   if (!guarded(writer.png(), [&] { png_write_end(writer.png(), nullptr); })) fail(writer);
   file.write(encoded);
+}
+
+void write_png_rows(const std::string& path, int width, int height, int channels,
+                    const std::function<void(int row, std::span<std::uint8_t> samples)>& fill_row,
+                    int compression) {
+  AtomicFile file(path);
+  write_png_rows(file, width, height, channels, fill_row, compression);
   file.commit();
 }
 

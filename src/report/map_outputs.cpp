@@ -5,8 +5,11 @@
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/map_picture.hpp"
+#include "loopstone/report/texture_picture.hpp"
 #include "report/output_files.hpp"
 #include "report/report_html.hpp"
+#include "report/texture_files.hpp"
+#include "report/texture_summary.hpp"
 
 namespace loopstone {
 namespace {
@@ -20,7 +23,8 @@ CellStates states_to_write(const OccupancyMap& map) {
 
 }  // namespace
 
-void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir) {
+void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir,
+                       const FloorTexture* texture) {
   OutputFolder folder(out_dir, info.force);
   FileSet files(folder);
   const CellStates cells = states_to_write(result.map);
@@ -33,9 +37,23 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
             format_tum(result.trajectory));
   files.add("odometry.tum", "the same from odometry alone", format_tum(result.odometry));
   files.add("graph.g2o", "the final pose graph", format_g2o(result.graph));
+  std::string floor_html;
+  if (texture != nullptr) {
+    add_texture_files(*texture, files);
+    if (texture->frame.cell_count() > 0) {
+      const std::string floor = encode_png(
+          draw_texture_picture(*texture, result.map, result.trajectory), kPngCompression);
+      files.add("texture_map.png", "the floor under walls and path, to look at", floor);
+      floor_html = html_texture(*texture, floor);
+    } else {
+      floor_html = html_texture(*texture, {});
+    }
+  }
   files.add("options.toml", "the effective options", info.options_toml);
-  files.add("summary.json", "every figure of the run, for programs", format_summary(result, info));
-  files.add("report.html", "this page", format_report(result, info, picture, files.listed()));
+  files.add("summary.json", "every figure of the run, for programs",
+            format_summary(result, info, texture));
+  files.add("report.html", "this page",
+            format_report(result, info, picture, files.listed(), floor_html));
   files.commit();
   folder.keep();
 }

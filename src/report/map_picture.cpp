@@ -7,6 +7,7 @@
 
 #include "report/canvas.hpp"
 #include "report/map_view.hpp"
+#include "report/path_line.hpp"
 #include "report/picture_parts.hpp"
 #include "report/text.hpp"
 
@@ -14,32 +15,6 @@ namespace loopstone {
 namespace {
 
 const Colour kClosure = hex_colour(0x059669);
-
-void draw_path(const Trajectory& trajectory, const MapView& view, const PictureSizes& sizes,
-               Canvas& canvas) {
-  if (trajectory.size() < 2) return;
-  const double duration_s = (trajectory.back().stamp - trajectory.front().stamp).seconds();
-  constexpr int kColours = 96;
-  std::vector<Point> run;
-  int run_colour = 0;
-  const auto finish_run = [&] {
-    canvas.line(run, sizes.path, time_colour((run_colour + 0.5) / kColours));
-    if (!run.empty()) run = {run.back()};
-  };
-  for (const StampedPose2& stamped : trajectory.poses()) {
-    const double share =
-        duration_s > 0.0 ? (stamped.stamp - trajectory.front().stamp).seconds() / duration_s : 0.0;
-    const int colour = std::min(static_cast<int>(share * kColours), kColours - 1);
-    if (colour != run_colour) {
-      finish_run();
-      run_colour = colour;
-    }
-    const Point point = view.pixel_of(stamped.pose.translation());
-    if (run.empty() || std::hypot(point.x - run.back().x, point.y - run.back().y) > 0.7)
-      run.push_back(point);
-  }
-  finish_run();
-}
 
 void draw_loop_closures(const MapResult& result, const MapView& view, const PictureSizes& sizes,
                         Canvas& canvas) {
@@ -109,7 +84,7 @@ Image draw_map_picture(const MapResult& result, const MapPictureOptions& options
   canvas.paste(shade_map(result.map, view), 0, 0);
   if (options.loop_closures) draw_loop_closures(result, view, sizes, canvas);
   if (options.trajectory && !result.trajectory.empty()) {
-    draw_path(result.trajectory, view, sizes, canvas);
+    draw_path_line(result.trajectory, view, sizes.path, canvas);
     draw_start_and_end(result.trajectory.front().pose, result.trajectory.back().pose, view, sizes,
                        canvas);
   }

@@ -38,6 +38,16 @@ void FileSet::add(const std::string& name, const std::string& content, std::stri
   listed_.push_back({name, content, static_cast<std::int64_t>(bytes.size())});
 }
 
+void FileSet::add(const std::string& name, const std::string& content,
+                  const std::function<void(AtomicFile&)>& write) {
+  AtomicFile& file = files_.emplace_back(folder_.file(name));
+  write(file);
+  file.finish_writing();
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(file.temporary_path(), error);
+  listed_.push_back({name, content, error ? 0 : static_cast<std::int64_t>(bytes)});
+}
+
 void FileSet::commit() {
   for (AtomicFile& file : files_) file.commit();
 }

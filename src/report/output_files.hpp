@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,6 +46,9 @@ class FileSet {
   explicit FileSet(const OutputFolder& folder) : folder_(folder) {}
 
   void add(const std::string& name, const std::string& content, std::string_view bytes);
+  /// A file that `write` fills piece by piece, for what does not fit into memory.
+  void add(const std::string& name, const std::string& content,
+           const std::function<void(AtomicFile&)>& write);
   [[nodiscard]] const std::vector<ListedFile>& listed() const { return listed_; }
   void commit();
 

@@ -195,7 +195,7 @@ std::string loop_closures(const MapResult& result) {
 }  // namespace
 
 std::string format_report(const MapResult& result, const RunInfo& info, std::string_view map_png,
-                          const std::vector<ListedFile>& files) {
+                          const std::vector<ListedFile>& files, const std::string& floor_html) {
   std::string body = "<p class=\"verdict\">" + verdict(result, info) + "</p>\n";
   body += html_warnings(result.warnings);
   body += html_figure(html_picture(map_png, "map", "Occupancy map with the robot's path"),
@@ -203,6 +203,7 @@ std::string format_report(const MapResult& result, const RunInfo& info, std::str
                       "(start) to orange (end); "
                       "accepted loop closures are green.");
   body += "<h2>Key figures</h2>\n" + key_figures(result, info);
+  body += floor_html;
   body += "<h2>Path</h2>\n" + path_plot(result) + motion_plots(result);
   body += loop_closures(result);
   body += html_options(info) + html_file_list(files);

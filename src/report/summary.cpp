@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "loopstone/report/map_outputs.hpp"
+#include "report/texture_summary.hpp"
 
 namespace loopstone {
 
@@ -20,11 +21,12 @@ MapFigures figures_of(const OccupancyMap& map) {
           frame.columns * frame.resolution, frame.rows * frame.resolution};
 }
 
-std::string format_summary(const MapResult& result, const RunInfo& info) {
+std::string format_summary(const MapResult& result, const RunInfo& info,
+                           const FloorTexture* texture) {
   const MapStatistics& s = result.statistics;
   const MapFigures map = figures_of(result.map);
   // Key order is the order of this list. A number that is not finite becomes null.
-  const nlohmann::ordered_json summary = {
+  nlohmann::ordered_json summary = {
       {"version", info.version},
       {"log", info.log_path},
       {"command", info.command_line},
@@ -60,6 +62,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info) {
       {"graph_cost", s.graph_cost},
       {"warnings", result.warnings},
   };
+  if (texture != nullptr) summary["texture"] = texture_json(*texture);
   // Paths need not be UTF-8; JSON must.
   return summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/report/run_info.hpp"
 #include "loopstone/slam/map_result.hpp"
 
@@ -11,9 +12,13 @@ namespace loopstone {
 /// All of them are complete on disk before the first gets its name, so a full disk leaves none of them behind.
 /// Makes the folder when it is missing. Throws UsageError when it holds something and `force` is false, DataError
 /// naming the file that can't be written.
-void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir);
+/// \param texture  when given: texture.png and what belongs to it as well (texture_outputs.hpp)
+void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir,
+                       const FloorTexture* texture = nullptr);
 
 /// The text of summary.json: one object, every figure of the run, units in the key names, keys in a fixed order.
-[[nodiscard]] std::string format_summary(const MapResult& result, const RunInfo& info);
+/// \param texture  when given: an object "texture" with its figures
+[[nodiscard]] std::string format_summary(const MapResult& result, const RunInfo& info,
+                                         const FloorTexture* texture = nullptr);
 
 }  // namespace loopstone

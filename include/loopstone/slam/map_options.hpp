@@ -1,6 +1,7 @@
 #pragma once
 
 #include "loopstone/base/options.hpp"
+#include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/mapping/submap.hpp"
 #include "loopstone/registration/grid_matcher.hpp"
@@ -17,6 +18,7 @@ struct MapOptions {
   SubmapOptions submap{};
   LoopOptions loop{};
   OccupancyOptions map{};
+  TextureOptions texture{};  ///< of the floor, when the log has RGB-D; not used by Mapper itself
 };
 
 template <typename Visitor>
@@ -27,6 +29,7 @@ void visit_options(MapOptions& options, Visitor&& visit) {
   visit.group("submap", options.submap);
   visit.group("loop", options.loop);
   visit.group("map", options.map);
+  visit.group("texture", options.texture);
 }
 
 }  // namespace loopstone
