@@ -1,0 +1,133 @@
+#include "graph/closure_verdicts.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+#include "graph/block_cholesky.hpp"
+#include "graph/descent.hpp"
+
+namespace loopstone {
+
+namespace {
+
+constexpr int kMostRounds = 40;
+constexpr int kSteps = 20;
+/// Of the closures that contradict the rest, those nearly as bad as the worst go together.
+constexpr double kNearlyAsBad = 0.5;
+
+std::size_t at(NodeId node) { return static_cast<std::size_t>(node.index); }
+
+PoseGraph accepted_graph(const PoseGraph& graph, const std::vector<double>& weights) {
+  PoseGraph result = graph;
+  result.edges.clear();
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    if (weights[i] > 0.5) result.edges.push_back(graph.edges[i]);
+  }
+  return result;
+}
+
+/// The solution with the accepted closures, and the covariances that it gives to residuals.
+class Solution {
+ public:
+  Solution(const PoseGraph& graph, const std::vector<bool>& fixed,
+           const std::vector<double>& weights, GraphState& state)
+      : state_(state),
+        equations_(accepted_graph(graph, weights), fixed, {}),
+        cholesky_(equations_.hessian()) {
+    (void)descend(equations_, cholesky_, {DescentMethod::kGaussNewton, kSteps, 1e-8}, state_);
+    (void)equations_.linearise(state_);
+    usable_ = cholesky_.factorise(equations_.hessian(), 0.0);
+    x_.assign(equations_.gradient().size(), Eigen::Vector3d::Zero());
+  }
+
+  [[nodiscard]] bool usable() const { return usable_; }
+
+  /// Squared standard deviations by which a closure is off what the others predict. An accepted one is taken out first: the
+  /// residual then has covariance information^-1 - J P J^T; for another it is information^-1 + J P J^T.
+  [[nodiscard]] double disagreement(const RelativePoseEdge& edge, bool accepted) {
+    const Pose2& from = state_.poses[at(edge.from)];
+    const Pose2& to = state_.poses[at(edge.to)];
+    const Eigen::Vector3d error = edge_error(edge, from, to);
+    const EdgeJacobians j = edge_jacobians(edge, from, to);
+    const int place_from = equations_.place_of(at(edge.from));
+    const int place_to = equations_.place_of(at(edge.to));
+    Eigen::Matrix3d predicted;
+    for (int k = 0; k < 3; ++k) {
+      std::fill(x_.begin(), x_.end(), Eigen::Vector3d::Zero());
+      if (place_from >= 0) block(place_from) = j.from.row(k).transpose();
+      if (place_to >= 0) block(place_to) = j.to.row(k).transpose();
+      cholesky_.solve_in_place(x_);
+      Eigen::Vector3d column = Eigen::Vector3d::Zero();
+      if (place_from >= 0) column += j.from * block(place_from);
+      if (place_to >= 0) column += j.to * block(place_to);
+      predicted.col(k) = column;
+    }
+    const Eigen::Matrix3d measured = edge.information.inverse();
+    const Eigen::Matrix3d covariance =
+        accepted ? Eigen::Matrix3d(measured - predicted) : Eigen::Matrix3d(measured + predicted);
+    const Eigen::LLT<Eigen::Matrix3d> factor(0.5 * (covariance + covariance.transpose()));
+    // Nothing but this closure holds its poses together: nobody contradicts it.
+    if (factor.info() != Eigen::Success) return 0.0;
+    return error.dot(factor.solve(error));
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector3d& block(int place) { return x_[static_cast<std::size_t>(place)]; }
+
+  GraphState& state_;
+  NormalEquations equations_;
+  BlockCholesky cholesky_;
+  bool usable_ = false;
+  std::vector<Eigen::Vector3d> x_;
+};
+
+/// Takes out the accepted closures that contradict the rest most; false when none does.
+bool reject_worst(const PoseGraph& graph, double inlier_chi2, Solution& solution,
+                  std::vector<double>& weights) {
+  std::vector<double> off(graph.edges.size(), 0.0);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    if (graph.edges[i].kind != EdgeKind::kLoopClosure || weights[i] < 0.5) continue;
+    off[i] = solution.disagreement(graph.edges[i], true);
+    worst = std::max(worst, off[i]);
+  }
+  if (worst <= inlier_chi2) return false;
+  const double bound = std::max(inlier_chi2, kNearlyAsBad * worst);
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    if (off[i] >= bound) weights[i] = 0.0;
+  }
+  return true;
+}
+
+/// Takes back the rejected closures that agree; false when none does.
+bool readmit(const PoseGraph& graph, double inlier_chi2, Solution& solution,
+             std::vector<double>& weights) {
+  bool any = false;
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    if (graph.edges[i].kind != EdgeKind::kLoopClosure || weights[i] > 0.5) continue;
+    if (solution.disagreement(graph.edges[i], false) > inlier_chi2) continue;
+    weights[i] = 1.0;
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
+void settle_closures(const PoseGraph& graph, const std::vector<bool>& fixed, double inlier_chi2,
+                     std::vector<double>& weights, GraphState& state) {
+  bool readmitted = false;
+  for (int round = 0; round < kMostRounds; ++round) {
+    Solution solution(graph, fixed, weights, state);
+    if (!solution.usable()) return;
+    if (reject_worst(graph, inlier_chi2, solution, weights)) continue;
+    // Once: what is taken out after it came back stays out.
+    if (readmitted || !readmit(graph, inlier_chi2, solution, weights)) return;
+    readmitted = true;
+  }
+}
+
+}  // namespace loopstone
