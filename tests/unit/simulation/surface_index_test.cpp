@@ -87,6 +87,12 @@ TEST(SurfaceIndex, CastsAsTheMinimumOverAllSurfaces) {
       const double range = index.cast(origin, direction, max_range);
       EXPECT_EQ(range, cast_naively(plan, origin, direction, max_range))
           << "ray " << i << " of seed " << seed;
+      const SurfaceHit hit = index.hit(origin, direction, max_range);
+      EXPECT_EQ(hit.range_m, range);
+      EXPECT_EQ(hit.surface == SurfaceHit::kNothing, !std::isfinite(range));
+      if (std::isfinite(range)) {
+        EXPECT_EQ(index.range_to_surface(hit.surface, origin, direction), range);
+      }
       hits += std::isfinite(range) ? 1 : 0;
     }
     EXPECT_GT(hits, 1000);
