@@ -50,12 +50,13 @@ Starts:   best           the cheapest of chordal, spanning_tree, odometry and th
 global one, and begins the solution there; a local minimum is left along its direction of negative curvature. What was certified,
 the smallest eigenvalue, its tolerance and the largest gap that is left are part of the result. With a robust kernel the edges
 that the solution kept (weight 0.5 or more) are certified.
---set reaches the options of the solver and of the certificate: solver.*, certificate.*.
+--robust softens loop closures that disagree, by a kernel; gnc (graduated non-convexity) finds out which are wrong, up to most of
+them, and leaves them out. --set reaches solver.*, gnc.* and certificate.*.
 
 Examples:
   loopstone optimize graph.g2o -o solved.g2o --picture solved.png
   loopstone optimize graph.g2o --certify --json
-  loopstone optimize graph.g2o --robust huber --edges weights.csv      which closures count how much
+  loopstone optimize graph.g2o --robust gnc --edges weights.csv        which closures were thrown out
   loopstone optimize old.graph -o new.g2o --information-order toro     TORO in, g2o out
   loopstone optimize graph.g2o --certify --require certified --require 'cost<=45.01'   exits with 3 if it is not so)";
 
@@ -72,7 +73,7 @@ OptimizeSettings settings_of(const Arguments& arguments, const AppContext& conte
   auto settings = context.load_options<OptimizeSettings>();
   const std::vector<OptionEntry> options = list_options(settings);
   std::vector<OptionProblem> problems;
-  if (!arguments.robust.empty()) {
+  if (!arguments.robust.empty() && arguments.robust != "gnc") {
     override_option(options, "--robust", "solver.robust_kernel=" + arguments.robust, problems);
   }
   if (!arguments.method.empty()) {
@@ -182,6 +183,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   OptimizeRequest request;
   request.initial = arguments.initial;
   request.certify = arguments.certify;
+  request.gnc = arguments.robust == "gnc";
   request.settings = settings_of(arguments, context);
 
   const auto begin = Clock::now();
@@ -226,16 +228,16 @@ void add_optimize_command(CLI::App& app, AppContext& context) {
       ->type_name("START")
       ->check(CLI::IsMember({"best", "file", "odometry", "spanning_tree", "chordal"}))
       ->capture_default_str();
-  if (const std::vector<std::string> methods = words_of("solver.method"); !methods.empty()) {
-    command->add_option("--method", arguments->method, "how to solve")
-        ->type_name("METHOD")
-        ->check(CLI::IsMember(methods));
-  }
+  command->add_option("--method", arguments->method, "how steps are found (default: gauss_newton)")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember(words_of("solver.method")));
+  std::vector<std::string> kernels = words_of("solver.robust_kernel");
+  kernels.emplace_back("gnc");
   command
       ->add_option("--robust", arguments->robust,
                    "how edges that disagree with the rest are softened (default: none)")
       ->type_name("KERNEL")
-      ->check(CLI::IsMember(words_of("solver.robust_kernel")));
+      ->check(CLI::IsMember(kernels));
   command->add_flag("--certify", arguments->certify,
                     "prove that the isotropic optimum, where the solution begins, is global");
   command

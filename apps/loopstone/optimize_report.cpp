@@ -79,7 +79,6 @@ void add_certificate(Result& result, const GraphRun& run) {
 }  // namespace
 
 Result report_graph_run(const GraphRun& run, const OptimizeRequest& request) {
-  const SolverOptions& solver = request.settings.solver;
   const std::size_t aside = edges_set_aside(run);
   const int iterations = run.solve.iterations + (run.certified ? run.certified->iterations : 0);
   Result result;
@@ -91,7 +90,8 @@ Result report_graph_run(const GraphRun& run, const OptimizeRequest& request) {
       .add_json("cost", run.solve.cost)
       .add_json("status", to_string(run.solve.status))
       .add_json("iterations", iterations)
-      .add_json("robust", solver.robust_kernel)
+      .add_json("method", request.settings.solver.method)
+      .add_json("robust", request.robust())
       .add_json("robust_cost", run.solve.robust_cost)
       .add_json("edges_set_aside", aside)
       .add_row("start",
@@ -100,9 +100,9 @@ Result report_graph_run(const GraphRun& run, const OptimizeRequest& request) {
       .add_row("cost", fmt::format("{:.9g}", run.solve.cost), "sum of e^T Omega e")
       .add_row("status", std::string(to_string(run.solve.status)))
       .add_row("steps", fmt::format("{}", iterations));
-  if (solver.robust_kernel != "none") {
+  if (request.robust() != "none") {
     result.add_row("robust", fmt::format("{}: cost {:.9g}, {} edges set aside",
-                                         solver.robust_kernel, run.solve.robust_cost, aside));
+                                         request.robust(), run.solve.robust_cost, aside));
   }
   add_certificate(result, run);
   result.add_json("wall_time_s", run.optimisation_s())

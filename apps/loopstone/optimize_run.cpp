@@ -29,11 +29,10 @@ GraphStart choose_start(const GraphFile& file, const std::string& initial) {
   return make_start(file.graph, Initialisation::kAsGiven);
 }
 
-/// Landmarks too, where the solver moves them.
 template <typename Solution>
 void take_solution(const Solution& solution, PoseGraph& graph) {
   graph.poses = solution.poses;
-  if constexpr (requires { solution.landmarks; }) graph.landmarks = solution.landmarks;
+  graph.landmarks = solution.landmarks;
 }
 
 /// The graph without the edges that a robust solution set aside.
@@ -70,7 +69,9 @@ GraphRun optimize_file(GraphFile file, const OptimizeRequest& request) {
 
   const auto solve = [&] {
     begin = Clock::now();
-    SolveResult result = optimize(graph, request.settings.solver);
+    SolveResult result =
+        request.gnc ? optimize_gnc(graph, request.settings.gnc, request.settings.solver).solved
+                    : optimize(graph, request.settings.solver);
     run.solve_s += seconds_since(begin);
     result.cost_initial = run.start_cost;
     result.iterations += run.solve.iterations;
@@ -78,7 +79,7 @@ GraphRun optimize_file(GraphFile file, const OptimizeRequest& request) {
     run.solve = std::move(result);
   };
   // Which edges count is what a robust kernel finds out; only then is there something to prove.
-  const bool robust = request.settings.solver.robust_kernel != "none";
+  const bool robust = request.robust() != "none";
   if (robust || !request.certify) solve();
   if (!request.certify) return run;
 

@@ -1,9 +1,9 @@
 #include "graph/connection_cholesky.hpp"
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+
+#include "graph/elimination_order.hpp"
 
 namespace loopstone {
 
@@ -12,24 +12,6 @@ namespace {
 constexpr int kNone = -1;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-/// Approximate minimum degree (Amestoy, Davis and Duff 1996).
-std::vector<int> minimum_degree_places(int size, std::span<const std::pair<int, int>> pairs) {
-  Eigen::SparseMatrix<double, Eigen::ColMajor, int> pattern(size, size);
-  std::vector<Eigen::Triplet<double, int>> entries;
-  entries.reserve(2 * pairs.size() + index(size));
-  for (int i = 0; i < size; ++i) entries.emplace_back(i, i, 1.0);
-  for (const auto& [a, b] : pairs) {
-    entries.emplace_back(a, b, 1.0);
-    entries.emplace_back(b, a, 1.0);
-  }
-  pattern.setFromTriplets(entries.begin(), entries.end());
-  Eigen::AMDOrdering<int>::PermutationType order(size);
-  Eigen::AMDOrdering<int>{}(pattern, order);
-  std::vector<int> place(index(size));
-  for (int i = 0; i < size; ++i) place[index(order.indices()[i])] = i;
-  return place;
-}
 
 // c -= a b^H
 template <int kSize>
@@ -147,7 +129,7 @@ std::size_t EliminationPattern::find(int row, int column) const {
 
 EliminationPattern elimination_pattern(int size, std::span<const std::pair<int, int>> pairs) {
   EliminationPattern pattern;
-  pattern.place = minimum_degree_places(size, pairs);
+  pattern.place = fill_reducing_order(size, pairs);
   // Rows of A below the diagonal, column by column.
   std::vector<std::pair<int, int>> blocks;
   blocks.reserve(pairs.size());
