@@ -8,6 +8,7 @@
 
 #include "graph/block_cholesky.hpp"
 #include "graph/descent.hpp"
+#include "loopstone/graph/initial_poses.hpp"
 
 namespace loopstone {
 
@@ -17,6 +18,12 @@ constexpr int kMostRounds = 40;
 constexpr int kSteps = 20;
 /// Of the closures that contradict the rest, those nearly as bad as the worst go together.
 constexpr double kNearlyAsBad = 0.5;
+
+/// Median of a chi-square with 3 degrees of freedom.
+constexpr double kMedianChi2 = 2.366;
+/// Real residuals have longer tails than the normal distribution; with fewer closures their median says little.
+constexpr double kSlack = 4.0;
+constexpr std::size_t kFewClosures = 10;
 
 std::size_t at(NodeId node) { return static_cast<std::size_t>(node.index); }
 
@@ -37,7 +44,7 @@ class Solution {
       : state_(state),
         equations_(accepted_graph(graph, weights), fixed, {}),
         cholesky_(equations_.hessian()) {
-    (void)descend(equations_, cholesky_, {DescentMethod::kGaussNewton, kSteps, 1e-8}, state_);
+    solve_from_best_start(accepted_graph(graph, weights));
     (void)equations_.linearise(state_);
     usable_ = cholesky_.factorise(equations_.hessian(), 0.0);
     x_.assign(equations_.gradient().size(), Eigen::Vector3d::Zero());
@@ -75,6 +82,24 @@ class Solution {
   }
 
  private:
+  /// A state that false closures have folded may be a local minimum without them, so it competes with fresh starts.
+  void solve_from_best_start(PoseGraph accepted) {
+    accepted.poses = state_.poses;
+    std::vector<GraphState> starts{state_};
+    for (const Initialisation kind :
+         {Initialisation::kSpanningTree, Initialisation::kOdometryChain}) {
+      starts.push_back({initial_poses(accepted, kind), state_.landmarks});
+    }
+    double least = std::numeric_limits<double>::infinity();
+    for (GraphState& start : starts) {
+      const DescentResult found =
+          descend(equations_, cholesky_, {DescentMethod::kGaussNewton, kSteps, 1e-8}, start);
+      if (!(found.final.plain < least)) continue;
+      least = found.final.plain;
+      state_ = start;
+    }
+  }
+
   [[nodiscard]] Eigen::Vector3d& block(int place) { return x_[static_cast<std::size_t>(place)]; }
 
   GraphState& state_;
@@ -84,8 +109,25 @@ class Solution {
   std::vector<Eigen::Vector3d> x_;
 };
 
-/// Takes out the accepted closures that contradict the rest most; false when none does.
-bool reject_worst(const PoseGraph& graph, double inlier_chi2, Solution& solution,
+/// Many graphs come with information that is far too modest, and then a false closure hides within it. How far off the
+/// accepted closures are in the middle tells the true scale (a posteriori variance of unit weight, by its median); the bound
+/// is only ever made stricter.
+double scaled_bound(const PoseGraph& graph, const std::vector<double>& weights,
+                    const std::vector<double>& off, double inlier_chi2) {
+  std::vector<double> accepted;
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    if (graph.edges[i].kind == EdgeKind::kLoopClosure && weights[i] > 0.5) {
+      accepted.push_back(off[i]);
+    }
+  }
+  if (accepted.size() < kFewClosures) return inlier_chi2;
+  const auto middle = accepted.begin() + static_cast<std::ptrdiff_t>(accepted.size() / 2);
+  std::nth_element(accepted.begin(), middle, accepted.end());
+  return inlier_chi2 * std::min(1.0, kSlack * *middle / kMedianChi2);
+}
+
+/// Takes out the accepted closures that contradict the rest most; false when none does. Scales the bound.
+bool reject_worst(const PoseGraph& graph, double& inlier_chi2, Solution& solution,
                   std::vector<double>& weights) {
   std::vector<double> off(graph.edges.size(), 0.0);
   double worst = 0.0;
@@ -94,6 +136,7 @@ bool reject_worst(const PoseGraph& graph, double inlier_chi2, Solution& solution
     off[i] = solution.disagreement(graph.edges[i], true);
     worst = std::max(worst, off[i]);
   }
+  inlier_chi2 = scaled_bound(graph, weights, off, inlier_chi2);
   if (worst <= inlier_chi2) return false;
   const double bound = std::max(inlier_chi2, kNearlyAsBad * worst);
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
@@ -123,9 +166,10 @@ void settle_closures(const PoseGraph& graph, const std::vector<bool>& fixed, dou
   for (int round = 0; round < kMostRounds; ++round) {
     Solution solution(graph, fixed, weights, state);
     if (!solution.usable()) return;
-    if (reject_worst(graph, inlier_chi2, solution, weights)) continue;
+    double bound = inlier_chi2;
+    if (reject_worst(graph, bound, solution, weights)) continue;
     // Once: what is taken out after it came back stays out.
-    if (readmitted || !readmit(graph, inlier_chi2, solution, weights)) return;
+    if (readmitted || !readmit(graph, bound, solution, weights)) return;
     readmitted = true;
   }
 }
