@@ -179,7 +179,7 @@ TEST(SimulateCommand, RefusesWhatMakesNoSense) {
       {{"office", "--rgbd", "--floor", "lava"}, 2, "tiles, carpet"},
       {{"office", "--rgbd", "--floor", "missing.png"}, 1, "missing.png"},
       {{"office", "--rgbd", "--format", "carmen"}, 2, "ucsd"},
-      {{"office", "--rgbd", "--set", "camera.rate=3"}, 2, "camera.rate_hz"},
+      {{"office", "--rgbd", "--set", "camera.rate_h=3"}, 2, "camera.rate_hz"},
   };
   for (const Case& each : cases) {
     std::vector<std::string> arguments{"simulate", "-o", output};
