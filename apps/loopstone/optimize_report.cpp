@@ -101,11 +101,12 @@ Result report_graph_run(const GraphRun& run, const OptimizeRequest& request) {
       .add_row("status", std::string(to_string(run.solve.status)))
       .add_row("steps", fmt::format("{}", iterations));
   if (request.robust() != "none") {
-    result.add_row("robust", fmt::format("{}: cost {:.9g}, {} edges set aside",
-                                         request.robust(), run.solve.robust_cost, aside));
+    result.add_row("robust", fmt::format("{}: cost {:.9g}, {} edges set aside", request.robust(),
+                                         run.solve.robust_cost, aside));
   }
   add_certificate(result, run);
   result.add_json("wall_time_s", run.optimisation_s())
+      .add_json("cpu_time_s", run.cpu_s)
       .add_json("read_s", run.read_s)
       .add_json("start_s", run.start_s)
       .add_json("certify_s", run.certify_s)

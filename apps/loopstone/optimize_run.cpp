@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <ctime>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,10 @@ namespace loopstone::app {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+double cpu_seconds_since(std::clock_t start) {
+  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -53,8 +58,10 @@ GraphRun optimize_file(GraphFile file, const OptimizeRequest& request) {
   PoseGraph& graph = run.file.graph;
 
   Clock::time_point begin = Clock::now();
+  std::clock_t cpu_begin = std::clock();
   GraphStart start = choose_start(run.file, request.initial);
   run.start_s = seconds_since(begin);
+  run.cpu_s = cpu_seconds_since(cpu_begin);
   run.start = start.initialisation;
   run.start_cost = start.cost;
 
@@ -68,11 +75,13 @@ GraphRun optimize_file(GraphFile file, const OptimizeRequest& request) {
   graph.landmarks = std::move(start.landmarks);
 
   const auto solve = [&] {
+    cpu_begin = std::clock();
     begin = Clock::now();
     SolveResult result =
         request.gnc ? optimize_gnc(graph, request.settings.gnc, request.settings.solver).solved
                     : optimize(graph, request.settings.solver);
     run.solve_s += seconds_since(begin);
+    run.cpu_s += cpu_seconds_since(cpu_begin);
     result.cost_initial = run.start_cost;
     result.iterations += run.solve.iterations;
     take_solution(result, graph);
@@ -84,10 +93,12 @@ GraphRun optimize_file(GraphFile file, const OptimizeRequest& request) {
   if (!request.certify) return run;
 
   begin = Clock::now();
+  cpu_begin = std::clock();
   const PoseGraph kept = kept_part(graph, run.solve.edge_weights);
   run.certified_edges = kept.edges.size();
   run.certified = optimize_certified(kept, request.settings.certificate);
   run.certify_s = seconds_since(begin);
+  run.cpu_s += cpu_seconds_since(cpu_begin);
   if (!robust) {
     take_solution(*run.certified, graph);
     solve();

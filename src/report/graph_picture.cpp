@@ -28,11 +28,11 @@ bool is_step(const RelativePoseEdge& edge) {
   return edge.kind == EdgeKind::kOdometry || std::abs(edge.to.index - edge.from.index) == 1;
 }
 
-/// Grey-blue for what fits, over amber to orange for what is far off.
+/// Light grey for what fits, darker up to ink for what is far off: the path has all the colours.
 Colour closure_colour(double chi2) {
   const double share = std::clamp(std::log10(std::max(chi2, 1e-9) / kNoticedChi2) / 2.0, 0.0, 1.0);
-  const Colour fits = hex_colour(0x64748b, 0.45);
-  const Colour strained = hex_colour(0xea580c, 0.95);
+  const Colour fits = hex_colour(0x94a3b8, 0.6);
+  const Colour strained = hex_colour(0x111827, 0.9);
   const auto mix = [share](double a, double b) { return a + share * (b - a); };
   return {mix(fits.red, strained.red), mix(fits.green, strained.green),
           mix(fits.blue, strained.blue), mix(fits.alpha, strained.alpha)};
@@ -173,7 +173,7 @@ Image draw_graph_picture(const GraphScene& scene, const GraphPictureOptions& opt
     needed = needed.cwiseMax((boxes[i].high - boxes[i].low) * scales[i]);
   }
   const GraphDrawing drawing(scene, options, line_px);
-  Footer footer(PictureSizes(options.panel_px), 2.0 * needed.x() + gap);
+  Footer footer(PictureSizes(options.panel_px), 2.0 * needed.x() + 3.0 * gap);
   add_legend(footer, scene, drawing.set_aside(), text, line_px);
 
   const double top = 3.0 * text;

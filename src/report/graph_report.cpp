@@ -225,7 +225,7 @@ std::string format_graph_report(const GraphRun& run, const RunInfo& info) {
   body += html_figure(
       html_picture(encode_png(draw_graph_run(run, 700)), "map", "the pose graph before and after"),
       "Before and after. The path runs from blue to amber; closures that fit are "
-      "grey, strained ones orange, those set aside red.");
+      "grey, strained ones dark, those set aside red.");
   body += figures(run);
   if (aside > 0) {
     body +=

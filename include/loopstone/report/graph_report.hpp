@@ -29,6 +29,7 @@ struct GraphRun {
   double start_s = 0.0;
   double certify_s = 0.0;
   double solve_s = 0.0;
+  double cpu_s = 0.0;  ///< CPU time of start, certified minimum and solution together
 
   /// Without reading and writing.
   [[nodiscard]] double optimisation_s() const { return start_s + certify_s + solve_s; }
