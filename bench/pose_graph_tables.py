@@ -68,7 +68,7 @@ def speed_tables(section):
 
     return "\n".join([
         provenance(section), "",
-        f"Optimisation alone [ms], from the poses of the spanning tree, the fastest of {section['repeats']} runs; steps in"
+        f"CPU time of the optimisation alone [ms], from the poses of the spanning tree, the fastest of {section['repeats']} runs; steps in"
         " brackets. The second column has no start: it makes its own, minimises and certifies the isotropic objective, and solves."
         " \"bad\" is the cost that a system ended at.", "",
         table(header, body(lambda f: f"{1e3 * f['seconds']:.1f} ({f['steps']})")), "",
@@ -85,16 +85,16 @@ def certificate_tables(section):
         found = row["certificate"]
         body.append([row["name"], row["start"], "yes" if row["certified"] else "**no**", f"{found['cost']:.9g}",
                      f"{row['gap']:.1e}", f"{row['min_eigenvalue']:.1e}", f"{found['eigenvalue_tolerance']:.1e}",
-                     str(found["escapes"]), f"{1e3 * row['certify_s']:.1f}", f"{row['cost']:.9g}"])
+                     str(found["escapes"]), f"{1e3 * row['cpu_s']:.1f}", f"{row['cost']:.9g}"])
         off = abs(found["cost"] / known["isotropic"] - 1)
         targets.append((f"{row['name']} from {row['start']}: certified optimum", f"{known['isotropic']:.9g} to {REACHED:g}",
                         f"{found['cost']:.9g}", row["certified"] and off <= REACHED))
         if row["start"] != "file":
             limit = SE_SYNC_SHARE * known["se_sync_s"]
-            targets.append((f"{row['name']}: start, minimum and certificate", f"<= {1e3 * limit:.0f} ms (half of SE-Sync's)",
-                            f"{1e3 * row['certify_s']:.1f} ms", row["certify_s"] <= limit))
+            targets.append((f"{row['name']}: start, certified minimum and solution", f"<= {1e3 * limit:.0f} ms (half of SE-Sync's)",
+                            f"{1e3 * row['cpu_s']:.1f} ms", row["cpu_s"] <= limit))
     header = ["graph", "start", "certified", "isotropic cost>", "gap at most>", "smallest eigenvalue>", "proven above minus>",
-              "local minima left>", "time [ms]>", "cost of the solution>"]
+              "local minima left>", "CPU time [ms]>", "cost of the solution>"]
     return "\n".join([provenance(section, with_peers=False), "", table(header, body), "", tables.targets_table(targets)])
 
 

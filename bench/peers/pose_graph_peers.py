@@ -9,6 +9,16 @@ import json
 import sys
 import time
 
+class Watch:
+    """CPU or wall time since its making, whichever is less: other work on the machine lengthens the one, threads the other."""
+
+    def __init__(self):
+        self.wall, self.cpu = time.perf_counter(), time.process_time()
+
+    def seconds(self):
+        return min(time.perf_counter() - self.wall, time.process_time() - self.cpu)
+
+
 MOST_STEPS = 30
 REACHED = 1e-6
 
@@ -59,9 +69,9 @@ def g2o_gauss_newton(path, optimum):
         if trial.active_chi2() <= optimum * (1 + REACHED):
             break
     optimizer = g2o_problem(path)
-    started = time.perf_counter()
+    watch = Watch()
     optimizer.optimize(steps)
-    seconds = time.perf_counter() - started
+    seconds = watch.seconds()
     optimizer.compute_active_errors()
     return {"cost": optimizer.active_chi2(), "seconds": seconds, "steps": steps}
 
@@ -110,10 +120,10 @@ def gtsam_solve(path, parameters, optimizer_of):
     parameters.setMaxIterations(100)
     parameters.setRelativeErrorTol(1e-7)
     parameters.setAbsoluteErrorTol(1e-9)
-    started = time.perf_counter()
+    watch = Watch()
     optimizer = optimizer_of(graph, values, parameters)
     result = optimizer.optimize()
-    seconds = time.perf_counter() - started
+    seconds = watch.seconds()
 
 
     def pose_of(key):
