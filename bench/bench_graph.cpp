@@ -1,8 +1,11 @@
 // How long a pose graph takes: whole solutions, one factorisation, and a graph that grows while it is solved.
-//   bench_graph [FILE.g2o ...]   files are solved from their spanning tree, beside the simulated cities
+//   bench_graph [FILE.g2o ...]   files are solved from their spanning tree and fed pose by pose
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,6 +13,7 @@
 #include "graph/block_cholesky.hpp"
 #include "graph/normal_equations.hpp"
 #include "loopstone/formats/g2o.hpp"
+#include "loopstone/graph/incremental_solver.hpp"
 #include "loopstone/graph/initial_poses.hpp"
 #include "loopstone/graph/solver.hpp"
 #include "support/manhattan_graph.hpp"
@@ -79,6 +83,55 @@ void grow_city(benchmark::State& state) {
 }
 BENCHMARK(grow_city)->Arg(4000)->Unit(benchmark::kMillisecond);
 
+/// A graph fed pose by pose, closures as they come, as a mapper would; times of single scans.
+void replay(benchmark::State& state, const PoseGraph& graph) {
+  std::vector<std::vector<RelativePoseEdge>> edges_at(graph.poses.size());
+  for (const RelativePoseEdge& edge : graph.edges) {
+    edges_at[static_cast<std::size_t>(std::max(edge.from.index, edge.to.index))].push_back(edge);
+  }
+  std::vector<double> times_ms;
+  double cost = 0.0;
+  for (auto _ : state) {
+    times_ms.clear();
+    IncrementalSolver solver(graph.poses.front());
+    for (std::size_t i = 1; i < edges_at.size(); ++i) {
+      const auto begin = std::chrono::steady_clock::now();
+      std::vector<RelativePoseEdge> edges = edges_at[i];
+      // The edge that leads here: from the pose before, or else from any.
+      auto way = std::find_if(edges.begin(), edges.end(), [i](const RelativePoseEdge& e) {
+        return std::min(e.from.index, e.to.index) == static_cast<int>(i) - 1;
+      });
+      if (way == edges.end()) way = edges.begin();
+      if (way == edges.end()) {
+        state.SkipWithError("a pose without an edge to an earlier one");
+        return;
+      }
+      const bool ahead = way->to.index == static_cast<int>(i);
+      solver.append(ahead ? way->from : way->to, ahead ? way->from_T_to : way->from_T_to.inverse(),
+                    way->information, way->kind);
+      edges.erase(way);
+      if (!edges.empty()) (void)solver.add(edges);
+      const std::chrono::duration<double, std::milli> elapsed =
+          std::chrono::steady_clock::now() - begin;
+      times_ms.push_back(elapsed.count());
+    }
+    cost = graph_cost(solver.graph());
+  }
+  std::sort(times_ms.begin(), times_ms.end());
+  if (times_ms.empty()) return;
+  state.counters["median_ms"] = times_ms[times_ms.size() / 2];
+  state.counters["p99_ms"] = times_ms[times_ms.size() * 99 / 100];
+  state.counters["max_ms"] = times_ms.back();
+  state.counters["cost"] = cost;
+}
+
+void solve_with(benchmark::State& state, const PoseGraph& graph, const char* method) {
+  SolveResult result;
+  for (auto _ : state) result = optimize(graph, {.method = method});
+  state.counters["steps"] = result.iterations;
+  state.counters["cost"] = result.cost;
+}
+
 }  // namespace
 }  // namespace loopstone
 
@@ -91,6 +144,17 @@ int main(int argc, char** argv) {
     benchmark::RegisterBenchmark(name.c_str(), [graph](benchmark::State& state) {
       loopstone::solve(state, graph);
     })->Unit(benchmark::kMillisecond);
+    for (const char* method : {"levenberg_marquardt", "dogleg"}) {
+      benchmark::RegisterBenchmark((name + '/' + method).c_str(), [graph, method](
+                                                                      benchmark::State& state) {
+        loopstone::solve_with(state, graph, method);
+      })->Unit(benchmark::kMillisecond);
+    }
+    benchmark::RegisterBenchmark(
+        ("replay" + name.substr(5)).c_str(),
+        [graph](benchmark::State& state) { loopstone::replay(state, graph); })
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(1);
   }
   benchmark::RunSpecifiedBenchmarks();
   return 0;

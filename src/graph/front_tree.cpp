@@ -84,9 +84,9 @@ bool worth_merging(const Group& child, const Group& parent, Group& merged) {
   const std::int64_t blocks = static_cast<std::int64_t>(merged.pivots) * (merged.pivots + 1) / 2 +
                               static_cast<std::int64_t>(merged.pivots) * merged.below;
   const double share = static_cast<double>(merged.zeros) / static_cast<double>(blocks);
-  if (merged.pivots <= 4) return share < 0.5;
-  if (merged.pivots <= 12) return share < 0.2;
-  return share < 0.05;
+  if (merged.pivots <= 4) return share < 0.3;
+  if (merged.pivots <= 12) return share < 0.1;
+  return share < 0.02;
 }
 
 /// The column that stands for the group of each column: its topmost one.

@@ -13,15 +13,15 @@ namespace loopstone {
 
 /// Loop closures are judged, all other edges are trusted.
 struct GncOptions {
-  /// Squared standard deviations that a true closure may be off: 0.999 of a chi-square with 3 degrees of freedom.
-  double inlier_chi2 = 16.266;
+  /// Squared standard deviations that a true closure may be off: 0.99999 of a chi-square with 3 degrees of freedom.
+  double inlier_chi2 = 25.902;
   /// By how much the cost is bent more sharply from round to round.
   double sharpening = 1.4;
   int max_rounds = 200;
   /// Start from the chain of odometry edges, which are trusted; the graph's own poses when false.
   bool start_from_odometry = true;
   /// Judge first which closures agree with one another, and begin with those (consistent_closures).
-  bool consistency_first = true;
+  bool consistency_first = false;
 };
 
 template <typename Visitor>

@@ -17,7 +17,7 @@ struct SolverOptions {
   int max_iterations = 100;
   /// Stop when what is left to gain is less than this share of the cost: what a step promises, or what the next one
   /// would, going by how the promises of undamped steps shrink.
-  double relative_tolerance = 1e-8;
+  double relative_tolerance = 1e-7;
   std::string robust_kernel = "none";
   /// In standard deviations of an edge.
   double robust_width = 1.0;
