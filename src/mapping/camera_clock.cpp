@@ -167,8 +167,6 @@ CameraClock estimate_camera_clock(const RgbdSource& source, const Trajectory& tr
   clock.sigma_s = std::sqrt(2.0 * excess / curvature);
   if (clock.sigma_s > kLargestSigma_s) return clock;
   clock.status = ClockStatus::kEstimated;
-  clock.significant =
-      std::abs(clock.late_s) > 0.005 && std::abs(clock.late_s) > 4.0 * clock.sigma_s;
   return clock;
 }
 

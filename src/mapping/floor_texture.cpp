@@ -124,7 +124,7 @@ void map_frames(const RgbdSource& source, const std::vector<RgbdFrame>& frames,
                 const ProgressCallback& progress, Gatherers& gatherers, FloorTexture& texture) {
   FrameChooser chooser(
       trajectory, options,
-      options.correct_clock && texture.clock.significant ? texture.clock.late_s : 0.0,
+      options.correct_clock && texture.clock.is_significant() ? texture.clock.late_s : 0.0,
       texture.statistics);
   const std::size_t batch = 2 * static_cast<std::size_t>(threads.resolved());
   std::vector<Job> loaded;
@@ -179,7 +179,8 @@ void add_warnings(const TextureOptions& options, FloorTexture& texture) {
                     100.0 * floor.height_error_m, options.correct_mount ? "; corrected" : ""));
   }
   const CameraClock& clock = texture.clock;
-  if (clock.significant) {
+  constexpr double kClockWorthSaying_s = 0.01;
+  if (clock.is_significant() && std::abs(clock.late_s) > kClockWorthSaying_s) {
     warnings.push_back(fmt::format(
         "the camera's stamps are {:.0f} ms too {} (+- {:.1f} ms); corrected",
         std::abs(1e3 * clock.late_s), clock.late_s > 0.0 ? "late" : "early", 1e3 * clock.sigma_s));
@@ -226,9 +227,10 @@ FloorTexture map_floor_texture(const RgbdSource& source, const Trajectory& traje
   map_frames(source, frames, trajectory, options, threads, progress, gatherers, texture);
   const TextureMapper& mapper = gatherers.texture;
 
-  texture.statistics.gain_spread = mapper.gain_spread();
+  const TextureMapper::Brightness brightness = mapper.brightness();
+  texture.statistics.gain_spread = brightness.spread;
   texture.statistics.memory_bytes = static_cast<std::int64_t>(mapper.cells().memory_bytes());
-  finish_texture(mapper.cells(), options, texture);
+  finish_texture(mapper.cells(), options, brightness.mean, texture);
   if (gatherers.cloud) texture.cloud = gatherers.cloud->points();
   add_warnings(options, texture);
   return texture;

@@ -90,7 +90,7 @@ struct Bounds {
 
 }  // namespace
 
-void finish_texture(const Gathered& gathered, const TextureOptions& options,
+void finish_texture(const Gathered& gathered, const TextureOptions& options, double gain,
                     FloorTexture& texture) {
   const std::vector<std::uint8_t> srgb = srgb_table();
   const int reach = static_cast<int>(options.fill_gap_m / options.resolution_m + 0.5);
@@ -98,11 +98,12 @@ void finish_texture(const Gathered& gathered, const TextureOptions& options,
   Bounds bounds;
   std::int64_t seen = 0;
   std::int64_t filled = 0;
-  const auto colour_of = [&](const auto& light, std::uint8_t coverage) {
+  const auto colour_of = [&](const auto& rgb, std::uint8_t coverage) {
     const auto value = [&](auto channel) {
-      return srgb[static_cast<std::size_t>(std::clamp(static_cast<int>(channel), 0, 65535))];
+      const double light = gain * static_cast<double>(channel) + 0.5;
+      return srgb[static_cast<std::size_t>(std::clamp(light, 0.0, 65535.0))];
     };
-    return TextureColour{value(light[0]), value(light[1]), value(light[2]), coverage};
+    return TextureColour{value(rgb[0]), value(rgb[1]), value(rgb[2]), coverage};
   };
   // A gap may lie in a tile of which nothing was seen, but only at an edge of one of which something was.
   for (const Cell tile : gathered.tiles()) {

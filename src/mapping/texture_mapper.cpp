@@ -205,10 +205,12 @@ void TextureMapper::sample_row(int row, int first_column, int last_column,
       tile_column = column >> kTileBits;
       tile = &cells_.tile({tile_column, row >> kTileBits});
     }
-    // A sample that smears the floor over more than the cell says that much less about it, in both directions.
+    // A sample that smears the floor over more than the cell says that much less about it. The fourth power lets the sharpest
+    // views of a cell decide and still averages those that are alike (of 1 to 8 the best, and flat, on simulated floors).
     const float sharpness = 1.0F / (1.0F + blur2 / cell2);
+    const float sharpness2 = sharpness * sharpness;
     samples_.push_back({&(*tile)[TileGrid<TextureCell>::offset_in_tile({column, row})],
-                        light_.mean(u, v, width, height), sharpness * sharpness});
+                        light_.mean(u, v, width, height), sharpness2 * sharpness2});
   }
 }
 
@@ -244,11 +246,11 @@ void TextureMapper::level_samples() {
   log_gain_sum2_ += log_gain * log_gain;
 }
 
-double TextureMapper::gain_spread() const {
-  if (frames_levelled_ < 2) return 0.0;
+TextureMapper::Brightness TextureMapper::brightness() const {
+  if (frames_levelled_ == 0) return {};
   const auto n = static_cast<double>(frames_levelled_);
   const double mean = log_gain_sum_ / n;
-  return std::sqrt(std::max(0.0, log_gain_sum2_ / n - mean * mean));
+  return {std::exp(mean), std::sqrt(std::max(0.0, log_gain_sum2_ / n - mean * mean))};
 }
 
 }  // namespace loopstone

@@ -27,8 +27,12 @@ class TextureMapper {
   Use add(const RgbdImages& images, const FramePose& pose);
 
   [[nodiscard]] const TileGrid<TextureCell>& cells() const { return cells_; }
-  /// Standard deviation of the frames' brightness, as share.
-  [[nodiscard]] double gain_spread() const;
+  /// Brightness of the frames against the cells, which have the first frame's: its mean, and its standard deviation as share.
+  struct Brightness {
+    double mean = 1.0;
+    double spread = 0.0;
+  };
+  [[nodiscard]] Brightness brightness() const;
 
  private:
   struct Sample {

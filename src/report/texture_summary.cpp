@@ -16,7 +16,7 @@ std::string signed_value(double value, int digits, const char* unit) {
 std::string clock_text(const CameraClock& clock) {
   if (clock.status == ClockStatus::kNotObserved) return "not observed";
   return fmt::format("{:+.1f} ± {:.1f} ms{}", 1e3 * clock.late_s, 1e3 * clock.sigma_s,
-                     clock.significant ? ", corrected" : "");
+                     clock.is_significant() ? ", corrected" : "");
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ nlohmann::ordered_json texture_json(const FloorTexture& texture) {
         {"late_s", clock.late_s},
         {"sigma_s", clock.sigma_s},
         {"pairs", clock.pairs},
-        {"significant", clock.significant}}},
+        {"significant", clock.is_significant()}}},
   };
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "loopstone/base/parallel_for.hpp"
@@ -17,10 +18,13 @@ enum class ClockStatus {
 /// How a camera's clock stands to the trajectory's.
 struct CameraClock {
   ClockStatus status = ClockStatus::kNotObserved;
-  double late_s = 0.0;       ///< the camera's stamps less the true times
-  double sigma_s = 0.0;      ///< standard deviation of that
-  int pairs = 0;             ///< of frames that were compared
-  bool significant = false;  ///< more than 5 ms and four standard deviations: worth correcting
+  double late_s = 0.0;   ///< the camera's stamps less the true times
+  double sigma_s = 0.0;  ///< standard deviation of that
+  int pairs = 0;         ///< of frames that were compared
+  /// More than two standard deviations: worth correcting.
+  [[nodiscard]] bool is_significant() const {
+    return status == ClockStatus::kEstimated && std::abs(late_s) > 2.0 * sigma_s;
+  }
 };
 
 /// Compares how the floor moves between consecutive pictures with how the robot moved by the trajectory, both shifted in time

@@ -23,7 +23,7 @@ namespace loopstone {
 /// How the colour of the floor is put on the map.
 struct TextureOptions {
   double resolution_m = 0.01;
-  double max_blur_m = 0.02;
+  double max_blur_m = 0.015;
   double height_tolerance_m = 0.01;
   double min_travel_m = 0.02;
   double min_turn_rad = 0.01;
