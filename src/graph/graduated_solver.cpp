@@ -21,6 +21,12 @@ constexpr double kNoWeight = 1e-9;
 /// Steps of Gauss-Newton per round: the next round starts from there.
 constexpr int kStepsPerRound = 3;
 
+/// Cost per degree of freedom above which a solution is doubted.
+constexpr double kStrain = 2.0;
+
+/// Up to so many closures the other starts cost next to nothing, and are always tried.
+constexpr std::ptrdiff_t kFewClosures = 200;
+
 bool judged(const RelativePoseEdge& edge) { return edge.kind == EdgeKind::kLoopClosure; }
 
 /// Yang et al. 2020, eq. 14: weights of truncated least squares, softened by mu (0: convex, infinity: truncated).
@@ -69,12 +75,55 @@ GraphState start_of(const PoseGraph& graph, const GncOptions& options) {
   return state;
 }
 
-}  // namespace
+/// Which closures a solution stands on.
+struct Verdict {
+  GraphState state;
+  std::vector<double> weights;
+  int rounds = 0;
+};
 
-GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options,
-                       const SolverOptions& solver) {
-  check_graph(graph);
-  const std::vector<bool> fixed = gauge_of(graph, connected_components(graph)).fixed;
+/// Sum of min(chi2, inlier_chi2) over the judged edges, chi2 over the others: what truncated least squares minimises.
+double truncated_cost(const PoseGraph& graph, const Verdict& verdict, double inlier_chi2) {
+  const std::vector<double> chi2 = chi2_of_edges(graph, verdict.state);
+  double cost = 0.0;
+  for (std::size_t i = 0; i < chi2.size(); ++i) {
+    cost += judged(graph.edges[i]) ? std::min(chi2[i], inlier_chi2) : chi2[i];
+  }
+  return cost;
+}
+
+/// Whether what was accepted fits badly as a whole: a false closure that odometry gives way to raises the cost elsewhere.
+bool strained(const PoseGraph& graph, const Verdict& verdict) {
+  const std::vector<double> chi2 = chi2_of_edges(graph, verdict.state);
+  double cost = 0.0;
+  double freedom = -3.0 * static_cast<double>(graph.poses.size());
+  for (std::size_t i = 0; i < chi2.size(); ++i) {
+    if (verdict.weights[i] < 0.5) continue;
+    cost += chi2[i];
+    freedom += 3.0;
+  }
+  return cost > kStrain * std::max(freedom, 1.0);
+}
+
+void decide(const PoseGraph& graph, std::vector<double>& weights) {
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (judged(graph.edges[i])) weights[i] = weights[i] > 0.5 ? 1.0 : 0.0;
+  }
+}
+
+/// From odometry alone: closures that it can reach come in together, and the worst go out one after another.
+Verdict judge_from_odometry(const PoseGraph& graph, const GncOptions& options,
+                            const std::vector<bool>& fixed) {
+  Verdict verdict{start_of(graph, options), std::vector<double>(graph.edges.size(), 1.0)};
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    if (judged(graph.edges[i])) verdict.weights[i] = 0.0;
+  }
+  settle_closures(graph, fixed, options.inlier_chi2, verdict.weights, verdict.state);
+  return verdict;
+}
+
+Verdict judge_by_rounds(const PoseGraph& graph, const GncOptions& options,
+                        const std::vector<bool>& fixed) {
   GraphState state = start_of(graph, options);
   std::vector<double> weights(graph.edges.size(), 1.0);
   if (options.consistency_first) {
@@ -86,12 +135,12 @@ GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options,
       weights[edge] = 1.0;
     }
   }
-  GncResult result;
   double mu = 0.0;
-  for (result.rounds = 0; result.rounds < options.max_rounds; ++result.rounds) {
+  int round = 0;
+  for (; round < options.max_rounds; ++round) {
     improve(graph, weights, fixed, state);
     const std::vector<double> chi2 = chi2_of_edges(graph, state);
-    if (result.rounds == 0) {
+    if (round == 0) {
       double worst = 0.0;
       for (std::size_t i = 0; i < chi2.size(); ++i) {
         if (judged(graph.edges[i])) worst = std::max(worst, chi2[i]);
@@ -113,11 +162,34 @@ GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options,
     if (!undecided && !changed) break;
   }
 
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (judged(graph.edges[i])) weights[i] = weights[i] > 0.5 ? 1.0 : 0.0;
-  }
+  decide(graph, weights);
   settle_closures(graph, fixed, options.inlier_chi2, weights, state);
+  return {std::move(state), std::move(weights), round};
+}
 
+}  // namespace
+
+GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options,
+                       const SolverOptions& solver) {
+  check_graph(graph);
+  const std::vector<bool> fixed = gauge_of(graph, connected_components(graph)).fixed;
+  Verdict verdict = judge_by_rounds(graph, options, fixed);
+  const auto closures = std::count_if(graph.edges.begin(), graph.edges.end(), judged);
+  if (closures <= kFewClosures || strained(graph, verdict)) {
+    // Other ways to begin end elsewhere; the least truncated cost wins.
+    GncOptions other = options;
+    other.consistency_first = !options.consistency_first;
+    for (Verdict next :
+         {judge_by_rounds(graph, other, fixed), judge_from_odometry(graph, options, fixed)}) {
+      if (truncated_cost(graph, next, options.inlier_chi2) <
+          truncated_cost(graph, verdict, options.inlier_chi2)) {
+        verdict = std::move(next);
+      }
+    }
+  }
+  auto& [state, weights, rounds] = verdict;
+  GncResult result;
+  result.rounds = rounds;
   PoseGraph accepted = weighted(graph, weights);
   accepted.poses = std::move(state.poses);
   accepted.landmarks = std::move(state.landmarks);

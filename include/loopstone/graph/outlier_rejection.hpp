@@ -50,7 +50,10 @@ struct GncResult {
 ///
 /// The rounds judge a closure by its own residual, which is small where a long, soft chain of odometry gives way to a false
 /// one. So at the end each closure is judged once more by what the others say (Baarda 1968, data snooping): those whose removal
-/// lowers the cost by more than inlier_chi2 go, those that agree with the prediction from the rest come back.
+/// lowers the cost by more than inlier_chi2 go, those that agree with the prediction from the rest come back. The bound is
+/// tightened where the accepted closures agree far better than their information promises. Other starts (consistent
+/// closures, odometry alone) compete by truncated cost where there are few closures, or where the result's cost is more than
+/// twice its degrees of freedom.
 /// Source: Yang, Antonante, Tzoumas and Carlone 2020, "Graduated non-convexity for robust spatial perception".
 [[nodiscard]] GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options = {},
                                      const SolverOptions& solver = {});
