@@ -107,7 +107,7 @@ class GraphDrawing {
       const std::vector<Point> line{panel.pixel_of(from.translation()),
                                     panel.pixel_of(to.translation())};
       if (those_set_aside) {
-        canvas.dashed_line(line, 0.6 * line_px_, kSetAside, 4.0 * line_px_, 3.0 * line_px_);
+        canvas.dashed_line(line, line_px_, kSetAside, 4.0 * line_px_, 3.0 * line_px_);
       } else {
         canvas.line(line, 0.55 * line_px_, closure_colour(edge_chi2(edge, from, to)));
       }

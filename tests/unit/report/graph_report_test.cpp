@@ -58,7 +58,7 @@ TEST(GraphReport, LineAndPageSayWhatWasFoundAndProven) {
 
 TEST(GraphReport, EdgesThatWereSetAsideAreListedAndRed) {
   GraphRun run = example_run();
-  const std::size_t before = reds(draw_graph_run(run, 400));
+  const std::size_t before = reds(draw_graph_run(run, 800));
   // The last closures, moved far away.
   int moved = 0;
   for (std::size_t i = run.file.graph.edges.size(); i-- > 0 && moved < 3;) {
@@ -68,7 +68,7 @@ TEST(GraphReport, EdgesThatWereSetAsideAreListedAndRed) {
     ++moved;
   }
   EXPECT_EQ(edges_set_aside(run), 3U);
-  EXPECT_GT(reds(draw_graph_run(run, 400)), before + 20);
+  EXPECT_GT(reds(draw_graph_run(run, 800)), before + 20);
   EXPECT_THAT(graph_summary_line(run), HasSubstr("3 edges set aside"));
   EXPECT_THAT(format_graph_report(run, {}), HasSubstr("Set aside</h2>"));
   const std::string table = format_edge_weights(run);
