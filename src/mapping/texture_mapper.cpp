@@ -1,9 +1,11 @@
 #include "mapping/texture_mapper.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
 #include "mapping/floor_homography.hpp"
 
@@ -30,6 +32,10 @@ std::vector<Eigen::Vector2d> clipped(const std::vector<Eigen::Vector2d>& polygon
     if ((a >= 0.0) != (b >= 0.0)) kept.emplace_back(from + a / (a - b) * (to - from));
   }
   return kept;
+}
+
+Pose2 moved_in_place(const Pose2& pose, const Eigen::Vector3d& offset) {
+  return {pose.x + offset[0], pose.y + offset[1], wrap_angle(pose.yaw + offset[2])};
 }
 
 /// Where a horizontal line cuts a convex polygon; left > right when it misses.
@@ -62,6 +68,10 @@ TextureMapper::TextureMapper(const CameraModel& camera, const FloorEstimate& flo
       // The area that a pixel covers on a plane is depth^3 / (fx fy height), its width depth / fx.
       blur_per_depth2_(static_cast<float>(
           1.0 / (colour_lens(camera).focal_y_px * robot_T_colour_.translation.z()))),
+      width_per_depth_(static_cast<float>(1.0 / colour_lens(camera).focal_x_px)),
+      most_blur2_m2_(static_cast<float>(options.max_blur_m * options.max_blur_m)),
+      colour_is_distorted_(is_distorted(colour_lens(camera))),
+      depth_is_distorted_(is_distorted(camera.depth)),
       sight_(camera, floor.plane, floor.noise_per_m, options.height_tolerance_m),
       cells_(options.resolution_m) {}
 
@@ -102,116 +112,200 @@ TextureMapper::Use TextureMapper::add(const RgbdImages& images, const FramePose&
   sight_.assign(images.depth);
   if (sight_.tilt_rad() > kMostTilt_rad) return Use::kTilted;
   light_.assign(images.colour, footprint_.first_row, footprint_.end_row);
-  samples_.clear();
-  sample_cells(pose);
+  sample_cells(options_.refine_poses ? refined(pose) : pose);
   if (options_.level_exposure) level_samples();
   for (const Sample& sample : samples_) sample.cell->add(sample.light, sample.weight);
   return Use::kUsed;
 }
 
-void TextureMapper::sample_cells(const FramePose& pose) {
+TextureMapper::View TextureMapper::view_from(const FramePose& pose) const {
+  return {floor_homography(colour_lens(camera_), pose.map_T_robot_colour, robot_T_colour_),
+          floor_homography(camera_.depth, pose.map_T_robot_depth, robot_T_depth_),
+          static_cast<float>(options_.exposure_s * std::abs(pose.speed_m_s)),
+          static_cast<float>(options_.exposure_s * std::abs(pose.yaw_rate_rad_s))};
+}
+
+std::vector<TextureMapper::CellRun> TextureMapper::runs_seen_from(const Pose2& map_T_robot) const {
   std::vector<Eigen::Vector2d> corners;
   double low = 1e300;
   double high = -1e300;
   for (const Eigen::Vector2d& corner : footprint_.corners_robot) {
-    corners.emplace_back(pose.map_T_robot_colour * corner);
+    corners.emplace_back(map_T_robot * corner);
     low = std::min(low, corners.back().y());
     high = std::max(high, corners.back().y());
   }
-  const Eigen::Matrix3d colour =
-      floor_homography(colour_lens(camera_), pose.map_T_robot_colour, robot_T_colour_);
-  const Eigen::Matrix3d depth =
-      floor_homography(camera_.depth, pose.map_T_robot_depth, robot_T_depth_);
-  const bool distorted = is_distorted(colour_lens(camera_)) || is_distorted(camera_.depth);
+  std::vector<CellRun> runs;
   const double cell_m = options_.resolution_m;
   for (int row = floor_to_int(low / cell_m); row <= floor_to_int(high / cell_m); ++row) {
     const Span span = span_at(corners, (row + 0.5) * cell_m);
     if (span.left > span.right) continue;
-    const int first = floor_to_int(span.left / cell_m + 0.5);
-    const int last = floor_to_int(span.right / cell_m - 0.5);
-    if (distorted) {
-      sample_row<true>(row, first, last, colour, depth, pose);
-    } else {
-      sample_row<false>(row, first, last, colour, depth, pose);
+    runs.push_back(
+        {row, floor_to_int(span.left / cell_m + 0.5), floor_to_int(span.right / cell_m - 0.5)});
+  }
+  return runs;
+}
+
+bool TextureMapper::look(Cell cell, const View& view, Glimpse& glimpse) const {
+  const LensModel& lens = colour_lens(camera_);
+  const Eigen::Vector3d floor((cell.column + 0.5) * options_.resolution_m,
+                              (cell.row + 0.5) * options_.resolution_m, 1.0);
+  const Eigen::Vector3f seen = (view.colour * floor).cast<float>();
+  const float z = seen.z();
+  const float blur_m = view.moved_m + view.turned_rad * z;
+  const float length_m = blur_per_depth2_ * z * z;
+  const float width_m = z * width_per_depth_;
+  glimpse.blur2_m2 = length_m * length_m + width_m * width_m + blur_m * blur_m;
+  if (glimpse.blur2_m2 > most_blur2_m2_) return false;
+
+  const float per_z = 1.0F / z;
+  float u = seen.x() * per_z;
+  float v = seen.y() * per_z;
+  // How the pixel moves with the cell, along the map's x and y.
+  const Eigen::Matrix3f colour = view.colour.cast<float>();
+  glimpse.u_xy = (colour.row(0).head<2>() - u * colour.row(2).head<2>()) * per_z;
+  glimpse.v_xy = (colour.row(1).head<2>() - v * colour.row(2).head<2>()) * per_z;
+  const Eigen::Vector3f measured_at = (view.depth * floor).cast<float>();
+  float depth_u = measured_at.x() / measured_at.z();
+  float depth_v = measured_at.y() / measured_at.z();
+  if (colour_is_distorted_) {
+    const Eigen::Vector2f at = project(lens, Eigen::Vector3d(u, v, 1.0)).cast<float>();
+    u = at.x();
+    v = at.y();
+    glimpse.u_xy *= static_cast<float>(lens.focal_x_px);
+    glimpse.v_xy *= static_cast<float>(lens.focal_y_px);
+  }
+  if (depth_is_distorted_) {
+    const Eigen::Vector2f at =
+        project(camera_.depth, Eigen::Vector3d(depth_u, depth_v, 1.0)).cast<float>();
+    depth_u = at.x();
+    depth_v = at.y();
+  }
+  if (!sight_.measured(depth_u, depth_v) || sight_.hidden(u, v)) return false;
+  // An upright box of the outline's variances; at least a pixel, which is to interpolate between pixels.
+  const auto cell_m = static_cast<float>(options_.resolution_m);
+  glimpse.u = u;
+  glimpse.v = v;
+  glimpse.width = std::max(1.0F, cell_m * glimpse.u_xy.norm());
+  glimpse.height = std::max(1.0F, cell_m * glimpse.v_xy.norm());
+  return u - 0.5F * glimpse.width >= 0.0F && v - 0.5F * glimpse.height >= 0.0F &&
+         u + 0.5F * glimpse.width <= static_cast<float>(lens.width_px - 1) &&
+         v + 0.5F * glimpse.height <= static_cast<float>(lens.height_px - 1);
+}
+
+float TextureMapper::weight_of(const Glimpse& glimpse) const {
+  // A sample that smears the floor over more than the cell says that much less about it. The fourth power lets the sharpest
+  // views of a cell decide and still averages those that are alike (of 1 to 8 the best, and flat, on simulated floors).
+  const auto cell_m = static_cast<float>(options_.resolution_m);
+  const float sharpness = 1.0F / (1.0F + glimpse.blur2_m2 / (cell_m * cell_m));
+  return sharpness * sharpness * sharpness * sharpness;
+}
+
+void TextureMapper::sample_cells(const FramePose& pose) {
+  samples_.clear();
+  const View view = view_from(pose);
+  Glimpse glimpse;
+  for (const CellRun& run : runs_seen_from(pose.map_T_robot_colour)) {
+    constexpr int kTileBits = TileGrid<TextureCell>::kTileBits;
+    TileGrid<TextureCell>::Tile* tile = nullptr;
+    int tile_column = 0;
+    for (int column = run.first_column; column <= run.last_column; ++column) {
+      const Cell cell{column, run.row};
+      if (!look(cell, view, glimpse)) continue;
+      if (tile == nullptr || (column >> kTileBits) != tile_column) {
+        tile_column = column >> kTileBits;
+        tile = &cells_.tile(TileGrid<TextureCell>::tile_of(cell));
+      }
+      samples_.push_back({&(*tile)[TileGrid<TextureCell>::offset_in_tile(cell)],
+                          light_.mean(glimpse.u, glimpse.v, glimpse.width, glimpse.height),
+                          weight_of(glimpse)});
     }
   }
 }
 
-template <bool kDistorted>
-void TextureMapper::sample_row(int row, int first_column, int last_column,
-                               const Eigen::Matrix3d& colour, const Eigen::Matrix3d& depth,
-                               const FramePose& pose) {
-  const LensModel& lens = colour_lens(camera_);
-  const auto cell_m = static_cast<float>(options_.resolution_m);
-  const float cell2 = cell_m * cell_m;
-  const auto per_focal = static_cast<float>(1.0 / lens.focal_x_px);
-  const auto moved_m = static_cast<float>(options_.exposure_s * std::abs(pose.speed_m_s));
-  const auto turned_rad = static_cast<float>(options_.exposure_s * std::abs(pose.yaw_rate_rad_s));
-  const auto most_blur2 = static_cast<float>(options_.max_blur_m * options_.max_blur_m);
-  const auto right = static_cast<float>(lens.width_px) - 1.0F;
-  const auto bottom = static_cast<float>(lens.height_px) - 1.0F;
-  const double y_m = (row + 0.5) * options_.resolution_m;
+FramePose TextureMapper::refined(const FramePose& given) const {
+  // The pose under which the frame agrees best with what is on the map: Gauss-Newton on
+  //   sum w rho((gain * seen(cell; pose) - known(cell)) / sigma) + |pose - given|^2_prior
+  // over every few cells, with an unknown gain. The prior is what a good trajectory is worth; it holds the pose where the
+  // floor has nothing to hold on to. Source: Newcombe et al. 2011, "DTAM", section 2.3, for a plane.
+  constexpr int kEvery = 4;
+  constexpr int kSteps = 3;
+  constexpr std::size_t kFewest = 150;
+  constexpr double kPrior_m = 0.004;
+  constexpr double kPrior_rad = 0.002;
+  constexpr double kOverlap = 16.0;  // neighbouring cells, and frames before, share their errors
+  constexpr double kLeastSigma = 0.01 * 65535.0;
+  constexpr float kLeastWeight = 0.05F * TextureCell::kWeightUnit;
 
-  using Tile = TileGrid<TextureCell>::Tile;
-  constexpr int kTileBits = TileGrid<TextureCell>::kTileBits;
-  Tile* tile = nullptr;
-  int tile_column = 0;
-  for (int column = first_column; column <= last_column; ++column) {
-    const Eigen::Vector3d floor((column + 0.5) * options_.resolution_m, y_m, 1.0);
-    const Eigen::Vector3f seen = (colour * floor).cast<float>();
-    const float z = seen.z();
-    const float blur_m = moved_m + turned_rad * z;
-    const float length_m = blur_per_depth2_ * z * z;
-    const float width_m = z * per_focal;
-    const float blur2 = length_m * length_m + width_m * width_m + blur_m * blur_m;
-    if (blur2 > most_blur2) continue;
-
-    const float per_z = 1.0F / z;
-    float u = seen.x() * per_z;
-    float v = seen.y() * per_z;
-    // How the pixel moves with the cell, along the map's x and y.
-    float u_x = (static_cast<float>(colour(0, 0)) - u * static_cast<float>(colour(2, 0))) * per_z;
-    float u_y = (static_cast<float>(colour(0, 1)) - u * static_cast<float>(colour(2, 1))) * per_z;
-    float v_x = (static_cast<float>(colour(1, 0)) - v * static_cast<float>(colour(2, 0))) * per_z;
-    float v_y = (static_cast<float>(colour(1, 1)) - v * static_cast<float>(colour(2, 1))) * per_z;
-    const Eigen::Vector3f measured_at = (depth * floor).cast<float>();
-    float depth_u = measured_at.x() / measured_at.z();
-    float depth_v = measured_at.y() / measured_at.z();
-    if constexpr (kDistorted) {
-      const auto fx = static_cast<float>(lens.focal_x_px);
-      const auto fy = static_cast<float>(lens.focal_y_px);
-      if (is_distorted(lens)) {
-        const Eigen::Vector2f at = project(lens, Eigen::Vector3d(u, v, 1.0)).cast<float>();
-        u = at.x();
-        v = at.y();
-        u_x *= fx, u_y *= fx, v_x *= fy, v_y *= fy;
+  const std::vector<CellRun> runs = runs_seen_from(given.map_T_robot_colour);
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // of the pose about its own place, map axes
+  double gain = 1.0;
+  double sigma = 0.05 * 65535.0;
+  FramePose pose = given;
+  for (int step = 0; step < kSteps; ++step) {
+    const View view = view_from(pose);
+    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    double weights = 0.0;
+    double squares = 0.0;
+    std::size_t cells = 0;
+    Glimpse glimpse;
+    for (const CellRun& run : runs) {
+      if (run.row % kEvery != 0) continue;
+      for (int column = run.first_column; column <= run.last_column; ++column) {
+        if (column % kEvery != 0) continue;
+        const Cell cell{column, run.row};
+        const TextureCell* known = cells_.find(cell);
+        if (known == nullptr || static_cast<float>(known->best.weight) < kLeastWeight ||
+            !look(cell, view, glimpse)) {
+          continue;
+        }
+        const auto brightness = [&](float du, float dv) {
+          const LinearRgb light =
+              light_.mean(glimpse.u + du, glimpse.v + dv, glimpse.width, glimpse.height);
+          return static_cast<double>(light[0] + light[1] + light[2]) / 3.0;
+        };
+        const float du = 0.5F * glimpse.width;
+        const float dv = 0.5F * glimpse.height;
+        const double per_u = (brightness(du, 0.0F) - brightness(-du, 0.0F)) / (2.0 * du);
+        const double per_v = (brightness(0.0F, dv) - brightness(0.0F, -dv)) / (2.0 * dv);
+        const Eigen::Vector2d slope =
+            per_u * glimpse.u_xy.cast<double>() + per_v * glimpse.v_xy.cast<double>();
+        const double seen = brightness(0.0F, 0.0F);
+        const auto& rgb = known->best.rgb;
+        const double residual = gain * seen - (rgb[0] + rgb[1] + rgb[2]) / 3.0;
+        // A robot moved by (x, y, yaw) sees at a cell what it saw before at the cell moved back by that.
+        const Eigen::Vector2d arm = cells_.centre_of(cell) - pose.map_T_robot_colour.translation();
+        const Eigen::Vector4d j(-gain * slope.x(), -gain * slope.y(),
+                                gain * (slope.x() * arm.y() - slope.y() * arm.x()), seen);
+        const double ratio2 = residual * residual / (sigma * sigma);
+        const double weight =
+            static_cast<double>(weight_of(glimpse)) / ((1.0 + ratio2) * (1.0 + ratio2));
+        normal.noalias() += weight * j * j.transpose();
+        right -= weight * residual * j;
+        weights += weight;
+        squares += weight * residual * residual;
+        ++cells;
       }
-      if (is_distorted(camera_.depth)) {
-        const Eigen::Vector2f at =
-            project(camera_.depth, Eigen::Vector3d(depth_u, depth_v, 1.0)).cast<float>();
-        depth_u = at.x();
-        depth_v = at.y();
-      }
     }
-    if (!sight_.measured(depth_u, depth_v) || sight_.hidden(u, v)) continue;
-    // An upright box of the outline's variances; at least a pixel, which is to interpolate between pixels.
-    const float width = std::max(1.0F, cell_m * std::sqrt(u_x * u_x + u_y * u_y));
-    const float height = std::max(1.0F, cell_m * std::sqrt(v_x * v_x + v_y * v_y));
-    if (u - 0.5F * width < 0.0F || v - 0.5F * height < 0.0F || u + 0.5F * width > right ||
-        v + 0.5F * height > bottom) {
-      continue;
+    if (cells < kFewest || weights <= 0.0) return given;
+    sigma = std::max(kLeastSigma, 2.0 * std::sqrt(squares / weights));
+    normal /= kOverlap * sigma * sigma;
+    right /= kOverlap * sigma * sigma;
+    const Eigen::Vector4d prior(1.0 / (kPrior_m * kPrior_m), 1.0 / (kPrior_m * kPrior_m),
+                                1.0 / (kPrior_rad * kPrior_rad), 1e-12);
+    normal.diagonal() += prior;
+    right.head<3>() -= prior.head<3>().cwiseProduct(offset);
+    const Eigen::Vector4d change = normal.ldlt().solve(right);
+    offset += change.head<3>();
+    gain += change[3];
+    if (!(gain > 1.0 / kMostGain && gain < kMostGain) || offset.head<2>().norm() > 4.0 * kPrior_m ||
+        std::abs(offset[2]) > 4.0 * kPrior_rad) {
+      return given;
     }
-    if (tile == nullptr || (column >> kTileBits) != tile_column) {
-      tile_column = column >> kTileBits;
-      tile = &cells_.tile({tile_column, row >> kTileBits});
-    }
-    // A sample that smears the floor over more than the cell says that much less about it. The fourth power lets the sharpest
-    // views of a cell decide and still averages those that are alike (of 1 to 8 the best, and flat, on simulated floors).
-    const float sharpness = 1.0F / (1.0F + blur2 / cell2);
-    const float sharpness2 = sharpness * sharpness;
-    samples_.push_back({&(*tile)[TileGrid<TextureCell>::offset_in_tile({column, row})],
-                        light_.mean(u, v, width, height), sharpness2 * sharpness2});
+    pose.map_T_robot_colour = moved_in_place(given.map_T_robot_colour, offset);
+    pose.map_T_robot_depth = moved_in_place(given.map_T_robot_depth, offset);
   }
+  return pose;
 }
 
 void TextureMapper::level_samples() {

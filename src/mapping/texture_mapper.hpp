@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "loopstone/geometry/pose2.hpp"
 #include "loopstone/geometry/pose3.hpp"
+#include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/grid/tile_grid.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "mapping/floor_sight.hpp"
@@ -47,11 +49,40 @@ class TextureMapper {
     int end_row = 0;
   };
 
+  /// A frame's pose, made ready for looking at cells.
+  struct View {
+    Eigen::Matrix3d colour;  ///< floor_homography of the two cameras
+    Eigen::Matrix3d depth;
+    float moved_m = 0.0F;  ///< while the shutter was open
+    float turned_rad = 0.0F;
+  };
+  /// A cell as a frame sees it: an upright box of the colour picture.
+  struct Glimpse {
+    float u = 0.0F;
+    float v = 0.0F;
+    float width = 1.0F;
+    float height = 1.0F;
+    Eigen::RowVector2f u_xy = Eigen::RowVector2f::Zero();  ///< how u moves with the cell [px/m]
+    Eigen::RowVector2f v_xy = Eigen::RowVector2f::Zero();
+    float blur2_m2 = 0.0F;  ///< squared length over which pixel and motion smear the floor
+  };
+  /// Cells of a row, first and last included.
+  struct CellRun {
+    int row = 0;
+    int first_column = 0;
+    int last_column = 0;
+  };
+
   [[nodiscard]] Footprint make_footprint() const;
+  [[nodiscard]] View view_from(const FramePose& pose) const;
+  [[nodiscard]] std::vector<CellRun> runs_seen_from(const Pose2& map_T_robot) const;
+  /// False when the frame does not see the cell, or not sharply enough, or something stands there.
+  [[nodiscard]] bool look(Cell cell, const View& view, Glimpse& glimpse) const;
+  [[nodiscard]] float weight_of(const Glimpse& glimpse) const;
+  /// The pose at which the frame agrees best with the cells known so far; the given one when there are too few, or when it
+  /// would have to move by more than a good trajectory is wrong.
+  [[nodiscard]] FramePose refined(const FramePose& given) const;
   void sample_cells(const FramePose& pose);
-  template <bool kDistorted>
-  void sample_row(int row, int first_column, int last_column, const Eigen::Matrix3d& colour,
-                  const Eigen::Matrix3d& depth, const FramePose& pose);
   void level_samples();
 
   CameraModel camera_;
@@ -60,6 +91,10 @@ class TextureMapper {
   Pose3 robot_T_depth_;
   Footprint footprint_;
   float blur_per_depth2_;  ///< a pixel's length along the view on the floor, over depth^2 [1/m]
+  float width_per_depth_;  ///< a pixel's width there, over depth
+  float most_blur2_m2_;
+  bool colour_is_distorted_;
+  bool depth_is_distorted_;
   FloorSight sight_;
   LightRows light_;
   TileGrid<TextureCell> cells_;

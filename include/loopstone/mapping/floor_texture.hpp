@@ -33,6 +33,7 @@ struct TextureOptions {
   bool correct_mount = true;
   bool correct_clock = true;
   bool level_exposure = true;
+  bool refine_poses = true;
 };
 
 template <typename Visitor>
@@ -56,6 +57,8 @@ void visit_options(TextureOptions& options, Visitor&& visit) {
   visit("correct_clock", options.correct_clock,
         "estimate how late the camera's stamps are from its motion over the floor");
   visit("level_exposure", options.level_exposure, "level the brightness of the frames");
+  visit("refine_poses", options.refine_poses,
+        "move each frame by the few millimetres that make it agree with the floor seen before");
 }
 
 /// A cell of the finished texture: sRGB and what it rests on.
@@ -109,7 +112,7 @@ struct FloorTexture {
 ///   2. how the floor moves through the picture tells how late the camera's stamps are (estimate_camera_clock),
 ///   3. each frame that adds something gives a colour to every cell that it sees: the mean light over the cell's outline in
 ///      the picture, if the depth picture measured floor there; weighted by blur, levelled in brightness, joined robustly
-///      (TextureCell),
+///      (TextureCell); before that the frame moves by the few millimetres that make it agree with the floor seen before,
 ///   4. small gaps between seen cells are filled,
 ///   5. if asked for, every point that the depth camera measured gets its colour as well (`cloud`).
 /// The robot's pose at each picture's own stamp is interpolated on the trajectory.
