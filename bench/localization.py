@@ -10,13 +10,9 @@ The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). Maps and logs are
   bench/localization.py --resume             goes on where it was interrupted: leaves out the drives that are there
   bench/localization.py --only               no measurement: writes the tables from localization.json again
 """
-import argparse
-import json
 import os
 import pathlib
-import subprocess
 import sys
-import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -25,7 +21,8 @@ import localization_measure as measure  # noqa: E402
 import localization_tables as tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
-from program import Failed, Loopstone, machine, say  # noqa: E402
+from program import Loopstone  # noqa: E402
+from sections import measure_sections, section_parser, verdicts  # noqa: E402
 
 PAGE = "docs/accuracy.md"
 DRIVES = {"tracking": measure.tracking, "global": measure.global_start, "ambiguous": measure.ambiguous,
@@ -43,35 +40,11 @@ def measure_section(name, arguments, loopstone):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
-    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
-    parser.add_argument("--only", nargs="*", choices=SECTIONS, default=SECTIONS)
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--resume", action="store_true", help="leave out the drives that have been measured")
-    arguments = parser.parse_args()
-
+    arguments = section_parser(__doc__, SECTIONS, ROOT, data_folder(ROOT, os.environ)).parse_args()
     (arguments.work / "localization").mkdir(parents=True, exist_ok=True)
-    kept = arguments.work / ("localization-quick.json" if arguments.quick else "localization.json")
-    sections = json.loads(kept.read_text()) if kept.exists() else {}
-    failed = []
-    for name in arguments.only:
-        say(f"{name}:")
-        started = time.monotonic()
-        loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-        circumstances = {"machine": machine(), "version": loopstone.version(),
-                         "command": "bench/localization.py" + (" --quick" if arguments.quick else "")}
-        try:
-            figures = measure_section(name, arguments, loopstone)
-        except (Failed, OSError, subprocess.SubprocessError, ValueError, KeyError) as failure:
-            say(f"  FAILED: {failure!r}")
-            failed.append(name)
-            continue
-        say(f"  took {time.monotonic() - started:.0f} s")
-        if figures:
-            sections[name] = {**circumstances, "figures": figures}
-            kept.write_text(json.dumps(sections, indent=1))
+    loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
+    sections, failed = measure_sections("localization", arguments, loopstone,
+                                        lambda name: measure_section(name, arguments, loopstone))
 
     for name in SECTIONS:
         if name not in sections:
@@ -81,8 +54,7 @@ def main():
             write_block(ROOT / PAGE, f"localization-{name}", text)
         elif name in arguments.only:
             print(f"\n{PAGE}: localization-{name}\n{text}")
-    for name, target, measured, met in tables.targets_of(sections):
-        print(f"{'met    ' if met else 'NOT MET'}  {measured:>14}  {target:<18} {name}")
+    print(verdicts(tables.targets_of(sections)))
     return 1 if failed else 0
 
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "loopstone/formats/image.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/localization/localization_result.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 #include "loopstone/simulation/simulate.hpp"
 #include "loopstone/simulation/surface_index.hpp"
@@ -224,6 +226,19 @@ inline void kidnap(Run& run, double at_s, double for_s) {
     kidnap(run, at_s, carried_s * rng.uniform(0.5, 1.0));
   }
   return run;
+}
+
+struct PoseError {
+  double metres = 0.0;
+  double radians = 0.0;
+  /// What the probability of an estimate is about.
+  [[nodiscard]] bool right() const { return metres <= 0.2 && radians <= 5.0 * kPi / 180.0; }
+};
+
+[[nodiscard]] inline PoseError error_of(const LocalizationEstimate& estimate, const Run& run) {
+  const Pose2 truth = *run.truth.at_clamped(estimate.stamp);
+  return {std::hypot(estimate.map_T_robot.x - truth.x, estimate.map_T_robot.y - truth.y),
+          std::abs(wrap_angle(estimate.map_T_robot.yaw - truth.yaw))};
 }
 
 }  // namespace loopstone::bench

@@ -21,6 +21,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import tables  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
 from program import Loopstone, machine, say  # noqa: E402
+from sections import verdicts  # noqa: E402
 
 PAGE, BLOCK = "docs/benchmarks.md", "localization-field"
 OURS, SKIPPING, PEER = "loopstone_field", "loopstone_field_skipping", "form_of_beluga"
@@ -112,8 +113,7 @@ def main():
         print(text)
     elif write_block(ROOT / PAGE, BLOCK, text):
         say(f"wrote {PAGE}: {BLOCK}")
-    for name, target, measured, met in targets_of(section["figures"]):
-        print(f"{'met    ' if met else 'NOT MET'}  {measured:>10}  {target:<14} {name}")
+    print(verdicts(targets_of(section["figures"])))
 
 
 if __name__ == "__main__":

@@ -24,9 +24,6 @@
 namespace loopstone::bench {
 namespace {
 
-constexpr double kRightM = 0.2;
-constexpr double kRightRad = 5.0 * kPi / 180.0;
-
 double cpu_seconds() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
@@ -78,18 +75,6 @@ Arguments parse(int argc, char** argv) {
       throw std::invalid_argument("unknown key: " + key);
   }
   return arguments;
-}
-
-struct Error {
-  double metres;
-  double radians;
-  [[nodiscard]] bool right() const { return metres <= kRightM && radians <= kRightRad; }
-};
-
-Error error_of(const LocalizationEstimate& estimate, const Trajectory& truth) {
-  const Pose2 at = *truth.at_clamped(estimate.stamp);
-  return {std::hypot(estimate.map_T_robot.x - at.x, estimate.map_T_robot.y - at.y),
-          std::abs(wrap_angle(estimate.map_T_robot.yaw - at.yaw))};
 }
 
 std::optional<InitialPose> initial_pose(const std::string& start, const Run& run) {
@@ -145,7 +130,7 @@ int measure(const Arguments& arguments) {
   std::ofstream trace;
   if (!arguments.trace.empty()) trace.open(arguments.trace);
   for (const LocalizationEstimate& estimate : result.estimates) {
-    const Error error = error_of(estimate, run.truth);
+    const PoseError error = error_of(estimate, run);
     if (kidnap < run.kidnaps.size() && estimate.stamp >= run.kidnaps[kidnap]) {
       if (carried_at_m) recovered_m.push_back(-1.0);
       carried_at_m = estimate.travelled_m;
@@ -190,8 +175,8 @@ int measure(const Arguments& arguments) {
   if (carried_at_m) recovered_m.push_back(-1.0);
   const auto scans = static_cast<double>(std::max<std::size_t>(1, result.estimates.size()));
   const int right_tracking = tracking - wrong_tracking;
-  const Error last =
-      result.estimates.empty() ? Error{1e9, 4.0} : error_of(result.estimates.back(), run.truth);
+  const PoseError last =
+      result.estimates.empty() ? PoseError{1e9, 4.0} : error_of(result.estimates.back(), run);
   const auto list = [](const std::vector<double>& values) {
     std::string text;
     for (const double value : values)

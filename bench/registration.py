@@ -12,13 +12,10 @@ are looked for in $LOOPSTONE_DATA, else in ../shared/data. What was measured is 
   bench/registration.py --resume            the sections that have no figures yet
   bench/registration.py --only              no measurement: writes the tables from registration.json again
 """
-import argparse
-import json
 import os
 import pathlib
 import subprocess
 import sys
-import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -27,7 +24,8 @@ import registration_measure as measure  # noqa: E402
 import registration_tables as tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
-from program import Failed, Loopstone, machine, say  # noqa: E402
+from program import Loopstone, say  # noqa: E402
+from sections import measure_sections, section_parser  # noqa: E402
 
 SECTIONS = ["tracking", "correlative", "pairs", "nees", "clouds", "map_match", "real"]
 
@@ -50,13 +48,7 @@ def measure_section(name, arguments, loopstone, peers):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
-    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
-    parser.add_argument("--only", nargs="*", choices=SECTIONS, default=SECTIONS)
-    parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--resume", action="store_true", help="leave out what has been measured")
+    parser = section_parser(__doc__, SECTIONS, ROOT, data_folder(ROOT, os.environ))
     parser.add_argument("--peers", action="store_true", help="install the peers into build/bench/peers first")
     arguments = parser.parse_args()
 
@@ -67,26 +59,10 @@ def main():
     if missing:
         say(f"peers not installed: {', '.join(missing)} (bench/peers/install.sh); going on without")
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-    kept = arguments.work / ("registration-quick.json" if arguments.quick else "registration.json")
-    sections = json.loads(kept.read_text()) if kept.exists() else {}
-    failed = []
-    for name in arguments.only:
-        if arguments.resume and name in sections:
-            continue
-        say(f"{name}:")
-        started = time.monotonic()
-        circumstances = {"machine": machine(), "version": loopstone.version(), "peers": versions, "missing": missing,
-                         "command": "bench/registration.py" + (" --quick" if arguments.quick else "")}
-        try:
-            figures = measure_section(name, arguments, loopstone, peers)
-        except (Failed, OSError, subprocess.SubprocessError, ValueError, KeyError) as failure:
-            say(f"  FAILED: {failure}")
-            failed.append(name)
-            continue
-        say(f"  took {time.monotonic() - started:.0f} s")
-        if figures:
-            sections[name] = {**circumstances, "figures": figures}
-            kept.write_text(json.dumps(sections, indent=1))
+    sections, failed = measure_sections("registration", arguments, loopstone,
+                                        lambda name: measure_section(name, arguments, loopstone, peers),
+                                        extra={"peers": versions, "missing": missing},
+                                        leave_out=lambda name, sections: arguments.resume and name in sections)
 
     for name, page, block, text in tables.blocks_of(sections):
         if arguments.quick:

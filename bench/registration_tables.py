@@ -3,6 +3,7 @@ targets."""
 import tables
 from doc_blocks import table
 from registration_measure import BINS
+from sections import verdicts
 
 SHARE = 0.999
 ERROR_MM, ERROR_DEG = 1.4, 0.016
@@ -233,5 +234,4 @@ def blocks_of(sections):
 def summary(sections):
     rows = [row for name, of_section in TARGETS.items() if name in sections
             for row in of_section(sections[name]["figures"])]
-    return "\n".join(f"{'met    ' if met else 'NOT MET'}  {measured:>10}  {target:<14} {name}"
-                     for name, target, measured, met in rows)
+    return verdicts(rows)

@@ -78,4 +78,19 @@ std::vector<std::string> missed_bounds(const std::vector<Bound>& bounds,
   return missed;
 }
 
+std::vector<Bound> parse_bounds(const std::vector<std::string>& texts) {
+  std::vector<Bound> bounds;
+  for (const std::string& text : texts) bounds.push_back(parse_bound(text));
+  return bounds;
+}
+
+void add_require_flag(CLI::App& command, std::vector<std::string>& texts, const std::string& help) {
+  command.add_option("--require", texts, help)->type_name("KEY<=VALUE")->allow_extra_args(false);
+}
+
+ExitCode report_missed(const std::vector<std::string>& missed, const AppContext& context) {
+  for (const std::string& text : missed) context.warn("bound missed: " + text);
+  return missed.empty() ? kExitDone : kExitBoundMissed;
+}
+
 }  // namespace loopstone::app

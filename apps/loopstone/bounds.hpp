@@ -1,8 +1,11 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "app.hpp"
 
 namespace loopstone::app {
 
@@ -13,12 +16,22 @@ struct Bound {
   double value = 0.0;
 };
 
+/// --require, which may be given several times.
+void add_require_flag(
+    CLI::App& command, std::vector<std::string>& texts,
+    const std::string& help = "a bound on a figure of --json's result; may be given several times");
+
 /// Throws UsageError when the text is none.
 [[nodiscard]] Bound parse_bound(const std::string& text);
+[[nodiscard]] std::vector<Bound> parse_bounds(const std::vector<std::string>& texts);
 
 /// One sentence for each bound that the result misses. A figure that is null misses every bound.
 /// Throws UsageError when the result has no such figure, naming the nearest one.
 [[nodiscard]] std::vector<std::string> missed_bounds(const std::vector<Bound>& bounds,
                                                      const nlohmann::ordered_json& result);
+
+/// Warns of what was missed; the exit code that scripts see.
+[[nodiscard]] ExitCode report_missed(const std::vector<std::string>& missed,
+                                     const AppContext& context);
 
 }  // namespace loopstone::app

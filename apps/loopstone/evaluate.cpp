@@ -178,8 +178,7 @@ void check_usage(const Arguments& arguments) {
 }
 
 ExitCode run(const Arguments& arguments, const AppContext& context) {
-  std::vector<Bound> bounds;
-  for (const std::string& text : arguments.require) bounds.push_back(parse_bound(text));
+  const std::vector<Bound> bounds = parse_bounds(arguments.require);
   check_usage(arguments);
 
   Result result;
@@ -196,8 +195,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
 
   const std::vector<std::string> missed = missed_bounds(bounds, result.json());
   result.print(context);
-  for (const std::string& text : missed) context.warn("bound missed: " + text);
-  return missed.empty() ? kExitDone : kExitBoundMissed;
+  return report_missed(missed, context);
 }
 
 }  // namespace
@@ -242,11 +240,7 @@ void add_evaluate_command(CLI::App& app, AppContext& context) {
       ->type_name("measured-first|expected-first")
       ->check(CLI::IsMember({"measured-first", "expected-first"}))
       ->capture_default_str();
-  command
-      ->add_option("--require", arguments->require,
-                   "a bound on a figure of --json's result; may be given several times")
-      ->type_name("KEY<=VALUE")
-      ->allow_extra_args(false);
+  add_require_flag(*command, arguments->require);
   context.add_common_flags(*command);
   command->footer(kFooter);
   context.on_run(*command, [arguments, &context] { return run(*arguments, context); });

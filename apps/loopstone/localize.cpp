@@ -165,12 +165,7 @@ void warn_of_initial_pose(const InitialPose& initial, const Grid<std::int8_t>& m
 }
 
 LocalizationResult localize(CutLog& log, Localizer localizer) {
-  while (const auto message = log.next()) {
-    localizer.add(*message);
-    while (localizer.next()) {
-      // All of them are in the result.
-    }
-  }
+  while (const auto message = log.next()) localizer.add(*message);
   LocalizationResult result = localizer.finish();
   result.complete = result.complete && !log.interrupted();
   return result;
@@ -225,8 +220,7 @@ void print_table(const nlohmann::ordered_json& summary, const Arguments& argumen
 
 ExitCode run(const Arguments& arguments, const AppContext& context) {
   const auto start = Clock::now();
-  std::vector<Bound> bounds;
-  for (const std::string& text : arguments.require) bounds.push_back(parse_bound(text));
+  const std::vector<Bound> bounds = parse_bounds(arguments.require);
   const std::optional<InitialPose> initial = initial_of(arguments);
   LocalizationOptions options = options_of(arguments, context);
 
@@ -274,12 +268,12 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   } else {
     print_table(summary, arguments, written, context);
   }
-  for (const std::string& bound : missed) context.warn("bound missed: " + bound);
+  const ExitCode code = report_missed(missed, context);
   if (!result.complete) {
     context.warn("interrupted: the poses are those until then");
     return kExitInterrupted;
   }
-  return missed.empty() ? kExitDone : kExitBoundMissed;
+  return code;
 }
 
 }  // namespace
@@ -325,11 +319,7 @@ void add_localize_command(CLI::App& app, AppContext& context) {
       ->add_option("--animation", arguments->animation,
                    "folder for a numbered series of pictures, one every half metre of the path")
       ->type_name("DIR");
-  command
-      ->add_option("--require", arguments->require,
-                   "a bound on a figure of --json's result; may be given several times")
-      ->type_name("KEY<=VALUE")
-      ->allow_extra_args(false);
+  add_require_flag(*command, arguments->require);
   command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
   command->add_flag("--force", arguments->force, "write into folders that are not empty");
   context.add_common_flags(*command);

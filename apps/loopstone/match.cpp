@@ -234,8 +234,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
                                         : run_in<3>(arguments, source, target, context);
   const std::vector<std::string> missed = missed_demands(arguments, result);
   result.print(context);
-  for (const std::string& text : missed) context.warn("bound missed: " + text);
-  return missed.empty() ? kExitDone : kExitBoundMissed;
+  return report_missed(missed, context);
 }
 
 }  // namespace
@@ -292,12 +291,9 @@ void add_match_command(CLI::App& app, AppContext& context) {
       ->add_option("--aligned", arguments->aligned,
                    "write the source's points in the target's frame")
       ->type_name("FILE.ply|FILE.pcd");
-  command
-      ->add_option(
-          "--require", arguments->require,
-          "converged, or a bound on a figure of --json's result; may be given several times")
-      ->type_name("KEY<=VALUE")
-      ->allow_extra_args(false);
+  add_require_flag(
+      *command, arguments->require,
+      "converged, or a bound on a figure of --json's result; may be given several times");
   context.add_common_flags(*command);
   context.add_threads_flag(*command);
   context.add_option_flags(*command);

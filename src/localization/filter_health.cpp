@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/localization/chi_square.hpp"
 
 namespace loopstone {
 
@@ -53,14 +54,6 @@ std::string reason(const FilterHealth& health) {
           100.0 * health.effective_share);
   }
   return {};
-}
-
-double chi_square_quantile(int degrees_of_freedom, double z_quantile) {
-  if (degrees_of_freedom <= 0) return 0.0;
-  const double freedom = degrees_of_freedom;
-  const double spread = 2.0 / (9.0 * freedom);
-  const double root = std::max(0.0, 1.0 - spread + z_quantile * std::sqrt(spread));
-  return freedom * root * root * root;
 }
 
 FilterHealthMonitor::FilterHealthMonitor(const FilterHealthOptions& options) : options_(options) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/localization/pose_belief.hpp"
+#include "loopstone/localization/weighted_moments.hpp"
 
 namespace loopstone {
 

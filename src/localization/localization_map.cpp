@@ -59,8 +59,7 @@ Grid<std::int8_t> checked(Grid<std::int8_t> map) {
   return map;
 }
 
-}  // namespace
-
+/// 1 where a beam ends: occupied cells.
 Grid<std::uint8_t> solid_cells(const Grid<std::int8_t>& occupancy) {
   Grid<std::uint8_t> solid(occupancy.frame());
   std::transform(occupancy.cells().begin(), occupancy.cells().end(), solid.cells().begin(),
@@ -69,6 +68,8 @@ Grid<std::uint8_t> solid_cells(const Grid<std::int8_t>& occupancy) {
                  });
   return solid;
 }
+
+}  // namespace
 
 LocalizationMap::Tables::Tables(Grid<std::int8_t> map)
     : occupancy(checked(std::move(map))),
@@ -93,7 +94,8 @@ const Grid<std::int8_t>& LocalizationMap::occupancy() const { return tables_->oc
 double LocalizationMap::free_area_m2() const { return tables_->free_area_m2; }
 std::size_t LocalizationMap::memory_bytes() const {
   return tables_->occupancy.cells().size() + tables_->search.memory_bytes() +
-         tables_->weigher.memory_bytes() + tables_->caster.memory_bytes();
+         tables_->weigher.memory_bytes() + tables_->judge.memory_bytes() +
+         tables_->caster.memory_bytes();
 }
 
 }  // namespace loopstone

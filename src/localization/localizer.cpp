@@ -17,6 +17,7 @@
 #include "localization/scan_weigher.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/pose_distance.hpp"
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/pose_belief.hpp"
 #include "loopstone/slam/scan_queue.hpp"
@@ -40,6 +41,7 @@ constexpr double kNewPlacesShareWhenLost = 0.5;
 constexpr double kFarLogOdds = 6.0;
 /// Returns used for registration.
 constexpr std::size_t kRefinePoints = 240;
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -165,9 +167,8 @@ class Localizer::Impl {
 
   [[nodiscard]] static bool agrees(const Pose2& pose, const InitialPose& initial) {
     constexpr double kSigmas = 3.0;
-    const Pose2& given = initial.map_T_robot;
-    return std::hypot(pose.x - given.x, pose.y - given.y) < kSigmas * initial.sigma_m &&
-           std::abs(wrap_angle(pose.yaw - given.yaw)) < kSigmas * initial.sigma_rad;
+    return is_within(pose, initial.map_T_robot, kSigmas * initial.sigma_m,
+                     kSigmas * initial.sigma_rad);
   }
 
   /// Moves the particles to now and weighs them.
@@ -327,10 +328,8 @@ class Localizer::Impl {
     constexpr double kSlipM = 1.5;
     constexpr double kSlipRad = 0.6;
     constexpr double kSigmas = 4.0;
-    const Pose2& believed = estimate.map_T_robot;
     const double sigma_m = std::sqrt(estimate.covariance.topLeftCorner<2, 2>().trace());
-    return std::hypot(pose.x - believed.x, pose.y - believed.y) < kSlipM + kSigmas * sigma_m &&
-           std::abs(wrap_angle(pose.yaw - believed.yaw)) < kSlipRad;
+    return is_within(pose, estimate.map_T_robot, kSlipM + kSigmas * sigma_m, kSlipRad);
   }
 
   [[nodiscard]] bool is_known(const Pose2& pose) const {
@@ -338,9 +337,8 @@ class Localizer::Impl {
     constexpr double kSameRad = 0.3;
     return std::any_of(belief_.places().begin(), belief_.places().end(),
                        [&](const PlaceBelief& place) {
-                         const Pose2 now = place.moments.pose * motion_.since_weighing().pose;
-                         return std::hypot(now.x - pose.x, now.y - pose.y) < kSameM &&
-                                std::abs(wrap_angle(now.yaw - pose.yaw)) < kSameRad;
+                         return is_within(place.moments.pose * motion_.since_weighing().pose, pose,
+                                          kSameM, kSameRad);
                        });
   }
 

@@ -24,7 +24,4 @@ struct LocalizationMap::Tables {
   explicit Tables(Grid<std::int8_t> map);
 };
 
-/// 1 where a beam ends: occupied cells.
-[[nodiscard]] Grid<std::uint8_t> solid_cells(const Grid<std::int8_t>& occupancy);
-
 }  // namespace loopstone

@@ -10,6 +10,7 @@
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/localization/motion_models.hpp"
 #include "loopstone/localization/renewal.hpp"
+#include "loopstone/localization/weighted_moments.hpp"
 
 namespace loopstone {
 
@@ -109,24 +110,6 @@ void take_stragglers_in(std::vector<ParticleGroup>& groups) {
 
 }  // namespace
 
-PoseWithCovariance2 weighted_moments(std::span<const Pose2> poses,
-                                     std::span<const double> weights) {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  Eigen::Vector2d heading = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    middle += weights[i] * poses[i].translation();
-    heading += weights[i] * Eigen::Vector2d(std::cos(poses[i].yaw), std::sin(poses[i].yaw));
-  }
-  PoseWithCovariance2 moments;
-  moments.pose = {middle.x(), middle.y(), std::atan2(heading.y(), heading.x())};
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Eigen::Vector3d off{poses[i].x - middle.x(), poses[i].y - middle.y(),
-                              wrap_angle(poses[i].yaw - moments.pose.yaw)};
-    moments.covariance.noalias() += weights[i] * off * off.transpose();
-  }
-  return moments;
-}
-
 std::vector<int> group_poses(std::span<const Pose2> poses, double cell_m, double cell_rad) {
   const PoseLattice lattice(cell_m, cell_rad);
   std::unordered_map<std::uint64_t, std::size_t> index_of;
@@ -206,10 +189,7 @@ void PoseBelief::update(const SensorModel& sensor, double readings,
     log_masses.push_back(place.log_mass + (evidence ? evidence(place) : mean));
     begin += count;
   }
-  const LogWeightSum sum = sum_log_weights(log_masses);
-  if (!sum.any()) return;
-  for (std::size_t i = 0; i < places_.size(); ++i)
-    places_[i].log_mass = log_masses[i] - sum.log_total;
+  take_masses(log_masses);
 }
 
 void PoseBelief::regroup() {
@@ -270,14 +250,16 @@ void PoseBelief::regroup() {
     taken.push_back(place.id);
   }
   places_ = std::move(places);
-  normalise_masses();
-}
-
-void PoseBelief::normalise_masses() {
   std::vector<double> log_masses;
   for (const PlaceBelief& place : places_) log_masses.push_back(place.log_mass);
+  take_masses(log_masses);
+}
+
+void PoseBelief::take_masses(std::span<const double> log_masses) {
   const LogWeightSum sum = sum_log_weights(log_masses);
-  for (PlaceBelief& place : places_) place.log_mass -= sum.log_total;
+  if (!sum.any()) return;
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    places_[i].log_mass = log_masses[i] - sum.log_total;
 }
 
 void PoseBelief::settle() {
@@ -293,6 +275,7 @@ void PoseBelief::settle() {
                      .epsilon = options_.kld_epsilon,
                      .z_quantile = options_.kld_quantile};
   for (PlaceBelief& place : places_) {
+    if (!place.log_evidence) continue;
     const GaussianMotion around = widely_around(place.moments);
     renewal.injection = Injection<Pose2>{
         .share =
@@ -300,7 +283,6 @@ void PoseBelief::settle() {
               return std::min(kInjectedMost, place.injection.share_after(evidence));
             },
         .sample = [&](Rng& rng) { return around.sample(Pose2{}, rng); }};
-    if (!place.log_evidence) continue;
     // A place of few particles is filled up, however even their weights are.
     constexpr double kAlways = 2.0;
     constexpr double kWhenUneven = 0.5;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/pose_distance.hpp"
 
 namespace loopstone {
 
@@ -38,11 +38,8 @@ double mass_near(const PlaceBelief& place, const Pose2& map_T_robot) {
   constexpr double kNearRad = 0.35;
   double near = 0.0;
   for (std::size_t i = 0; i < place.particles.size(); ++i) {
-    const Pose2& particle = place.particles.states()[i];
-    if (std::hypot(particle.x - map_T_robot.x, particle.y - map_T_robot.y) < kNearM &&
-        std::abs(wrap_angle(particle.yaw - map_T_robot.yaw)) < kNearRad) {
+    if (is_within(place.particles.states()[i], map_T_robot, kNearM, kNearRad))
       near += std::exp(place.particles.log_weights()[i]);
-    }
   }
   return near * std::exp(place.log_mass);
 }

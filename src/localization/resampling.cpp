@@ -6,6 +6,7 @@
 #include <string>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/localization/chi_square.hpp"
 
 namespace loopstone {
 
@@ -195,10 +196,8 @@ std::size_t kld_sample_count(std::size_t bins, double epsilon, double z_quantile
     throw UsageError("KLD: epsilon is " + std::to_string(epsilon) + "; it must be above zero");
   }
   if (bins <= 1) return 1;
-  const double freedom = static_cast<double>(bins - 1);
-  const double spread = 2.0 / (9.0 * freedom);
-  const double root = 1.0 - spread + std::sqrt(spread) * z_quantile;
-  const double count = freedom / (2.0 * epsilon) * root * root * root;
+  const double count =
+      chi_square_quantile(static_cast<double>(bins - 1), z_quantile) / (2.0 * epsilon);
   return static_cast<std::size_t>(std::max(1.0, std::ceil(count)));
 }
 

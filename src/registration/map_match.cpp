@@ -6,7 +6,7 @@
 #include <initializer_list>
 
 #include "loopstone/base/thinned.hpp"
-#include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/pose_distance.hpp"
 #include "registration/map_lattice_search.hpp"
 
 namespace loopstone {
@@ -62,8 +62,7 @@ Points search_points(std::span<const Eigen::Vector2d> source, const MapMatchOpti
 }
 
 bool same_place(const Pose2& a, const Pose2& b, const MapMatchOptions& options) {
-  return std::hypot(a.x - b.x, a.y - b.y) < options.distinct_m &&
-         std::abs(wrap_angle(a.yaw - b.yaw)) < options.distinct_rad;
+  return is_within(a, b, options.distinct_m, options.distinct_rad);
 }
 
 /// Does the way from the laser to the point lead past every wall? Steps as far as the nearest wall is away.

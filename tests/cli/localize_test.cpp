@@ -11,6 +11,7 @@
 #include "loopstone/formats/localization_csv.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
+#include "office_command.hpp"
 #include "run_program.hpp"
 #include "support/temp_dir.hpp"
 
@@ -21,23 +22,8 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
-/// A few seconds in a simulated office: its log, its true map and the truth of every scan.
-class LocalizeCommand : public testing::Test {
+class LocalizeCommand : public OfficeCommand {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = new TempDir;
-    log_ = *folder_ / "sim";
-    const ProgramResult result = run_program({"simulate", "office", "-o", log_, "--seed", "3",
-                                              "--duration", "12", "--beams", "361", "--quiet"});
-    ASSERT_EQ(result.exit_code, 0) << result.error;
-    truth_ = read_tum(log_ + "/truth.tum");
-    map_ = log_ + "/map.yaml";
-  }
-  static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
-  }
-
   static std::string initial(double off_m = 0.1) {
     const Pose2& pose = truth_.front().pose;
     return fmt::format("{},{},{}", pose.x + off_m, pose.y - off_m, pose.yaw + 0.02);
@@ -54,17 +40,7 @@ class LocalizeCommand : public testing::Test {
       EXPECT_LT(std::abs(wrap_angle(stamped.pose.yaw - truth.yaw)), 0.05);
     }
   }
-
-  static TempDir* folder_;
-  static std::string log_;
-  static std::string map_;
-  static Trajectory truth_;
 };
-
-TempDir* LocalizeCommand::folder_ = nullptr;
-std::string LocalizeCommand::log_;
-std::string LocalizeCommand::map_;
-Trajectory LocalizeCommand::truth_;
 
 TEST_F(LocalizeCommand, FollowsTheRobotFromAGuess) {
   const TempDir out;

@@ -10,6 +10,7 @@
 #include "loopstone/formats/point_cloud_file.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/geometry/pose3.hpp"
+#include "office_command.hpp"
 #include "run_program.hpp"
 #include "support/temp_dir.hpp"
 
@@ -24,23 +25,8 @@ Pose2 pose_of(const Json& json) {
           json.at("yaw_rad").get<double>()};
 }
 
-/// A few seconds in a simulated office: its log, its true map and the truth of every scan.
-class MatchCommand : public testing::Test {
+class MatchCommand : public OfficeCommand {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = new TempDir;
-    log_ = *folder_ / "sim";
-    const ProgramResult result = run_program({"simulate", "office", "-o", log_, "--seed", "3",
-                                              "--duration", "12", "--beams", "361", "--quiet"});
-    ASSERT_EQ(result.exit_code, 0) << result.error;
-    truth_ = read_tum(log_ + "/truth.tum");
-    map_ = log_ + "/map.yaml";
-  }
-  static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
-  }
-
   static Pose2 truth(std::size_t scan) { return truth_.poses().at(scan).pose; }
   static std::string scan(int index) { return log_ + "#" + std::to_string(index); }
 
@@ -57,17 +43,7 @@ class MatchCommand : public testing::Test {
         << pose.x << ' ' << pose.y << " instead of " << wanted.x << ' ' << wanted.y;
     EXPECT_LT(std::abs(wrap_angle(pose.yaw - wanted.yaw)), yaw) << pose.yaw;
   }
-
-  static TempDir* folder_;
-  static std::string log_;
-  static std::string map_;
-  static Trajectory truth_;
 };
-
-TempDir* MatchCommand::folder_ = nullptr;
-std::string MatchCommand::log_;
-std::string MatchCommand::map_;
-Trajectory MatchCommand::truth_;
 
 /// First task of a course: the current scan's pose, given where the previous one was taken.
 TEST_F(MatchCommand, PoseOfAScanFromTheScanBefore) {

@@ -14,25 +14,14 @@
 // Simulated drives, as bench/localization.py has them, and what a localizer said on the way beside the truth.
 namespace loopstone::test {
 
+using bench::error_of;
 using bench::make_run;
+using bench::PoseError;
 using Drive = bench::Run;
 
 [[nodiscard]] inline bool small_scale() {
   const char* scale = std::getenv("LOOPSTONE_TEST_SCALE");
   return scale != nullptr && std::string(scale) == "small";
-}
-
-struct PoseError {
-  double metres = 0.0;
-  double radians = 0.0;
-  /// What the probability of an estimate is about.
-  [[nodiscard]] bool right() const { return metres <= 0.2 && radians <= 5.0 * kPi / 180.0; }
-};
-
-[[nodiscard]] inline PoseError error_of(const LocalizationEstimate& estimate, const Drive& drive) {
-  const Pose2 truth = *drive.truth.at_clamped(estimate.stamp);
-  return {std::hypot(estimate.map_T_robot.x - truth.x, estimate.map_T_robot.y - truth.y),
-          std::abs(wrap_angle(estimate.map_T_robot.yaw - truth.yaw))};
 }
 
 /// Not where the drive is, but roughly.

@@ -68,10 +68,6 @@ struct FilterHealth {
 /// "readings miss their predictions: chi2 per degree of freedom 7.2, bound 2.1". Empty without a doubt.
 [[nodiscard]] std::string reason(const FilterHealth& health);
 
-/// The value that a chi-square variable stays below with the probability of the normal quantile z.
-/// Source: Wilson and Hilferty 1931. Within 1 % from 3 degrees of freedom and z = 0 to 4 on.
-[[nodiscard]] double chi_square_quantile(int degrees_of_freedom, double z_quantile);
-
 /// Watches whether a filter's readings are what it predicts.
 /// Source: Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and navigation", section 5.4.2
 /// (normalised innovation squared over a window). The evidence falls in jumps where a reading holds outliers, so its bound is

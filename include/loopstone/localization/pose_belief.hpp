@@ -43,10 +43,6 @@ struct PlaceBelief {
   AugmentedInjection injection{0.05, 0.4};
 };
 
-/// Weighted mean of poses, headings averaged on the circle, and the covariance about it. Weights sum to one.
-[[nodiscard]] PoseWithCovariance2 weighted_moments(std::span<const Pose2> poses,
-                                                   std::span<const double> weights);
-
 /// Which poses belong together: those in the same or neighbouring cells of a lattice, and so on. One label a pose, counted
 /// from 0 in the order of first appearance. Cost: O(poses) on average.
 [[nodiscard]] std::vector<int> group_poses(std::span<const Pose2> poses, double cell_m,
@@ -103,7 +99,8 @@ class PoseBelief {
  private:
   [[nodiscard]] std::vector<Pose2> draw(const PoseWithCovariance2& from, std::size_t count);
   void regroup();
-  void normalise_masses();
+  /// Takes new masses, scaled to sum to one; nothing changes when all of them are zero.
+  void take_masses(std::span<const double> log_masses);
 
   PoseBeliefOptions options_;
   Rng rng_;

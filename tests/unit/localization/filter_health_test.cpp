@@ -6,6 +6,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/rng.hpp"
+#include "loopstone/localization/chi_square.hpp"
 
 namespace loopstone {
 namespace {

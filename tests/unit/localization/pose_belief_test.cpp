@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "loopstone/localization/weighted_moments.hpp"
 #include "support/generators.hpp"
 
 namespace loopstone::test {
