@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/pose_distance.hpp"
 
 namespace loopstone {
