@@ -10,6 +10,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "mapping/floor_alignment.hpp"
+#include "mapping/smooth_pose.hpp"
 
 namespace loopstone {
 namespace {
@@ -35,8 +36,8 @@ struct Pair {
 std::optional<Pose2> motion_between(const Trajectory& trajectory, Stamp from, Stamp to,
                                     double late_s) {
   const Duration late = Duration::from_seconds(late_s);
-  const auto a = trajectory.at(from - late);
-  const auto b = trajectory.at(to - late);
+  const auto a = smooth_pose_at(trajectory, from - late);
+  const auto b = smooth_pose_at(trajectory, to - late);
   if (!a || !b) return {};
   return a->inverse() * *b;
 }

@@ -15,10 +15,13 @@ constexpr double kHeightTolerance_m = 0.01;
 constexpr double kMostDepth_m = 1.4;  ///< farther floor is too coarse in the picture
 constexpr float kCoarse_m = 0.05F;
 constexpr float kFine_m = 0.02F;
-constexpr int kCoarseEvery = 3;
+constexpr int kCoarseEvery = 3;  ///< points of the grid that are looked at
+constexpr int kFineEvery = 2;    ///< boxes side by side
 constexpr std::size_t kFewestPoints = 300;
 constexpr double kLeastCorrelation = 0.7;
 constexpr int kMostSteps = 15;
+constexpr double kSettled_m = 5e-5;  // a tenth of what pictures tell
+constexpr double kSettled_rad = 3e-5;
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
@@ -193,7 +196,8 @@ std::optional<FloorMotion> FloorAligner::align(const RgbdImages& from, const Rgb
   bool is_first = true;
   Fit fit;
   for (const float side_m : {kCoarse_m, kFine_m}) {
-    const Template reference = make_template(from_, side_m, side_m == kCoarse_m ? kCoarseEvery : 1);
+    const Template reference =
+        make_template(from_, side_m, side_m == kCoarse_m ? kCoarseEvery : kFineEvery);
     if (reference.points_m.size() < kFewestPoints) return {};
     if (is_first) {
       double best = -2.0;
@@ -214,19 +218,17 @@ std::optional<FloorMotion> FloorAligner::align(const RgbdImages& from, const Rgb
       const Vector5d change = factor.solve(fit.right);
       // to(from_T_to^-1 p) = from(exp(change) p): the pose moves on by that motion, in the frame of `from`.
       motion.from_T_to = Pose2{change[0], change[1], change[2]} * motion.from_T_to;
-      if (change.head<2>().norm() < 1e-5 && std::abs(change[2]) < 1e-5) break;
+      if (change.head<2>().norm() < kSettled_m && std::abs(change[2]) < kSettled_rad) break;
     }
   }
   motion.correlation = fit.correlation();
   if (motion.correlation < kLeastCorrelation) return {};
-  // What the five unknowns leave of the residuals; boxes overlap, so only every (side / cell)^2-th is a sample of its own.
+  // What the five unknowns leave of the residuals.
   const Eigen::LDLT<Matrix5d> factor(fit.normal);
   const double explained = fit.right.dot(factor.solve(fit.right));
   const double variance = std::max(0.0, fit.squared_residuals - explained) /
                           static_cast<double>(std::max<std::size_t>(fit.points, 6) - 5);
-  constexpr double kOverlap = (kFine_m / kCell_m) * (kFine_m / kCell_m);
-  motion.covariance =
-      kOverlap * variance * factor.solve(Matrix5d::Identity()).topLeftCorner<3, 3>();
+  motion.covariance = variance * factor.solve(Matrix5d::Identity()).topLeftCorner<3, 3>();
   return motion;
 }
 

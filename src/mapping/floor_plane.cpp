@@ -118,7 +118,7 @@ FloorEstimate FloorPlaneEstimator::estimate() const {
   };
 
   // The spread of the residuals tells the noise, the fit within the gate the plane; both settle in a few rounds.
-  constexpr int kRounds = 8;
+  constexpr int kRounds = 6;
   FloorPlane plane = given_;
   PlaneSums sums;
   double noise = 0.0;

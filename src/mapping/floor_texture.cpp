@@ -11,13 +11,14 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "mapping/cloud_gatherer.hpp"
+#include "mapping/smooth_pose.hpp"
 #include "mapping/texture_finish.hpp"
 #include "mapping/texture_mapper.hpp"
 
 namespace loopstone {
 namespace {
 
-constexpr std::size_t kFloorFrames = 80;
+constexpr std::size_t kFloorFrames = 40;
 
 /// The frames that can be used: with depth and colour, spread evenly when only so many are wanted.
 std::vector<RgbdFrame> complete_frames(const RgbdSource& source) {
@@ -66,8 +67,8 @@ class FrameChooser {
   [[nodiscard]] std::optional<FramePose> choose(const RgbdFrame& frame) {
     const Stamp depth_stamp = frame.stamp - late_;
     const Stamp colour_stamp = frame.colour_stamp - late_;
-    const auto depth_pose = trajectory_.at(depth_stamp);
-    const auto colour_pose = trajectory_.at(colour_stamp);
+    const auto depth_pose = smooth_pose_at(trajectory_, depth_stamp);
+    const auto colour_pose = smooth_pose_at(trajectory_, colour_stamp);
     if (!depth_pose || !colour_pose) {
       ++statistics_.frames_without_pose;
       return {};
