@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the parts of the docs that the program itself knows: the help of every command and all options
-(docs/command_line.md), and the options of localisation (docs/localization.md).
+(docs/command_line.md), and the options of localisation (docs/localization.md) and of the texture (docs/texture.md).
 
   scripts/write_docs.py [--program build/release/bin/loopstone]            writes
   scripts/write_docs.py [--program build/release/bin/loopstone] --check    tells whether the page is up to date (exit 1: no)
@@ -16,6 +16,7 @@ from doc_blocks import read_block, table, write_block
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/command_line.md"
 LOCALIZATION_PAGE = ROOT / "docs/localization.md"
+TEXTURE_PAGE = ROOT / "docs/texture.md"
 
 
 def output_of(program, *arguments):
@@ -42,8 +43,9 @@ def command_help(program):
     return "\n".join(parts)
 
 
-def options_table(program, command):
-    """From the TOML of `loopstone config COMMAND`: each option follows its help text, whose last brackets hold the rule."""
+def options_table(program, command, only=""):
+    """From the TOML of `loopstone config COMMAND`: each option follows its help text, whose last brackets hold the rule.
+    Options whose names begin with `only`."""
     rows = []
     group = ""
     comment = ""
@@ -57,6 +59,7 @@ def options_table(program, command):
             meaning, rule = re.fullmatch(r"(.*?)(?: \(([^()]*)\))?", comment).groups()
             rows.append([f"`{group}{key}`", f"`{value}`", rule or "", meaning])
             comment = ""
+    rows = [row for row in rows if row[0].startswith(f"`{only}")]
     if not rows:
         raise SystemExit("`loopstone config` printed no options")
     return table(["option", "default", "allowed", "meaning"], rows)
@@ -72,7 +75,8 @@ def main():
     stale = []
     for page, block, text in [(PAGE, "commands", command_help(program)),
                               (PAGE, "options", options_table(program, "map")),
-                              (LOCALIZATION_PAGE, "options", options_table(program, "localize"))]:
+                              (LOCALIZATION_PAGE, "options", options_table(program, "localize")),
+                              (TEXTURE_PAGE, "options", options_table(program, "map", "texture."))]:
         if not arguments.check:
             write_block(page, block, text)
             continue
