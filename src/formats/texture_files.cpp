@@ -37,9 +37,11 @@ std::string format_texture_yaml(const GridFrame& frame, const std::string& image
                                 const std::string& coverage_name) {
   std::string text = fmt::format("image: {}\n", image_name);
   text +=
-      "# Colours are sRGB. Alpha is 255 where the camera saw the floor, 128 where a narrow gap was "
-      "filled from both\n# sides, 0 where nothing is known; coverage, a grey picture, has the same "
-      "numbers.\n";
+      "# Colours are sRGB. Alpha is 255 where the colour is known, 0 elsewhere. The coverage "
+      "picture, grey, is 255 "
+      "where\n# the camera saw the floor, 128 where a narrow gap was filled from both sides, 0 "
+      "where nothing is "
+      "known.\n";
   if (!coverage_name.empty()) text += fmt::format("coverage: {}\n", coverage_name);
   text += fmt::format(
       "resolution: {}  # metres per pixel\norigin: [{}, {}, 0]  # of the lower left corner, in the "
