@@ -91,6 +91,10 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
     throw DataError({arguments.trajectory},
                     "has no pose at the time of any frame; is it of this log, and on its clock?");
   }
+  if (texture.complete && texture.statistics.frames_used == 0 &&
+      texture.statistics.frames_unreadable > 0) {
+    throw DataError({arguments.log}, "none of its pictures can be used, as the warnings say");
+  }
 
   RunInfo info = run_info(arguments.log, *reader, arguments.force, context);
   info.options_toml = options_to_toml(list_options(options));

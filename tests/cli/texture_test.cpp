@@ -124,7 +124,7 @@ TEST_F(TextureCommand, PutsTheFloorOnTheMap) {
     }
   }
   EXPECT_GT(seen, 1000);
-  EXPECT_LT(off / seen, 20.0) << "mean difference, of 255";
+  EXPECT_LT(off / seen, 12.0) << "mean difference, of 255; 2 cm aside it is 12.7";
 }
 
 TEST_F(TextureCommand, TableAndCloud) {
@@ -248,12 +248,10 @@ TEST_F(TextureCommand, PicturesOfAnotherSizeThanTheLensAreRefused) {
   const TempDir dir;
   const ProgramResult result = run_program(
       {"texture", log_, "--trajectory", truth_, "-o", dir / "out", "--json", "--quiet"});
-  if (result.exit_code == 0) {
-    const Json json = Json::parse(result.out);
-    EXPECT_EQ(json.at("frames_used"), 0);
-    EXPECT_GT(json.at("frames_unreadable").get<int>(), 0);
-  }
-  EXPECT_THAT(result.error, HasSubstr("640"));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.error, HasSubstr("is 160 x 120 pixels, but"));
+  EXPECT_THAT(result.error, HasSubstr("none of its pictures can be used"));
 }
 
 TEST_F(TextureCommand, ItsOptionsAreListedWithTheMaps) {
