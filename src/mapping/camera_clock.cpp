@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kMostOffset_s = 0.3;
 constexpr double kOffsetStep_s = 0.005;
-constexpr double kLeastSpan_s = 0.1;  ///< between the two pictures of a pair
+/// Between the two pictures of a pair, at least; the longer one tells more while both still see the same floor.
+constexpr std::array kSpans_s{0.1, 0.3};
 constexpr double kMostSpan_s = 0.5;
 constexpr double kMostTurn_rad = 0.4;  ///< of a pair, so that it shares floor
 constexpr double kMostTravel_m = 0.35;
@@ -50,15 +51,14 @@ std::optional<double> yaw_rate_at(const Trajectory& trajectory, Stamp stamp) {
   return motion->yaw / kSpan_s;
 }
 
-/// The pairs that tell most about the clock, in order of time.
-std::vector<Pair> telling_pairs(const std::vector<RgbdFrame>& frames, const Trajectory& trajectory,
-                                std::size_t most) {
-  std::vector<Pair> pairs;
+/// For each frame the first one at least `span_s` later, where that pair tells something.
+void add_pairs(const std::vector<RgbdFrame>& frames, const Trajectory& trajectory, double span_s,
+               std::vector<Pair>& pairs) {
   std::size_t to = 0;
   for (std::size_t from = 0; from < frames.size(); ++from) {
     const Stamp start = frames[from].colour_stamp;
     to = std::max(to, from);
-    while (to < frames.size() && (frames[to].colour_stamp - start).seconds() < kLeastSpan_s) ++to;
+    while (to < frames.size() && (frames[to].colour_stamp - start).seconds() < span_s) ++to;
     if (to == frames.size()) break;
     const Stamp end = frames[to].colour_stamp;
     if ((end - start).seconds() > kMostSpan_s) continue;
@@ -72,13 +72,22 @@ std::vector<Pair> telling_pairs(const std::vector<RgbdFrame>& frames, const Traj
     const double change = std::abs(*rate_to - *rate_from);
     if (change > kLeastChange_rad_s) pairs.push_back({from, to, change});
   }
+}
+
+/// The pairs that tell most about the clock, in order of time.
+std::vector<Pair> telling_pairs(const std::vector<RgbdFrame>& frames, const Trajectory& trajectory,
+                                std::size_t most) {
+  std::vector<Pair> pairs;
+  for (const double span_s : kSpans_s) add_pairs(frames, trajectory, span_s, pairs);
   const auto more = [](const Pair& a, const Pair& b) {
-    return a.change_rad_s != b.change_rad_s ? a.change_rad_s > b.change_rad_s : a.from < b.from;
+    if (a.change_rad_s != b.change_rad_s) return a.change_rad_s > b.change_rad_s;
+    return a.from != b.from ? a.from < b.from : a.to < b.to;
   };
   std::sort(pairs.begin(), pairs.end(), more);
   if (pairs.size() > most) pairs.resize(most);
-  std::sort(pairs.begin(), pairs.end(),
-            [](const Pair& a, const Pair& b) { return a.from < b.from; });
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+    return a.from != b.from ? a.from < b.from : a.to < b.to;
+  });
   return pairs;
 }
 
