@@ -13,8 +13,7 @@ namespace loopstone {
 using InformationNumbers = std::array<double, 6>;
 
 /// `order` is not kGuess.
-[[nodiscard]] Eigen::Matrix3d information_from(const InformationNumbers& numbers,
-                                               InformationOrder order);
+[[nodiscard]] Eigen::Matrix3d information_from(const InformationNumbers& v, InformationOrder order);
 
 /// By the pivots of a Cholesky factorisation.
 [[nodiscard]] bool is_positive_definite(const Eigen::Matrix3d& matrix);

@@ -225,17 +225,18 @@ void TextureMapper::sample_cells(const FramePose& pose) {
 FramePose TextureMapper::refined(const FramePose& given) const {
   // The pose under which the frame agrees best with what is on the map: Gauss-Newton on
   //   sum w rho((gain * seen(cell; pose) - known(cell)) / sigma) + |pose - given|^2_prior
-  // over every few cells, with an unknown gain. The prior is what a good trajectory is worth; it holds the pose where the
+  // over cells a few centimetres apart, with an unknown gain. The prior is what a good trajectory is worth; it holds the pose where the
   // floor has nothing to hold on to. Source: Newcombe et al. 2011, "DTAM", section 2.3, for a plane.
-  constexpr int kEvery = 4;
+  constexpr double kSpacing_m = 0.04;
   constexpr int kSteps = 3;
-  constexpr std::size_t kFewest = 150;
+  constexpr std::size_t kFewest = 100;
   constexpr double kPrior_m = 0.004;
   constexpr double kPrior_rad = 0.002;
   constexpr double kOverlap = 16.0;  // neighbouring cells, and frames before, share their errors
   constexpr double kLeastSigma = 0.01 * 65535.0;
   constexpr float kLeastWeight = 0.05F * TextureCell::kWeightUnit;
 
+  const int every = std::max(1, static_cast<int>(kSpacing_m / options_.resolution_m + 0.5));
   const std::vector<CellRun> runs = runs_seen_from(given.map_T_robot_colour);
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // of the pose about its own place, map axes
   double gain = 1.0;
@@ -250,9 +251,9 @@ FramePose TextureMapper::refined(const FramePose& given) const {
     std::size_t cells = 0;
     Glimpse glimpse;
     for (const CellRun& run : runs) {
-      if (run.row % kEvery != 0) continue;
+      if (run.row % every != 0) continue;
       for (int column = run.first_column; column <= run.last_column; ++column) {
-        if (column % kEvery != 0) continue;
+        if (column % every != 0) continue;
         const Cell cell{column, run.row};
         const TextureCell* known = cells_.find(cell);
         if (known == nullptr || static_cast<float>(known->best.weight) < kLeastWeight ||
