@@ -56,7 +56,7 @@ function(loopstone_add_tests)
 endfunction()
 
 foreach(part IN LISTS LOOPSTONE_PARTS)
-  loopstone_add_tests(NAME test_${part} FOLDER unit/${part} LABEL unit TIMEOUT 180)
+  loopstone_add_tests(NAME test_${part} FOLDER unit/${part} LABEL unit TIMEOUT 420)
 endforeach()
 if(NOT LOOPSTONE_LAST_PART STREQUAL "report")
   return()
