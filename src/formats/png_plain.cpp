@@ -31,7 +31,7 @@ struct PlainHead {
   int bytes_per_sample = 0;
 
   [[nodiscard]] std::size_t bytes_per_pixel() const {
-    return static_cast<std::size_t>(channels * bytes_per_sample);
+    return static_cast<std::size_t>(channels) * static_cast<std::size_t>(bytes_per_sample);
   }
   [[nodiscard]] std::size_t row_bytes() const { return width * bytes_per_pixel(); }
 };

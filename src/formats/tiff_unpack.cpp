@@ -34,7 +34,8 @@ std::string unpack_pack_bits(std::string_view packed, std::size_t size, const st
   std::size_t at = 0;
   while (plain.size() < size) {
     if (at >= packed.size()) fail(path, "its PackBits data is cut off");
-    const int control = static_cast<signed char>(packed[at++]);
+    const int byte = static_cast<unsigned char>(packed[at++]);
+    const int control = byte < 128 ? byte : byte - 256;
     if (control == -128) continue;
     const auto count = static_cast<std::size_t>(control >= 0 ? control + 1 : 1 - control);
     const std::size_t stored = control >= 0 ? count : 1;
