@@ -1,7 +1,8 @@
 // Compares the texture of a floor with the true floor of a simulation:
 //   measure_texture TEXTURE FLOOR SEED [ESTIMATE.tum REFERENCE.tum]
 // TEXTURE: folder of texture.png, coverage.png and texture.yaml. FLOOR, SEED: as given to `loopstone simulate --floor --seed`.
-// With two trajectories the texture is first moved by what lays the estimate on the reference (its frame is its own).
+// With two trajectories the texture is first moved by what lays the estimate on the reference, then by the few millimetres
+// that lay the texture itself on the true floor: the frame of a map is its own, one rigid motion for all of it.
 // The truth of a cell is the mean of the pattern over the cell, in linear light, as sRGB. Prints one JSON object:
 //   psnr_db over the seen cells; psnr_levelled_db after one common gain (no camera knows how bright a floor is);
 //   letters of 5 cm: how many lie in seen floor, how many are read (see Reader).
@@ -65,6 +66,59 @@ struct Likeness {
 
 double psnr(double squares, std::int64_t samples) {
   return 10.0 * std::log10(static_cast<double>(samples) / std::max(squares, 1e-12));
+}
+
+/// Squared differences in sRGB over every `every`-th cell in both directions, with the texture's map lying so.
+double difference(const Texture& texture, const FloorPattern& floor, const Pose2& truth_T_map,
+                  int every) {
+  double sum = 0.0;
+  for (int row = 0; row < texture.frame.rows; row += every) {
+    for (int column = 0; column < texture.frame.columns; column += every) {
+      const Cell cell{column, row};
+      if (!texture.seen(cell)) continue;
+      const Eigen::Vector2d centre = texture.frame.centre_of(cell);
+      const LinearColour mean = floor.mean_over(truth_T_map * Pose2{centre.x(), centre.y(), 0.0},
+                                                texture.frame.resolution);
+      const auto light = texture.light(cell);
+      for (int c = 0; c < 3; ++c) {
+        const double error = srgb_of_linear(light[static_cast<std::size_t>(c)]) -
+                             srgb_of_linear(static_cast<double>(mean[c]));
+        sum += error * error;
+      }
+    }
+  }
+  return sum;
+}
+
+/// The rigid motion near the given one under which the texture is most like the floor (compass search, Hooke and Jeeves
+/// 1961), turning about the texture's middle.
+Pose2 best_fit(const Texture& texture, const FloorPattern& floor) {
+  constexpr int kEvery = 7;
+  const Eigen::Vector2d middle =
+      texture.frame.origin +
+      0.5 * texture.frame.resolution * Eigen::Vector2d(texture.frame.columns, texture.frame.rows);
+  const Pose2 map_T_middle{middle.x(), middle.y(), 0.0};
+  Pose2 truth_T_middle = texture.truth_T_map * map_T_middle;
+  double best = difference(texture, floor, texture.truth_T_map, kEvery);
+  for (double step_m = 0.002; step_m > 0.0001; step_m *= 0.5) {
+    const double step_rad = step_m / 5.0;
+    bool moved = true;
+    while (moved) {
+      moved = false;
+      for (const Pose2& step :
+           {Pose2{step_m, 0.0, 0.0}, Pose2{-step_m, 0.0, 0.0}, Pose2{0.0, step_m, 0.0},
+            Pose2{0.0, -step_m, 0.0}, Pose2{0.0, 0.0, step_rad}, Pose2{0.0, 0.0, -step_rad}}) {
+        const Pose2 tried = truth_T_middle * step;
+        const double value = difference(texture, floor, tried * map_T_middle.inverse(), kEvery);
+        if (value < best) {
+          best = value;
+          truth_T_middle = tried;
+          moved = true;
+        }
+      }
+    }
+  }
+  return truth_T_middle * map_T_middle.inverse();
 }
 
 Likeness compare(const Texture& texture, const FloorPattern& floor) {
@@ -209,6 +263,7 @@ int measure(const std::vector<std::string>& arguments) {
     texture.truth_T_map =
         absolute_error(read_tum(arguments[3]), read_tum(arguments[4]), Alignment::kSe2)
             .reference_T_estimate;
+    texture.truth_T_map = best_fit(texture, floor);
   }
   const Likeness likeness = compare(texture, floor);
 

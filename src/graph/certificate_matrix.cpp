@@ -152,7 +152,7 @@ Eigenpair smallest_eigenpair(const CertificateMatrix& factorised, double shift,
     const double residual = rest * std::abs(ritz.eigenvectors()(last, last));
     if (residual <= kEnough * ritz.eigenvalues()(last) || step + 1 == max_steps) break;
     beside.push_back(rest);
-    basis.push_back(next / rest);
+    basis.emplace_back(next / rest);
   }
   Eigenpair result;
   const Eigen::Index last = ritz.eigenvalues().size() - 1;
