@@ -35,8 +35,8 @@ class TileGrid {
     return {cell.column >> kTileBits, cell.row >> kTileBits};
   }
   [[nodiscard]] static std::size_t offset_in_tile(Cell cell) {
-    return static_cast<std::size_t>(((cell.row & kTileMask) << kTileBits) +
-                                    (cell.column & kTileMask));
+    return static_cast<std::size_t>(cell.row & kTileMask) * kTileSide +
+           static_cast<std::size_t>(cell.column & kTileMask);
   }
   [[nodiscard]] Eigen::Vector2d centre_of(Cell cell) const {
     return {(cell.column + 0.5) * resolution_m_, (cell.row + 0.5) * resolution_m_};
