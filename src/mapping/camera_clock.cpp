@@ -15,8 +15,9 @@
 namespace loopstone {
 namespace {
 
-constexpr double kMostOffset_s = 0.3;
 constexpr double kOffsetStep_s = 0.005;
+constexpr int kOffsetSteps = 60;  ///< to either side
+constexpr double kMostOffset_s = kOffsetSteps * kOffsetStep_s;
 /// Between the two pictures of a pair, at least; the longer one tells more while both still see the same floor.
 constexpr std::array kSpans_s{0.1, 0.3};
 constexpr double kMostSpan_s = 0.5;
@@ -158,9 +159,8 @@ CameraClock estimate_camera_clock(const RgbdSource& source, const Trajectory& tr
   clock.pairs = static_cast<int>(turns.size());
   if (turns.size() < kFewestPairs) return clock;
 
-  constexpr int kSteps = static_cast<int>(kMostOffset_s / kOffsetStep_s + 0.5);
   std::vector<double> costs;
-  for (int step = -kSteps; step <= kSteps; ++step) {
+  for (int step = -kOffsetSteps; step <= kOffsetSteps; ++step) {
     costs.push_back(cost_of(turns, trajectory, step * kOffsetStep_s));
   }
   const auto lowest = static_cast<std::size_t>(
@@ -173,7 +173,7 @@ CameraClock estimate_camera_clock(const RgbdSource& source, const Trajectory& tr
   if (curvature <= 0.0) return clock;
   const double slope = (costs[lowest + 1] - costs[lowest - 1]) / (2.0 * kOffsetStep_s);
   const double excess = std::max(1.0, costs[lowest] / (static_cast<double>(turns.size()) - 1.0));
-  clock.late_s = (static_cast<double>(lowest) - kSteps) * kOffsetStep_s - slope / curvature;
+  clock.late_s = (static_cast<double>(lowest) - kOffsetSteps) * kOffsetStep_s - slope / curvature;
   clock.sigma_s = std::sqrt(2.0 * excess / curvature);
   if (clock.sigma_s > kLargestSigma_s) return clock;
   clock.status = ClockStatus::kEstimated;

@@ -93,7 +93,7 @@ struct Bounds {
 void finish_texture(const Gathered& gathered, const TextureOptions& options, double gain,
                     FloorTexture& texture) {
   const std::vector<std::uint8_t> srgb = srgb_table();
-  const int reach = static_cast<int>(options.fill_gap_m / options.resolution_m + 0.5);
+  const int reach = static_cast<int>(std::lround(options.fill_gap_m / options.resolution_m));
   texture.cells = TileGrid<TextureColour>(options.resolution_m);
   Bounds bounds;
   std::int64_t seen = 0;

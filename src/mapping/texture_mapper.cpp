@@ -236,7 +236,7 @@ FramePose TextureMapper::refined(const FramePose& given) const {
   constexpr double kLeastSigma = 0.01 * 65535.0;
   constexpr float kLeastWeight = 0.05F * TextureCell::kWeightUnit;
 
-  const int every = std::max(1, static_cast<int>(kSpacing_m / options_.resolution_m + 0.5));
+  const int every = std::max(1, static_cast<int>(std::lround(kSpacing_m / options_.resolution_m)));
   const std::vector<CellRun> runs = runs_seen_from(given.map_T_robot_colour);
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // of the pose about its own place, map axes
   double gain = 1.0;

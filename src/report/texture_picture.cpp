@@ -47,7 +47,7 @@ class FloorShader {
     const GridFrame& frame = texture_.frame;
     const double per_cell = 1.0 / frame.resolution;
     const Cell first = frame.cell_of(low + Eigen::Vector2d::Constant(1e-9));
-    const int steps = std::max(1, static_cast<int>(side_m * per_cell + 0.5));
+    const int steps = std::max(1, static_cast<int>(std::lround(side_m * per_cell)));
     std::array<double, 3> sum{};
     int known = 0;
     for (int row = first.row; row < first.row + steps; ++row) {
