@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/mapping/floor_plane.hpp"
 #include "loopstone/sensor/camera_model.hpp"
 #include "loopstone/sensor/rgbd_images.hpp"
@@ -23,8 +24,8 @@ class FloorSight {
 
   /// Whether the floor was measured at this pixel of the depth picture, or right and left of a pixel without measurement.
   [[nodiscard]] bool measured(float column, float row) const {
-    const auto u = static_cast<int>(column + kToNearest);
-    const auto v = static_cast<int>(row + kToNearest);
+    const auto u = floor_to_int(static_cast<double>(column) + 0.5);
+    const auto v = floor_to_int(static_cast<double>(row) + 0.5);
     if (u < kReach || v < 0 || u >= width_ - kReach || v >= height_) return false;
     const std::uint8_t* at =
         &floor_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
@@ -46,8 +47,7 @@ class FloorSight {
   static constexpr std::uint8_t kOther = 0;
   static constexpr std::uint8_t kFloor = 1;
   static constexpr std::uint8_t kNothing = 2;
-  static constexpr float kToNearest = 0.5F;  ///< pixels are not negative: faster than a call
-  static constexpr int kReach = 3;           ///< pixels over which a hole is bridged
+  static constexpr int kReach = 3;  ///< pixels over which a hole is bridged
   static constexpr int kBlock =
       4;  ///< side of the blocks of the colour picture that are told apart
 
