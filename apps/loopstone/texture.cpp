@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -56,7 +58,7 @@ OccupancyMap walls_of(const std::string& path) {
   const CellStates cells = read_ros_map(path);
   OccupancyMap map{Grid<float>(cells.frame(), 0.0F), Grid<std::uint8_t>(cells.frame(), 0)};
   for (std::size_t i = 0; i < cells.cells().size(); ++i) {
-    const int state = cells.cells()[i];
+    const std::int8_t state = cells.cells()[i];
     if (state < 0) continue;
     map.observed.cells()[i] = 1;
     map.log_odds.cells()[i] = state > 50 ? 4.0F : -4.0F;

@@ -75,7 +75,7 @@ FloorPlaneEstimator::FloorPlaneEstimator(const CameraModel& camera)
   for (int row = 0; row < camera.depth.height_px; row += kEvery) {
     for (int column = 0; column < camera.depth.width_px; column += kEvery) {
       const Eigen::Vector3d ray = ray_through(camera.depth, Eigen::Vector2d(column, row));
-      rays_.push_back(ray.head<2>().cast<float>());
+      rays_.emplace_back(ray.head<2>().cast<float>());
     }
   }
 }
