@@ -8,6 +8,7 @@
 #include "formats/atomic_file.hpp"
 #include "formats/float_image.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/median.hpp"
 #include "loopstone/formats/image.hpp"
 
 namespace loopstone {

@@ -9,6 +9,7 @@
 #include "formats/camera_collector.hpp"
 #include "formats/log_findings.hpp"
 #include "formats/timing_collector.hpp"
+#include "loopstone/base/median.hpp"
 
 namespace loopstone {
 namespace {

@@ -2,14 +2,9 @@
 
 #include <algorithm>
 
-namespace loopstone {
+#include "loopstone/base/median.hpp"
 
-float median_of(std::vector<float>& values) {
-  if (values.empty()) return 0.0F;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+namespace loopstone {
 
 void TimingCollector::add(Stamp stamp) {
   if (timing_.records++ == 0) {

@@ -7,9 +7,6 @@
 
 namespace loopstone {
 
-/// The middle value, the upper one of two; 0 of none. Reorders the values.
-[[nodiscard]] float median_of(std::vector<float>& values);
-
 /// Gathers when the records of a sensor came. Memory: 4 bytes a record, up to a bound.
 class TimingCollector {
  public:

@@ -6,6 +6,8 @@
 #include <map>
 #include <tuple>
 
+#include "loopstone/base/median.hpp"
+
 namespace loopstone {
 namespace {
 
@@ -34,10 +36,7 @@ class Pairs {
 Duration median_period(std::span<const Stamp> stamps) {
   std::vector<Duration> periods;
   for (std::size_t i = 1; i < stamps.size(); ++i) periods.push_back(stamps[i] - stamps[i - 1]);
-  if (periods.empty()) return {};
-  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-  std::nth_element(periods.begin(), middle, periods.end());
-  return *middle;
+  return median_of(periods);
 }
 
 struct Candidate {

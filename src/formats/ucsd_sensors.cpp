@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/median.hpp"
 
 namespace loopstone {
 namespace {
@@ -35,10 +36,7 @@ double median_norm(const UcsdMatrix& matrix, const KeptStamps& kept) {
   for (const std::int64_t i : kept.indices) {
     norms.push_back(std::hypot(matrix.at(0, i), matrix.at(1, i), matrix.at(2, i)));
   }
-  if (norms.empty()) return 0.0;
-  const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
-  std::nth_element(norms.begin(), middle, norms.end());
-  return *middle;
+  return median_of(norms);
 }
 
 }  // namespace

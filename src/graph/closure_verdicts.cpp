@@ -8,6 +8,7 @@
 
 #include "graph/block_cholesky.hpp"
 #include "graph/descent.hpp"
+#include "loopstone/base/median.hpp"
 #include "loopstone/graph/initial_poses.hpp"
 
 namespace loopstone {
@@ -121,9 +122,7 @@ double scaled_bound(const PoseGraph& graph, const std::vector<double>& weights,
     }
   }
   if (accepted.size() < kFewClosures) return inlier_chi2;
-  const auto middle = accepted.begin() + static_cast<std::ptrdiff_t>(accepted.size() / 2);
-  std::nth_element(accepted.begin(), middle, accepted.end());
-  return inlier_chi2 * std::min(1.0, kSlack * *middle / kMedianChi2);
+  return inlier_chi2 * std::min(1.0, kSlack * median_of(accepted) / kMedianChi2);
 }
 
 /// Takes out the accepted closures that contradict the rest most; false when none does. Scales the bound.

@@ -50,7 +50,7 @@ struct FloorAligner::Fit {
 };
 
 FloorAligner::FloorAligner(const CameraModel& camera, const FloorPlane& plane, double noise_per_m)
-    : camera_(camera),
+    : lenses_(camera),
       colour_homography_(
           floor_homography(colour_lens(camera), Pose2{}, robot_T_colour_optical(camera))
               .cast<float>()),
@@ -92,41 +92,16 @@ void FloorAligner::assign(View& view, const RgbdImages& images) const {
 
 float FloorAligner::brightness(const View& view, const Eigen::Vector2f& point_m,
                                float side_m) const {
-  const LensModel& lens = colour_lens(camera_);
   const Eigen::Vector3f seen = colour_homography_ * point_m.homogeneous();
   if (seen.z() < 0.1F || seen.z() > 1.3F * static_cast<float>(kMostDepth_m)) return -1.0F;
-  const float per_z = 1.0F / seen.z();
-  float u = seen.x() * per_z;
-  float v = seen.y() * per_z;
-  const Eigen::Vector2f u_xy =
-      (colour_homography_.row(0).head<2>() - u * colour_homography_.row(2).head<2>()) * per_z;
-  const Eigen::Vector2f v_xy =
-      (colour_homography_.row(1).head<2>() - v * colour_homography_.row(2).head<2>()) * per_z;
-  float width = side_m * u_xy.norm();
-  float height = side_m * v_xy.norm();
-  if (is_distorted(lens)) {
-    const Eigen::Vector2f pixel = project(lens, Eigen::Vector3d(u, v, 1.0)).cast<float>();
-    u = pixel.x();
-    v = pixel.y();
-    width *= static_cast<float>(lens.focal_x_px);
-    height *= static_cast<float>(lens.focal_y_px);
-  }
-  width = std::max(1.0F, width);
-  height = std::max(1.0F, height);
-  if (u - 0.5F * width < 0.0F || v - 0.5F * height < static_cast<float>(first_row_) ||
-      u + 0.5F * width > static_cast<float>(lens.width_px - 1) ||
-      v + 0.5F * height > static_cast<float>(lens.height_px - 1)) {
+  const FloorBox box = lenses_.box(colour_homography_, seen, side_m);
+  if (!lenses_.shows(box, static_cast<float>(first_row_))) return -1.0F;
+  const Eigen::Vector2f measured_at =
+      lenses_.depth_pixel(depth_homography_ * point_m.homogeneous());
+  if (!view.sight.measured(measured_at.x(), measured_at.y()) || view.sight.hidden(box.u, box.v)) {
     return -1.0F;
   }
-  Eigen::Vector3f measured_at = depth_homography_ * point_m.homogeneous();
-  measured_at /= measured_at.z();
-  if (is_distorted(camera_.depth)) {
-    measured_at.head<2>() = project(camera_.depth, measured_at.cast<double>()).cast<float>();
-  }
-  if (!view.sight.measured(measured_at.x(), measured_at.y()) || view.sight.hidden(u, v)) {
-    return -1.0F;
-  }
-  const LinearRgb light = view.light.mean(u, v, width, height);
+  const LinearRgb light = view.light.mean(box.u, box.v, box.width, box.height);
   return std::sqrt((light[0] + light[1] + light[2]) / 3.0F);
 }
 

@@ -10,6 +10,7 @@
 #include "loopstone/mapping/floor_plane.hpp"
 #include "loopstone/sensor/camera_model.hpp"
 #include "loopstone/sensor/rgbd_images.hpp"
+#include "mapping/floor_lenses.hpp"
 #include "mapping/floor_sight.hpp"
 #include "mapping/light_rows.hpp"
 
@@ -56,7 +57,7 @@ class FloorAligner {
   [[nodiscard]] Fit measure(const Template& reference, const View& view, const Pose2& from_T_to,
                             float side_m) const;
 
-  CameraModel camera_;
+  FloorLenses lenses_;
   Eigen::Matrix3f colour_homography_;
   Eigen::Matrix3f depth_homography_;
   std::vector<Eigen::Vector2f> grid_m_{};  ///< points of the floor that the colour camera sees

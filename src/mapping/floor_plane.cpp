@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "loopstone/base/median.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/roll_pitch_yaw.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
@@ -19,14 +20,6 @@ constexpr double kHeightGate_m = 0.08;
 constexpr double kTiltGate_rad = radians(4.0);
 constexpr std::size_t kFewestPoints = 400;
 constexpr double kGate = 3.0;  ///< in standard deviations
-constexpr double kMadToSigma = 1.4826;
-
-/// Upper middle element; reorders the values.
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Normal equations of slope . (x, y, 1) = inverse depth.
 struct PlaneSums {
@@ -129,7 +122,7 @@ FloorEstimate FloorPlaneEstimator::estimate() const {
     if (spread.size() < kFewestPoints) return result;
     const double middle = round == 0 ? median_of(spread) : 0.0;
     for (double& value : spread) value = std::abs(value - middle);
-    noise = std::max(kMadToSigma * median_of(spread), 1e-6);
+    noise = std::max(kSigmaPerMedian * median_of(spread), 1e-6);
     // At first the plane may be off as a whole; a shift of it does no harm to the gate.
     const FloorPlane about{plane.slope + Eigen::Vector3d(0.0, 0.0, middle)};
     sums = fit(0, samples_.size(), about, kGate * noise);
@@ -161,7 +154,7 @@ FloorEstimate FloorPlaneEstimator::estimate() const {
   result.noise_per_m = noise;
   result.points = static_cast<std::int64_t>(sums.points);
   for (double& pitch : pitches) pitch = std::abs(pitch - found.y());
-  result.pitch_scatter_rad = kMadToSigma * median_of(pitches);
+  result.pitch_scatter_rad = kSigmaPerMedian * median_of(pitches);
   return result;
 }
 

@@ -1,10 +1,11 @@
 #include "mapping/texture_mapper.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
+#include "geometry/symmetric_matrix.hpp"
+#include "loopstone/base/median.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
 #include "mapping/floor_homography.hpp"
@@ -70,8 +71,7 @@ TextureMapper::TextureMapper(const CameraModel& camera, const FloorEstimate& flo
           1.0 / (colour_lens(camera).focal_y_px * robot_T_colour_.translation.z()))),
       width_per_depth_(static_cast<float>(1.0 / colour_lens(camera).focal_x_px)),
       most_blur2_m2_(static_cast<float>(options.max_blur_m * options.max_blur_m)),
-      colour_is_distorted_(is_distorted(colour_lens(camera))),
-      depth_is_distorted_(is_distorted(camera.depth)),
+      lenses_(camera),
       sight_(camera, floor.plane, floor.noise_per_m, options.height_tolerance_m),
       cells_(options.resolution_m) {}
 
@@ -119,7 +119,9 @@ TextureMapper::Use TextureMapper::add(const RgbdImages& images, const FramePose&
 }
 
 TextureMapper::View TextureMapper::view_from(const FramePose& pose) const {
-  return {floor_homography(colour_lens(camera_), pose.map_T_robot_colour, robot_T_colour_),
+  const Eigen::Matrix3d colour =
+      floor_homography(colour_lens(camera_), pose.map_T_robot_colour, robot_T_colour_);
+  return {colour, colour.cast<float>(),
           floor_homography(camera_.depth, pose.map_T_robot_depth, robot_T_depth_),
           static_cast<float>(options_.exposure_s * std::abs(pose.speed_m_s)),
           static_cast<float>(options_.exposure_s * std::abs(pose.yaw_rate_rad_s))};
@@ -146,7 +148,6 @@ std::vector<TextureMapper::CellRun> TextureMapper::runs_seen_from(const Pose2& m
 }
 
 bool TextureMapper::look(Cell cell, const View& view, Glimpse& glimpse) const {
-  const LensModel& lens = colour_lens(camera_);
   const Eigen::Vector3d floor((cell.column + 0.5) * options_.resolution_m,
                               (cell.row + 0.5) * options_.resolution_m, 1.0);
   const Eigen::Vector3f seen = (view.colour * floor).cast<float>();
@@ -157,39 +158,10 @@ bool TextureMapper::look(Cell cell, const View& view, Glimpse& glimpse) const {
   glimpse.blur2_m2 = length_m * length_m + width_m * width_m + blur_m * blur_m;
   if (glimpse.blur2_m2 > most_blur2_m2_) return false;
 
-  const float per_z = 1.0F / z;
-  float u = seen.x() * per_z;
-  float v = seen.y() * per_z;
-  // How the pixel moves with the cell, along the map's x and y.
-  const Eigen::Matrix3f colour = view.colour.cast<float>();
-  glimpse.u_xy = (colour.row(0).head<2>() - u * colour.row(2).head<2>()) * per_z;
-  glimpse.v_xy = (colour.row(1).head<2>() - v * colour.row(2).head<2>()) * per_z;
-  const Eigen::Vector3f measured_at = (view.depth * floor).cast<float>();
-  float depth_u = measured_at.x() / measured_at.z();
-  float depth_v = measured_at.y() / measured_at.z();
-  if (colour_is_distorted_) {
-    const Eigen::Vector2f at = project(lens, Eigen::Vector3d(u, v, 1.0)).cast<float>();
-    u = at.x();
-    v = at.y();
-    glimpse.u_xy *= static_cast<float>(lens.focal_x_px);
-    glimpse.v_xy *= static_cast<float>(lens.focal_y_px);
-  }
-  if (depth_is_distorted_) {
-    const Eigen::Vector2f at =
-        project(camera_.depth, Eigen::Vector3d(depth_u, depth_v, 1.0)).cast<float>();
-    depth_u = at.x();
-    depth_v = at.y();
-  }
-  if (!sight_.measured(depth_u, depth_v) || sight_.hidden(u, v)) return false;
-  // An upright box of the outline's variances; at least a pixel, which is to interpolate between pixels.
-  const auto cell_m = static_cast<float>(options_.resolution_m);
-  glimpse.u = u;
-  glimpse.v = v;
-  glimpse.width = std::max(1.0F, cell_m * glimpse.u_xy.norm());
-  glimpse.height = std::max(1.0F, cell_m * glimpse.v_xy.norm());
-  return u - 0.5F * glimpse.width >= 0.0F && v - 0.5F * glimpse.height >= 0.0F &&
-         u + 0.5F * glimpse.width <= static_cast<float>(lens.width_px - 1) &&
-         v + 0.5F * glimpse.height <= static_cast<float>(lens.height_px - 1);
+  glimpse.box = lenses_.box(view.colour_f, seen, static_cast<float>(options_.resolution_m));
+  const Eigen::Vector2f measured_at = lenses_.depth_pixel((view.depth * floor).cast<float>());
+  return sight_.measured(measured_at.x(), measured_at.y()) &&
+         !sight_.hidden(glimpse.box.u, glimpse.box.v) && lenses_.shows(glimpse.box);
 }
 
 float TextureMapper::weight_of(const Glimpse& glimpse) const {
@@ -215,9 +187,10 @@ void TextureMapper::sample_cells(const FramePose& pose) {
         tile_column = column >> kTileBits;
         tile = &cells_.tile(TileGrid<TextureCell>::tile_of(cell));
       }
-      samples_.push_back({&(*tile)[TileGrid<TextureCell>::offset_in_tile(cell)],
-                          light_.mean(glimpse.u, glimpse.v, glimpse.width, glimpse.height),
-                          weight_of(glimpse)});
+      samples_.push_back(
+          {&(*tile)[TileGrid<TextureCell>::offset_in_tile(cell)],
+           light_.mean(glimpse.box.u, glimpse.box.v, glimpse.box.width, glimpse.box.height),
+           weight_of(glimpse)});
     }
   }
 }
@@ -261,16 +234,16 @@ FramePose TextureMapper::refined(const FramePose& given) const {
           continue;
         }
         const auto brightness = [&](float du, float dv) {
-          const LinearRgb light =
-              light_.mean(glimpse.u + du, glimpse.v + dv, glimpse.width, glimpse.height);
+          const LinearRgb light = light_.mean(glimpse.box.u + du, glimpse.box.v + dv,
+                                              glimpse.box.width, glimpse.box.height);
           return static_cast<double>(light[0] + light[1] + light[2]) / 3.0;
         };
-        const float du = 0.5F * glimpse.width;
-        const float dv = 0.5F * glimpse.height;
+        const float du = 0.5F * glimpse.box.width;
+        const float dv = 0.5F * glimpse.box.height;
         const double per_u = (brightness(du, 0.0F) - brightness(-du, 0.0F)) / (2.0 * du);
         const double per_v = (brightness(0.0F, dv) - brightness(0.0F, -dv)) / (2.0 * dv);
         const Eigen::Vector2d slope =
-            per_u * glimpse.u_xy.cast<double>() + per_v * glimpse.v_xy.cast<double>();
+            per_u * glimpse.box.u_xy.cast<double>() + per_v * glimpse.box.v_xy.cast<double>();
         const double seen = brightness(0.0F, 0.0F);
         const auto& rgb = known->best.rgb;
         const double residual = gain * seen - (rgb[0] + rgb[1] + rgb[2]) / 3.0;
@@ -296,7 +269,7 @@ FramePose TextureMapper::refined(const FramePose& given) const {
                                 1.0 / (kPrior_rad * kPrior_rad), 1e-12);
     normal.diagonal() += prior;
     right.head<3>() -= prior.head<3>().cwiseProduct(offset);
-    const Eigen::Vector4d change = normal.ldlt().solve(right);
+    const Eigen::Vector4d change = solve_symmetric(normal, right);
     offset += change.head<3>();
     gain += change[3];
     if (!(gain > 1.0 / kMostGain && gain < kMostGain) || offset.head<2>().norm() > 4.0 * kPrior_m ||
@@ -328,11 +301,10 @@ void TextureMapper::level_samples() {
   double log_gain = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
     if (ratios_[c].size() < kFewest) return;
-    const auto middle = ratios_[c].begin() + static_cast<std::ptrdiff_t>(ratios_[c].size() / 2);
-    std::nth_element(ratios_[c].begin(), middle, ratios_[c].end());
+    const float ratio = median_of(ratios_[c]);
     // A little less than the whole difference, so that levels a long way apart do not add up errors.
     constexpr float kForget = 0.98F;
-    const float gain = std::pow(std::clamp(*middle, 1.0F / kMostGain, kMostGain), kForget);
+    const float gain = std::pow(std::clamp(ratio, 1.0F / kMostGain, kMostGain), kForget);
     for (Sample& sample : samples_) sample.light[c] /= gain;
     log_gain += std::log(static_cast<double>(gain)) / 3.0;
   }

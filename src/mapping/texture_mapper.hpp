@@ -10,6 +10,7 @@
 #include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/grid/tile_grid.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
+#include "mapping/floor_lenses.hpp"
 #include "mapping/floor_sight.hpp"
 #include "mapping/frame_pose.hpp"
 #include "mapping/light_rows.hpp"
@@ -51,19 +52,15 @@ class TextureMapper {
 
   /// A frame's pose, made ready for looking at cells.
   struct View {
-    Eigen::Matrix3d colour;  ///< floor_homography of the two cameras
-    Eigen::Matrix3d depth;
-    float moved_m = 0.0F;  ///< while the shutter was open
+    Eigen::Matrix3d colour;    ///< floor_homography of the colour camera
+    Eigen::Matrix3f colour_f;  ///< the same
+    Eigen::Matrix3d depth;     ///< of the depth camera
+    float moved_m = 0.0F;      ///< while the shutter was open
     float turned_rad = 0.0F;
   };
-  /// A cell as a frame sees it: an upright box of the colour picture.
+  /// A cell as a frame sees it.
   struct Glimpse {
-    float u = 0.0F;
-    float v = 0.0F;
-    float width = 1.0F;
-    float height = 1.0F;
-    Eigen::RowVector2f u_xy = Eigen::RowVector2f::Zero();  ///< how u moves with the cell [px/m]
-    Eigen::RowVector2f v_xy = Eigen::RowVector2f::Zero();
+    FloorBox box{};
     float blur2_m2 = 0.0F;  ///< squared length over which pixel and motion smear the floor
   };
   /// Cells of a row, first and last included.
@@ -93,8 +90,7 @@ class TextureMapper {
   float blur_per_depth2_;  ///< a pixel's length along the view on the floor, over depth^2 [1/m]
   float width_per_depth_;  ///< a pixel's width there, over depth
   float most_blur2_m2_;
-  bool colour_is_distorted_;
-  bool depth_is_distorted_;
+  FloorLenses lenses_;
   FloorSight sight_;
   LightRows light_;
   TileGrid<TextureCell> cells_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "loopstone/base/median.hpp"
 #include "registration/icp_step.hpp"
 
 namespace loopstone {
@@ -12,15 +13,6 @@ namespace {
 
 /// Residuals smaller than this share of a point's standard deviation are not believed.
 constexpr double kLeastSigmaShare = 0.05;
-/// Standard deviation = this times the median of the absolute values, for normal noise.
-constexpr double kSigmaPerMedian = 1.4826;
-
-double median_of(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The pair as the target's patch sees it.
 template <int kDimension>
