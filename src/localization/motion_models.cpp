@@ -1,8 +1,8 @@
 #include "loopstone/localization/motion_models.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
@@ -58,8 +58,8 @@ Pose2 sample_velocity_motion(const Pose2& map_T_from, double speed_m_s, double y
 }
 
 Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const auto axes = symmetric_eigen(covariance);
+  return axes.vectors * axes.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 GaussianMotion::GaussianMotion(const Pose2& from_T_to, const Eigen::Matrix3d& covariance)

@@ -1,7 +1,6 @@
 #include "localization/place_search.hpp"
 
-#include <Eigen/Eigenvalues>
-
+#include "geometry/symmetric_matrix.hpp"
 #include "localization/map_tables.hpp"
 #include "loopstone/registration/map_match.hpp"
 
@@ -18,12 +17,11 @@ Eigen::Matrix3d spread_of(const Eigen::Matrix3d& covariance) {
   constexpr double kLeastM = 0.05;
   constexpr double kMostM = 0.4;
   constexpr double kLeastRad = 0.03;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
+  const auto axes = symmetric_eigen(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   const Eigen::Vector2d variances =
-      axes.eigenvalues().cwiseMax(kLeastM * kLeastM).cwiseMin(kMostM * kMostM);
+      axes.values.cwiseMax(kLeastM * kLeastM).cwiseMin(kMostM * kMostM);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  spread.topLeftCorner<2, 2>() =
-      axes.eigenvectors() * variances.asDiagonal() * axes.eigenvectors().transpose();
+  spread.topLeftCorner<2, 2>() = axes.vectors * variances.asDiagonal() * axes.vectors.transpose();
   spread(2, 2) = std::clamp(covariance(2, 2), kLeastRad * kLeastRad, kMostM * kMostM);
   return spread;
 }

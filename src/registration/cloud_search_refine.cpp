@@ -1,11 +1,12 @@
 #include "registration/cloud_search_refine.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "geometry/symmetric_matrix.hpp"
 
 namespace loopstone {
 
@@ -124,7 +125,7 @@ struct Refinement {
                                                  const Normal& sums, double across) {
     Information hessian = (1.0 - across) * sums.along + across * sums.all;
     hessian.diagonal() *= 1.0 + 1e-9;
-    const Tangent step = -hessian.ldlt().solve(sums.gradient);
+    const Tangent step = -solve_symmetric(hessian, sums.gradient);
     Refined<kDimension> next = pose;
     ++next.iterations;
     if (!step.allFinite()) return next;

@@ -1,12 +1,13 @@
 #include "registration/cloud_search_sample.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numeric>
+
+#include "geometry/symmetric_matrix.hpp"
 
 namespace loopstone {
 
@@ -17,8 +18,7 @@ Eigen::Matrix<double, kRank, kRank> principal_rotation(
     const Eigen::Matrix<double, kDimension, kDimension>& scatter) {
   using Matrix = Eigen::Matrix<double, kRank, kRank>;
   const Matrix part = scatter.template topLeftCorner<kRank, kRank>();
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(part);
-  Matrix rotation = eigen.eigenvectors().transpose();
+  Matrix rotation = symmetric_eigen(part).vectors.transpose();
   if (rotation.determinant() < 0.0) rotation.row(0) *= -1.0;
   return rotation;
 }

@@ -1,11 +1,11 @@
 #include "registration/cloud_search_starts.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
@@ -214,7 +214,7 @@ struct Descent {
     constexpr int kTurns = kDof - kDimension;
     Information damped = sums.hessian;
     damped.diagonal() *= 1.0F + kDamping;
-    Tangent motion = -damped.ldlt().solve(sums.gradient);
+    Tangent motion = -solve_symmetric(damped, sums.gradient);
     if (!motion.allFinite()) return pose;
     const float angle = motion.template tail<kTurns>().norm();
     if (angle > kLongestTurnRad) motion *= kLongestTurnRad / angle;

@@ -1,10 +1,10 @@
 #include "loopstone/registration/correlative_match.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
 #include "registration/observability.hpp"
@@ -78,8 +78,8 @@ struct Peak {
 };
 
 Peak peak_of(const Parabola& fit) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(-fit.curvature);
-  return {eigen.eigenvectors(), eigen.eigenvalues().cwiseMax(0.0)};
+  const auto eigen = symmetric_eigen(Eigen::Matrix3d(-fit.curvature));
+  return {eigen.vectors, eigen.values.cwiseMax(0.0)};
 }
 
 struct Refined {
@@ -134,10 +134,9 @@ Eigen::Matrix3d covariance_within_step(const Peak& peak, const Eigen::Vector3d& 
 bool is_ridge(const Peak& peak, const ScoreVolume& volume) {
   constexpr double kFlat = 0.01;
   constexpr double kCells = 2.0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> spread(
-      Eigen::Matrix2d(volume.covariance.topLeftCorner<2, 2>()), Eigen::EigenvaluesOnly);
+  const auto spread = symmetric_eigen(Eigen::Matrix2d(volume.covariance.topLeftCorner<2, 2>()));
   return peak.information(0) <= kFlat * peak.information(2) ||
-         spread.eigenvalues()(1) > kCells * kCells * volume.step.x() * volume.step.x();
+         spread.values(1) > kCells * kCells * volume.step.x() * volume.step.x();
 }
 
 }  // namespace

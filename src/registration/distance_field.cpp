@@ -1,9 +1,10 @@
 #include "loopstone/registration/distance_field.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <limits>
+
+#include "geometry/symmetric_matrix.hpp"
 
 namespace loopstone {
 
@@ -234,10 +235,7 @@ typename DistanceField<kDimension>::Point DistanceField<kDimension>::normal_near
     }
   }
   if (count > 0.0) squares -= sum * sum.transpose() / count;
-  return Eigen::SelfAdjointEigenSolver<Matrix>(squares)
-      .eigenvectors()
-      .col(0)
-      .template cast<float>();
+  return symmetric_eigen(squares).vectors.col(0).template cast<float>();
 }
 
 template VoxelFrame<2> voxels_covering<2>(std::span<const Eigen::Vector2f>, float, float,

@@ -1,9 +1,9 @@
 #include "loopstone/registration/grid_matcher.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "registration/line_equations.hpp"
 
@@ -137,7 +137,7 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
       // A trace of damping keeps an unobserved direction where it is.
       Eigen::Matrix3d damped = information;
       damped.diagonal() += 1e-6 * information.diagonal() + Eigen::Vector3d::Constant(kDamping);
-      const Eigen::Vector3d step = -damped.ldlt().solve(gradient);
+      const Eigen::Vector3d step = -solve_symmetric(damped, gradient);
       if (!step.allFinite()) break;
       pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};
       converged = step.head<2>().norm() < kStepM && std::abs(step.z()) < kStepRad;
@@ -152,7 +152,7 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
   result.rmse_m = last.weight_sum > 0.0 ? std::sqrt(last.squared_sum / last.weight_sum) : 0.0;
   Eigen::Matrix3d invertible = information;
   invertible.diagonal() += Eigen::Vector3d::Constant(kDamping);
-  result.covariance = invertible.ldlt().solve(Eigen::Matrix3d::Identity());
+  result.covariance = inverse_symmetric(invertible);
   result.covariance.diagonal() +=
       Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
   if (degenerate) {

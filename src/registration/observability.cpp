@@ -1,6 +1,6 @@
 #include "registration/observability.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "geometry/symmetric_matrix.hpp"
 
 namespace loopstone {
 
@@ -30,9 +30,9 @@ Observability<kDimension> observability_of(
   result.from_scaled.template bottomRightCorner<kTurns, kTurns>() /= arm_m;
   using Matrix = typename Observability<kDimension>::Matrix;
   const Matrix scaled = result.from_scaled.transpose() * information * result.from_scaled;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(scaled);
-  result.directions = eigen.eigenvectors();
-  result.information = eigen.eigenvalues().cwiseMax(0.0);
+  const auto eigen = symmetric_eigen(scaled);
+  result.directions = eigen.vectors;
+  result.information = eigen.values.cwiseMax(0.0);
   result.observed =
       result.information.array() > kObservedShare * result.information(Motion::kDof - 1);
   return result;

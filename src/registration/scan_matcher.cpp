@@ -1,10 +1,10 @@
 #include "loopstone/registration/scan_matcher.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "registration/observability.hpp"
 #include "registration/scan_fit.hpp"
@@ -49,7 +49,7 @@ std::optional<Eigen::Vector3d> solve(const ScanEquations& equations) {
   Eigen::Matrix3d damped = equations.hessian;
   // A trace of damping keeps an unobserved direction where it is.
   damped.diagonal() += 1e-6 * equations.hessian.diagonal() + Eigen::Vector3d::Constant(1e-6);
-  const Eigen::Vector3d step = -damped.ldlt().solve(equations.gradient);
+  const Eigen::Vector3d step = -solve_symmetric(damped, equations.gradient);
   if (!step.allFinite()) return {};
   return step;
 }

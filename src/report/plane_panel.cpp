@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "report/map_view.hpp"
 #include "report/round_length.hpp"
@@ -92,14 +92,14 @@ void PlanePanel::robot(Canvas& canvas, const Pose2& pose, const Colour& colour) 
 void PlanePanel::ellipse(Canvas& canvas, const Eigen::Vector2d& centre,
                          const Eigen::Matrix2d& covariance, double times, double width_px,
                          const Colour& colour) const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
-  const Eigen::Vector2d half = times * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const auto axes = symmetric_eigen(covariance);
+  const Eigen::Vector2d half = times * axes.values.cwiseMax(0.0).cwiseSqrt();
   constexpr int kCorners = 48;
   std::vector<Point> outline;
   for (int i = 0; i <= kCorners; ++i) {
     const double angle = 2.0 * kPi * i / kCorners;
     const Eigen::Vector2d offset(half.x() * std::cos(angle), half.y() * std::sin(angle));
-    outline.push_back(pixel_of(centre + axes.eigenvectors() * offset));
+    outline.push_back(pixel_of(centre + axes.vectors * offset));
   }
   canvas.line(outline, width_px, colour);
 }
