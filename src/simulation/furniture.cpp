@@ -70,7 +70,9 @@ std::optional<Pose2> Furnisher::spot_inside(double length_m, double width_m, dou
                                0.5 * (turned ? length_m : width_m));
     const Eigen::Vector2d low = room_.low + half;
     const Eigen::Vector2d size = room_.high - room_.low - 2.0 * half;
-    const Eigen::Vector2d ratio(rng_.uniform(), rng_.uniform());
+    Eigen::Vector2d ratio;
+    ratio.y() = rng_.uniform();
+    ratio.x() = rng_.uniform();
     if ((size.array() <= 0.0).any()) continue;
     const Eigen::Vector2d centre = low + size.cwiseProduct(ratio);
     if (claim({centre - half, centre + half}, gap_m)) {
@@ -164,7 +166,10 @@ void Furnisher::meeting_room() {
 }
 
 void Furnisher::storage() {
-  for (int i = 0; i < 5; ++i) box_at_wall(rng_.uniform(0.9, 2.2), rng_.uniform(0.35, 0.6));
+  for (int i = 0; i < 5; ++i) {
+    const double depth = rng_.uniform(0.35, 0.6);
+    box_at_wall(rng_.uniform(0.9, 2.2), depth);
+  }
   for (int i = 0; i < 2; ++i) {
     if (const auto spot = spot_inside(0.6, 0.4, 0.25)) {
       builder_.box(*spot * Pose2{0.0, 0.0, rng_.uniform(-0.6, 0.6)}, 0.55, 0.38);

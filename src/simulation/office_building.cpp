@@ -71,8 +71,9 @@ Opening add_room(PlanBuilder& builder, const Extent& room, DoorSide side, double
   const double into = side == DoorSide::kSouth ? 1.0 : -1.0;
   const Eigen::Vector2d size = room.high - room.low;
   const Eigen::Vector2d centre = 0.5 * (room.low + room.high);
-  const Eigen::Vector2d place = centre + Eigen::Vector2d(rng.uniform(-0.12, 0.12) * size.x(),
-                                                         rng.uniform(-0.1, 0.1) * size.y());
+  Eigen::Vector2d place = centre;
+  place.y() += rng.uniform(-0.1, 0.1) * size.y();
+  place.x() += rng.uniform(-0.12, 0.12) * size.x();
   const Eigen::Vector2d door(door_x, door_y + into * 0.5);
 
   if (rng.below(3) != 0) {

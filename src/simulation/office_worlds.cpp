@@ -44,8 +44,8 @@ void add_hall(PlanBuilder& builder, double width, double depth, const HallGates&
     for (const double y : {0.1 * depth, 0.45 * depth, 0.9 * depth}) {
       if (rng.below(3) == 0) continue;
       const double length = rng.uniform(0.8, 3.0);
-      builder.box({x + rng.uniform(-0.5, 0.5), y, rng.uniform(-0.15, 0.15)}, length,
-                  rng.uniform(0.4, 1.0));
+      const double thickness = rng.uniform(0.4, 1.0);
+      builder.box({x + rng.uniform(-0.5, 0.5), y, rng.uniform(-0.15, 0.15)}, length, thickness);
     }
   }
   builder.world().floor_area_m2 += width * depth;

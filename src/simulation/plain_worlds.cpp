@@ -34,7 +34,8 @@ void add_rack(PlanBuilder& builder, const Eigen::Vector2d& low, int bays, double
         const double x =
             low.x() + bay * bay_m + (slot + 0.5) * bay_m / 3.0 + rng.uniform(-0.04, 0.04);
         const double y = low.y() + (row + 0.5) * depth_m + rng.uniform(-0.06, 0.06);
-        builder.box({x, y, rng.uniform(-0.05, 0.05)}, 0.75, rng.uniform(0.75, 0.95));
+        const double width = rng.uniform(0.75, 0.95);
+        builder.box({x, y, rng.uniform(-0.05, 0.05)}, 0.75, width);
       }
     }
   }
