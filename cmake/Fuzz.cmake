@@ -1,5 +1,12 @@
 # Each fuzz/fuzz_<name>.cpp defines LLVMFuzzerTestOneInput; its seeds lie in fuzz/corpus/<name>/.
-# With LOOPSTONE_FUZZ it becomes a libFuzzer program. Otherwise a small main replays the seeds as a ctest test.
+# With LOOPSTONE_FUZZ it becomes a libFuzzer program, for which the parts that parse are built with its counters.
+# Otherwise a small main replays the seeds. Either way a ctest test replays them.
+
+if(LOOPSTONE_FUZZ)
+  foreach(part base formats)
+    target_compile_options(loopstone_${part}_objects PRIVATE -fsanitize=fuzzer-no-link)
+  endforeach()
+endif()
 
 file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/fuzz/fuzz_*.cpp")
 foreach(source IN LISTS sources)
@@ -10,9 +17,13 @@ foreach(source IN LISTS sources)
   target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/fuzz")
   if(LOOPSTONE_FUZZ)
     target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+    set(replay -runs=0)
   else()
     target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/fuzz/standalone_main.cpp")
-    add_test(NAME fuzz_replay.${name} COMMAND ${target} "${PROJECT_SOURCE_DIR}/fuzz/corpus/${name}")
+    set(replay)
+  endif()
+  if(LOOPSTONE_TESTS)
+    add_test(NAME fuzz_replay.${name} COMMAND ${target} ${replay} "${PROJECT_SOURCE_DIR}/fuzz/corpus/${name}")
     set_tests_properties(fuzz_replay.${name} PROPERTIES LABELS fuzz TIMEOUT 120)
   endif()
 endforeach()

@@ -27,8 +27,8 @@ endif()
 math(EXPR count "${last} + 1")
 list(SUBLIST LOOPSTONE_PARTS 0 ${count} LOOPSTONE_PARTS)
 
-# Headers that nearly every source reads, parsed once. The presets tidy and fuzz build without them, so a source that
-# forgets an include of its own is found there.
+# Headers that nearly every source reads, parsed once. The preset tidy reads sources without them, so one that forgets an
+# include of its own is found there.
 set(LOOPSTONE_PRECOMPILED_HEADERS
     <Eigen/Core>
     <Eigen/Geometry>

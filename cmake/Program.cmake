@@ -10,5 +10,10 @@ if(sources)
   target_link_libraries(
     loopstone_program PRIVATE loopstone_build loopstone::loopstone CLI11::CLI11 spdlog::spdlog fmt::fmt Threads::Threads
                               tomlplusplus::tomlplusplus ${LOOPSTONE_HEADER_LIBRARIES})
+  target_compile_options(loopstone_program PRIVATE ${LOOPSTONE_OUTER_FLAGS})
+  if(LOOPSTONE_PCH)
+    target_precompile_headers(loopstone_program PRIVATE ${LOOPSTONE_PRECOMPILED_HEADERS} <CLI/CLI.hpp> <fmt/format.h>
+                              <nlohmann/json.hpp> <spdlog/spdlog.h>)
+  endif()
   install(TARGETS loopstone_program RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()

@@ -18,6 +18,7 @@ target_link_libraries(
             rapidcheck_gtest
             ${LOOPSTONE_LINKED_LIBRARIES}
             ${LOOPSTONE_HEADER_LIBRARIES})
+target_compile_options(loopstone_test_base INTERFACE ${LOOPSTONE_OUTER_FLAGS})
 
 # gtest's main, in a library of ours because it also carries the precompiled header of all test programs.
 add_library(loopstone_test_main OBJECT "${PROJECT_SOURCE_DIR}/tests/main/main.cpp")

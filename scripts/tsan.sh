@@ -17,7 +17,7 @@ if [[ ${#targets[@]} -eq 0 ]]; then
   exit 0
 fi
 echo "threaded suites are in: ${targets[*]}"
-scripts/build.sh tsan "${targets[@]}"
+CMAKE_ARGS=-DLOOPSTONE_LAST_PART=formats scripts/build.sh tsan "${targets[@]}"
 
 # The sanitizer of GCC 12 cannot start where the kernel randomises addresses by 32 bits; then switch that off, for it alone.
 without_randomisation=()
