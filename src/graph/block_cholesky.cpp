@@ -189,4 +189,47 @@ std::vector<Eigen::Vector3d> BlockCholesky::solve(std::vector<Eigen::Vector3d> b
   return b;
 }
 
+Eigen::Matrix3d BlockCholesky::through_inverse(std::span<const RowsAt> j) {
+  const auto x_at = [this](int place) { return x_.data() + 3 * static_cast<std::size_t>(place); };
+  // Parents come after their children, so two paths are merged by sorting.
+  path_.clear();
+  for (const RowsAt& rows : j) {
+    const int place = tree_.place[static_cast<std::size_t>(rows.block)];
+    for (int f = tree_.front_of[static_cast<std::size_t>(place)]; f >= 0;
+         f = tree_.fronts[static_cast<std::size_t>(f)].parent) {
+      path_.push_back(static_cast<std::size_t>(f));
+    }
+  }
+  std::sort(path_.begin(), path_.end());
+  path_.erase(std::unique(path_.begin(), path_.end()), path_.end());
+
+  // J A^-1 J^T = W^T W with W = L^-1 J^T.
+  std::size_t height = 0;
+  for (const std::size_t f : path_) height += 3 * static_cast<std::size_t>(tree_.fronts[f].pivots);
+  Eigen::Matrix<double, Eigen::Dynamic, 3> w(height, 3);
+  for (int k = 0; k < 3; ++k) {
+    for (const std::size_t f : path_) {
+      const Front& front = tree_.fronts[f];
+      std::fill_n(x_at(front.first_pivot), 3 * front.pivots, 0.0);
+    }
+    for (const RowsAt& rows : j) {
+      Eigen::Map<Eigen::Vector3d>(x_at(tree_.place[static_cast<std::size_t>(rows.block)])) +=
+          rows.rows.row(k).transpose();
+    }
+    double* target = w.col(k).data();
+    for (const std::size_t f : path_) {
+      const Front& front = tree_.fronts[f];
+      double* x = x_at(front.first_pivot);
+      solve_front_forward(dense_front(f), x, below_.data());
+      target = std::copy_n(x, 3 * front.pivots, target);
+      const double* part = below_.data();
+      for (const int row : front.rows) {
+        double* later = x_at(row);
+        for (int i = 0; i < 3; ++i) later[i] -= *part++;
+      }
+    }
+  }
+  return w.transpose() * w;
+}
+
 }  // namespace loopstone

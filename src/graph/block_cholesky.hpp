@@ -43,6 +43,14 @@ class BlockCholesky {
   /// The same, b becoming x.
   void solve_in_place(std::span<Eigen::Vector3d> b);
 
+  /// Three rows that are zero but for the columns of one block.
+  struct RowsAt {
+    int block = 0;
+    Eigen::Matrix3d rows;
+  };
+  /// J A^-1 J^T. Only what lies between the blocks of J and the root of the elimination tree is read.
+  [[nodiscard]] Eigen::Matrix3d through_inverse(std::span<const RowsAt> j);
+
   /// Blocks below the diagonal of L, zeros of merged supernodes included.
   [[nodiscard]] std::size_t fill() const { return fill_; }
 
@@ -69,8 +77,9 @@ class BlockCholesky {
   std::unique_ptr<double[]> panels_;  ///< not set to zero: each front clears its own
   std::array<std::unique_ptr<double[]>, 2> stacks_;
   std::vector<double> inverse_diagonal_;
-  std::vector<double> x_;      ///< right-hand side and solution, by place
-  std::vector<double> below_;  ///< the part of one front
+  std::vector<double> x_;          ///< right-hand side and solution, by place
+  std::vector<double> below_;      ///< the part of one front
+  std::vector<std::size_t> path_;  ///< of through_inverse: the fronts that it reads
   std::size_t fill_ = 0;
 };
 

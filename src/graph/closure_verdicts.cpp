@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "graph/block_cholesky.hpp"
 #include "graph/descent.hpp"
+#include "graph/selected_inverse.hpp"
 #include "loopstone/base/median.hpp"
 #include "loopstone/graph/initial_poses.hpp"
 
@@ -48,7 +50,7 @@ class Solution {
     solve_from_best_start(accepted_graph(graph, weights));
     (void)equations_.linearise(state_);
     usable_ = cholesky_.factorise(equations_.hessian(), 0.0);
-    x_.assign(equations_.gradient().size(), Eigen::Vector3d::Zero());
+    if (usable_) inverse_.emplace(cholesky_);
   }
 
   [[nodiscard]] bool usable() const { return usable_; }
@@ -60,19 +62,7 @@ class Solution {
     const Pose2& to = state_.poses[at(edge.to)];
     const Eigen::Vector3d error = edge_error(edge, from, to);
     const EdgeJacobians j = edge_jacobians(edge, from, to);
-    const int place_from = equations_.place_of(at(edge.from));
-    const int place_to = equations_.place_of(at(edge.to));
-    Eigen::Matrix3d predicted;
-    for (int k = 0; k < 3; ++k) {
-      std::fill(x_.begin(), x_.end(), Eigen::Vector3d::Zero());
-      if (place_from >= 0) block(place_from) = j.from.row(k).transpose();
-      if (place_to >= 0) block(place_to) = j.to.row(k).transpose();
-      cholesky_.solve_in_place(x_);
-      Eigen::Vector3d column = Eigen::Vector3d::Zero();
-      if (place_from >= 0) column += j.from * block(place_from);
-      if (place_to >= 0) column += j.to * block(place_to);
-      predicted.col(k) = column;
-    }
+    const Eigen::Matrix3d predicted = accepted ? within(edge, j) : across(edge, j);
     const Eigen::Matrix3d measured = edge.information.inverse();
     const Eigen::Matrix3d covariance =
         accepted ? Eigen::Matrix3d(measured - predicted) : Eigen::Matrix3d(measured + predicted);
@@ -101,13 +91,36 @@ class Solution {
     }
   }
 
-  [[nodiscard]] Eigen::Vector3d& block(int place) { return x_[static_cast<std::size_t>(place)]; }
+  /// J P J^T of an edge of the solved graph, whose blocks of P are known.
+  [[nodiscard]] Eigen::Matrix3d within(const RelativePoseEdge& edge, const EdgeJacobians& j) const {
+    const int from = equations_.place_of(at(edge.from));
+    const int to = equations_.place_of(at(edge.to));
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    if (from >= 0) sum += j.from * inverse_->block(from, from) * j.from.transpose();
+    if (to >= 0) sum += j.to * inverse_->block(to, to) * j.to.transpose();
+    if (from >= 0 && to >= 0) {
+      const Eigen::Matrix3d mixed = j.from * inverse_->block(from, to) * j.to.transpose();
+      sum += mixed + mixed.transpose();
+    }
+    return sum;
+  }
+
+  /// The same of any other edge.
+  [[nodiscard]] Eigen::Matrix3d across(const RelativePoseEdge& edge, const EdgeJacobians& j) {
+    rows_.clear();
+    const int from = equations_.place_of(at(edge.from));
+    const int to = equations_.place_of(at(edge.to));
+    if (from >= 0) rows_.push_back({from, j.from});
+    if (to >= 0) rows_.push_back({to, j.to});
+    return cholesky_.through_inverse(rows_);
+  }
 
   GraphState& state_;
   NormalEquations equations_;
   BlockCholesky cholesky_;
   bool usable_ = false;
-  std::vector<Eigen::Vector3d> x_;
+  std::optional<SelectedInverse> inverse_;
+  std::vector<BlockCholesky::RowsAt> rows_;
 };
 
 /// Many graphs come with information that is far too modest, and then a false closure hides within it. How far off the

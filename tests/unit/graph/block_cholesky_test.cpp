@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
 
+#include "graph/selected_inverse.hpp"
 #include "loopstone/base/rng.hpp"
 
 namespace loopstone {
@@ -89,6 +91,48 @@ TEST(BlockCholesky, FactorisesOtherValuesOfTheSamePattern) {
   BlockCholesky fresh(second);
   ASSERT_TRUE(fresh.factorise(second, 0.0));
   EXPECT_EQ(reused.solve(b), fresh.solve(b));
+}
+
+TEST(BlockCholesky, ProductsThroughTheInverseAreThoseOfTheDenseInverse) {
+  Rng rng(14);
+  for (const int size : {1, 2, 9, 50}) {
+    const BlockMatrix matrix = random_matrix(size, random_pairs(size, size, rng), rng);
+    BlockCholesky cholesky(matrix);
+    ASSERT_TRUE(cholesky.factorise(matrix, 0.0));
+    const Eigen::MatrixXd inverse = dense(matrix).inverse();
+    for (int trial = 0; trial < 20; ++trial) {
+      Eigen::MatrixXd j = Eigen::MatrixXd::Zero(3, 3 * size);
+      std::vector<BlockCholesky::RowsAt> rows;
+      for (int k = 0; k < 2; ++k) {  // the same block twice adds up
+        const int block = static_cast<int>(rng.below(static_cast<std::uint64_t>(size)));
+        Eigen::Matrix3d values;
+        for (int i = 0; i < 9; ++i) values(i) = rng.uniform(-1.0, 1.0);
+        rows.push_back({block, values});
+        j.middleCols<3>(3 * block) += values;
+      }
+      const Eigen::Matrix3d expected = j * inverse * j.transpose();
+      EXPECT_LT((cholesky.through_inverse(rows) - expected).norm(), 1e-14);
+    }
+  }
+}
+
+TEST(SelectedInverse, IsTheDenseInverseWithinThePattern) {
+  Rng rng(15);
+  for (const int size : {1, 2, 9, 30, 80}) {
+    const Pairs pairs = random_pairs(size, size + size / 2, rng);
+    const BlockMatrix matrix = random_matrix(size, pairs, rng);
+    BlockCholesky cholesky(matrix);
+    ASSERT_TRUE(cholesky.factorise(matrix, 0.0));
+    const SelectedInverse selected(cholesky);
+    const Eigen::MatrixXd inverse = dense(matrix).inverse();
+    for (int i = 0; i < size; ++i) {
+      EXPECT_LT((selected.block(i, i) - inverse.block<3, 3>(3 * i, 3 * i)).norm(), 1e-14);
+    }
+    for (const auto& [a, b] : pairs) {
+      EXPECT_LT((selected.block(a, b) - inverse.block<3, 3>(3 * a, 3 * b)).norm(), 1e-14);
+      EXPECT_LT((selected.block(b, a) - inverse.block<3, 3>(3 * b, 3 * a)).norm(), 1e-14);
+    }
+  }
 }
 
 TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
