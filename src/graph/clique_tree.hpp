@@ -38,10 +38,14 @@ class CliqueTree {
   void resize(std::size_t variables);
 
   /// Eliminates anew the variables touched (with all that depend on them), and those of no clique yet, `newest` last; then
-  /// finds the deltas, leaving out changes below `negligible`.
+  /// finds their deltas and passes them on.
   /// \param factors_of  the factors of each variable
   Result update(std::span<const int> touched, int newest, std::span<const LinearFactor> factors,
-                const std::vector<std::vector<int>>& factors_of, double negligible);
+                const std::vector<std::vector<int>>& factors_of, double negligible,
+                std::size_t most);
+  /// Finds the deltas of the variables below those whose deltas changed, leaving out changes below `negligible`; after about
+  /// `most` variables the rest is left to the next call. Returns the variables.
+  std::vector<int> pass_on(double negligible, std::size_t most);
 
   [[nodiscard]] const std::vector<Eigen::Vector3d>& delta() const { return delta_; }
   /// For a variable that is linearised anew; it must be touched by the next update.
@@ -59,13 +63,29 @@ class CliqueTree {
     std::vector<double>
         values;  ///< panel, update, inverse diagonal, forward solution, what is left for the rows
     bool alive = false;
+    bool queued = false;      ///< a delta of its rows may have changed
+    std::uint32_t since = 0;  ///< the update from which on changes matter to it
 
     [[nodiscard]] std::size_t pivot_count() const { return 3 * pivots.size(); }
     [[nodiscard]] std::size_t below_count() const { return 3 * rows.size(); }
-    void allocate();
+    [[nodiscard]] std::size_t value_count() const;
     [[nodiscard]] DenseFront dense();
     [[nodiscard]] double* forward();    ///< of the pivots
     [[nodiscard]] double* left_over();  ///< right-hand side handed to the rows, padded
+  };
+  /// Values of cliques that are gone, for new ones of about their size: large pieces of fresh memory are dear.
+  class SpareValues {
+   public:
+    [[nodiscard]] std::vector<double> zeros(std::size_t count);
+    void take_back(std::vector<double> values);
+
+   private:
+    struct Shelf {
+      std::size_t index = 0;
+      std::size_t capacity = 0;
+    };
+    [[nodiscard]] Shelf shelf(std::size_t count);
+    std::vector<std::vector<std::vector<double>>> shelves_;
   };
   /// The variables to eliminate, numbered.
   struct Part {
@@ -77,13 +97,21 @@ class CliqueTree {
              const std::vector<std::vector<int>>& factors_of);
   [[nodiscard]] bool eliminate(const Part& part, std::span<const LinearFactor> factors,
                                const std::vector<std::vector<int>>& factors_of);
+  void order_small(const Part& part, int last, std::span<const LinearFactor> factors,
+                   const std::vector<std::vector<int>>& factors_of);
+  void order_large(const Part& part, int last, std::span<const LinearFactor> factors,
+                   const std::vector<std::vector<int>>& factors_of);
   void add_orphan(int orphan, int clique, const Front& front);
-  void back_substitute(double negligible, std::vector<int>& changed);
+  void solve_new_cliques(double negligible, std::vector<int>& changed);
+  void queue(int clique, std::uint32_t since);
   void solve_clique(int clique, double negligible, std::vector<int>& changed);
   [[nodiscard]] int new_clique();
 
   std::vector<Clique> cliques_;
   std::vector<int> free_;
+  SpareValues spare_;
+  std::vector<int> queue_;  ///< cliques to solve again
+  std::size_t next_queued_ = 0;
   std::vector<int> clique_of_;  ///< of each variable, -1: none yet
   std::vector<Eigen::Vector3d> delta_;
   std::vector<Eigen::Vector3d> passed_on_;  ///< deltas that the cliques below were solved with

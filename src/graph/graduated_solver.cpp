@@ -9,6 +9,7 @@
 #include "graph/descent.hpp"
 #include "graph/gauge.hpp"
 #include "graph/normal_equations.hpp"
+#include "graph/supported_closures.hpp"
 #include "loopstone/graph/initial_poses.hpp"
 #include "loopstone/graph/outlier_rejection.hpp"
 
@@ -122,10 +123,15 @@ Verdict judge_from_odometry(const PoseGraph& graph, const GncOptions& options,
   return verdict;
 }
 
+/// \param candidates  by edge: closures that are none stay out of the rounds
 Verdict judge_by_rounds(const PoseGraph& graph, const GncOptions& options,
-                        const std::vector<bool>& fixed) {
+                        const std::vector<bool>& fixed, const std::vector<bool>& candidates) {
   GraphState state = start_of(graph, options);
   std::vector<double> weights(graph.edges.size(), 1.0);
+  const auto judged_here = [&](std::size_t i) { return judged(graph.edges[i]) && candidates[i]; };
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (judged(graph.edges[i]) && !candidates[i]) weights[i] = 0.0;
+  }
   if (options.consistency_first) {
     for (std::size_t i = 0; i < graph.edges.size(); ++i) {
       if (judged(graph.edges[i])) weights[i] = 0.0;
@@ -143,7 +149,7 @@ Verdict judge_by_rounds(const PoseGraph& graph, const GncOptions& options,
     if (round == 0) {
       double worst = 0.0;
       for (std::size_t i = 0; i < chi2.size(); ++i) {
-        if (judged(graph.edges[i])) worst = std::max(worst, chi2[i]);
+        if (judged_here(i)) worst = std::max(worst, chi2[i]);
       }
       if (2.0 * worst <= options.inlier_chi2) break;  // nothing to reject
       mu = options.inlier_chi2 / (2.0 * worst - options.inlier_chi2);
@@ -153,7 +159,7 @@ Verdict judge_by_rounds(const PoseGraph& graph, const GncOptions& options,
     bool undecided = false;
     bool changed = false;
     for (std::size_t i = 0; i < chi2.size(); ++i) {
-      if (!judged(graph.edges[i])) continue;
+      if (!judged_here(i)) continue;
       const double weight = softened_weight(chi2[i], options.inlier_chi2, mu);
       undecided = undecided || (weight > 0.0 && weight < 1.0);
       changed = changed || weight != weights[i];
@@ -173,19 +179,23 @@ GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options,
                        const SolverOptions& solver) {
   check_graph(graph);
   const std::vector<bool> fixed = gauge_of(graph, connected_components(graph)).fixed;
-  Verdict verdict = judge_by_rounds(graph, options, fixed);
+  const std::vector<bool> all(graph.edges.size(), true);
   const auto closures = std::count_if(graph.edges.begin(), graph.edges.end(), judged);
-  if (closures <= kFewClosures || strained(graph, verdict)) {
-    // Other ways to begin end elsewhere; the least truncated cost wins.
+  const bool few = closures <= kFewClosures;
+  Verdict verdict = judge_by_rounds(graph, options, fixed,
+                                    few ? all : supported_closures(graph, options.inlier_chi2));
+  // Other ways to begin end elsewhere; the least truncated cost wins.
+  const auto compete = [&](Verdict next) {
+    if (truncated_cost(graph, next, options.inlier_chi2) <
+        truncated_cost(graph, verdict, options.inlier_chi2)) {
+      verdict = std::move(next);
+    }
+  };
+  if (few || strained(graph, verdict)) compete(judge_from_odometry(graph, options, fixed));
+  if (few || strained(graph, verdict)) {
     GncOptions other = options;
     other.consistency_first = !options.consistency_first;
-    for (Verdict next :
-         {judge_by_rounds(graph, other, fixed), judge_from_odometry(graph, options, fixed)}) {
-      if (truncated_cost(graph, next, options.inlier_chi2) <
-          truncated_cost(graph, verdict, options.inlier_chi2)) {
-        verdict = std::move(next);
-      }
-    }
+    compete(judge_by_rounds(graph, other, fixed, all));
   }
   auto& [state, weights, rounds] = verdict;
   GncResult result;

@@ -1,9 +1,11 @@
 #include "loopstone/graph/incremental_solver.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include "graph/clique_tree.hpp"
@@ -17,6 +19,7 @@ namespace {
 /// Times the bounds of IncrementalOptions: poses that an update moves farther are linearised anew before it ends.
 constexpr double kFar = 4.0;
 constexpr int kFarRounds = 3;
+constexpr int kFitSteps = 2;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -55,7 +58,7 @@ class IncrementalSolver::State {
     linearised_at_ = graph_.poses;
     factors_.clear();
     factors_of_.assign(graph_.poses.size(), {});
-    pending_.clear();
+    forget_pending();
     for (std::size_t i = 0; i < graph_.edges.size(); ++i) add_factor(i);
     // The first pose is fixed: it is no variable, and variable i is pose i + 1.
     tree_.resize(graph_.poses.size() - 1);
@@ -69,27 +72,101 @@ class IncrementalSolver::State {
     graph_.edges.push_back(edge);
     linearised_at_.push_back(graph_.poses.back());
     factors_of_.emplace_back();
+    newest_from_ = pending_.size();
     pending_.push_back(graph_.edges.size() - 1);
     return edge.to;
   }
 
   IncrementalUpdate add(const std::vector<RelativePoseEdge>& edges) {
+    const std::size_t first_new = pending_.size();
+    for (const RelativePoseEdge& edge : edges) {
+      graph_.edges.push_back(edge);
+      pending_.push_back(graph_.edges.size() - 1);
+    }
+    if (edges.empty() || !can_wait(first_new)) return bring_in();
+    const std::vector<int> changed = tree_.pass_on(options_.negligible_change, poses_at_once());
+    move_poses(changed);
+    return {.waits = true, .poses_changed = 1 + changed.size()};
+  }
+
+  SolveResult solve(const SolverOptions& options) {
+    SolveResult result = optimize(graph_, options);
+    graph_.poses = result.poses;
+    restart();
+    return result;
+  }
+
+  [[nodiscard]] const PoseGraph& graph() const { return graph_; }
+
+ private:
+  /// Whether the pending edges from `first_new` on agree so well with the rest that they need not be brought in now. If so, the
+  /// newest pose lies where its own edges want it, the others held.
+  bool can_wait(std::size_t first_new) {
+    if (waiting_ + 1 >= options_.wait_updates) return false;
+    const std::size_t first = pending_.empty() ? 0 : std::min(first_new, newest_from_);
+    const std::span<const std::size_t> edges = std::span(pending_).subspan(first);
+    const Pose2 before = graph_.poses.back();
+    if (newest_is_free()) fit_newest(edges);
+    double cost = 0.0;
+    for (const std::size_t i : edges) cost += edge_cost(graph_.edges[i]).cost;
+    // Also false for what is not a number.
+    if (!(waiting_cost_ + cost <= options_.wait_chi2)) {
+      graph_.poses.back() = before;
+      return false;
+    }
+    linearised_at_.back() = graph_.poses.back();
+    waiting_cost_ += cost;
+    ++waiting_;
+    return true;
+  }
+
+  /// Whether nothing but pending edges knows of the newest pose.
+  [[nodiscard]] bool newest_is_free() const { return tree_.delta().size() + 1 < graph_.poses.size(); }
+
+  [[nodiscard]] RobustValue edge_cost(const RelativePoseEdge& edge) const {
+    const double chi2 =
+        edge_chi2(edge, graph_.poses[at(edge.from.index)], graph_.poses[at(edge.to.index)]);
+    if (edge.kind == EdgeKind::kLoopClosure) return evaluate(kernel_, options_.robust_width, chi2);
+    return {chi2, 1.0};
+  }
+
+  /// Two steps of Gauss-Newton.
+  void fit_newest(std::span<const std::size_t> edges) {
+    const auto newest = static_cast<int>(graph_.poses.size()) - 1;
+    for (int step = 0; step < kFitSteps; ++step) {
+      Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+      for (const std::size_t i : edges) {
+        const RelativePoseEdge& edge = graph_.edges[i];
+        if (edge.from.index != newest && edge.to.index != newest) continue;
+        const Pose2& from = graph_.poses[at(edge.from.index)];
+        const Pose2& to = graph_.poses[at(edge.to.index)];
+        const EdgeJacobians j = edge_jacobians(edge, from, to);
+        const Eigen::Matrix3d& jacobian = edge.to.index == newest ? j.to : j.from;
+        const Eigen::Matrix3d weighted =
+            edge_cost(edge).weight * jacobian.transpose() * edge.information;
+        hessian += weighted * jacobian;
+        gradient += weighted * edge_error(edge, from, to);
+      }
+      const Eigen::Vector3d change = -hessian.inverse() * gradient;
+      if (!change.allFinite()) break;
+      graph_.poses.back() = moved(graph_.poses.back(), change);
+    }
+  }
+
+  /// Eliminates what the pending edges touch.
+  IncrementalUpdate bring_in() {
     std::vector<int> touched;
     const auto touch = [&](int pose) {
       if (pose > 0) touched.push_back(pose - 1);
     };
-    const auto take = [&](std::size_t edge) {
+    tree_.resize(graph_.poses.size() - 1);
+    for (const std::size_t edge : pending_) {
       add_factor(edge);
       touch(graph_.edges[edge].from.index);
       touch(graph_.edges[edge].to.index);
-    };
-    tree_.resize(graph_.poses.size() - 1);
-    for (const std::size_t edge : pending_) take(edge);
-    pending_.clear();
-    for (const RelativePoseEdge& edge : edges) {
-      graph_.edges.push_back(edge);
-      take(graph_.edges.size() - 1);
     }
+    forget_pending();
     IncrementalUpdate result;
     if (++updates_ % options_.relinearise_every == 0) {
       result.poses_relinearised = relinearise(touched, 1.0);
@@ -111,16 +188,13 @@ class IncrementalSolver::State {
     return result;
   }
 
-  SolveResult solve(const SolverOptions& options) {
-    SolveResult result = optimize(graph_, options);
-    graph_.poses = result.poses;
-    restart();
-    return result;
+  void forget_pending() {
+    pending_.clear();
+    newest_from_ = 0;
+    waiting_ = 0;
+    waiting_cost_ = 0.0;
   }
 
-  [[nodiscard]] const PoseGraph& graph() const { return graph_; }
-
- private:
   void add_factor(std::size_t edge) {
     const RelativePoseEdge& e = graph_.edges[edge];
     const auto index = static_cast<int>(factors_.size());
@@ -197,16 +271,25 @@ class IncrementalSolver::State {
   std::pair<std::size_t, std::size_t> update_tree(const std::vector<int>& touched) {
     const auto newest = static_cast<int>(graph_.poses.size()) - 2;
     const CliqueTree::Result result =
-        tree_.update(touched, newest, factors_, factors_of_, options_.negligible_change);
+        tree_.update(touched, newest, factors_, factors_of_, options_.negligible_change,
+                     poses_at_once());
     if (!result.solved) {
       throw UsageError(
           "the graph's normal equations cannot be solved: is an information matrix far too large "
           "or small?");
     }
-    for (const int v : result.changed) {
+    move_poses(result.changed);
+    return {result.eliminated, result.changed.size()};
+  }
+
+  void move_poses(const std::vector<int>& changed) {
+    for (const int v : changed) {
       graph_.poses[at(v) + 1] = moved(linearised_at_[at(v) + 1], tree_.delta()[at(v)]);
     }
-    return {result.eliminated, result.changed.size()};
+  }
+
+  [[nodiscard]] std::size_t poses_at_once() const {
+    return static_cast<std::size_t>(options_.poses_at_once);
   }
 
   PoseGraph graph_;
@@ -217,7 +300,10 @@ class IncrementalSolver::State {
   std::vector<LinearFactor> factors_;
   std::vector<std::size_t> edge_of_factor_;
   std::vector<std::vector<int>> factors_of_;  ///< of each variable
-  std::vector<std::size_t> pending_;  ///< edges of appended poses that nothing else needs yet
+  std::vector<std::size_t> pending_;  ///< edges that the tree does not know of yet
+  std::size_t newest_from_ = 0;       ///< where those of the newest pose begin among them
+  int waiting_ = 0;                   ///< updates that wait
+  double waiting_cost_ = 0.0;         ///< of their edges
   std::int64_t updates_ = 0;
 };
 
