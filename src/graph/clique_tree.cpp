@@ -407,9 +407,9 @@ std::vector<int> CliqueTree::pass_on(double negligible, std::size_t most) {
     if (!clique.queued) continue;
     clique.queued = false;
     const std::uint32_t since = clique.since;
-    const bool any_moved =
-        std::any_of(clique.rows.begin(), clique.rows.end(),
-                    [&](int variable) { return changed_in_[at(variable)] >= since; });
+    const bool any_moved = std::any_of(clique.rows.begin(), clique.rows.end(), [&](int variable) {
+      return changed_in_[at(variable)] >= since;
+    });
     if (!any_moved) continue;
     solve_clique(c, negligible, changed);
     for (const int child : clique.children) queue(child, since);

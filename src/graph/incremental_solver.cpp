@@ -121,7 +121,9 @@ class IncrementalSolver::State {
   }
 
   /// Whether nothing but pending edges knows of the newest pose.
-  [[nodiscard]] bool newest_is_free() const { return tree_.delta().size() + 1 < graph_.poses.size(); }
+  [[nodiscard]] bool newest_is_free() const {
+    return tree_.delta().size() + 1 < graph_.poses.size();
+  }
 
   [[nodiscard]] RobustValue edge_cost(const RelativePoseEdge& edge) const {
     const double chi2 =
@@ -270,9 +272,8 @@ class IncrementalSolver::State {
 
   std::pair<std::size_t, std::size_t> update_tree(const std::vector<int>& touched) {
     const auto newest = static_cast<int>(graph_.poses.size()) - 2;
-    const CliqueTree::Result result =
-        tree_.update(touched, newest, factors_, factors_of_, options_.negligible_change,
-                     poses_at_once());
+    const CliqueTree::Result result = tree_.update(touched, newest, factors_, factors_of_,
+                                                   options_.negligible_change, poses_at_once());
     if (!result.solved) {
       throw UsageError(
           "the graph's normal equations cannot be solved: is an information matrix far too large "
@@ -300,10 +301,10 @@ class IncrementalSolver::State {
   std::vector<LinearFactor> factors_;
   std::vector<std::size_t> edge_of_factor_;
   std::vector<std::vector<int>> factors_of_;  ///< of each variable
-  std::vector<std::size_t> pending_;  ///< edges that the tree does not know of yet
-  std::size_t newest_from_ = 0;       ///< where those of the newest pose begin among them
-  int waiting_ = 0;                   ///< updates that wait
-  double waiting_cost_ = 0.0;         ///< of their edges
+  std::vector<std::size_t> pending_;          ///< edges that the tree does not know of yet
+  std::size_t newest_from_ = 0;               ///< where those of the newest pose begin among them
+  int waiting_ = 0;                           ///< updates that wait
+  double waiting_cost_ = 0.0;                 ///< of their edges
   std::int64_t updates_ = 0;
 };
 

@@ -72,9 +72,8 @@ std::vector<int> SmallGraph::minimum_degree_order() && {
   std::vector<int> left(at(size));
   for (int i = 0; i < size; ++i) left[at(i)] = i;
   for (int next = 0; next < size; ++next) {
-    const auto least = std::min_element(left.begin(), left.end(), [this](int a, int b) {
-      return degree_[at(a)] < degree_[at(b)];
-    });
+    const auto least = std::min_element(
+        left.begin(), left.end(), [this](int a, int b) { return degree_[at(a)] < degree_[at(b)]; });
     // When the rest is joined with itself throughout, any order will do.
     if (degree_[at(*least)] + 1 == static_cast<int>(left.size())) {
       for (const int node : left) place[at(node)] = next++;

@@ -19,6 +19,11 @@ struct IncrementalOptions {
   int relinearise_every = 10;
   /// A change smaller than this [m or rad] is not passed on to poses farther away.
   double negligible_change = 1e-3;
+  /// So many poses farther away an update gets to; the next updates go on from there.
+  int poses_at_once = 1000;
+  /// Closures that agree with what is known wait until their edges cost this much in all, or for so many updates.
+  double wait_chi2 = 3.0;
+  int wait_updates = 10;
   std::string robust_kernel = "none";
   double robust_width = 1.0;  ///< in standard deviations of a loop closure
 };
@@ -33,6 +38,12 @@ void visit_options(IncrementalOptions& options, Visitor&& visit) {
         "updates between two looks for moved poses");
   visit("negligible_change", options.negligible_change, Range{0.0, 1.0},
         "smaller changes are not passed on to poses farther away");
+  visit("poses_at_once", options.poses_at_once, Range{1, 1000000000},
+        "poses farther away to which one update passes its changes on");
+  visit("wait_chi2", options.wait_chi2, Range{0.0, 1e9},
+        "closures wait while all that wait cost less than this");
+  visit("wait_updates", options.wait_updates, Range{1, 1000},
+        "and for fewer updates than this; 1: none waits");
   visit("robust_kernel", options.robust_kernel,
         OneOf{{"none", "huber", "cauchy", "geman_mcclure", "tukey", "dcs"}},
         "how loop closures that disagree with the rest are softened");
@@ -42,6 +53,7 @@ void visit_options(IncrementalOptions& options, Visitor&& visit) {
 
 /// What an update did.
 struct IncrementalUpdate {
+  bool waits = false;  ///< the edges agree with what is known and are brought in by a later update
   std::size_t poses_eliminated = 0;  ///< again or for the first time
   std::size_t poses_relinearised = 0;
   std::size_t poses_changed = 0;
