@@ -34,18 +34,17 @@ PAGE, BLOCK = ROOT / "docs/pose_graphs.md", "pose-graph-outliers"
 GRAPHS = ["ring", "intel", "manhattan"]
 PERCENT = [10, 20, 30, 40, 50, 60, 70, 80, 150, 400]
 TRUTH = {"ring": "ring_poses.txt"}
-# A kernel needs a start that no closure has bent; gnc makes its own.
-KERNEL_START = ["--initial", "odometry"]
+# gnc makes its own start. Kernels have two, one that no closure has bent, and what is nearer the truth in the end counts.
+KERNEL_STARTS = ["odometry", "best"]
 SET_ASIDE_BELOW = 0.5
 
 
-def solve(loopstone, path, work, robust):
+def solve(loopstone, path, work, robust, initial):
     """Poses, every edge's final weight, and the program's result."""
     solved = work / f"{path.stem}-{robust}.g2o"
     weights = work / f"{path.stem}-{robust}.csv"
-    start = [] if robust == "gnc" else KERNEL_START
-    output, _ = run([loopstone.program, "optimize", path, "--robust", robust, "-o", solved, "--edges", weights, "--json",
-                     "--quiet", *start])
+    output, _ = run([loopstone.program, "optimize", path, "--robust", robust, "--initial", initial, "-o", solved, "--edges",
+                     weights, "--json", "--quiet"])
     poses, _ = starts.read_graph(solved)
     with open(weights, encoding="utf-8", newline="") as file:
         kept = [float(row["weight"]) >= SET_ASIDE_BELOW for row in csv.DictReader(file)]
@@ -74,15 +73,16 @@ def spoilt_run(loopstone, clean, work, percent, seed):
     count = round(clean.closures * percent / 100)
     path = work / f"{clean.name}-{percent}-{seed}.g2o"
     graphs.write_spoilt(path, clean.path, graphs.planted(clean.optimum, clean.edges, count, seed))
-    row = {"percent": percent, "seed": seed, "planted": count, "off_m": {}}
+    poses, kept, result = solve(loopstone, path, work, "gnc", "best")
+    genuine = len(clean.edges)
+    row = {"percent": percent, "seed": seed, "planted": count, "false_out": kept[genuine:].count(False),
+           "genuine_out": kept[:genuine].count(False), "cpu_s": result["cpu_time_s"],
+           "truth_m": graphs.distance_m(poses, clean.truth) if clean.truth else None,
+           "off_m": {"gnc": graphs.distance_m(poses, clean.optimum)}}
     for robust in tables.KERNELS:
-        poses, kept, result = solve(loopstone, path, work, robust)
-        row["off_m"][robust] = graphs.distance_m(poses, clean.optimum)
-        if robust == "gnc":
-            genuine = len(clean.edges)
-            row |= {"false_out": kept[genuine:].count(False), "genuine_out": kept[:genuine].count(False),
-                    "cpu_s": result["cpu_time_s"],
-                    "truth_m": graphs.distance_m(poses, clean.truth) if clean.truth else None}
+        if robust != "gnc":
+            row["off_m"][robust] = min(graphs.distance_m(solve(loopstone, path, work, robust, start)[0], clean.optimum)
+                                       for start in KERNEL_STARTS)
     path.unlink()
     return row
 

@@ -1,7 +1,9 @@
 """From measured figures of pose graphs to Markdown. Nothing is measured here, and no figure is typed here but the known optima and
 the targets."""
+import dataclasses
 import math
 
+import pose_graph_picture as picture
 import tables
 from doc_blocks import table
 from registration_tables import provenance
@@ -19,6 +21,8 @@ REACHED_OTHER_ERROR = 5e-4
 FASTER_THAN = {"g2o_gauss_newton": 2.5, "gtsam_gauss_newton": 10.0, "gtsam_levenberg_marquardt": 10.0,
                "ceres_levenberg_marquardt": 10.0}
 SE_SYNC_SHARE = 0.5
+# Smaller graphs tell about fixed costs.
+LARGE = 10000
 
 SYSTEMS = [("loopstone", "Loopstone"), ("loopstone_certified", "Loopstone, certified, from the edges alone"),
            ("g2o_gauss_newton", "g2o GN"), ("gtsam_gauss_newton", "GTSAM GN"),
@@ -98,31 +102,68 @@ def certificate_tables(section):
     return "\n".join([provenance(section, with_peers=False), "", table(header, body), "", tables.targets_table(targets)])
 
 
-def exponent(rows, key):
-    """Of a power law through the points, by least squares of logarithms."""
-    xs = [math.log(row["nodes"]) for row in rows]
-    ys = [math.log(key(row)) for row in rows]
+@dataclasses.dataclass
+class PowerLaw:
+    """factor * nodes^exponent, fitted from the first to the last number of nodes."""
+    factor: float
+    exponent: float
+    half_width: float  # of the exponent's 95 % confidence interval
+    first: int
+    last: int
+
+    def at(self, nodes):
+        return self.factor * nodes ** self.exponent
+
+
+# Student's t, two-sided 95 %, for 1 to 8 degrees of freedom.
+STUDENT_95 = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306]
+
+
+def power_law(points):
+    """Through (nodes, value), by least squares of logarithms."""
+    xs, ys = [math.log(nodes) for nodes, _ in points], [math.log(value) for _, value in points]
     mean_x, mean_y = sum(xs) / len(xs), sum(ys) / len(ys)
-    return (sum((x - mean_x) * (y - mean_y) for x, y in zip(xs, ys)) / sum((x - mean_x) ** 2 for x in xs))
+    spread = sum((x - mean_x) ** 2 for x in xs)
+    slope = sum((x - mean_x) * (y - mean_y) for x, y in zip(xs, ys)) / spread
+    left = sum((y - mean_y - slope * (x - mean_x)) ** 2 for x, y in zip(xs, ys))
+    freedom = len(points) - 2
+    half_width = STUDENT_95[min(freedom, 8) - 1] * math.sqrt(left / freedom / spread) if freedom > 0 else math.inf
+    return PowerLaw(math.exp(mean_y - slope * mean_x), slope, half_width, points[0][0], points[-1][0])
+
+
+def scaling_curves(section):
+    """Points and power law of a step's time [ms] and of the peak memory [MB], from LARGE poses on."""
+    rows = section["figures"]
+    curves = []
+    for value_of in (lambda row: 1e3 * row["seconds"] / max(1, row["steps"]), lambda row: row["peak_mb"]):
+        points = [(row["nodes"], value_of(row)) for row in rows]
+        curves.append((points, power_law([point for point in points if point[0] >= LARGE])))
+    return curves
+
+
+def scaling_picture(section):
+    (times, time_law), (memory, memory_law) = scaling_curves(section)
+    return picture.scaling_picture([("a Gauss-Newton step [ms]", times, time_law, "#0072b2"),
+                                    ("peak memory of the process [MB]", memory, memory_law, "#d55e00")])
 
 
 def scaling_tables(section):
-    rows = section["figures"]
-
-    def per_step(row):
-        return row["seconds"] / max(1, row["steps"])
-
-    body = [[f"{row['nodes']:,}", f"{row['edges']:,}", str(row["steps"]), f"{row['seconds']:.3f}",
-             f"{1e3 * per_step(row):.1f}", f"{row['peak_mb']:.0f}", row["status"]] for row in rows]
-    large = [row for row in rows if row["nodes"] >= 10000] or rows
+    (times, time_law), (memory, memory_law) = scaling_curves(section)
+    body = [[f"{row['nodes']:,}", f"{row['edges']:,}", str(row["steps"]), f"{row['seconds']:.3f}", f"{step_ms:.2f}",
+             f"{megabytes:.0f}", row["status"]]
+            for row, (_, step_ms), (_, megabytes) in zip(section["figures"], times, memory)]
     return "\n".join([
         provenance(section, with_peers=False), "",
         "A square field driven lane by lane, the lane beside seen at every third pose (`bench/pose_graph_starts.py`), from the"
-        " spanning tree.", "",
+        " spanning tree. The time of a step is the solution's CPU time, with the one analysis that all steps share, over the"
+        " number of steps.", "",
+        "![Time of a step and peak memory over the number of poses](images/pose_graph_scaling.svg)", "",
+        f"From {time_law.first:,} to {time_law.last:,} poses a step grows as poses^{time_law.exponent:.2f} (+- "
+        f"{time_law.half_width:.2f}), memory as poses^{memory_law.exponent:.2f} (+- {memory_law.half_width:.2f}; least squares of"
+        " logarithms, 95 % confidence). A planar grid's factor costs at least poses^1.5 operations and poses log(poses) numbers"
+        " (Hoffman, Martin and Rose 1973; George 1973).", "",
         table(["poses>", "edges>", "steps>", "solution [s]>", "a step [ms]>", "peak memory of the process [MB]>", "status"],
-              body), "",
-        f"From {large[0]['nodes']:,} poses on a step grows as poses^{exponent(large, per_step):.2f}, memory as"
-        f" poses^{exponent(large, lambda row: row['peak_mb']):.2f}."])
+              body)])
 
 
 def blocks_of(sections):

@@ -28,7 +28,8 @@ from program import Failed, Loopstone, machine, run, say  # noqa: E402
 
 SECTIONS = ["speed", "certificate", "scaling"]
 PAGE = "docs/benchmarks.md"
-GRID_SIZES = [1000, 3000, 10000, 30000, 100000, 200000]
+GRID_SIZES = [1000, 2000, 5000, 10000, 20000, 50000, 100000, 200000]
+SCALING_PICTURE = ROOT / "docs/images/pose_graph_scaling.svg"
 
 
 def peer_commands(peers):
@@ -129,9 +130,9 @@ def certificate(loopstone, data, repeats):
     return rows
 
 
-def scaling(loopstone, work, repeats):
+def scaling(loopstone, work, repeats, sizes):
     rows = []
-    for nodes in GRID_SIZES:
+    for nodes in sizes:
         path = work / f"grid-{nodes}.g2o"
         if not path.exists():
             starts.write_grid(path, nodes)
@@ -150,6 +151,7 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--only", nargs="*", choices=SECTIONS, default=SECTIONS)
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--sizes", nargs="+", type=int, default=GRID_SIZES, help="poses of the grids of `scaling`")
     parser.add_argument("--peers", action="store_true", help="install the peers into build/bench/peers first")
     arguments = parser.parse_args()
 
@@ -172,12 +174,14 @@ def main():
         elif name == "certificate":
             figures = certificate(loopstone, arguments.data, arguments.repeats)
         else:
-            figures = scaling(loopstone, work, arguments.repeats)
+            figures = scaling(loopstone, work, arguments.repeats, arguments.sizes)
         if figures:
             sections[name] = {**circumstances, "figures": figures}
             kept.write_text(json.dumps(sections, indent=1))
     for block, text in tables.blocks_of(sections):
         write_block(ROOT / PAGE, block, text)
+    if "scaling" in sections:
+        SCALING_PICTURE.write_text(tables.scaling_picture(sections["scaling"]), encoding="utf-8")
     print(tables.summary(sections))
     return 0
 

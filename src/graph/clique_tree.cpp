@@ -435,7 +435,7 @@ CliqueTree::Result CliqueTree::update(std::span<const int> touched, int newest,
   for (const int variable : part.variables) local_[at(variable)] = kNone;
   if (!result.solved) return result;
   solve_new_cliques(negligible, result.changed);
-  const std::vector<int> farther = pass_on(negligible, most);
+  const std::vector<int> farther = pass_on(negligible, most - std::min(most, result.eliminated));
   result.changed.insert(result.changed.end(), farther.begin(), farther.end());
   return result;
 }

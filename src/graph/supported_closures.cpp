@@ -49,9 +49,10 @@ std::vector<bool> supported_closures(const PoseGraph& graph, double consistent_c
     const LoopClosure& a = closures[by_start[i]];
     for (std::size_t k = i + 1; k < by_start.size(); ++k) {
       const LoopClosure& b = closures[by_start[k]];
-      // Odometry's share only grows with k, and the closures add to it.
       if (!loops.joined(a, b)) continue;
+      // The covariance is no less than either stretch of odometry, and the first of them grows with k.
       if (loops.stretch(a.from, b.from).determinant() > most_determinant) break;
+      if (loops.stretch(a.to, b.to).determinant() > most_determinant) continue;
       const ClosureLoops::Opening opening = loops.opening(a, b);
       if (opening.determinant > most_determinant) continue;
       const bool agree = opening.chi2 <= consistent_chi2;

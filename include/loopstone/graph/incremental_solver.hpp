@@ -14,9 +14,9 @@ namespace loopstone {
 struct IncrementalOptions {
   /// A pose that has moved farther than this from where its edges were linearised has them linearised anew.
   double relinearise_m = 0.1;
-  double relinearise_rad = 0.05;
+  double relinearise_rad = 0.02;
   /// Updates between two looks for such poses.
-  int relinearise_every = 10;
+  int relinearise_every = 2;
   /// A change smaller than this [m or rad] is not passed on to poses farther away.
   double negligible_change = 1e-3;
   /// So many poses farther away an update gets to; the next updates go on from there.

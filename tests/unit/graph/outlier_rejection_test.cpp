@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "graph/supported_closures.hpp"
 #include "loopstone/base/rng.hpp"
 #include "support/manhattan_graph.hpp"
 
@@ -121,6 +123,28 @@ TEST(ConsistentClosures, AreTheTrueOnes) {
                                    [clean](std::size_t edge) { return edge >= clean; });
   EXPECT_LE(wrong, 1);
   EXPECT_GT(found.edges.size(), closures * 8 / 10);
+}
+
+TEST(SupportedClosures, AreNextToAllTrueOnesAndNextToNoFalseOne) {
+  PoseGraph graph = manhattan_graph({.nodes = 400, .blocks = 3}, Rng(57)).graph;
+  const std::size_t clean = graph.edges.size();
+  const std::size_t planted = spoil(graph, 0.7, Rng(58));
+  const std::vector<bool> supported = supported_closures(graph, 25.902);
+  const auto true_ones =
+      std::count(supported.begin(), supported.begin() + static_cast<std::ptrdiff_t>(clean), true);
+  const auto false_ones =
+      std::count(supported.begin() + static_cast<std::ptrdiff_t>(clean), supported.end(), true);
+  EXPECT_GT(static_cast<double>(true_ones), 0.8 * static_cast<double>(clean - 399));
+  EXPECT_LT(static_cast<double>(false_ones), 0.05 * static_cast<double>(planted));
+  // Told from the other end, an edge says the same.
+  for (RelativePoseEdge& edge : graph.edges) {
+    if (edge.kind != EdgeKind::kLoopClosure) continue;
+    const Eigen::Matrix3d a = adjoint(edge.from_T_to.inverse());
+    edge.information = (a.transpose() * edge.information * a).eval();
+    edge.from_T_to = edge.from_T_to.inverse();
+    std::swap(edge.from, edge.to);
+  }
+  EXPECT_EQ(supported_closures(graph, 25.902), supported);
 }
 
 }  // namespace
