@@ -15,7 +15,7 @@ struct IncrementalOptions {
   /// A pose that has moved farther than this from where its edges were linearised has them linearised anew.
   double relinearise_m = 0.1;
   double relinearise_rad = 0.02;
-  /// Updates between two looks for such poses.
+  /// Eliminations between two looks for such poses.
   int relinearise_every = 2;
   /// A change smaller than this [m or rad] is not passed on to poses farther away.
   double negligible_change = 1e-3;
@@ -35,7 +35,7 @@ void visit_options(IncrementalOptions& options, Visitor&& visit) {
   visit("relinearise_rad", options.relinearise_rad, Range{0.0, 3.2},
         "edges of poses that turned more are linearised anew");
   visit("relinearise_every", options.relinearise_every, Range{1, 1000},
-        "updates between two looks for moved poses");
+        "eliminations between two looks for moved poses");
   visit("negligible_change", options.negligible_change, Range{0.0, 1.0},
         "smaller changes are not passed on to poses farther away");
   visit("poses_at_once", options.poses_at_once, Range{1, 1000000000},
@@ -63,8 +63,11 @@ struct IncrementalUpdate {
 /// between their poses and the root of the elimination tree, and only that is ordered and eliminated again.
 ///
 /// What is approximate between two calls of solve(): edges stay linearised where their poses were until these have moved by
-/// the options' bounds, kernels keep the weights of that moment, and small changes are not passed on. A pose that was
-/// appended waits for the next loop closure: until then its one edge fits exactly and moves nothing, so nothing is lost.
+/// the options' bounds, kernels keep the weights of that moment, small changes are not passed on, and large ones arrive at far
+/// poses some updates later. A pose that was appended waits for the next loop closure: until then its one edge fits exactly and
+/// moves nothing, so nothing is lost. A closure that agrees with what is known waits for others, since one elimination for all
+/// of them costs little more than one for each; what its edges cost at the present poses is the most that is lost by that. The
+/// newest pose does not wait: it lies where its edges want it, the others held.
 ///
 /// The first pose is held fixed. Not thread-safe. Deterministic.
 /// Source: Kaess et al. 2012, "iSAM2: Incremental smoothing and mapping using the Bayes tree", with a multifrontal Cholesky
@@ -84,10 +87,10 @@ class IncrementalSolver {
   NodeId append(NodeId from, const Pose2& from_T_new, const Eigen::Matrix3d& information,
                 EdgeKind kind = EdgeKind::kOdometry);
 
-  /// Adds an edge between existing poses and brings all poses up to date. Throws as append does.
-  /// Cost: the factorisation of the part of the elimination tree above the edge's poses.
+  /// Adds an edge between existing poses and brings all poses up to date, unless it can wait. Throws as append does.
+  /// Cost: the factorisation of the part of the elimination tree above the edge's poses; next to nothing when it waits.
   IncrementalUpdate add(const RelativePoseEdge& edge);
-  /// The same for several edges at once.
+  /// The same for several edges at once, those of a key scan. None at all: brings in what waits.
   IncrementalUpdate add(const std::vector<RelativePoseEdge>& edges);
 
   /// Solves to convergence from the present poses, as optimize() does, and goes on from there.
