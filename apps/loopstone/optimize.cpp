@@ -42,7 +42,7 @@ constexpr const char* kFooter = R"(
 IN is a g2o file (VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY, EDGE_SE2_PRIOR, FIX) or a TORO file (VERTEX2, EDGE2), with or without
 vertices. The cost is the sum of e^T Omega e over all edges, without 1/2, e = vector(measured^-1 (from^-1 to)) as in g2o.
 
-Starts:   best           the cheapest of chordal, spanning_tree, odometry and the file's own poses; what it was is told
+Starts:   best           the cheapest of chordal, spanning_tree, odometry and the file's own poses; with gnc odometry
           chordal        all headings at once by a linear relaxation, then all positions: needs no guess and is hard to mislead
           spanning_tree  along the fewest edges; odometry: along the edges i, i + 1; file: as the file has them
 

@@ -23,8 +23,15 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-GraphStart choose_start(const GraphFile& file, const std::string& initial) {
-  if (initial == "best") return best_start(file.graph, file.has_poses);
+GraphStart choose_start(const GraphFile& file, const OptimizeRequest& request) {
+  const std::string& initial = request.initial;
+  if (initial == "best") {
+    // Graduated non-convexity begins there whatever the start: false closures mislead every other one.
+    if (request.gnc && request.settings.gnc.start_from_odometry) {
+      return make_start(file.graph, Initialisation::kOdometryChain);
+    }
+    return best_start(file.graph, file.has_poses);
+  }
   if (initial == "odometry") return make_start(file.graph, Initialisation::kOdometryChain);
   if (initial == "spanning_tree") return make_start(file.graph, Initialisation::kSpanningTree);
   if (initial == "chordal") return make_start(file.graph, Initialisation::kChordal);
@@ -59,7 +66,7 @@ GraphRun optimize_file(GraphFile file, const OptimizeRequest& request) {
 
   Clock::time_point begin = Clock::now();
   std::clock_t cpu_begin = std::clock();
-  GraphStart start = choose_start(run.file, request.initial);
+  GraphStart start = choose_start(run.file, request);
   run.start_s = seconds_since(begin);
   run.cpu_s = cpu_seconds_since(cpu_begin);
   run.start = start.initialisation;

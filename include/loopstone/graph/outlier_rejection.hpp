@@ -48,12 +48,16 @@ struct GncResult {
 /// Poses from measurements of which many loop closures may be wrong: truncated least squares, approached from a convex
 /// cost by graduated non-convexity.
 ///
+/// Many false closures make the factor dense, so where there are more than 200 closures the rounds are run with those alone
+/// that another one backs: the loop of both and the odometry between them closes, more narrowly than accident would have it.
+///
 /// The rounds judge a closure by its own residual, which is small where a long, soft chain of odometry gives way to a false
 /// one. So at the end each closure is judged once more by what the others say (Baarda 1968, data snooping): those whose removal
 /// lowers the cost by more than inlier_chi2 go, those that agree with the prediction from the rest come back. The bound is
-/// tightened where the accepted closures agree far better than their information promises. Other starts (consistent
-/// closures, odometry alone) compete by truncated cost where there are few closures, or where the result's cost is more than
+/// tightened where the accepted closures agree far better than their information promises. Other starts (odometry alone,
+/// consistent closures) compete by truncated cost where there are few closures, or where the result's cost is more than
 /// twice its degrees of freedom.
+///
 /// Source: Yang, Antonante, Tzoumas and Carlone 2020, "Graduated non-convexity for robust spatial perception".
 [[nodiscard]] GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options = {},
                                      const SolverOptions& solver = {});
