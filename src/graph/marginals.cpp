@@ -8,6 +8,7 @@
 #include "graph/block_cholesky.hpp"
 #include "graph/gauge.hpp"
 #include "graph/normal_equations.hpp"
+#include "graph/selected_inverse.hpp"
 #include "loopstone/base/error.hpp"
 
 namespace loopstone {
@@ -43,11 +44,15 @@ class InverseColumns {
     return result;
   }
 
- private:
+  /// The blocks on the diagonal, among others, all at once.
+  [[nodiscard]] SelectedInverse selected() { return SelectedInverse(cholesky_); }
+
+  /// Row of a pose's block; negative where the pose is fixed.
   [[nodiscard]] int place_of(NodeId node) const {
     return equations_.place_of(static_cast<std::size_t>(node.index));
   }
 
+ private:
   NormalEquations equations_;
   BlockCholesky cholesky_;
   bool factorised_ = false;
@@ -71,8 +76,11 @@ PoseMarginals marginal_covariances(const PoseGraph& graph, std::span<const NodeI
   PoseMarginals result;
   result.available = inverse.available();
   if (!result.available) return result;
+  const SelectedInverse selected = inverse.selected();
   for (const NodeId node : nodes) {
-    result.covariances.push_back(symmetric(inverse.blocks(node, {&node, 1}).front()));
+    const int place = inverse.place_of(node);
+    result.covariances.push_back(place < 0 ? Eigen::Matrix3d(Eigen::Matrix3d::Zero())
+                                           : symmetric(selected.block(place, place)));
   }
   return result;
 }

@@ -18,7 +18,7 @@ struct PoseMarginals {
 };
 
 /// Covariances of the chosen poses: diagonal blocks of (J^T information J)^-1 with the gauge of PoseGraph.
-/// Cost: one factorisation, and three pairs of triangular solutions per pose. Throws UsageError as check_graph does, and for a
+/// Cost: about three factorisations, however many poses are asked for. Throws UsageError as check_graph does, and for a
 /// pose that does not exist.
 [[nodiscard]] PoseMarginals marginal_covariances(const PoseGraph& graph,
                                                  std::span<const NodeId> nodes);
