@@ -4,6 +4,7 @@ import dataclasses
 import math
 
 import pose_graph_picture as picture
+import pose_graph_online
 import tables
 from doc_blocks import table
 from registration_tables import provenance
@@ -167,7 +168,8 @@ def scaling_tables(section):
 
 
 def blocks_of(sections):
-    makers = {"speed": speed_tables, "certificate": certificate_tables, "scaling": scaling_tables}
+    makers = {"speed": speed_tables, "certificate": certificate_tables, "scaling": scaling_tables,
+              "online": pose_graph_online.online_tables}
     return [(f"pose-graph-{name}", makers[name](section)) for name, section in sections.items() if name in makers]
 
 

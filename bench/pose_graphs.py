@@ -20,13 +20,14 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
+import pose_graph_online as online  # noqa: E402
 import pose_graph_starts as starts  # noqa: E402
 import pose_graph_tables as tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
 from program import Failed, Loopstone, machine, run, say  # noqa: E402
 
-SECTIONS = ["speed", "certificate", "scaling"]
+SECTIONS = ["speed", "certificate", "scaling", "online"]
 PAGE = "docs/benchmarks.md"
 GRID_SIZES = [1000, 2000, 5000, 10000, 20000, 50000, 100000, 200000]
 SCALING_PICTURE = ROOT / "docs/images/pose_graph_scaling.svg"
@@ -173,6 +174,8 @@ def main():
             figures = speed(loopstone, arguments.data, work, peers, arguments.repeats)
         elif name == "certificate":
             figures = certificate(loopstone, arguments.data, arguments.repeats)
+        elif name == "online":
+            figures = online.measure(arguments.programs, arguments.data, arguments.repeats)
         else:
             figures = scaling(loopstone, work, arguments.repeats, arguments.sizes)
         if figures:
