@@ -165,7 +165,7 @@ void CliqueTree::order_small(const Part& part, int last, std::span<const LinearF
     }
     graph.join_all(joined);
   }
-  order_ = std::move(graph).minimum_degree_order();
+  order_ = std::move(graph).minimum_fill_order();
 }
 
 void CliqueTree::order_large(const Part& part, int last, std::span<const LinearFactor> factors,
