@@ -5,7 +5,7 @@ import tables
 from doc_blocks import table
 from sections import verdicts
 
-KERNELS = {"gnc": "gnc", "none": "no kernel", "huber": "Huber", "cauchy": "Cauchy", "dcs": "DCS"}
+KERNELS = {"none": "no kernel", "huber": "Huber", "cauchy": "Cauchy", "dcs": "DCS"}
 # Of the clean optimum's error where the truth is known, else of what odometry alone is off.
 WITHIN = 0.01
 # Up to here every seed has to come back.
@@ -15,7 +15,7 @@ HOLDS_UP_TO_PERCENT = 60
 def came_back(figures, run):
     if figures["truth_m"] is not None:
         return run["truth_m"] <= figures["truth_m"] * (1 + WITHIN)
-    return run["off_m"]["gnc"] <= figures["odometry_m"] * WITHIN
+    return run["off_m"] <= figures["odometry_m"] * WITHIN
 
 
 def by_percent(figures):
@@ -55,32 +55,64 @@ def criterion(figures):
             f"{length_text(WITHIN * figures['odometry_m'])} of {length_text(figures['odometry_m'])}")
 
 
-def graph_table(section):
-    figures = section["figures"]
+def kernel_cells(kernel_runs, percent):
+    runs = [run for run in kernel_runs if run["percent"] == percent]
+    if not runs:
+        return [""] * len(KERNELS)
+    return [length_text(statistics.median(run["off_m"][kernel] for run in runs)) for kernel in KERNELS]
+
+
+def graph_table(figures, kernel_runs):
     rows = []
     for percent, runs in sorted(by_percent(figures).items()):
         planted = runs[0]["planted"]
-        off = {kernel: [run["off_m"][kernel] for run in runs] for kernel in KERNELS}
+        off = [run["off_m"] for run in runs]
         rows.append([f"{percent} %", str(planted), f"{100 * planted / (planted + figures['closures']):.0f} %",
                      f"{sum(came_back(figures, run) for run in runs)} of {len(runs)}", f"{100 * precision(runs):.2f} %",
                      f"{100 * recall(runs):.2f} %", time_text(statistics.median(run["cpu_s"] for run in runs)),
-                     length_text(statistics.median(off["gnc"])), length_text(max(off["gnc"])),
-                     *[length_text(statistics.median(off[kernel])) for kernel in KERNELS if kernel != "gnc"]])
+                     length_text(statistics.median(off)), length_text(max(off)), *kernel_cells(kernel_runs, percent)])
     header = ["added>", "number>", "of all closures>", "came back>", "precision>", "recall>", "CPU time>", "gnc off by>",
-              "at most>", *[f"{name}>" for kernel, name in KERNELS.items() if kernel != "gnc"]]
+              "at most>", *[f"{name}>" for name in KERNELS.values()]]
+    seeds = f"seeds 0 to {figures['seeds'] - 1}"
+    if kernel_runs:
+        last = max(run["seed"] for run in kernel_runs)
+        seeds += f", the other kernels {f'0 to {last}' if last else '0'}"
     return "\n".join([
         f"**{figures['name']}**: {figures['poses']:,} poses, {figures['closures']:,} closures, {figures['extent_m']:.0f} m;"
-        f" seeds 0 to {figures['seeds'] - 1}. Came back: {criterion(figures)}.", "", table(header, rows)])
+        f" {seeds}. Came back: {criterion(figures)}.", "", table(header, rows),
+        *lost_seeds(figures)])
 
 
-def text_of(sections):
-    parts = [] if not sections else [tables.provenance(sections[0])]
-    for section in sections:
-        parts += ["", graph_table(section)]
-    figures = [section["figures"] for section in sections]
-    if figures:
-        parts += ["", tables.targets_table(targets_of(figures))]
-    return "\n".join(parts)
+def lost_seeds(figures):
+    """What the solutions that did not come back have to say for themselves: a false closure that fits costs little."""
+    lost = [run for run in figures["runs"] if not came_back(figures, run)]
+    if not lost:
+        return []
+    words = []
+    for seed in sorted({run["seed"] for run in lost}):
+        runs = [run for run in lost if run["seed"] == seed]
+        kept = sorted({run["planted"] - run["false_out"] for run in runs})
+        dearer = [run["cost"] - figures["cost"] for run in runs]
+        words.append(f"seed {seed} at {', '.join(str(run['percent']) for run in runs)} %: {' or '.join(map(str, kept))} kept, cost "
+                     + " to ".join(dict.fromkeys(f"{value:+.1f}" for value in (min(dearer), max(dearer)))))
+    return ["", f"Did not come back (false closures kept, and the cost beside the clean optimum's {figures['cost']:.1f}): "
+            + "; ".join(words) + "."]
+
+
+def figures_of(sections, name, part):
+    section = sections.get(f"{name}-{part}")
+    return section["figures"] if section else None
+
+
+def text_of(names, sections):
+    measured = [name for name in names if f"{name}-gnc" in sections]
+    if not measured:
+        return ""
+    parts = [tables.provenance(sections[f"{measured[0]}-gnc"])]
+    for name in measured:
+        kernels = figures_of(sections, name, "kernels")
+        parts += ["", graph_table(figures_of(sections, name, "gnc"), kernels["runs"] if kernels else [])]
+    return "\n".join([*parts, "", tables.targets_table(targets_of(names, sections))])
 
 
 def progress(figures):
@@ -91,9 +123,9 @@ def progress(figures):
                + (f", FAILED seeds {' '.join(map(str, failed))}" if failed else ""))
 
 
-def targets_of(all_figures):
+def targets_of(names, sections):
     found = []
-    for figures in all_figures:
+    for figures in filter(None, (figures_of(sections, name, "gnc") for name in names)):
         runs = [run for run in figures["runs"] if run["percent"] <= HOLDS_UP_TO_PERCENT]
         if not runs:
             continue
@@ -103,5 +135,5 @@ def targets_of(all_figures):
     return found
 
 
-def summary(all_figures):
-    return verdicts(targets_of(all_figures))
+def summary(names, sections):
+    return verdicts(targets_of(names, sections))
