@@ -66,7 +66,7 @@ loopstone_add_tests(NAME test_support FOLDER unit/support LABEL unit TIMEOUT 180
 loopstone_add_tests(NAME test_property FOLDER property LABEL property TIMEOUT 300)
 loopstone_add_tests(NAME test_scenario FOLDER scenario LABEL scenario TIMEOUT 900 COST 1000)
 if(TARGET loopstone_program)
-  loopstone_add_tests(NAME test_cli FOLDER cli LABEL cli TIMEOUT 300 COST 500
+  loopstone_add_tests(NAME test_cli FOLDER cli LABEL cli TIMEOUT 900 COST 500
                       DEFINITIONS LOOPSTONE_PROGRAM="$<TARGET_FILE:loopstone_program>")
   if(TARGET test_cli)
     add_dependencies(test_cli loopstone_program)
