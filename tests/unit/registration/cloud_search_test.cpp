@@ -56,8 +56,8 @@ TEST(CloudSearch, FindsAPartSeenFromOneSideHoweverItIsTurned) {
   Rng rng(3);
   for (int trial = 0; trial < 8; ++trial) {
     // From above and from the sides; from below too much is hidden by the battery.
-    const Eigen::Vector3d viewer =
-        Eigen::Vector3d(rng.normal(), (trial % 2 == 0 ? 1.0 : -1.0), rng.uniform(-0.3, 1.0));
+    const double height = rng.uniform(-0.3, 1.0);
+    const Eigen::Vector3d viewer(rng.normal(), trial % 2 == 0 ? 1.0 : -1.0, height);
     const Pose3 object_T_camera = random_motion(rng, Pose3{});
     const auto source = moved(object_T_camera.inverse(), tool_seen_from(viewer, 700, rng));
     const auto result = search_alignment<3>(source, tool_model());
