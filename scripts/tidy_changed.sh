@@ -5,11 +5,11 @@
 #                                            of it, else the first parent of HEAD; nothing known: src/ and apps/
 #     scripts/tidy_changed.sh --everything   all sources, tests too
 #
-# It stops after LOOPSTONE_TIDY_SECONDS (420), so that CI stays within its time: src/ comes first, then apps/.
+# It stops after LOOPSTONE_TIDY_SECONDS (300), so that CI stays within its time: src/ comes first, then apps/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-seconds=${LOOPSTONE_TIDY_SECONDS:-420}
+seconds=${LOOPSTONE_TIDY_SECONDS:-300}
 base=${1:-${LOOPSTONE_TIDY_BASE:-}}
 
 # Every source of the compilation database, the program first and the tests last.
