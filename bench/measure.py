@@ -4,9 +4,11 @@ import shutil
 
 from program import Failed, median, run, say
 
+UNADJUSTED = ["--set", "adjustment.enabled=false"]
 PIPELINES = [
     ("scan to scan (baseline)", ["--pipeline", "scan_to_scan"]),
     ("Loopstone without loop closing", ["--no-loop-closure"]),
+    ("Loopstone without the adjustment to surfaces", UNADJUSTED),
     ("Loopstone", []),
 ]
 
@@ -64,6 +66,8 @@ def simulated_run(loopstone, world, seed, flags, baseline):
             "max_m": errors["ate_translation_m"]["max"], "f1": errors["map"]["f1"],
             "path_m": summary["path_length_m"],
             "odometry_m": ate_of(loopstone, folder / "odometry.tum", sim)["ate_rmse_m"]}
+    folder, _, _ = map_row(loopstone, sim, "unadjusted", UNADJUSTED)
+    row["unadjusted_m"] = ate_of(loopstone, folder / "trajectory.tum", sim)["ate_rmse_m"]
     if baseline:
         folder, _, cost = map_row(loopstone, sim, "baseline", ["--pipeline", "scan_to_scan"])
         row |= {"baseline_m": ate_of(loopstone, folder / "trajectory.tum", sim)["ate_rmse_m"],
@@ -72,7 +76,7 @@ def simulated_run(loopstone, world, seed, flags, baseline):
 
 
 # What summary.json says about the time of the steps.
-STAGES = ("front_end_wall_s", "loop_closing_wall_s", "optimisation_wall_s", "rendering_wall_s")
+STAGES = ("front_end_wall_s", "loop_closing_wall_s", "optimisation_wall_s", "adjustment_wall_s", "rendering_wall_s")
 SICK = ["--beams", "180", "--fov", "179"]
 CASES = [  # name, world, flags of simulate, seeds, seeds with --quick, seeds of the baseline
     ("office", "office", [], 10, 2, 3),
@@ -96,7 +100,8 @@ def simulated(loopstone, quick):
                 say(f"  {name} {seed}: FAILED\n{failure}")
                 run = {"seed": seed, "failed": True}
             else:
-                say(f"  {name} {seed}: odometry {run['odometry_m']:.3f} m, Loopstone {run['ate_m']:.4f} m, "
+                say(f"  {name} {seed}: odometry {run['odometry_m']:.3f} m, Loopstone {run['ate_m']:.4f} m "
+                    f"(unadjusted {run['unadjusted_m']:.4f} m), "
                     f"{run['cpu_s']:.1f} s CPU")
             case["runs"].append(run)
         cases.append(case)

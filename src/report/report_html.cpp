@@ -62,7 +62,9 @@ std::string key_figures(const MapResult& result, const RunInfo& info) {
        {"edges", with_thousands(static_cast<std::int64_t>(result.graph.edges.size()))},
        {"loop closures accepted", with_thousands(s.loop_closures_accepted)},
        {"loop closures rejected", with_thousands(s.loop_closures_rejected)},
-       {"cost Σ eᵀΩe", readable(s.graph_cost)}});
+       {"cost Σ eᵀΩe", readable(s.graph_cost)},
+       {"points about walls, before", readable(1e3 * s.surface_spread_before_m) + " mm"},
+       {"points about walls, adjusted", readable(1e3 * s.surface_spread_m) + " mm"}});
   html += html_key_table(
       "Computation",
       {{"wall time", readable_time(info.wall_time_s)},
@@ -70,6 +72,7 @@ std::string key_figures(const MapResult& result, const RunInfo& info) {
        {"front end, wall", readable_time(s.front_end_s)},
        {"loop closing, wall", readable_time(s.loop_closing_s)},
        {"optimisation, wall", readable_time(s.optimisation_s)},
+       {"adjustment to surfaces, wall", readable_time(s.adjustment_s)},
        {"drawing the map, wall", readable_time(s.rendering_s)},
        {"speed",
         readable(ratio_or_zero(static_cast<double>(s.scans), info.wall_time_s)) + " scans/s"},

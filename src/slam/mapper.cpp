@@ -4,7 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/back_end.hpp"
+#include "loopstone/slam/surface_adjustment.hpp"
 #include "slam/stopwatch.hpp"
 #include "slam/task_queue.hpp"
 
@@ -139,6 +141,26 @@ void Mapper::add_scan(LaserScan scan) {
   records_.push_back(std::move(record));
 }
 
+std::vector<std::vector<SurfacePoint>> Mapper::key_surfaces() const {
+  std::vector<std::vector<SurfacePoint>> surfaces;
+  BeamTable beams;
+  const SurfaceOptions options{.range_max_m = options_.front_end.range_max_m,
+                               .points_max = options_.adjustment.points_max};
+  for (std::size_t i = 0; i < records_.size() && surfaces.size() < key_stamps_.size(); ++i) {
+    const ScanRecord& record = records_[i];
+    if (record.scan.stamp != key_stamps_[surfaces.size()] || record.last_key != surfaces.size())
+      continue;
+    const double sweep_s =
+        record.scan.time_increment_s * static_cast<double>(record.scan.ranges_m.size());
+    Tangent2 velocity = Tangent2::Zero();
+    if (sweep_s != 0.0) {
+      velocity = log(record.local_T_robot.inverse() * record.local_T_robot_end) / sweep_s;
+    }
+    surfaces.push_back(surface_points(record.scan, record.robot_T_lidar, velocity, options, beams));
+  }
+  return surfaces;
+}
+
 MapResult Mapper::finish() {
   scan_queue_.finish();
   while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
@@ -150,6 +172,14 @@ MapResult Mapper::finish() {
   result.graph = back_end.graph();
   result.loop_closures = back_end.closures();
   result.statistics = statistics_;
+  if (options_.adjustment.enabled) {
+    const Stopwatch watch;
+    auto adjusted = adjust_to_surfaces(result.graph, key_surfaces(), options_.adjustment, threads_);
+    result.graph.poses = std::move(adjusted.poses);
+    result.statistics.surface_spread_before_m = adjusted.spread_before_m;
+    result.statistics.surface_spread_m = adjusted.spread_after_m;
+    result.statistics.adjustment_s = watch.seconds();
+  }
 
   // Scans between two key scans share the correction of both, blended by time.
   std::vector<Pose2> map_T_local;

@@ -7,6 +7,7 @@
 #include "loopstone/registration/grid_matcher.hpp"
 #include "loopstone/slam/front_end.hpp"
 #include "loopstone/slam/loop_closer.hpp"
+#include "loopstone/slam/surface_adjustment.hpp"
 
 namespace loopstone {
 
@@ -17,6 +18,7 @@ struct MapOptions {
   GridMatchOptions match{};
   SubmapOptions submap{};
   LoopOptions loop{};
+  SurfaceAdjustmentOptions adjustment{};
   OccupancyOptions map{};
   TextureOptions texture{};  ///< of the floor, when the log has RGB-D; not used by Mapper itself
 };
@@ -28,6 +30,7 @@ void visit_options(MapOptions& options, Visitor&& visit) {
   visit.group("match", options.match);
   visit.group("submap", options.submap);
   visit.group("loop", options.loop);
+  visit.group("adjustment", options.adjustment);
   visit.group("map", options.map);
   visit.group("texture", options.texture);
 }

@@ -42,8 +42,11 @@ struct MapStatistics {
   double front_end_s = 0.0;  ///< wall time of the steps, which overlap
   double loop_closing_s = 0.0;
   double optimisation_s = 0.0;
+  double adjustment_s = 0.0;
   double rendering_s = 0.0;
-  double graph_cost = 0.0;  ///< sum e^T Omega e
+  double graph_cost = 0.0;               ///< sum e^T Omega e
+  double surface_spread_before_m = 0.0;  ///< of points about their walls, see SurfaceAdjustment
+  double surface_spread_m = 0.0;         ///< after the adjustment; 0 when there was none
 };
 
 /// What the mapper made of a log.

@@ -50,6 +50,8 @@ class Mapper {
   class BackEndWorker;
 
   void add_scan(LaserScan scan);
+  /// Of each key scan, its own frame.
+  [[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces() const;
 
   RobotModel robot_;
   MapOptions options_;

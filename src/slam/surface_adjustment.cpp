@@ -1,0 +1,184 @@
+#include "loopstone/slam/surface_adjustment.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "graph/block_cholesky.hpp"
+#include "graph/descent.hpp"
+#include "graph/gauge.hpp"
+#include "graph/normal_equations.hpp"
+#include "loopstone/base/error.hpp"
+#include "loopstone/base/robust_kernel.hpp"
+#include "slam/surface_patches.hpp"
+#include "slam/surface_segments.hpp"
+#include "slam/surface_system.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// A step is found to this accuracy; the next round goes on from there.
+constexpr double kStepAccuracy = 0.1;
+constexpr int kProductsMax = 40;
+/// Neighbouring points of a scan err alike, so many of them do not average all noise away.
+constexpr double kSharedNoise = 2.0;
+/// Points are stored to better than this.
+constexpr double kLeastSigmaM = 1e-4;
+/// Share of a key scan's own surfaces that the graph's factor takes in: enough to know which directions they hold, without
+/// holding together what moves together.
+constexpr double kOwnSurfaces = 0.1;
+/// As the back end has it.
+const RobustPolicy kClosures{.kernel = RobustKernel::kHuber, .width = 1.5};
+
+using Blocks = std::vector<Eigen::Vector3d>;
+
+double dot(const Blocks& a, const Blocks& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+  return sum;
+}
+
+/// y = A x
+void multiply(const BlockMatrix& a, const Blocks& x, Blocks& y) {
+  for (std::size_t i = 0; i < x.size(); ++i) y[i] = a.diagonal[i] * x[i];
+  for (std::size_t column = 0; column < x.size(); ++column) {
+    for (int k = a.column_start[column]; k < a.column_start[column + 1]; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const auto row = static_cast<std::size_t>(a.rows[at]);
+      y[row] += a.below[at] * x[column];
+      y[column] += a.below[at].transpose() * x[row];
+    }
+  }
+}
+
+class Adjustment {
+ public:
+  Adjustment(const PoseGraph& graph, std::span<const std::vector<SurfacePoint>> surfaces,
+             const SurfaceAdjustmentOptions& options, Threads threads)
+      : surfaces_(surfaces),
+        options_(options),
+        threads_(threads),
+        equations_(graph, gauge_of(graph, connected_components(graph)).fixed, kClosures),
+        cholesky_(equations_.hessian()),
+        state_{graph.poses, graph.landmarks},
+        trial_(state_) {
+    for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+      places_.push_back(equations_.place_of(i));
+    }
+    const std::size_t size = equations_.gradient().size();
+    for (Blocks* blocks : {&step_, &residual_, &direction_, &product_, &conditioned_}) {
+      blocks->resize(size);
+    }
+  }
+
+  SurfaceAdjustment run() {
+    for (int round = 0; round < options_.rounds && !step_.empty(); ++round) {
+      if (!improve()) break;
+    }
+    result_.poses = std::move(state_.poses);
+    return std::move(result_);
+  }
+
+ private:
+  /// One Gauss-Newton step with patches found at the present poses. False when nothing is left to gain.
+  bool improve() {
+    const auto keys = placed(state_.poses);
+    const SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m);
+    if (patches.patches.empty()) return false;
+    SurfaceSystem system(patches, places_, step_.size(), threads_);
+    const double spread_m = system.spread_m(keys);
+    if (result_.rounds == 0) result_.spread_before_m = result_.spread_after_m = spread_m;
+    equations_.linearise(state_);
+    system.linearise(keys, kSharedNoise * std::max(spread_m, kLeastSigmaM));
+    if (!segments_ && !factorise(system)) return false;
+    find_step(system);
+    apply_step(state_, equations_, step_, trial_);
+    const double spread_after_m = system.spread_m(placed(trial_.poses));
+    if (!(spread_after_m <= spread_m)) return false;
+    std::swap(state_, trial_);
+    result_.spread_after_m = spread_after_m;
+    ++result_.rounds;
+    return true;
+  }
+
+  /// The preconditioner: poses hardly change, so that of the first round serves all.
+  bool factorise(const SurfaceSystem& system) {
+    BlockMatrix matrix = equations_.hessian();
+    for (std::size_t i = 0; i < matrix.diagonal.size(); ++i) {
+      matrix.diagonal[i] += kOwnSurfaces * system.diagonal()[i];
+    }
+    segments_.emplace(state_.poses, places_);
+    return cholesky_.factorise(matrix, 0.0) && segments_->factorise(system, equations_.hessian());
+  }
+
+  /// Preconditioned conjugate gradients: Saad 2003, "Iterative methods for sparse linear systems", algorithm 9.1.
+  void find_step(SurfaceSystem& system) {
+    for (std::size_t i = 0; i < step_.size(); ++i) {
+      residual_[i] = -(equations_.gradient()[i] + system.gradient()[i]);
+      step_[i].setZero();
+    }
+    condition_residual();
+    direction_ = conditioned_;
+    double left = dot(residual_, conditioned_);
+    const double enough = kStepAccuracy * kStepAccuracy * left;
+    for (int i = 0; i < kProductsMax && left > enough; ++i) {
+      multiply(equations_.hessian(), direction_, product_);
+      system.multiply_add(direction_, product_);
+      ++result_.products;
+      const double length = left / dot(direction_, product_);
+      for (std::size_t k = 0; k < step_.size(); ++k) {
+        step_[k] += length * direction_[k];
+        residual_[k] -= length * product_[k];
+      }
+      condition_residual();
+      const double next = dot(residual_, conditioned_);
+      const double kept = next / left;
+      left = next;
+      for (std::size_t k = 0; k < step_.size(); ++k) {
+        direction_[k] = conditioned_[k] + kept * direction_[k];
+      }
+    }
+  }
+
+  void condition_residual() {
+    conditioned_ = residual_;
+    cholesky_.solve_in_place(conditioned_);
+    segments_->add_correction(residual_, conditioned_);
+  }
+
+  std::span<const std::vector<SurfacePoint>> surfaces_;
+  const SurfaceAdjustmentOptions& options_;
+  Threads threads_;
+  NormalEquations equations_;
+  BlockCholesky cholesky_;
+  std::optional<SurfaceSegments> segments_{};
+  GraphState state_;
+  GraphState trial_;
+  std::vector<int> places_{};
+  Blocks step_{};
+  Blocks residual_{};
+  Blocks direction_{};
+  Blocks product_{};
+  Blocks conditioned_{};
+  SurfaceAdjustment result_{};
+};
+
+}  // namespace
+
+SurfaceAdjustment adjust_to_surfaces(const PoseGraph& graph,
+                                     std::span<const std::vector<SurfacePoint>> surfaces,
+                                     const SurfaceAdjustmentOptions& options, Threads threads) {
+  if (surfaces.size() != graph.poses.size()) {
+    throw UsageError("surface adjustment: " + std::to_string(surfaces.size()) + " scans for " +
+                     std::to_string(graph.poses.size()) + " poses; each pose needs its own");
+  }
+  check_graph(graph);
+  return Adjustment(graph, surfaces, options, threads).run();
+}
+
+}  // namespace loopstone

@@ -1,0 +1,133 @@
+#include "slam/surface_patches.hpp"
+
+#include <array>
+
+#include "loopstone/grid/block_grid.hpp"
+
+namespace loopstone {
+
+namespace {
+
+constexpr std::size_t kSides = 2;
+constexpr double kSameSurfaceCosine = 0.5;
+
+/// The patches that begin in a cell, -1: none yet.
+struct PatchCell {
+  std::array<int, kSides> patch{-1, -1};
+};
+
+struct Sum {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();
+  double weight = 0.0;
+  int first_key = -1;
+  bool shared = false;  // more than one key scan
+  std::size_t sights = 0;
+};
+
+struct Assigned {
+  int patch;
+  PatchSight sight;
+};
+
+/// One grid's patches, beside what is in the result already.
+class Finder {
+ public:
+  explicit Finder(double patch_m) : cells_(patch_m) {}
+
+  void add(int key, const PlacedKey& map_T_key, std::span<const SurfacePoint> points,
+           double shift_m) {
+    for (const SurfacePoint& point : points) {
+      const Eigen::Vector2d position = map_T_key * point.position;
+      const Eigen::Vector2d normal = map_T_key.rotation * point.normal.cast<double>();
+      PatchCell& cell = cells_.at(cells_.cell_of(position.x() + shift_m, position.y() + shift_m));
+      const int patch = patch_of(cell, normal);
+      if (patch < 0) continue;
+      Sum& sum = sums_[static_cast<std::size_t>(patch)];
+      const double weight = point.weight;
+      sum.position += weight * position;
+      sum.normal += weight * normal;
+      sum.weight += weight;
+      if (sum.first_key < 0) sum.first_key = key;
+      if (sum.first_key != key) sum.shared = true;
+      if (!assigned_.empty() && assigned_.back().patch == patch &&
+          assigned_.back().sight.key == key) {
+        PatchSight& sight = assigned_.back().sight;
+        sight.point += point.weight * point.position;
+        sight.weight += point.weight;
+      } else {
+        assigned_.push_back({patch, {key, point.weight, point.weight * point.position}});
+        ++sum.sights;
+      }
+    }
+  }
+
+  void append_to(SurfacePatches& result) const {
+    std::vector<std::size_t> next(sums_.size());
+    std::size_t end = result.sights.size();
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      const Sum& sum = sums_[i];
+      const double length = sum.normal.norm();
+      if (!sum.shared || !(length > 0.0)) {
+        next[i] = kNone;
+        continue;
+      }
+      next[i] = end;
+      result.patches.push_back(
+          {sum.position / sum.weight, sum.normal / length, end, end + sum.sights});
+      end += sum.sights;
+    }
+    result.sights.resize(end);
+    for (const Assigned& assigned : assigned_) {
+      std::size_t& place = next[static_cast<std::size_t>(assigned.patch)];
+      if (place == kNone) continue;
+      PatchSight sight = assigned.sight;
+      sight.point /= sight.weight;
+      result.sights[place++] = sight;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+  int patch_of(PatchCell& cell, const Eigen::Vector2d& normal) {
+    for (int& patch : cell.patch) {
+      if (patch < 0) {
+        patch = static_cast<int>(sums_.size());
+        sums_.emplace_back();
+        return patch;
+      }
+      const Sum& sum = sums_[static_cast<std::size_t>(patch)];
+      if (sum.normal.dot(normal) > kSameSurfaceCosine * sum.normal.norm()) return patch;
+    }
+    return -1;
+  }
+
+  BlockGrid<PatchCell> cells_;
+  std::vector<Sum> sums_{};
+  std::vector<Assigned> assigned_{};
+};
+
+}  // namespace
+
+std::vector<PlacedKey> placed(std::span<const Pose2> map_T_key) {
+  std::vector<PlacedKey> result;
+  result.reserve(map_T_key.size());
+  for (const Pose2& pose : map_T_key) result.push_back({pose.rotation(), pose.translation()});
+  return result;
+}
+
+SurfacePatches find_patches(std::span<const PlacedKey> map_T_key,
+                            std::span<const std::vector<SurfacePoint>> surfaces, double patch_m) {
+  SurfacePatches result;
+  for (const double shift_m : {0.0, 0.5 * patch_m}) {
+    Finder finder(patch_m);
+    for (std::size_t key = 0; key < map_T_key.size(); ++key) {
+      finder.add(static_cast<int>(key), map_T_key[key], surfaces[key], shift_m);
+    }
+    finder.append_to(result);
+  }
+  return result;
+}
+
+}  // namespace loopstone

@@ -1,0 +1,226 @@
+#include "slam/surface_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "loopstone/base/robust_kernel.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// So many shares that are summed in order, whatever the number of threads.
+constexpr std::size_t kChunks = 8;
+/// Distances beyond so many standard deviations count less and less.
+constexpr double kKernelWidth = 2.0;
+/// How far a patch's direction may be off the mean of its points' normals.
+constexpr double kSlopeSigma = 0.1;
+/// A point is in a patch of either grid.
+constexpr double kGrids = 2.0;
+
+/// The straight line distance = offset + slope * along through weighted points.
+struct Line {
+  double offset = 0.0;
+  double slope = 0.0;
+  double a = 0.0;  ///< C^-1, row by row
+  double b = 0.0;
+  double c = 0.0;
+};
+
+struct LineSums {
+  double w = 0.0;
+  double wt = 0.0;
+  double wtt = 1.0 / (kSlopeSigma * kSlopeSigma);
+  double wr = 0.0;
+  double wtr = 0.0;
+
+  void add(double weight, double along, double distance) {
+    w += weight;
+    wt += weight * along;
+    wtt += weight * along * along;
+    wr += weight * distance;
+    wtr += weight * along * distance;
+  }
+  [[nodiscard]] Line line() const {
+    const double scale = 1.0 / (w * wtt - wt * wt);
+    Line result{.a = wtt * scale, .b = -wt * scale, .c = w * scale};
+    result.offset = result.a * wr + result.b * wtr;
+    result.slope = result.b * wr + result.c * wtr;
+    return result;
+  }
+};
+
+}  // namespace
+
+SurfaceSystem::SurfaceSystem(const SurfacePatches& patches, std::span<const int> places,
+                             std::size_t size, Threads threads)
+    : patches_(patches),
+      places_(places),
+      threads_(threads),
+      rows_(patches.sights.size()),
+      inverses_(patches.patches.size()),
+      chunks_(kChunks),
+      gradient_(size),
+      diagonal_(size) {
+  std::size_t patch = 0;
+  for (std::size_t i = 0; i < kChunks; ++i) {
+    chunks_[i].first = patch;
+    const std::size_t end = patches.sights.size() * (i + 1) / kChunks;
+    while (patch < patches.patches.size() && patches.patches[patch].last <= end) ++patch;
+    if (i + 1 == kChunks) patch = patches.patches.size();
+    chunks_[i].last = patch;
+    chunks_[i].vector.resize(size);
+    chunks_[i].diagonal.resize(size);
+  }
+}
+
+void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey> map_T_key,
+                                    double sigma_m, Chunk& chunk) {
+  const SurfacePatch& patch = patches_.patches[index];
+  const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
+  const double information = 1.0 / (kGrids * sigma_m * sigma_m);
+  auto& distances = chunk.distances;
+  distances.resize(patch.last - patch.first);
+  LineSums plain;
+  for (std::size_t i = patch.first; i < patch.last; ++i) {
+    const PatchSight& sight = patches_.sights[i];
+    const PlacedKey& key = map_T_key[static_cast<std::size_t>(sight.key)];
+    const Eigen::Vector2d arm = key.rotation * sight.point.cast<double>();
+    const Eigen::Vector2d offset = key.translation + arm - patch.centre;
+    const double turn = patch.normal.y() * arm.x() - patch.normal.x() * arm.y();
+    rows_[i] = {places_[static_cast<std::size_t>(sight.key)], static_cast<float>(turn),
+                static_cast<float>(tangent.dot(offset)), 0.0F};
+    distances[i - patch.first] = patch.normal.dot(offset);
+    plain.add(information * sight.weight, rows_[i].along, distances[i - patch.first]);
+  }
+  Line line = plain.line();
+  // Twice: the first line is bent by what does not belong to it.
+  for (int round = 0; round < 2; ++round) {
+    LineSums sums;
+    for (std::size_t i = patch.first; i < patch.last; ++i) {
+      Row& row = rows_[i];
+      const double off = distances[i - patch.first] - line.offset - line.slope * row.along;
+      const double weight =
+          information * patches_.sights[i].weight *
+          evaluate(RobustKernel::kCauchy, kKernelWidth, off * off / (sigma_m * sigma_m)).weight;
+      row.weight = static_cast<float>(weight);
+      sums.add(row.weight, row.along, distances[i - patch.first]);
+    }
+    line = sums.line();
+  }
+  inverses_[index] = {line.a, line.b, line.c};
+  for (std::size_t i = patch.first; i < patch.last; ++i) {
+    const Row& row = rows_[i];
+    const double off = distances[i - patch.first] - line.offset - line.slope * row.along;
+    chunk.cost +=
+        0.5 * patches_.sights[i].weight *
+        evaluate(RobustKernel::kCauchy, kKernelWidth, off * off / (sigma_m * sigma_m)).cost;
+    if (row.place < 0) continue;
+    const auto place = static_cast<std::size_t>(row.place);
+    const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), row.turn);
+    const double weight = row.weight;
+    chunk.vector[place] += weight * off * jacobian;
+    const double along = row.along;
+    const double own =
+        weight - weight * weight * (line.a + 2.0 * line.b * along + line.c * along * along);
+    chunk.diagonal[place] += own * jacobian * jacobian.transpose();
+  }
+}
+
+double SurfaceSystem::linearise(std::span<const PlacedKey> map_T_key, double sigma_m) {
+  parallel_for(chunks_.size(), threads_, [&](std::size_t i) {
+    Chunk& chunk = chunks_[i];
+    chunk.cost = 0.0;
+    std::fill(chunk.vector.begin(), chunk.vector.end(), Eigen::Vector3d::Zero());
+    std::fill(chunk.diagonal.begin(), chunk.diagonal.end(), Eigen::Matrix3d::Zero());
+    for (std::size_t patch = chunk.first; patch < chunk.last; ++patch) {
+      linearise_patch(patch, map_T_key, sigma_m, chunk);
+    }
+  });
+  std::fill(gradient_.begin(), gradient_.end(), Eigen::Vector3d::Zero());
+  std::fill(diagonal_.begin(), diagonal_.end(), Eigen::Matrix3d::Zero());
+  double cost = 0.0;
+  for (const Chunk& chunk : chunks_) {
+    cost += chunk.cost;
+    for (std::size_t i = 0; i < gradient_.size(); ++i) {
+      gradient_[i] += chunk.vector[i];
+      diagonal_[i] += chunk.diagonal[i];
+    }
+  }
+  return cost;
+}
+
+void SurfaceSystem::multiply_add(std::span<const Eigen::Vector3d> x, std::span<Eigen::Vector3d> y) {
+  parallel_for(chunks_.size(), threads_, [&](std::size_t index) {
+    Chunk& chunk = chunks_[index];
+    std::fill(chunk.vector.begin(), chunk.vector.end(), Eigen::Vector3d::Zero());
+    for (std::size_t p = chunk.first; p < chunk.last; ++p) {
+      const SurfacePatch& patch = patches_.patches[p];
+      const double nx = patch.normal.x();
+      const double ny = patch.normal.y();
+      chunk.distances.resize(patch.last - patch.first);
+      double* const moved = chunk.distances.data();
+      double u = 0.0;
+      double v = 0.0;
+      for (std::size_t i = patch.first; i < patch.last; ++i) {
+        const Row& row = rows_[i];
+        double off = 0.0;
+        if (row.place >= 0) {
+          const Eigen::Vector3d& step = x[static_cast<std::size_t>(row.place)];
+          off = nx * step.x() + ny * step.y() + row.turn * step.z();
+        }
+        moved[i - patch.first] = off;
+        u += row.weight * off;
+        v += row.weight * row.along * off;
+      }
+      const Inverse& inverse = inverses_[p];
+      const double offset = inverse.a * u + inverse.b * v;
+      const double slope = inverse.b * u + inverse.c * v;
+      for (std::size_t i = patch.first; i < patch.last; ++i) {
+        const Row& row = rows_[i];
+        if (row.place < 0) continue;
+        const double pull = row.weight * (moved[i - patch.first] - offset - slope * row.along);
+        Eigen::Vector3d& out = chunk.vector[static_cast<std::size_t>(row.place)];
+        out.x() += pull * nx;
+        out.y() += pull * ny;
+        out.z() += pull * row.turn;
+      }
+    }
+  });
+  for (const Chunk& chunk : chunks_) {
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] += chunk.vector[i];
+  }
+}
+
+double SurfaceSystem::spread_m(std::span<const PlacedKey> map_T_key) const {
+  std::vector<float> off;
+  off.reserve(patches_.sights.size());
+  std::vector<double> distances;
+  std::vector<double> along;
+  for (const SurfacePatch& patch : patches_.patches) {
+    const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
+    distances.clear();
+    along.clear();
+    LineSums sums;
+    for (std::size_t i = patch.first; i < patch.last; ++i) {
+      const PatchSight& sight = patches_.sights[i];
+      const Eigen::Vector2d offset =
+          map_T_key[static_cast<std::size_t>(sight.key)] * sight.point - patch.centre;
+      distances.push_back(patch.normal.dot(offset));
+      along.push_back(tangent.dot(offset));
+      // Any scale of information: only the slope's prior, of a few millimetres, depends on it.
+      sums.add(sight.weight * 1e4, along.back(), distances.back());
+    }
+    const Line line = sums.line();
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      off.push_back(
+          static_cast<float>(std::abs(distances[i] - line.offset - line.slope * along[i])));
+    }
+  }
+  if (off.empty()) return 0.0;
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), middle, off.end());
+  return 1.4826 * static_cast<double>(*middle);
+}
+
+}  // namespace loopstone

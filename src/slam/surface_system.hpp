@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "loopstone/base/parallel_for.hpp"
+#include "slam/surface_patches.hpp"
+
+namespace loopstone {
+
+/// The part of the normal equations that patches add, with each patch's own offset and slope eliminated:
+///
+///   y = (A - B C^-1 B^T) x,    A = sum w J^T J,   B = sum w J^T (1, t),   C = sum w (1, t)^T (1, t)
+///
+/// It couples all key scans that see a patch, so it is never formed, only multiplied with.
+class SurfaceSystem {
+ public:
+  /// A sight at the present poses: its distance from the patch depends on its pose as (n, turn) * step.
+  struct Row {
+    int place = -1;
+    float turn = 0.0F;    ///< d residual / d yaw
+    float along = 0.0F;   ///< t: position along the patch
+    float weight = 0.0F;  ///< over sigma^2
+  };
+  /// \param places  of each key scan in x and y, -1 where it is held
+  /// \param size    of x and y
+  SurfaceSystem(const SurfacePatches& patches, std::span<const int> places, std::size_t size,
+                Threads threads);
+
+  /// Residuals at the poses, weights from them (Cauchy), gradient; returns the robust cost.
+  /// \param sigma_m  standard deviation of a point of weight 1
+  double linearise(std::span<const PlacedKey> map_T_key, double sigma_m);
+
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& gradient() const { return gradient_; }
+  /// The blocks of A - B C^-1 B^T on the diagonal.
+  [[nodiscard]] const std::vector<Eigen::Matrix3d>& diagonal() const { return diagonal_; }
+
+  [[nodiscard]] const SurfacePatches& patches() const { return patches_; }
+  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+  /// C^-1 of a patch.
+  [[nodiscard]] Eigen::Matrix2d inverse(std::size_t patch) const {
+    const Inverse& c = inverses_[patch];
+    return (Eigen::Matrix2d() << c.a, c.b, c.b, c.c).finished();
+  }
+
+  /// y += (A - B C^-1 B^T) x
+  void multiply_add(std::span<const Eigen::Vector3d> x, std::span<Eigen::Vector3d> y);
+
+  /// 1.4826 times the median distance of sights from their patch: the standard deviation if they are normal.
+  [[nodiscard]] double spread_m(std::span<const PlacedKey> map_T_key) const;
+
+ private:
+  /// C^-1 of a patch.
+  struct Inverse {
+    double a = 0.0;
+    double b = 0.0;
+    double c = 0.0;
+  };
+  struct Chunk {
+    std::size_t first = 0;
+    std::size_t last = 0;
+    std::vector<double> distances{};        ///< of one patch
+    std::vector<Eigen::Vector3d> vector{};  ///< its share of a product or gradient
+    std::vector<Eigen::Matrix3d> diagonal{};
+    double cost = 0.0;
+  };
+  void linearise_patch(std::size_t index, std::span<const PlacedKey> map_T_key, double sigma_m,
+                       Chunk& chunk);
+
+  const SurfacePatches& patches_;
+  std::span<const int> places_;
+  Threads threads_;
+  std::vector<Row> rows_;
+  std::vector<Inverse> inverses_;
+  std::vector<Chunk> chunks_;
+  std::vector<Eigen::Vector3d> gradient_;
+  std::vector<Eigen::Matrix3d> diagonal_;
+};
+
+}  // namespace loopstone
