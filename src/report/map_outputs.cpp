@@ -6,6 +6,7 @@
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/map_picture.hpp"
 #include "loopstone/report/texture_picture.hpp"
+#include "report/closure_csv.hpp"
 #include "report/output_files.hpp"
 #include "report/report_html.hpp"
 #include "report/texture_files.hpp"
@@ -37,6 +38,8 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
             format_tum(result.trajectory));
   files.add("odometry.tum", "the same from odometry alone", format_tum(result.odometry));
   files.add("graph.g2o", "the final pose graph", format_g2o(result.graph));
+  files.add("loop_closures.csv", "every place that was recognised or looked like it",
+            format_closure_csv(result));
   std::string floor_html;
   if (texture != nullptr) {
     add_texture_files(*texture, files);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "loopstone/graph/solver.hpp"
+#include "slam/closure_witness.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
 
@@ -21,6 +22,9 @@ constexpr double kChainTurnShare = 0.004;
 constexpr double kRevokeChi2 = 26.0;
 /// Closures that disagree by more standard deviations than this pull less than in proportion.
 constexpr double kHuberWidth = 1.5;
+/// A closure that would bend the map and that no other one bears witness for needs at least this.
+constexpr double kLoneOverlap = 0.5;
+constexpr double kLoneAgreement = 0.9;
 /// Rounds of looking everywhere with ever better poses.
 constexpr int kFinalRounds = 2;
 
@@ -73,25 +77,45 @@ void BackEnd::finish() {
     loop_closing_s_ += watch.seconds();
     take(std::move(found));
   }
+  accept_lone();
   for (const auto& closure : closures_) {
     if (closure.accepted) graph_.edges.push_back(loops_.edge_of(closure));
   }
 }
 
+/// The recording is over, and no second closure will come. Strong evidence is believed without one.
+void BackEnd::accept_lone() {
+  bool news = false;
+  for (auto& closure : closures_) {
+    if (closure.accepted || closure.reason != kWaitsForWitness) continue;
+    closure.accepted = closure.second_score == 0.0 && closure.overlap >= kLoneOverlap &&
+                       closure.agreement >= kLoneAgreement;
+    closure.reason = closure.accepted ? "" : "no second closure asks for the same";
+    news = news || closure.accepted;
+  }
+  if (news) solve();
+}
+
 void BackEnd::take(std::vector<LoopClosure> found) {
-  const bool news =
-      std::any_of(found.begin(), found.end(), [](const LoopClosure& c) { return c.accepted; });
   for (auto& closure : found) {
     // What was tried before and failed is replaced by the newer attempt.
     std::erase_if(closures_, [&](const LoopClosure& old) {
       return !old.accepted && old.from_submap == closure.from_submap &&
              old.to_submap == closure.to_submap;
     });
+    if (closure.accepted) {
+      closure.accepted = false;
+      closure.reason = kWaitsForWitness;
+    }
     closures_.push_back(std::move(closure));
   }
-  if (!news) return;
-  solve();
-  loops_.set_closures(closures_);
+  // Each solution brings the map nearer to the truth, so that more of those that wait may agree with it.
+  bool news = false;
+  while (accept_witnessed(closures_, {graph_.poses, travelled_m_})) {
+    solve();
+    news = true;
+  }
+  if (news) loops_.set_closures(closures_);
 }
 
 void BackEnd::solve() {

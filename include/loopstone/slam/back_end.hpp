@@ -39,6 +39,7 @@ class BackEnd {
 
  private:
   void take(std::vector<LoopClosure> found);
+  void accept_lone();
   void solve();
 
   bool loop_closure_;

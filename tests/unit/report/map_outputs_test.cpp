@@ -77,9 +77,9 @@ RunInfo small_info() {
   return info;
 }
 
-const std::vector<std::string> kFiles{"graph.g2o",   "map.pgm",      "map.png",
-                                      "map.yaml",    "odometry.tum", "options.toml",
-                                      "report.html", "summary.json", "trajectory.tum"};
+const std::vector<std::string> kFiles{
+    "graph.g2o",    "loop_closures.csv", "map.pgm",     "map.png",      "map.yaml",
+    "odometry.tum", "options.toml",      "report.html", "summary.json", "trajectory.tum"};
 
 TEST(MapOutputs, EveryFileIsThereAndReadsBack) {
   const TempDir dir;
@@ -99,6 +99,22 @@ TEST(MapOutputs, EveryFileIsThereAndReadsBack) {
   EXPECT_EQ(read_ros_map(dir / "out/map.yaml").cells(), cell_states(result.map).cells());
   EXPECT_EQ(read_image(dir / "out/map.png").channels, 3);
   EXPECT_EQ(dir.read("out/options.toml"), small_info().options_toml);
+}
+
+TEST(MapOutputs, EveryClosureIsListedWithItsEvidence) {
+  const TempDir dir;
+  MapResult result = small_result();
+  result.loop_closures[0].from_T_to = {1.5, -2.0, 0.25};
+  result.loop_closures[0].covariance(0, 1) = 0.125;
+  write_map_outputs(result, small_info(), dir / "out");
+  EXPECT_EQ(dir.read("out/loop_closures.csv"),
+            "from_t_s,to_t_s,from_node,to_node,from_submap,to_submap,x_m,y_m,yaw_rad,"
+            "xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2,"
+            "score,second_score,overlap,agreement,chi2,accepted,reason\n"
+            "1500000000.000000000,1500000010.000000000,0,5,0,0,1.5,-2,0.25,0,0.125,0,0,0,0,"
+            "0.81,0.4,0,0,0,1,\n"
+            "1500000002.000000000,1500000008.000000000,1,4,0,0,0,0,0,0,0,0,0,0,0,"
+            "0.5,0.49,0,0,0,0,ambiguous <score>\n");
 }
 
 TEST(MapOutputs, SummaryHasEveryKeyOfTheContract) {

@@ -1,0 +1,116 @@
+#include "slam/closure_witness.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "loopstone/geometry/angle.hpp"
+
+namespace loopstone {
+namespace {
+
+constexpr int kSteps = 200;
+constexpr double kStepM = 0.5;
+
+/// Twice around a circle of 50 m; the map has every step turned a bit too far, so the second lap lies off the first.
+struct Laps {
+  std::vector<Pose2> truth{Pose2{}};
+  std::vector<Pose2> poses{Pose2{}};
+  std::vector<double> travelled_m{0.0};
+
+  Laps() {
+    for (int i = 0; i < kSteps; ++i) {
+      truth.push_back(truth.back() * exp(Tangent2(kStepM, 0.0, 4.0 * kPi / kSteps)));
+      poses.push_back(poses.back() * exp(Tangent2(kStepM, 0.0, 4.0 * kPi / kSteps + 0.001)));
+      travelled_m.push_back(travelled_m.back() + kStepM);
+    }
+  }
+  [[nodiscard]] MapSoFar map() const { return {poses, travelled_m}; }
+
+  /// As registration would see it, `off` beside the truth.
+  [[nodiscard]] LoopClosure closure(int from, int to, const Pose2& off = {}) const {
+    LoopClosure c;
+    c.from = NodeId{from};
+    c.to = NodeId{to};
+    c.from_T_to =
+        truth[static_cast<std::size_t>(from)].inverse() * truth[static_cast<std::size_t>(to)] * off;
+    c.covariance = Eigen::Vector3d(1e-3, 1e-3, 3e-5).asDiagonal();
+    c.reason = kWaitsForWitness;
+    return c;
+  }
+};
+
+TEST(ClosureWitness, TwoTrueClosuresBearWitness) {
+  const Laps laps;
+  const LoopClosure a = laps.closure(10, 110);
+  const LoopClosure b = laps.closure(18, 118);
+  EXPECT_FALSE(bends_nothing(a, laps.map()));
+  EXPECT_TRUE(bear_witness(a, b, laps.map()));
+  EXPECT_TRUE(bear_witness(b, a, laps.map()));
+}
+
+TEST(ClosureWitness, AFalseClosureIsNotBackedByATrueOneOrByAnotherFalseOne) {
+  const Laps laps;
+  const LoopClosure truth = laps.closure(10, 110);
+  const LoopClosure next_room = laps.closure(18, 118, {3.0, 0.0, 0.0});
+  const LoopClosure other_room = laps.closure(26, 126, {0.0, -2.0, 0.0});
+  EXPECT_FALSE(bear_witness(next_room, truth, laps.map()));
+  EXPECT_FALSE(bear_witness(truth, next_room, laps.map()));
+  EXPECT_FALSE(bear_witness(next_room, other_room, laps.map()));
+}
+
+TEST(ClosureWitness, FarAwayNobodyIsAWitness) {
+  const Laps laps;
+  EXPECT_FALSE(bear_witness(laps.closure(0, 100), laps.closure(90, 190), laps.map()));
+}
+
+TEST(ClosureWitness, ACorridorIsNoWitnessForTheWayAlongIt) {
+  Laps laps;
+  const LoopClosure a = laps.closure(10, 110, {2.0, 0.0, 0.0});
+  LoopClosure corridor = laps.closure(14, 114);
+  corridor.covariance = Eigen::Vector3d(1e3, 1e3, 3e-5).asDiagonal();
+  EXPECT_FALSE(bear_witness(a, corridor, laps.map()));
+}
+
+TEST(ClosureWitness, WhatTheMapSaysAlreadyStandsAlone) {
+  Laps laps;
+  laps.poses = laps.truth;
+  EXPECT_TRUE(bends_nothing(laps.closure(10, 110), laps.map()));
+  EXPECT_TRUE(bends_nothing(laps.closure(10, 110, {0.2, 0.0, 0.02}), laps.map()));
+  EXPECT_FALSE(bends_nothing(laps.closure(10, 110, {0.6, 0.0, 0.0}), laps.map()));
+  EXPECT_FALSE(bends_nothing(laps.closure(10, 110, {0.0, 0.0, 0.2}), laps.map()));
+  // Off along a direction that it does not hold, it pulls at nothing.
+  LoopClosure open = laps.closure(10, 110, {5.0, 0.0, 0.0});
+  const Pose2 now = laps.poses[10].inverse() * laps.poses[110];
+  const Eigen::Vector2d along = (open.from_T_to.translation() - now.translation()).normalized();
+  open.covariance.topLeftCorner<2, 2>() += 1e3 * along * along.transpose();
+  EXPECT_TRUE(bends_nothing(open, laps.map()));
+}
+
+TEST(ClosureWitness, OnlyThoseThatAgreeAreAccepted) {
+  const Laps laps;
+  std::vector<LoopClosure> closures{laps.closure(10, 110)};
+  EXPECT_FALSE(accept_witnessed(closures, laps.map()));
+  closures.push_back(laps.closure(30, 130, {4.0, 1.0, 0.0}));
+  EXPECT_FALSE(accept_witnessed(closures, laps.map()));
+  closures.push_back(laps.closure(18, 118));
+  EXPECT_TRUE(accept_witnessed(closures, laps.map()));
+  EXPECT_TRUE(closures[0].accepted);
+  EXPECT_TRUE(closures[0].reason.empty());
+  EXPECT_FALSE(closures[1].accepted);
+  EXPECT_TRUE(closures[2].accepted);
+  EXPECT_FALSE(accept_witnessed(closures, laps.map()));
+}
+
+TEST(ClosureWitness, WhatWasRejectedForAReasonIsNeitherAcceptedNorHeard) {
+  const Laps laps;
+  std::vector<LoopClosure> closures{laps.closure(10, 110), laps.closure(18, 118)};
+  closures[1].reason = "surfaces disagree";
+  EXPECT_FALSE(accept_witnessed(closures, laps.map()));
+  EXPECT_FALSE(closures[1].accepted);
+}
+
+}  // namespace
+}  // namespace loopstone
