@@ -11,12 +11,15 @@
 #include "commands.hpp"
 #include "floor_run.hpp"
 #include "log_run.hpp"
+#include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
+#include "loopstone/sensor/messages.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/scan_to_scan.hpp"
+#include "pace.hpp"
 #include "result.hpp"
 
 namespace loopstone::app {
@@ -33,6 +36,7 @@ struct Arguments {
   bool cloud = false;
   bool force = false;
   bool strict = false;
+  double realtime = 0.0;  ///< speed of the replay; 0: as fast as it goes
 };
 
 void print_result(const MapResult& result, const FloorTexture* texture, const RunInfo& info,
@@ -57,6 +61,11 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   if (texture != nullptr) add_texture_rows(*texture, table);
   table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", info.wall_time_s,
                                     s.duration_s / std::max(info.wall_time_s, 1e-9)));
+  if (info.pace) {
+    table.add_row("pose after", fmt::format("{:.2f} ms, 99 % within {:.1f} ms, worst {:.1f} ms",
+                                            1e3 * info.pace->median_s, 1e3 * info.pace->p99_s,
+                                            1e3 * info.pace->worst_s));
+  }
   table.add_row("peak memory",
                 fmt::format("{:.0f}", static_cast<double>(info.peak_memory_bytes) * 1e-6), "MB");
   table.add_row("report", out + "/report.html");
@@ -66,6 +75,10 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
 ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   const bool textbook = arguments.pipeline == "scan_to_scan";
+  if (textbook && arguments.realtime > 0.0) {
+    throw UsageError(
+        "--realtime: the textbook pipeline works when the log is over; leave out --pipeline");
+  }
   auto options = textbook ? MapOptions{} : context.load_options<MapOptions>();
   auto textbook_options =
       textbook ? context.load_options<ScanToScanOptions>() : ScanToScanOptions{};
@@ -81,6 +94,8 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   ProgressDisplay display(context);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping", display);
   CameraFrames camera;
+  std::optional<Pace> pace;
+  if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
   MapResult result;
   if (textbook) {
     ScanToScanMapper mapper(robot, textbook_options, context.threads());
@@ -92,8 +107,11 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   } else {
     Mapper mapper(robot, options, context.threads());
     while (const auto message = log.next()) {
+      if (pace) pace->wait_for(stamp_of(*message), [] { return !AppContext::interrupted(); });
       camera.take(*message);
+      const std::int64_t before = mapper.scans();
       mapper.add(*message);
+      if (pace && mapper.scans() > before) pace->note_done();
     }
     result = mapper.finish();
   }
@@ -111,6 +129,7 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const FloorTexture* floor = texture ? &*texture : nullptr;
 
   RunInfo info = run_info(arguments.log, *reader, arguments.force, context);
+  if (pace) info.pace = pace->figures();
   info.options_toml =
       options_to_toml(textbook ? list_options(textbook_options) : list_options(options));
   info.wall_time_s =
@@ -151,6 +170,13 @@ void add_map_command(CLI::App& app, AppContext& context) {
                     "leave out the colour of the floor, though the log has RGB-D");
   command->add_flag("--cloud", arguments->cloud,
                     "also cloud.ply: everything the RGB-D camera saw, in colour");
+  command
+      ->add_option(
+          "--realtime", arguments->realtime,
+          "replay at SPEED times the log's own pace, 1 as recorded, and tell how long poses "
+          "were waited for")
+      ->type_name("SPEED")
+      ->check(CLI::Range(0.001, 1e6));
   command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");
   context.add_common_flags(*command);

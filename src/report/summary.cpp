@@ -65,6 +65,12 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"surface_spread_m", s.surface_spread_m},
       {"warnings", result.warnings},
   };
+  if (info.pace) {
+    summary["realtime"] = {{"speed", info.pace->speed},
+                           {"median_latency_s", info.pace->median_s},
+                           {"p99_latency_s", info.pace->p99_s},
+                           {"worst_latency_s", info.pace->worst_s}};
+  }
   if (texture != nullptr) summary["texture"] = texture_json(*texture);
   // Paths need not be UTF-8; JSON must.
   return summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

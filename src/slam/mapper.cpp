@@ -14,9 +14,10 @@ namespace loopstone {
 
 namespace {
 
-/// Scans that differ less than this from the last one mapped add nothing to the final map.
-constexpr double kStillM = 0.01;
-constexpr double kStillRad = 0.005;
+/// Scans that differ less than this from the last one mapped add next to nothing to the final map: a cell of it, or
+/// cell is wide at arm's length of a room.
+constexpr double kStillCells = 1.0;
+constexpr double kStillRad = 0.04;
 
 /// What the user should know about the run, in plain words.
 std::vector<std::string> warnings_of(const MapResult& result, bool loop_closure) {
@@ -128,10 +129,12 @@ void Mapper::add_scan(LaserScan scan) {
   }
   for (auto& submap : tracked.finished) back_end_->add_submap(std::move(submap));
 
-  // Standing still adds nothing to the map.
+  // Standing still adds nothing to the map, and a fast scanner no more than a slow one.
   const Pose2 since = last_mapped_.inverse() * tracked.local_T_robot;
-  record.mapped = tracked.used && (tracked.key || std::hypot(since.x, since.y) > kStillM ||
-                                   std::abs(since.yaw) > kStillRad);
+  record.mapped =
+      tracked.used &&
+      (tracked.key || std::hypot(since.x, since.y) > kStillCells * options_.map.resolution_m ||
+       std::abs(since.yaw) > kStillRad);
   if (record.mapped) {
     last_mapped_ = tracked.local_T_robot;
   } else {

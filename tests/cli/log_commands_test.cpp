@@ -96,6 +96,31 @@ TEST_F(LogCommands, OdometryStaysNearTheTruthForAWhile) {
   EXPECT_EQ(error.at("poses"), scans());
 }
 
+TEST_F(LogCommands, AMapAtTheLogsOwnPaceIsTheSameAndTellsHowLongPosesTook) {
+  const TempDir folder;
+  const auto at_once = run_json({"map", log(), "-o", folder / "fast"});
+  const auto paced = run_json({"map", log(), "-o", folder / "paced", "--realtime", "10"});
+  EXPECT_EQ(folder.read("paced/trajectory.tum"), folder.read("fast/trajectory.tum"));
+  EXPECT_FALSE(at_once.contains("realtime"));
+  ASSERT_TRUE(paced.contains("realtime"));
+  const auto& figures = paced["realtime"];
+  EXPECT_EQ(figures["speed"], 10.0);
+  EXPECT_GE(figures["median_latency_s"], 0.0);
+  EXPECT_GE(figures["p99_latency_s"], figures["median_latency_s"]);
+  EXPECT_GE(figures["worst_latency_s"], figures["p99_latency_s"]);
+  // Five seconds at ten times their pace.
+  EXPECT_GE(paced["wall_time_s"], 0.45);
+}
+
+TEST_F(LogCommands, TheTextbookPipelineHasNoPace) {
+  const TempDir folder;
+  const ProgramResult result = run_program(
+      {"map", log(), "-o", folder / "out", "--pipeline", "scan_to_scan", "--realtime", "1"});
+  EXPECT_EQ(result.exit_code, 2) << result.error;
+  EXPECT_THAT(result.error, HasSubstr("--realtime"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
 TEST_F(LogCommands, MissingLogsAreNamedAndLeaveNothing) {
   const TempDir folder;
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{

@@ -1,9 +1,19 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace loopstone {
+
+/// How long poses were waited for in a replay at a log's own pace.
+struct PaceFigures {
+  double speed = 1.0;  ///< of the replay; 1: as recorded
+  double median_s =
+      0.0;             ///< from when the message was due that a scan waited for, to the scan's pose
+  double p99_s = 0.0;  ///< 99 of 100 came sooner
+  double worst_s = 0.0;
+};
 
 /// What the program knows about a run that the result does not.
 struct RunInfo {
@@ -17,7 +27,8 @@ struct RunInfo {
   std::int64_t peak_memory_bytes = 0;
   std::int64_t records_skipped = 0;
   int threads = 0;
-  bool force = false;  ///< files of an earlier run may be replaced
+  std::optional<PaceFigures> pace{};  ///< of a replay in real time
+  bool force = false;                 ///< files of an earlier run may be replaced
 };
 
 }  // namespace loopstone
