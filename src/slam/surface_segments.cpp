@@ -34,7 +34,7 @@ SurfaceSegments::SurfaceSegments(std::span<const Pose2> map_T_key, std::span<con
   for (std::size_t key = 0; key < places.size(); ++key) {
     if (places[key] < 0) continue;
     if (inside == kKeysPerSegment) {
-      centres_.push_back(Eigen::Vector2d::Zero());
+      centres_.emplace_back(Eigen::Vector2d::Zero());
       counts.push_back(0);
       inside = 0;
     }
