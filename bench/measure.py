@@ -2,6 +2,7 @@
 import pathlib
 import shutil
 
+import corrected_logs
 from program import Failed, median, run, say
 
 UNADJUSTED = ["--set", "adjustment.enabled=false"]
@@ -47,8 +48,19 @@ def real_logs(loopstone, data):
             rows.append({"system": system, **row})
             if not flags:
                 loop = {"rejected": summary["loop_closures_rejected"], "area_m2": summary.get("map_area_m2")}
+        corrected = data / "carmen" / f"{name.split('-')[-1]}-corrected.log"
+        if corrected.exists():
+            reference = loopstone.work / "corrected.tum"
+            found, count = corrected_logs.write_reference(reference, log, corrected)
+            errors = ate_of_files(loopstone, folder / "trajectory.tum", reference)
+            loop["corrected"] = {"scans": found, "of": count, "ate_m": errors["ate_rmse_m"],
+                                 "ate_rad": errors["ate_rmse_rad"]}
         logs.append({"name": name, "title": title, "rows": rows, **loop})
     return logs
+
+
+def ate_of_files(loopstone, estimate, reference):
+    return loopstone.evaluate("--estimate", estimate, "--reference", reference)
 
 
 def ate_of(loopstone, estimate, sim, folder=None):

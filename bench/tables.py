@@ -52,6 +52,11 @@ def real_tables(section):
             intro += f" {mapped['pairs']} relations compared, {mapped['pairs_missing']} missing."
         else:
             intro += " No independent relations exist for this log, so only what it took is stated."
+        if "corrected" in log:
+            other = log["corrected"]
+            intro += (f" The same log as another system corrected it has poses for {other['of']} scans: Loopstone's are"
+                      f" {other['ate_m']:.3f} m and {57.29578 * other['ate_rad']:.2f} deg (rms, after the best rigid alignment) off"
+                      " them.")
         parts += [intro, "", table(header + ["loop closures>"] + COST_HEADER, rows), ""]
     parts += [targets_table(targets.of_real(section["figures"]))]
     return "\n".join(parts)
