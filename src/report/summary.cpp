@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "loopstone/report/map_outputs.hpp"
+#include "report/quality_summary.hpp"
 #include "report/texture_summary.hpp"
 
 namespace loopstone {
@@ -48,6 +49,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"loop_closing_wall_s", s.loop_closing_s},
       {"optimisation_wall_s", s.optimisation_s},
       {"rendering_wall_s", s.rendering_s},
+      {"judging_wall_s", s.judging_s},
       {"realtime_factor", ratio_or_zero(s.duration_s, info.wall_time_s)},
       {"scans_per_s", ratio_or_zero(static_cast<double>(s.scans), info.wall_time_s)},
       {"threads", info.threads},
@@ -60,6 +62,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"graph_nodes", result.graph.poses.size()},
       {"graph_edges", result.graph.edges.size()},
       {"graph_cost", s.graph_cost},
+      {"quality", quality_json(result)},
       {"warnings", result.warnings},
   };
   if (texture != nullptr) summary["texture"] = texture_json(*texture);

@@ -204,6 +204,11 @@ MapResult Mapper::finish() {
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
   statistics.graph_cost = graph_cost(result.graph);
+  const Stopwatch judging;
+  result.quality = assess_map(posed, threads_);
+  result.graph_quality = assess_graph(result);
+  result.verdict = judge_map(result);
+  statistics.judging_s = judging.seconds();
   result.warnings = warnings_of(result, options_.loop_closure);
   return result;
 }

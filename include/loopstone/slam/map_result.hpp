@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/mapping/map_quality.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/odometry/trajectory.hpp"
+#include "loopstone/slam/map_verdict.hpp"
 
 namespace loopstone {
 
@@ -43,6 +45,7 @@ struct MapStatistics {
   double loop_closing_s = 0.0;
   double optimisation_s = 0.0;
   double rendering_s = 0.0;
+  double judging_s = 0.0;
   double graph_cost = 0.0;  ///< sum e^T Omega e
 };
 
@@ -55,6 +58,9 @@ struct MapResult {
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
   MapStatistics statistics;
+  MapQuality quality;                 ///< what the scans say about each other
+  GraphQuality graph_quality;         ///< what the pose graph says about itself
+  MapVerdict verdict;                 ///< of both, in plain words
   std::vector<std::string> warnings;  ///< in plain words, for the user
   bool complete = true;               ///< false when it was interrupted
 };
