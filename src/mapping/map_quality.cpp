@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "loopstone/base/median.hpp"
@@ -34,7 +36,6 @@ struct PlaceSums {
 struct Walls {
   std::vector<WallPiece> pieces{};
   std::vector<float> spread_m{};
-  BlockGrid<FreeVisits> free{StretchWalls::kFreeCellM};
   int stretches = 0;
 };
 
@@ -60,12 +61,6 @@ Walls walls_of(const std::vector<JudgedScan>& scans, Threads threads) {
     walls.stretches = stretch + 1;
     walls.pieces.insert(walls.pieces.end(), parts[i].pieces.begin(), parts[i].pieces.end());
     walls.spread_m.insert(walls.spread_m.end(), parts[i].spread_m.begin(), parts[i].spread_m.end());
-    parts[i].free.for_each([&](Cell cell, std::uint8_t passed) {
-      if (passed == 0) return;
-      FreeVisits& visits = walls.free.at(cell);
-      if (visits.first < 0) visits.first = stretch;
-      visits.last = stretch;
-    });
   }
   return walls;
 }
@@ -106,7 +101,7 @@ void add_places(const std::vector<WallPiece>& pieces, const std::vector<WallOffs
   for (const BeamMeeting& meeting : meetings) {
     PlaceSums& place = at(meeting.where);
     ++place.beams;
-    if (meeting.crossed) ++place.crossed;
+    if (meeting.crossed >= 0) ++place.crossed;
   }
   places.for_each([&](Cell cell, const PlaceSums& sums) {
     if (!sums.wall) return;
@@ -158,16 +153,21 @@ MapQuality assess_map(std::span<const PosedScan> scans, Threads threads) {
 
   const double margin_m = std::max(kDoubledM, kMarginSigmas * quality.sensor_noise_m);
   const auto meetings = beam_meetings(judged, index, static_cast<float>(margin_m), threads);
-  const auto crossed = std::count_if(meetings.begin(), meetings.end(),
-                                     [](const BeamMeeting& meeting) { return meeting.crossed; });
+  const auto crossed =
+      std::count_if(meetings.begin(), meetings.end(),
+                    [](const BeamMeeting& meeting) { return meeting.crossed >= 0; });
   quality.beams_tested = static_cast<std::int64_t>(meetings.size());
   if (!meetings.empty()) {
     quality.crossed_share = static_cast<double>(crossed) / static_cast<double>(meetings.size());
   }
 
   const double tolerance_m = std::max(kToleranceM, kToleranceSigmas * quality.sensor_noise_m);
+  std::vector<std::uint8_t> looked_through(index.pieces().size(), 0);
+  for (const BeamMeeting& meeting : meetings) {
+    if (meeting.crossed >= 0) looked_through[static_cast<std::size_t>(meeting.crossed)] = 1;
+  }
   const HeldOut held =
-      held_out_agreement(judged, index, walls.free, static_cast<float>(tolerance_m), threads);
+      held_out_agreement(judged, index, looked_through, static_cast<float>(tolerance_m), threads);
   quality.held_out_returns = held.foretold + held.missed;
   if (quality.held_out_returns > 0) {
     quality.held_out_agreement =

@@ -94,22 +94,23 @@ void meet(const JudgedBeam& beam, int stretch, const PieceIndex& index, float ma
   const GridFrame frame{.origin = {0.0, 0.0}, .resolution = kPieceM};
   const Eigen::Vector2f last = beam.start + way * (walked / length);
   bool crossed = false;
-  walk_ray(grid_point_of(frame, beam.start.cast<double>()),
-           grid_point_of(frame, last.cast<double>()), [&](Cell cell) {
-             if (crossed) return;
-             index.for_each_in(cell, [&](const WallPiece& piece) {
-               if (crossed || !are_apart(piece.stretch, stretch)) return;
-               if (!passes(beam, piece, margin_m)) return;
-               crossed = true;
-               meetings.push_back({piece.position, true});
-             });
-           });
+  walk_ray(
+      grid_point_of(frame, beam.start.cast<double>()), grid_point_of(frame, last.cast<double>()),
+      [&](Cell cell) {
+        if (crossed) return;
+        index.for_each_in(cell, [&](const WallPiece& piece) {
+          if (crossed || !are_apart(piece.stretch, stretch)) return;
+          if (!passes(beam, piece, margin_m)) return;
+          crossed = true;
+          meetings.push_back({piece.position, static_cast<std::int32_t>(index.position_of(piece))});
+        });
+      });
   if (crossed || length > kMostBeamM) return;
   bool ended = false;
   index.for_each_around(index.cell_of(beam.end), 1, [&](const WallPiece& piece) {
     if (ended || !are_apart(piece.stretch, stretch) || !ends_on(beam, piece, margin_m)) return;
     ended = true;
-    meetings.push_back({beam.end, false});
+    meetings.push_back({beam.end});
   });
 }
 
@@ -157,7 +158,8 @@ std::vector<BeamMeeting> beam_meetings(std::span<const JudgedScan> scans, const 
 }
 
 HeldOut held_out_agreement(std::span<const JudgedScan> scans, const PieceIndex& index,
-                           const BlockGrid<FreeVisits>& free, float tolerance_m, Threads threads) {
+                           std::span<const std::uint8_t> crossed, float tolerance_m,
+                           Threads threads) {
   constexpr std::size_t kPerTask = kScansPerTask * kHeldOutEvery;
   std::vector<HeldOut> parts((scans.size() + kPerTask - 1) / kPerTask);
   parallel_for(parts.size(), threads, [&](std::size_t task) {
@@ -166,23 +168,22 @@ HeldOut held_out_agreement(std::span<const JudgedScan> scans, const PieceIndex& 
       const int stretch = scans[s].stretch;
       for (const WallReturn& seen : scans[s].returns) {
         bool foretold = false;
-        bool elsewhere = false;
+        bool missed = false;
         constexpr int kReach = static_cast<int>(0.5 * kMostOffsetM / kPieceM);
         index.for_each_around(index.cell_of(seen.surface), kReach, [&](const WallPiece& piece) {
-          if (!are_apart(piece.stretch, stretch) || piece.normal.dot(seen.normal) < kSameFacing ||
-              along(piece, seen.surface) > kAlongM) {
+          if (piece.normal.dot(seen.normal) < kSameFacing || along(piece, seen.surface) > kAlongM) {
             return;
           }
-          (std::abs(across(piece, seen.surface)) <= tolerance_m ? foretold : elsewhere) = true;
+          const bool here = std::abs(across(piece, seen.surface)) <= tolerance_m;
+          if (are_apart(piece.stretch, stretch)) {
+            (here ? foretold : missed) = true;
+          } else if (here && crossed[index.position_of(piece)] != 0) {
+            missed = true;
+          }
         });
-        const FreeVisits* passed = free.find(free.cell_of(static_cast<double>(seen.surface.x()),
-                                                          static_cast<double>(seen.surface.y())));
-        const bool seen_free =
-            passed != nullptr && passed->first >= 0 &&
-            (are_apart(passed->first, stretch) || are_apart(passed->last, stretch));
         if (foretold) {
           ++parts[task].foretold;
-        } else if (elsewhere || seen_free) {
+        } else if (missed) {
           ++parts[task].missed;
         }
       }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
-#include "loopstone/grid/block_grid.hpp"
 #include "mapping/judged_scans.hpp"
 #include "mapping/wall_pieces.hpp"
 
@@ -28,7 +27,8 @@ struct WallOffset {
 /// A beam that met a wall of another visit.
 struct BeamMeeting {
   Eigen::Vector2f where;
-  bool crossed = false;  ///< it went through, else it ended there
+  std::int32_t crossed =
+      -1;  ///< the piece it went through (PieceIndex::pieces); -1: it ended there
 };
 
 /// \param margin_m  a wall that the beam's end lies behind by less is the one that it ended on
@@ -36,20 +36,15 @@ struct BeamMeeting {
                                                      const PieceIndex& index, float margin_m,
                                                      Threads threads);
 
-/// Which visits passed a cell: those between are not known, but the first and the last tell whether another visit did.
-struct FreeVisits {
-  std::int32_t first = -1;
-  std::int32_t last = -1;
-};
-
 struct HeldOut {
   std::int64_t foretold = 0;  ///< another visit has a wall there
-  std::int64_t missed = 0;    ///< other visits have the wall elsewhere nearby, or saw nothing there
+  std::int64_t missed = 0;    ///< other visits have the wall elsewhere nearby, or looked through it
 };
 
+/// \param crossed      of each piece, whether a beam of another visit went through it
 /// \param tolerance_m  how near another visit's wall has to be
 [[nodiscard]] HeldOut held_out_agreement(std::span<const JudgedScan> scans, const PieceIndex& index,
-                                         const BlockGrid<FreeVisits>& free, float tolerance_m,
+                                         std::span<const std::uint8_t> crossed, float tolerance_m,
                                          Threads threads);
 
 }  // namespace loopstone

@@ -10,8 +10,9 @@ namespace {
 
 /// A wall that a single scan saw may be a passer-by.
 constexpr int kLeastScans = 2;
-/// Before its end a beam passes no free space for certain: this much is left out.
-constexpr float kBeforeEndM = 0.3F;
+/// Lines fitted around a corner face everywhere between its two walls; what is a wall faces one way: the length of the mean
+/// normal, for a spread of about 14 deg.
+constexpr float kLeastStraightness = 0.97F;
 
 struct PieceSum {
   float weight = 0.0F;
@@ -67,20 +68,6 @@ BlockGrid<PieceCell> sums_of(std::span<const JudgedScan> scans) {
   return grid;
 }
 
-void add_free(const JudgedScan& scan, BlockGrid<std::uint8_t>& free) {
-  for (const JudgedBeam& beam : scan.beams) {
-    const Eigen::Vector2f along = beam.end - beam.start;
-    const float length = along.norm() - kBeforeEndM;
-    if (!(length > 0.0F)) continue;
-    constexpr auto kStep = static_cast<float>(StretchWalls::kFreeCellM);
-    const Eigen::Vector2f step = along.normalized() * kStep;
-    Eigen::Vector2f point = beam.start;
-    for (float passed = 0.0F; passed < length; passed += kStep, point += step) {
-      free.at(free.cell_of(static_cast<double>(point.x()), static_cast<double>(point.y()))) = 1;
-    }
-  }
-}
-
 }  // namespace
 
 StretchWalls stretch_walls(std::span<const JudgedScan> scans) {
@@ -90,9 +77,10 @@ StretchWalls stretch_walls(std::span<const JudgedScan> scans) {
   grid.for_each([&](Cell cell, const PieceCell& piece) {
     for (const PieceSum& sum : piece.sums) {
       if (sum.scans < kLeastScans) continue;
+      const Eigen::Vector2f normal(sum.normal_x, sum.normal_y);
+      if (normal.norm() < kLeastStraightness * sum.weight) continue;
       const Eigen::Vector2f offset(sum.x / sum.weight, sum.y / sum.weight);
       if (offset.cwiseAbs().maxCoeff() > static_cast<float>(0.5 * kPieceM)) continue;
-      const Eigen::Vector2f normal(sum.normal_x, sum.normal_y);
       walls.pieces.push_back({grid.centre_of(cell).cast<float>() + offset, normal.normalized(),
                               scans.front().stretch});
     }
@@ -112,7 +100,6 @@ StretchWalls stretch_walls(std::span<const JudgedScan> scans) {
         break;
       }
     }
-    add_free(scan, walls.free);
   }
   return walls;
 }

@@ -32,9 +32,6 @@ struct WallPiece {
 struct StretchWalls {
   std::vector<WallPiece> pieces{};
   std::vector<float> spread_m{};  ///< of the scans' lines about the pieces, absolute values
-  BlockGrid<std::uint8_t> free{kFreeCellM};  ///< 1 where beams passed and went on for a while
-
-  static constexpr double kFreeCellM = 0.2;
 };
 
 /// Joins the returns of a stretch's scans to pieces: each cell of 10 cm takes the mean of everything within 1.5 cells that faces
@@ -47,6 +44,10 @@ class PieceIndex {
   explicit PieceIndex(std::vector<WallPiece> pieces);
 
   [[nodiscard]] const std::vector<WallPiece>& pieces() const { return pieces_; }
+  /// Of a piece that a visit was called with, its place in pieces().
+  [[nodiscard]] std::size_t position_of(const WallPiece& piece) const {
+    return static_cast<std::size_t>(&piece - pieces_.data());
+  }
   [[nodiscard]] Cell cell_of(const Eigen::Vector2f& point) const {
     return grid_.cell_of(static_cast<double>(point.x()), static_cast<double>(point.y()));
   }

@@ -20,11 +20,11 @@ struct Limits {
   double doubtful;
   double bad;
 };
-constexpr Limits kDoubledShare{0.02, 0.10};
-constexpr Limits kCrossedShare{0.01, 0.05};
+constexpr Limits kDoubledShare{0.05, 0.15};
+constexpr Limits kCrossedShare{0.15, 0.30};
 constexpr Limits kMissedShare{0.10, 0.25};
-constexpr Limits kEntropyGain{0.35, 0.8};
-constexpr Limits kReducedChi2{3.0, 10.0};
+constexpr Limits kEntropyGain{0.693, 1.099};
+constexpr Limits kReducedChi2{1.5, 4.0};
 constexpr Limits kRevokedShare{0.05, 0.30};
 constexpr Limits kDegenerateShare{0.05, 0.25};
 constexpr double kShortM = 1.0;           ///< of degenerate travel: nothing

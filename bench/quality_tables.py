@@ -1,0 +1,2 @@
+def blocks_of(*a): return []
+def headline(*a): return ""
