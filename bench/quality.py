@@ -22,7 +22,7 @@ import quality_tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from program import Failed, Loopstone, machine, say  # noqa: E402
 
-CHOSEN_ON, CHECKED_ON = [1, 2], [11, 12, 13]
+CHOSEN_ON, CHECKED_ON = [1, 2], [21, 22, 23]
 SICK = ["--format", "carmen", "--beams", "180", "--fov", "179"]
 WIDE = ["--format", "carmen"]
 BAD_WHEELS = ["--set", "wheels.imbalance=0.003", "--set", "wheels.turn_slip=0.05", "--set", "wheels.scale_error=0.06"]
@@ -46,7 +46,7 @@ SPOILS = [
     ("gullible closures", ["--set", "loop.min_score=0.05", "--set", "loop.min_overlap=0.05", "--set",
                            "loop.min_agreement=0.2", "--set", "loop.max_ambiguity=1.0", "--set",
                            "loop.drift_per_m=0.3"]),
-    ("blunt matching", ["--set", "submap.cell_m=0.5", "--set", "match.kernel_width_m=0.5"]),
+    ("blunt matching", ["--set", "submap.cell_m=0.3", "--set", "match.kernel_width_m=0.2"]),
     ("hasty matching", ["--set", "match.max_iterations=2", "--set", "front_end.points_max=60", "--set",
                         "front_end.trusted_score=0.0"]),
 ]
