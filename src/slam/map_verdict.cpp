@@ -26,7 +26,7 @@ constexpr Limits kMissedShare{0.10, 0.25};
 constexpr Limits kEntropyGain{0.693, 1.099};
 constexpr Limits kReducedChi2{1.5, 4.0};
 constexpr Limits kRevokedShare{0.05, 0.30};
-constexpr double kDegenerateShare = 0.05;
+constexpr Limits kDegenerateShare{0.05, 0.50};
 constexpr double kShortM = 1.0;           ///< of degenerate travel: nothing
 constexpr double kCertifiedNearM = 0.10;  ///< two cells of a map of 5 cm
 
@@ -163,9 +163,8 @@ QualityMeasure degenerate(const MapStatistics& s) {
     measure.sentence = "The robot did not travel.";
     return measure;
   }
-  // Doubtful at worst: odometry may be good enough, and closures may have measured the length after all.
-  const bool little = s.degenerate_travel_m <= kShortM || measure.value <= kDegenerateShare;
-  measure.verdict = little ? Verdict::kGood : Verdict::kDoubtful;
+  measure.verdict =
+      s.degenerate_travel_m <= kShortM ? Verdict::kGood : against(kDegenerateShare, measure.value);
   measure.sentence =
       number(s.degenerate_travel_m, 1) + " m of " + number(s.path_length_m, 0) +
       " m ran where the laser leaves one direction open (bare corridors); there the map is as "
