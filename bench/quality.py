@@ -22,7 +22,7 @@ import quality_tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from program import Failed, Loopstone, machine, say  # noqa: E402
 
-CHOSEN_ON, CHECKED_ON = [1, 2], [21, 22, 23]
+CHOSEN_ON, CHECKED_ON = [1, 2], [31, 32, 33]
 SICK = ["--format", "carmen", "--beams", "180", "--fov", "179"]
 WIDE = ["--format", "carmen"]
 BAD_WHEELS = ["--set", "wheels.imbalance=0.003", "--set", "wheels.turn_slip=0.05", "--set", "wheels.scale_error=0.06"]

@@ -20,7 +20,7 @@ struct Limits {
   double doubtful;
   double bad;
 };
-constexpr Limits kDoubledShare{0.05, 0.15};
+constexpr Limits kDoubledShare{0.03, 0.15};
 constexpr Limits kCrossedShare{0.15, 0.30};
 constexpr Limits kMissedShare{0.10, 0.25};
 constexpr Limits kEntropyGain{0.693, 1.099};
