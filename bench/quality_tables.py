@@ -80,6 +80,21 @@ def runs_table(runs):
     return table(["world", "spoiled by", "seed>", "ATE [m]>", "map F1>", "verdict", "because of"], rows)
 
 
+def recorded_table(runs):
+    def percent(value):
+        return "" if value is None else f"{100 * value:.1f}"
+
+    rows = []
+    for run in runs:
+        q = run["quality"]
+        rows.append([run["log"], run["spoil"], f"{100 * q['wall_offset_m']:.1f}", percent(q["doubled_share"]),
+                     f"{figure(run, 'entropy_gain_nats'):.2f}", percent(figure(run, "free_space_violations")),
+                     percent(1 - figure(run, "held_out_agreement")), percent(figure(run, "degenerate_travel_share")),
+                     q["verdict"]])
+    return table(["log", "", "wall in two visits [cm]>", "drawn twice [%]>", "entropy gain [nats]>",
+                  "beams through walls [%]>", "not foretold [%]>", "degenerate travel [%]>", "verdict"], rows)
+
+
 def cost_line(runs):
     some = [run for run in runs if run["spoil"] == "as it is"]
     shares = [run["judging_s"] / run["wall_s"] for run in some]
@@ -96,7 +111,8 @@ def blocks_of(record, chosen_on, checked_on):
         "Each measure by itself, on the seeds checked on:", "", per_measure(checked), "", cost_line(record["runs"])])
     figures = "\n".join(["Least, median and largest value, on the seeds chosen on:", "", figures_table(chosen)])
     return [("quality-confusion", result), ("quality-figures", figures),
-            ("quality-runs", runs_table(checked))]
+            ("quality-runs", runs_table(checked)),
+            *([("quality-recorded", recorded_table(record["recorded"]))] if record.get("recorded") else [])]
 
 
 def headline(record, checked_on):
