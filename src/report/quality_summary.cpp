@@ -34,6 +34,16 @@ std::string badge(Verdict verdict) {
                      verdict == Verdict::kUnknown ? "not known" : to_string(verdict));
 }
 
+/// The sentence without the verdict that it begins with: the badge beside it says that.
+std::string reason_of(const MapVerdict& verdict) {
+  const auto colon = verdict.sentence.find(": ");
+  std::string reason =
+      colon == std::string::npos ? verdict.sentence : verdict.sentence.substr(colon + 2);
+  if (!reason.empty() && reason.front() >= 'a' && reason.front() <= 'z')
+    reason.front() = static_cast<char>(reason.front() - 'a' + 'A');
+  return reason;
+}
+
 std::string value_of(const QualityMeasure& measure) {
   if (measure.verdict == Verdict::kUnknown) return "–";
   if (measure.name == "wall_thickness_m" || measure.name == "certified_shift_m")
@@ -84,7 +94,7 @@ std::string html_quality(const MapResult& result, std::string_view quality_png) 
   if (result.verdict.measures.empty()) return {};
   const MapQuality& q = result.quality;
   std::string html = "<h2>How good is this map?</h2>\n<p class=\"verdict\">" +
-                     badge(result.verdict.overall) + " " + escape_html(result.verdict.sentence) +
+                     badge(result.verdict.overall) + " " + escape_html(reason_of(result.verdict)) +
                      "</p>\n<p class=\"soft\">Nobody knows the truth here; what can be checked is "
                      "whether the visits to the same places agree. ";
   html += fmt::format(

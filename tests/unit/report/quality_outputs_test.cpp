@@ -76,7 +76,7 @@ TEST(QualityOutputs, ReportSaysHowGoodTheMapIsAndShowsWhere) {
   EXPECT_NE(html.find("How good is this map?"), std::string::npos);
   for (const QualityMeasure& measure : result.verdict.measures)
     EXPECT_NE(html.find(measure.title), std::string::npos) << measure.title;
-  EXPECT_NE(html.find("state lost\">bad"), std::string::npos);
+  EXPECT_NE(html.find("state lost\">bad</span> Look at free-space violations."), std::string::npos);
   EXPECT_NE(html.find("state unknown\">not known"), std::string::npos);
   EXPECT_NE(html.find("3 of 4 places"), std::string::npos);
   test::expect_self_contained(html);
