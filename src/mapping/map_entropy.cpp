@@ -1,6 +1,7 @@
 #include "mapping/map_entropy.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
