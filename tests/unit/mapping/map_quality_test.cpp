@@ -312,9 +312,9 @@ TEST(MapEntropy, GrowsByTheLogarithmOfTheThickness) {
     std::vector<JudgedScan> scans(2);
     for (std::size_t visit = 0; visit < 2; ++visit) {
       scans[visit].stretch = static_cast<int>(visit) * kStretchesApart;
-      for (int i = 0; i < 4000; ++i) {
+      for (int i = 0; i < 1500; ++i) {
         const Eigen::Vector2f at(
-            static_cast<float>(0.001 * i),
+            static_cast<float>(0.0027 * i),
             static_cast<float>(0.01 * rng.normal() + static_cast<double>(visit) * offset_m));
         scans[visit].returns.push_back({at, at, {0.0F, 1.0F}});
       }
