@@ -58,6 +58,7 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   table.add("submaps", "submaps", s.submaps);
   table.add_row("loop closures", fmt::format("{} accepted, {} rejected", s.loop_closures_accepted,
                                              s.loop_closures_rejected));
+  table.add_row("quality", result.verdict.sentence);
   if (texture != nullptr) add_texture_rows(*texture, table);
   table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", info.wall_time_s,
                                     s.duration_s / std::max(info.wall_time_s, 1e-9)));

@@ -5,15 +5,20 @@
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/map_picture.hpp"
+#include "loopstone/report/quality_picture.hpp"
 #include "loopstone/report/texture_picture.hpp"
 #include "report/closure_csv.hpp"
 #include "report/output_files.hpp"
+#include "report/quality_summary.hpp"
 #include "report/report_html.hpp"
 #include "report/texture_files.hpp"
 #include "report/texture_summary.hpp"
 
 namespace loopstone {
 namespace {
+
+/// Places of 50 cm need fewer pixels than walls.
+constexpr int kQualitySidePx = 1200;
 
 /// A run that ended before its first scan still leaves a map that every tool can open: one unknown cell.
 CellStates states_to_write(const OccupancyMap& map) {
@@ -40,6 +45,13 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
   files.add("graph.g2o", "the final pose graph", format_g2o(result.graph));
   files.add("loop_closures.csv", "every place that was recognised or looked like it",
             format_closure_csv(result));
+  std::string quality_html;
+  if (!result.verdict.measures.empty()) {
+    const std::string where = encode_png(
+        draw_quality_picture(result, {.target_side_px = kQualitySidePx}), kPngCompression);
+    files.add("quality.png", "where visits to the same place agree, and where not", where);
+    quality_html = html_quality(result, where);
+  }
   std::string floor_html;
   if (texture != nullptr) {
     add_texture_files(*texture, files);
@@ -56,7 +68,7 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
   files.add("summary.json", "every figure of the run, for programs",
             format_summary(result, info, texture));
   files.add("report.html", "this page",
-            format_report(result, info, picture, files.listed(), floor_html));
+            format_report(result, info, picture, files.listed(), quality_html, floor_html));
   files.commit();
   folder.keep();
 }

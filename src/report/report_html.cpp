@@ -74,6 +74,7 @@ std::string key_figures(const MapResult& result, const RunInfo& info) {
        {"optimisation, wall", readable_time(s.optimisation_s)},
        {"adjustment to surfaces, wall", readable_time(s.adjustment_s)},
        {"drawing the map, wall", readable_time(s.rendering_s)},
+       {"judging the map, wall", readable_time(s.judging_s)},
        {"speed",
         readable(ratio_or_zero(static_cast<double>(s.scans), info.wall_time_s)) + " scans/s"},
        {"peak memory", readable_bytes(info.peak_memory_bytes)},
@@ -198,13 +199,15 @@ std::string loop_closures(const MapResult& result) {
 }  // namespace
 
 std::string format_report(const MapResult& result, const RunInfo& info, std::string_view map_png,
-                          const std::vector<ListedFile>& files, const std::string& floor_html) {
+                          const std::vector<ListedFile>& files, const std::string& quality_html,
+                          const std::string& floor_html) {
   std::string body = "<p class=\"verdict\">" + verdict(result, info) + "</p>\n";
   body += html_warnings(result.warnings);
   body += html_figure(html_picture(map_png, "map", "Occupancy map with the robot's path"),
                       "White is free, black occupied, grey not seen. The path runs from blue "
                       "(start) to orange (end); "
                       "accepted loop closures are green.");
+  body += quality_html;
   body += "<h2>Key figures</h2>\n" + key_figures(result, info);
   body += floor_html;
   body += "<h2>Path</h2>\n" + path_plot(result) + motion_plots(result);

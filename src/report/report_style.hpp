@@ -44,7 +44,7 @@ svg.plot .curve { stroke-width: 1.6; stroke-linejoin: round; stroke-linecap: rou
 svg.plot .curve.a { stroke: var(--a); } svg.plot .curve.b { stroke: var(--b); } svg.plot .curve.c { stroke: var(--c); }
 .tracking { fill: var(--tracking); } .doubtful { fill: var(--doubtful); } .lost { fill: var(--lost); } svg.plot .band { opacity: var(--tint); } svg.plot .band.tracking { opacity: .04; }
 .state { display: inline-block; border-radius: .3rem; padding: 0 .45rem; font-size: .85rem; font-weight: 600; color: #fff; white-space: nowrap; }
-.state.tracking { background: #0072b2; } .state.doubtful { background: #e69f00; color: #1f2937; } .state.lost { background: #b0004e; }
+.state.tracking { background: #0072b2; } .state.doubtful { background: #e69f00; color: #1f2937; } .state.lost { background: #b0004e; } .state.unknown { background: #6b7280; }
 .gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr)); gap: 1rem; }
 .gallery figure { margin: 0; } .gallery img { display: block; width: 100%; border: 1px solid var(--line); border-radius: .4rem; }
 @media print { :root { color-scheme: light; --ink: #000; --soft: #444; --ground: #fff; --card: #f5f6f8; --line: #ccc; --a: #1d4ed8;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "loopstone/report/map_outputs.hpp"
+#include "report/quality_summary.hpp"
 #include "report/texture_summary.hpp"
 
 namespace loopstone {
@@ -49,6 +50,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"optimisation_wall_s", s.optimisation_s},
       {"adjustment_wall_s", s.adjustment_s},
       {"rendering_wall_s", s.rendering_s},
+      {"judging_wall_s", s.judging_s},
       {"realtime_factor", ratio_or_zero(s.duration_s, info.wall_time_s)},
       {"scans_per_s", ratio_or_zero(static_cast<double>(s.scans), info.wall_time_s)},
       {"threads", info.threads},
@@ -63,6 +65,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"graph_cost", s.graph_cost},
       {"surface_spread_before_m", s.surface_spread_before_m},
       {"surface_spread_m", s.surface_spread_m},
+      {"quality", quality_json(result)},
       {"warnings", result.warnings},
   };
   if (info.pace) {

@@ -175,6 +175,10 @@ MapResult Mapper::finish() {
   result.graph = back_end.graph();
   result.loop_closures = back_end.closures();
   result.statistics = statistics_;
+  // The graph's own solution is judged: the adjustment knows more than its edges.
+  const Stopwatch judging_graph;
+  result.graph_quality = assess_graph(result);
+  result.statistics.judging_s = judging_graph.seconds();
   if (options_.adjustment.enabled) {
     const Stopwatch watch;
     auto adjusted = adjust_to_surfaces(result.graph, key_surfaces(), options_.adjustment, threads_);
@@ -237,6 +241,10 @@ MapResult Mapper::finish() {
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
   statistics.graph_cost = graph_cost(result.graph);
+  const Stopwatch judging;
+  result.quality = assess_map(posed, threads_);
+  result.verdict = judge_map(result);
+  statistics.judging_s += judging.seconds();
   result.warnings = warnings_of(result, options_.loop_closure);
   return result;
 }

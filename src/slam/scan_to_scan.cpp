@@ -231,6 +231,11 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
         (result.trajectory.back().stamp - result.trajectory.front().stamp).seconds();
   }
   const auto guessed = std::count(links.matched.begin(), links.matched.end(), false) - 1;
+  const Stopwatch judging;
+  result.quality = assess_map(posed, threads_);
+  result.graph_quality = assess_graph(result);
+  result.verdict = judge_map(result);
+  statistics.judging_s = judging.seconds();
   if (links.complete && guessed > 0) {
     result.warnings.push_back(std::to_string(guessed) + " of " + std::to_string(links.nodes - 1) +
                               " consecutive scans did not match; odometry stood in.");

@@ -10,6 +10,7 @@
 #include "loopstone/evaluation/trajectory_error.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/relations_file.hpp"
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "support/recorded_data.hpp"
 #include "support/simulated_log.hpp"
@@ -98,6 +99,22 @@ TEST(MappingSimulated, RoomsThatLookAlikeAreNotTakenForEachOther) {
   const MapResult result = map_of(log);
   EXPECT_EQ(false_closures(result, log), 0);
   EXPECT_LT(ate_rmse_m(result.trajectory, log), 0.05);
+}
+
+TEST(MappingSimulated, TheVerdictTellsARightMapFromASpoiledOne) {
+  if (small_scale()) GTEST_SKIP() << "needs the whole drive";
+  SimulationOptions options{.odometry_poses = true};
+  options.laser.beams = 180;
+  options.laser.fov_rad = radians(179.0);
+  options.laser.rate_hz = 5.0;
+  const SimulatedLog log = simulate_log("office", 11, options);
+  const MapResult right = map_of(log);
+  ASSERT_LT(ate_rmse_m(right.trajectory, log), 0.04);
+  EXPECT_EQ(right.verdict.overall, Verdict::kGood) << right.verdict.sentence;
+  const MapResult spoiled = map_of(log, {.loop_closure = false});
+  ASSERT_GT(ate_rmse_m(spoiled.trajectory, log), 0.08) << "much more between two visits";
+  EXPECT_EQ(spoiled.verdict.overall, Verdict::kBad) << spoiled.verdict.sentence;
+  EXPECT_GT(spoiled.quality.places_in_trouble(), 10 * right.quality.places_in_trouble());
 }
 
 TEST(MappingSimulated, ThreadsDoNotChangeTheResultDeterministically) {

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/mapping/map_quality.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/odometry/trajectory.hpp"
+#include "loopstone/slam/map_verdict.hpp"
 
 namespace loopstone {
 
@@ -44,6 +46,7 @@ struct MapStatistics {
   double optimisation_s = 0.0;
   double adjustment_s = 0.0;
   double rendering_s = 0.0;
+  double judging_s = 0.0;
   double graph_cost = 0.0;               ///< sum e^T Omega e
   double surface_spread_before_m = 0.0;  ///< of points about their walls, see SurfaceAdjustment
   double surface_spread_m = 0.0;         ///< after the adjustment; 0 when there was none
@@ -58,6 +61,9 @@ struct MapResult {
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
   MapStatistics statistics;
+  MapQuality quality;                 ///< what the scans say about each other
+  GraphQuality graph_quality;         ///< what the pose graph says about itself
+  MapVerdict verdict;                 ///< of both, in plain words
   std::vector<std::string> warnings;  ///< in plain words, for the user
   bool complete = true;               ///< false when it was interrupted
 };

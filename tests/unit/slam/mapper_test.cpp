@@ -142,6 +142,11 @@ TEST(Mapper, OneAndManyThreadsGiveTheSameBytes) {
   }
   ASSERT_EQ(one.graph.edges.size(), many.graph.edges.size());
   EXPECT_EQ(one.graph.poses, many.graph.poses);
+  ASSERT_EQ(one.verdict.measures.size(), many.verdict.measures.size());
+  for (std::size_t i = 0; i < one.verdict.measures.size(); ++i) {
+    EXPECT_EQ(one.verdict.measures[i].value, many.verdict.measures[i].value);
+    EXPECT_EQ(one.verdict.measures[i].sentence, many.verdict.measures[i].sentence);
+  }
   for (std::size_t i = 0; i < one.graph.edges.size(); ++i) {
     EXPECT_EQ(one.graph.edges[i].from_T_to, many.graph.edges[i].from_T_to);
     EXPECT_EQ(one.graph.edges[i].information, many.graph.edges[i].information);
@@ -157,6 +162,16 @@ TEST(Mapper, OneAndManyThreadsGiveTheSameBytes) {
   EXPECT_EQ(one.map.observed.cells(), many.map.observed.cells());
 }
 
+TEST(Mapper, JudgesItsMap) {
+  const MapResult& result = mapped();
+  EXPECT_EQ(result.verdict.overall, Verdict::kGood) << result.verdict.sentence;
+  EXPECT_GT(result.quality.walls_compared, 1000) << "the last third was driven twice";
+  EXPECT_LT(result.quality.wall_offset_m, 0.02);
+  EXPECT_GT(result.graph_quality.loops, 0);
+  ASSERT_TRUE(result.graph_quality.certificate.has_value());
+  EXPECT_TRUE(result.graph_quality.certificate->certified());
+}
+
 TEST(Mapper, NothingInNothingOut) {
   for (const int threads : {1, 3}) {
     Mapper mapper({}, {}, {threads});
@@ -166,6 +181,7 @@ TEST(Mapper, NothingInNothingOut) {
     EXPECT_TRUE(result.loop_closures.empty());
     EXPECT_EQ(result.statistics.scans, 0);
     EXPECT_EQ(result.statistics.path_length_m, 0.0);
+    EXPECT_EQ(result.verdict.overall, Verdict::kUnknown);
   }
   Mapper unfinished({}, {}, {2});  // may go without finish()
   for (std::size_t i = 0; i < 30; ++i) unfinished.add(recording().messages[i]);

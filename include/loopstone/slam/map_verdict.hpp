@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "loopstone/graph/certificate.hpp"
+
+namespace loopstone {
+
+struct MapResult;
+
+enum class Verdict {
+  kUnknown,  ///< nothing was measured that could tell
+  kGood,
+  kDoubtful,
+  kBad,
+};
+[[nodiscard]] std::string_view to_string(Verdict verdict);
+
+/// What the pose graph says about itself.
+struct GraphQuality {
+  int loops = 0;  ///< independent ones: edges less nodes plus 1
+  double reduced_chi2 =
+      0.0;  ///< sum of e^T Omega e a degree of freedom (3 a loop); 1 is what the covariances promise
+  int closures_revoked = 0;  ///< that had been accepted and contradicted the rest
+  int closures = 0;          ///< accepted or revoked
+  /// Of the isotropic objective (certificate.hpp), from the map's poses; nothing when the graph has no loop or is too large.
+  std::optional<Certificate> certificate{};
+  double certified_shift_m =
+      0.0;  ///< largest distance of a node of the map from the proven optimum, best aligned
+};
+
+/// Reads graph and loop_closures. Cost: a few sparse factorisations of the graph.
+[[nodiscard]] GraphQuality assess_graph(const MapResult& result);
+
+/// One figure and what it means.
+struct QualityMeasure {
+  std::string name;   ///< unit at its end, as in summary.json
+  std::string title;  ///< in words
+  double value = 0.0;
+  Verdict verdict = Verdict::kUnknown;
+  std::string sentence;  ///< plain words
+};
+
+/// How good a map is, as far as its own scans can tell.
+struct MapVerdict {
+  Verdict overall = Verdict::kUnknown;
+  std::string sentence;
+  std::vector<QualityMeasure> measures{};  ///< always the same ones, in the same order
+};
+
+/// Turns the figures of quality, graph_quality and statistics into words. The thresholds come from what the figures mean, and were checked on simulated runs that were
+/// spoiled on purpose (bench/quality.py, docs/quality.md). Overall: the worst of what is known.
+[[nodiscard]] MapVerdict judge_map(const MapResult& result);
+
+}  // namespace loopstone

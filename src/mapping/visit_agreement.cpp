@@ -1,0 +1,200 @@
+#include "mapping/visit_agreement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "loopstone/grid/grid_frame.hpp"
+#include "loopstone/grid/ray_walk.hpp"
+#include "loopstone/mapping/map_quality.hpp"
+
+namespace loopstone {
+namespace {
+
+constexpr std::size_t kMostPieces = 20000;
+constexpr std::size_t kPiecesPerTask = 512;
+constexpr std::size_t kScansPerTask = 32;
+/// Pieces lie beside each other when they overlap by a good part of their length.
+constexpr float kBesideM = 0.07F;
+/// A return belongs to a piece this near along the wall.
+constexpr float kAlongM = 0.1F;
+/// A beam passes a piece itself, not what may be beside it.
+constexpr auto kHalfPieceM = static_cast<float>(0.5 * kPieceM);
+/// Beams along a wall (more than 70 deg from its normal) pass it or not by a hair.
+constexpr float kLeastIncidence = 0.34F;
+/// Beyond, a small error of heading makes a beam pass a door post on the wrong side.
+constexpr float kMostBeamM = 12.0F;
+/// One scan in so many is held out.
+constexpr std::size_t kHeldOutEvery = 4;
+
+float across(const WallPiece& piece, const Eigen::Vector2f& point) {
+  return piece.normal.dot(point - piece.position);
+}
+float along(const WallPiece& piece, const Eigen::Vector2f& point) {
+  const Eigen::Vector2f offset = point - piece.position;
+  return std::abs(piece.normal.x() * offset.y() - piece.normal.y() * offset.x());
+}
+
+template <typename Part>
+std::vector<Part> joined(const std::vector<std::vector<Part>>& parts) {
+  std::vector<Part> all;
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Nearest piece of each other visit.
+class NearestByVisit {
+ public:
+  explicit NearestByVisit(int stretches) : nearest_m_(static_cast<std::size_t>(stretches), kNone) {}
+
+  void take(int stretch, float distance_m) {
+    float& nearest = nearest_m_[static_cast<std::size_t>(stretch)];
+    if (nearest == kNone) touched_.push_back(stretch);
+    nearest = std::min(nearest, distance_m);
+  }
+  /// Calls visit(distance) for each visit, and forgets them.
+  template <typename Visit>
+  void finish(Visit&& visit) {
+    for (const int stretch : touched_) {
+      float& nearest = nearest_m_[static_cast<std::size_t>(stretch)];
+      visit(nearest);
+      nearest = kNone;
+    }
+    touched_.clear();
+  }
+
+ private:
+  static constexpr float kNone = 1e9F;
+  std::vector<float> nearest_m_;
+  std::vector<int> touched_{};
+};
+
+/// Whether the beam enters the piece from its front, well inside its length, and comes out behind.
+bool passes(const JudgedBeam& beam, const WallPiece& piece, float margin_m) {
+  const float before = across(piece, beam.start);
+  const float behind = across(piece, beam.end);
+  if (!(before > margin_m && behind < -margin_m)) return false;
+  const Eigen::Vector2f way = beam.end - beam.start;
+  if (before - behind < kLeastIncidence * way.norm()) return false;
+  return along(piece, beam.start + way * (before / (before - behind))) <= kHalfPieceM;
+}
+
+bool ends_on(const JudgedBeam& beam, const WallPiece& piece, float margin_m) {
+  const Eigen::Vector2f way = beam.end - beam.start;
+  return -piece.normal.dot(way) >= kLeastIncidence * way.norm() &&
+         std::abs(across(piece, beam.end)) <= margin_m && along(piece, beam.end) <= kAlongM;
+}
+
+void meet(const JudgedBeam& beam, int stretch, const PieceIndex& index, float margin_m,
+          std::vector<BeamMeeting>& meetings) {
+  const Eigen::Vector2f way = beam.end - beam.start;
+  const float length = way.norm();
+  const float walked = std::min(length - margin_m, kMostBeamM);
+  if (!(walked > 0.0F)) return;
+  const GridFrame frame{.origin = {0.0, 0.0}, .resolution = kPieceM};
+  const Eigen::Vector2f last = beam.start + way * (walked / length);
+  bool crossed = false;
+  walk_ray(
+      grid_point_of(frame, beam.start.cast<double>()), grid_point_of(frame, last.cast<double>()),
+      [&](Cell cell) {
+        if (crossed) return;
+        index.for_each_in(cell, [&](const WallPiece& piece) {
+          if (crossed || !are_apart(piece.stretch, stretch)) return;
+          if (!passes(beam, piece, margin_m)) return;
+          crossed = true;
+          meetings.push_back({piece.position, static_cast<std::int32_t>(index.position_of(piece))});
+        });
+      });
+  if (crossed || length > kMostBeamM) return;
+  bool ended = false;
+  index.for_each_around(index.cell_of(beam.end), 1, [&](const WallPiece& piece) {
+    if (ended || !are_apart(piece.stretch, stretch) || !ends_on(beam, piece, margin_m)) return;
+    ended = true;
+    meetings.push_back({beam.end});
+  });
+}
+
+}  // namespace
+
+std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches, Threads threads) {
+  const auto& pieces = index.pieces();
+  const std::size_t looked = std::min(pieces.size(), kMostPieces);
+  std::vector<std::vector<WallOffset>> parts((looked + kPiecesPerTask - 1) / kPiecesPerTask);
+  parallel_for(parts.size(), threads, [&](std::size_t task) {
+    NearestByVisit nearest(stretches);
+    const std::size_t end = std::min((task + 1) * kPiecesPerTask, looked);
+    for (std::size_t i = task * kPiecesPerTask; i < end; ++i) {
+      const WallPiece& piece = pieces[i * pieces.size() / looked];
+      constexpr int kReach = static_cast<int>(kMostOffsetM / kPieceM);
+      index.for_each_around(index.cell_of(piece.position), kReach, [&](const WallPiece& other) {
+        if (!are_apart(piece.stretch, other.stretch) ||
+            piece.normal.dot(other.normal) < kSameFacing ||
+            along(piece, other.position) > kBesideM) {
+          return;
+        }
+        const float distance_m = std::abs(across(piece, other.position));
+        if (distance_m <= static_cast<float>(kMostOffsetM)) nearest.take(other.stretch, distance_m);
+      });
+      nearest.finish([&](float distance_m) {
+        parts[task].push_back({piece.position, distance_m});
+      });
+    }
+  });
+  return joined(parts);
+}
+
+std::vector<BeamMeeting> beam_meetings(std::span<const JudgedScan> scans, const PieceIndex& index,
+                                       float margin_m, Threads threads) {
+  std::vector<std::vector<BeamMeeting>> parts((scans.size() + kScansPerTask - 1) / kScansPerTask);
+  parallel_for(parts.size(), threads, [&](std::size_t task) {
+    const std::size_t first = task * kScansPerTask;
+    for (const JudgedScan& scan :
+         scans.subspan(first, std::min(kScansPerTask, scans.size() - first))) {
+      for (const JudgedBeam& beam : scan.beams)
+        meet(beam, scan.stretch, index, margin_m, parts[task]);
+    }
+  });
+  return joined(parts);
+}
+
+HeldOut held_out_agreement(std::span<const JudgedScan> scans, const PieceIndex& index,
+                           std::span<const std::uint8_t> crossed, float tolerance_m,
+                           Threads threads) {
+  constexpr std::size_t kPerTask = kScansPerTask * kHeldOutEvery;
+  std::vector<HeldOut> parts((scans.size() + kPerTask - 1) / kPerTask);
+  parallel_for(parts.size(), threads, [&](std::size_t task) {
+    const std::size_t end = std::min((task + 1) * kPerTask, scans.size());
+    for (std::size_t s = task * kPerTask; s < end; s += kHeldOutEvery) {
+      const int stretch = scans[s].stretch;
+      for (const WallReturn& seen : scans[s].returns) {
+        bool foretold = false;
+        bool missed = false;
+        constexpr int kReach = static_cast<int>(0.5 * kMostOffsetM / kPieceM);
+        index.for_each_around(index.cell_of(seen.surface), kReach, [&](const WallPiece& piece) {
+          if (piece.normal.dot(seen.normal) < kSameFacing || along(piece, seen.surface) > kAlongM) {
+            return;
+          }
+          const bool here = std::abs(across(piece, seen.surface)) <= tolerance_m;
+          if (are_apart(piece.stretch, stretch)) {
+            (here ? foretold : missed) = true;
+          } else if (here && crossed[index.position_of(piece)] != 0) {
+            missed = true;
+          }
+        });
+        if (foretold) {
+          ++parts[task].foretold;
+        } else if (missed) {
+          ++parts[task].missed;
+        }
+      }
+    }
+  });
+  HeldOut total;
+  for (const HeldOut& part : parts) {
+    total.foretold += part.foretold;
+    total.missed += part.missed;
+  }
+  return total;
+}
+
+}  // namespace loopstone

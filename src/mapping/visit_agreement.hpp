@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "loopstone/base/parallel_for.hpp"
+#include "mapping/judged_scans.hpp"
+#include "mapping/wall_pieces.hpp"
+
+// What one visit says about the walls of the others.
+
+namespace loopstone {
+
+/// The same wall in two visits.
+struct WallOffset {
+  Eigen::Vector2f where;
+  float offset_m = 0.0F;
+};
+
+/// Pairs pieces of wall with the nearest one of every other visit that faces the same way and lies beside it, at most
+/// kMostOffsetM away. At most some ten thousand pieces, evenly chosen, look for theirs.
+[[nodiscard]] std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches,
+                                                   Threads threads);
+
+/// A beam that met a wall of another visit.
+struct BeamMeeting {
+  Eigen::Vector2f where;
+  std::int32_t crossed =
+      -1;  ///< the piece it went through (PieceIndex::pieces); -1: it ended there
+};
+
+/// \param margin_m  a wall that the beam's end lies behind by less is the one that it ended on
+[[nodiscard]] std::vector<BeamMeeting> beam_meetings(std::span<const JudgedScan> scans,
+                                                     const PieceIndex& index, float margin_m,
+                                                     Threads threads);
+
+struct HeldOut {
+  std::int64_t foretold = 0;  ///< another visit has a wall there
+  std::int64_t missed = 0;    ///< other visits have the wall elsewhere nearby, or looked through it
+};
+
+/// \param crossed      of each piece, whether a beam of another visit went through it
+/// \param tolerance_m  how near another visit's wall has to be
+[[nodiscard]] HeldOut held_out_agreement(std::span<const JudgedScan> scans, const PieceIndex& index,
+                                         std::span<const std::uint8_t> crossed, float tolerance_m,
+                                         Threads threads);
+
+}  // namespace loopstone

@@ -1,0 +1,123 @@
+#include "mapping/wall_pieces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace loopstone {
+namespace {
+
+/// A wall that a single scan saw may be a passer-by.
+constexpr int kLeastScans = 2;
+/// Lines fitted around a corner face everywhere between its two walls; what is a wall faces one way: the length of the mean
+/// normal, for a spread of about 14 deg.
+constexpr float kLeastStraightness = 0.97F;
+
+struct PieceSum {
+  float weight = 0.0F;
+  float x = 0.0F;  ///< from the cell's centre
+  float y = 0.0F;
+  float normal_x = 0.0F;
+  float normal_y = 0.0F;
+  std::int16_t scans = 0;
+  std::int16_t last_scan = -1;
+};
+
+/// Two sides of a thin wall, or the two walls of a corner.
+struct PieceCell {
+  std::array<PieceSum, 2> sums{};
+};
+
+bool faces_same(const PieceSum& sum, const Eigen::Vector2f& normal) {
+  const float dot = sum.normal_x * normal.x() + sum.normal_y * normal.y();
+  const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
+  return dot > 0.0F && dot * dot > kSameFacing * kSameFacing * length2;
+}
+
+void add_to(PieceCell& cell, const Eigen::Vector2f& offset, const Eigen::Vector2f& normal,
+            std::int16_t scan) {
+  for (PieceSum& sum : cell.sums) {
+    if (sum.weight != 0.0F && !faces_same(sum, normal)) continue;
+    sum.weight += 1.0F;
+    sum.x += offset.x();
+    sum.y += offset.y();
+    sum.normal_x += normal.x();
+    sum.normal_y += normal.y();
+    if (sum.last_scan != scan) ++sum.scans;
+    sum.last_scan = scan;
+    return;
+  }
+}
+
+BlockGrid<PieceCell> sums_of(std::span<const JudgedScan> scans) {
+  BlockGrid<PieceCell> grid(kPieceM);
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    for (const WallReturn& seen : scans[s].returns) {
+      const Cell at = grid.cell_of(static_cast<double>(seen.surface.x()),
+                                   static_cast<double>(seen.surface.y()));
+      for (int row = at.row - 1; row <= at.row + 1; ++row) {
+        for (int column = at.column - 1; column <= at.column + 1; ++column) {
+          const Eigen::Vector2f centre = grid.centre_of({column, row}).cast<float>();
+          add_to(grid.at({column, row}), seen.surface - centre, seen.normal,
+                 static_cast<std::int16_t>(s));
+        }
+      }
+    }
+  }
+  return grid;
+}
+
+}  // namespace
+
+StretchWalls stretch_walls(std::span<const JudgedScan> scans) {
+  StretchWalls walls;
+  if (scans.empty()) return walls;
+  const BlockGrid<PieceCell> grid = sums_of(scans);
+  grid.for_each([&](Cell cell, const PieceCell& piece) {
+    for (const PieceSum& sum : piece.sums) {
+      if (sum.scans < kLeastScans) continue;
+      const Eigen::Vector2f normal(sum.normal_x, sum.normal_y);
+      if (normal.norm() < kLeastStraightness * sum.weight) continue;
+      const Eigen::Vector2f offset(sum.x / sum.weight, sum.y / sum.weight);
+      if (offset.cwiseAbs().maxCoeff() > static_cast<float>(0.5 * kPieceM)) continue;
+      walls.pieces.push_back({grid.centre_of(cell).cast<float>() + offset, normal.normalized(),
+                              scans.front().stretch});
+    }
+  });
+  for (const JudgedScan& scan : scans) {
+    for (const WallReturn& seen : scan.returns) {
+      const Cell at = grid.cell_of(static_cast<double>(seen.surface.x()),
+                                   static_cast<double>(seen.surface.y()));
+      const PieceCell* piece = grid.find(at);
+      if (piece == nullptr) continue;
+      for (const PieceSum& sum : piece->sums) {
+        if (sum.scans < kLeastScans || !faces_same(sum, seen.normal)) continue;
+        const Eigen::Vector2f mean =
+            grid.centre_of(at).cast<float>() + Eigen::Vector2f(sum.x, sum.y) / sum.weight;
+        const Eigen::Vector2f normal = Eigen::Vector2f(sum.normal_x, sum.normal_y).normalized();
+        walls.spread_m.push_back(std::abs(normal.dot(seen.surface - mean)));
+        break;
+      }
+    }
+  }
+  return walls;
+}
+
+PieceIndex::PieceIndex(std::vector<WallPiece> pieces) : pieces_(std::move(pieces)) {
+  const auto before = [&](const WallPiece& a, const WallPiece& b) {
+    const Cell cell_a = cell_of(a.position);
+    const Cell cell_b = cell_of(b.position);
+    if (cell_a.row != cell_b.row) return cell_a.row < cell_b.row;
+    return cell_a.column < cell_b.column;
+  };
+  // Stable: within a cell they stay in the order of the stretches.
+  std::stable_sort(pieces_.begin(), pieces_.end(), before);
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    Run& run = grid_.at(cell_of(pieces_[i].position));
+    if (run.end == 0) run.first = static_cast<std::int32_t>(i);
+    run.end = static_cast<std::int32_t>(i + 1);
+  }
+}
+
+}  // namespace loopstone

@@ -1,0 +1,86 @@
+#include "loopstone/report/quality_picture.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "loopstone/mapping/map_quality.hpp"
+#include "report/canvas.hpp"
+#include "report/map_view.hpp"
+#include "report/picture_parts.hpp"
+
+namespace loopstone {
+namespace {
+
+// The report's colours of trust (state_style.hpp): told apart by hue, and by lightness where eyes tell no hues.
+const Colour kTogether = hex_colour(0x0072b2, 0.42);
+const Colour kBeside = hex_colour(0xe69f00, 0.62);
+const Colour kApart = hex_colour(0xb0004e, 0.66);
+const Colour kCrossed = hex_colour(0xb0004e);
+const Colour kSeenOnce = hex_colour(0x6b7280, 0.22);
+
+/// The map with its contrast taken back, so that what lies over it is read first.
+Image paled(Image image) {
+  for (std::uint8_t& channel : image.bytes) {
+    channel = static_cast<std::uint8_t>(255 - (255 - channel) * 3 / 5);
+  }
+  return image;
+}
+
+Colour colour_of(const QualityPlace& place) {
+  if (place.is_doubled() || place.is_crossed()) return kApart;
+  if (place.compared == 0 && place.beams == 0) return kSeenOnce;
+  return static_cast<double>(place.offset_m) > 0.5 * kDoubledM ? kBeside : kTogether;
+}
+
+void draw_cross(Point low, double side, double width, Canvas& canvas) {
+  canvas.line({low, {low.x + side, low.y + side}}, width, kCrossed);
+  canvas.line({{low.x + side, low.y}, {low.x, low.y + side}}, width, kCrossed);
+}
+
+void add_legend(const PictureSizes& sizes, Footer& footer) {
+  const double side = 0.9 * sizes.text;
+  const auto swatch = [&](const Colour& colour, const std::string& words) {
+    footer.add("", side, words, [=](Canvas& canvas, Point at) {
+      canvas.fill_rectangle({at.x, at.y - 0.5 * side}, side, side, colour);
+    });
+  };
+  swatch(kTogether, "visits agree");
+  swatch(kBeside, "5 to 10 cm apart");
+  swatch(kApart, "more, or crossed");
+  footer.add("", side, "beams went through", [=](Canvas& canvas, Point at) {
+    draw_cross({at.x, at.y - 0.5 * side}, side, 0.3 * sizes.path, canvas);
+  });
+  swatch(kSeenOnce, "seen once");
+}
+
+}  // namespace
+
+Image draw_quality_picture(const MapResult& result, const MapPictureOptions& options) {
+  const MapView view =
+      view_of(result.map, result.trajectory, options.target_side_px, options.most_side_px);
+  const PictureSizes sizes(std::max(view.width_px, view.height_px));
+  const int width = std::max(view.width_px, static_cast<int>(16.0 * sizes.text));
+  Footer footer(sizes, width);
+  footer.add_scale_bar(view.pixels_per_metre());
+  add_legend(sizes, footer);
+
+  Canvas canvas(width, view.height_px + static_cast<int>(footer.height()), kUnseenGround);
+  canvas.paste(paled(shade_map(result.map, view)), 0, 0);
+  const double side = kPlaceM * view.pixels_per_metre();
+  canvas.clip({0.0, 0.0}, view.width_px, view.height_px);
+  for (const QualityPlace& place : result.quality.places) {
+    const Point centre = view.pixel_of(place.centre.cast<double>());
+    const Point low{centre.x - 0.5 * side, centre.y - 0.5 * side};
+    canvas.fill_rectangle(low, side, side, colour_of(place));
+    if (place.is_crossed()) {
+      draw_cross({low.x + 0.15 * side, low.y + 0.15 * side}, 0.7 * side,
+                 std::max(1.0, 0.3 * sizes.path), canvas);
+    }
+  }
+  canvas.unclip();
+  footer.draw(canvas, view.height_px);
+  return canvas.image();
+}
+
+}  // namespace loopstone

@@ -1,0 +1,232 @@
+#include "loopstone/slam/map_verdict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "loopstone/slam/map_result.hpp"
+
+namespace loopstone {
+namespace {
+
+/// Where good ends and where bad begins. What they mean and how they were checked: docs/quality.md.
+struct Limits {
+  double doubtful;
+  double bad;
+};
+constexpr Limits kDoubledShare{0.03, 0.15};
+constexpr Limits kCrossedShare{0.15, 0.30};
+constexpr Limits kMissedShare{0.10, 0.25};
+constexpr Limits kEntropyGain{0.693, 1.099};
+constexpr Limits kReducedChi2{1.5, 4.0};
+constexpr Limits kRevokedShare{0.05, 0.30};
+constexpr Limits kDegenerateShare{0.05, 0.50};
+constexpr double kShortM = 1.0;           ///< of degenerate travel: nothing
+constexpr double kCertifiedNearM = 0.10;  ///< two cells of a map of 5 cm
+
+/// Fewer than these say nothing.
+constexpr std::int64_t kLeastWalls = 200;
+constexpr std::int64_t kLeastBeams = 500;
+constexpr std::int64_t kLeastReturns = 500;
+constexpr std::int64_t kLeastEntropyPoints = 50;
+
+Verdict against(const Limits& limits, double value) {
+  if (!(value <= limits.bad)) return Verdict::kBad;
+  return value <= limits.doubtful ? Verdict::kGood : Verdict::kDoubtful;
+}
+
+/// With so many digits behind the point, whatever the locale.
+std::string number(double value, int digits) {
+  if (!std::isfinite(value)) return "n/a";
+  std::array<char, 64> text{};
+  const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, digits);
+  return end.ec == std::errc{} ? std::string(text.begin(), end.ptr) : "n/a";
+}
+std::string centimetres(double metres) { return number(100.0 * metres, 1) + " cm"; }
+std::string percent(double share) { return number(100.0 * share, share < 0.0995 ? 1 : 0) + " %"; }
+
+constexpr const char* kSeenOnce =
+    "No place was seen in two visits, so there is nothing to compare.";
+
+QualityMeasure wall_thickness(const MapQuality& q) {
+  QualityMeasure measure{
+      .name = "wall_thickness_m", .title = "Wall thickness", .value = q.wall_thickness_m};
+  if (q.walls_compared < kLeastWalls) {
+    measure.sentence = kSeenOnce;
+    return measure;
+  }
+  measure.verdict = against(kDoubledShare, q.doubled_share);
+  measure.sentence = "The same wall lies " + centimetres(q.wall_offset_m) +
+                     " apart in two visits (5 of 100: more than " +
+                     centimetres(q.wall_offset_worst_m) + "); the scanner's own noise is " +
+                     centimetres(q.sensor_noise_m) + ". " + percent(q.doubled_share) +
+                     " of the walls are drawn twice, more than " + number(100.0 * kDoubledM, 0) +
+                     " cm apart.";
+  return measure;
+}
+
+QualityMeasure entropy(const MapQuality& q) {
+  QualityMeasure measure{
+      .name = "entropy_gain_nats", .title = "Mean map entropy", .value = q.entropy_gain_nats};
+  if (q.entropy_points < kLeastEntropyPoints) {
+    measure.sentence = kSeenOnce;
+    return measure;
+  }
+  measure.verdict = against(kEntropyGain, q.entropy_gain_nats);
+  measure.sentence = "The mean map entropy is " + number(q.entropy_nats, 2) + " nats, " +
+                     number(q.entropy_gain_nats, 2) +
+                     " more than that of single stretches of travel: the map is " +
+                     number(std::exp(q.entropy_gain_nats), 1) + " times as blurred as they are.";
+  return measure;
+}
+
+QualityMeasure violations(const MapQuality& q) {
+  QualityMeasure measure{
+      .name = "free_space_violations", .title = "Free-space violations", .value = q.crossed_share};
+  if (q.beams_tested < kLeastBeams) {
+    measure.sentence = kSeenOnce;
+    return measure;
+  }
+  measure.verdict = against(kCrossedShare, q.crossed_share);
+  measure.sentence = percent(q.crossed_share) +
+                     " of the beams that met a wall of another visit went through it. What moved "
+                     "between the visits (doors, chairs, people) counts as well.";
+  return measure;
+}
+
+QualityMeasure held_out(const MapQuality& q) {
+  QualityMeasure measure{.name = "held_out_agreement",
+                         .title = "Agreement of held-out scans",
+                         .value = q.held_out_agreement};
+  if (q.held_out_returns < kLeastReturns) {
+    measure.sentence = kSeenOnce;
+    return measure;
+  }
+  measure.verdict = against(kMissedShare, 1.0 - q.held_out_agreement);
+  measure.sentence = "The other visits foretell " + percent(q.held_out_agreement) +
+                     " of the returns of scans that were held out, where they had looked.";
+  return measure;
+}
+
+QualityMeasure loops(const GraphQuality& g) {
+  QualityMeasure measure{
+      .name = "reduced_chi2", .title = "Chi-square of the loops", .value = g.reduced_chi2};
+  if (g.loops < 1 || g.closures < 1) {
+    measure.sentence = "No loop was closed, so drift was neither measured nor corrected.";
+    return measure;
+  }
+  const double revoked = static_cast<double>(g.closures_revoked) / g.closures;
+  measure.verdict =
+      std::max(against(kReducedChi2, g.reduced_chi2), against(kRevokedShare, revoked));
+  measure.sentence = "The loops close with " + number(g.reduced_chi2, 2) +
+                     " times the squared error that the graph's own covariances promise; " +
+                     std::to_string(g.closures_revoked) + " of " + std::to_string(g.closures) +
+                     " closures contradicted the others and were revoked.";
+  return measure;
+}
+
+QualityMeasure certified(const GraphQuality& g) {
+  QualityMeasure measure{
+      .name = "certified_shift_m", .title = "Certified", .value = g.certified_shift_m};
+  if (!g.certificate) {
+    measure.sentence = g.loops < 1 ? "Without loops the graph has one solution: nothing to prove."
+                                   : "The graph is too large to be certified in passing.";
+    return measure;
+  }
+  if (!g.certificate->certified()) {
+    measure.verdict = Verdict::kDoubtful;
+    measure.sentence = "It was not proven that the graph's solution is the best one there is (" +
+                       std::string(to_string(g.certificate->status)) + ").";
+    return measure;
+  }
+  const bool near = g.certified_shift_m <= kCertifiedNearM;
+  measure.verdict = near ? Verdict::kGood : Verdict::kDoubtful;
+  measure.sentence =
+      "The best solution of the graph is known and proven; no pose of the map lies "
+      "farther than " +
+      centimetres(g.certified_shift_m) + " from it.";
+  return measure;
+}
+
+QualityMeasure degenerate(const MapStatistics& s) {
+  QualityMeasure measure{
+      .name = "degenerate_travel_share",
+      .title = "Degenerate travel",
+      .value = s.path_length_m > 0.0 ? s.degenerate_travel_m / s.path_length_m : 0.0};
+  if (!(s.path_length_m > kShortM)) {
+    measure.sentence = "The robot did not travel.";
+    return measure;
+  }
+  measure.verdict =
+      s.degenerate_travel_m <= kShortM ? Verdict::kGood : against(kDegenerateShare, measure.value);
+  measure.sentence =
+      number(s.degenerate_travel_m, 1) + " m of " + number(s.path_length_m, 0) +
+      " m ran where the laser leaves one direction open (bare corridors); there the map is as "
+      "long as odometry says.";
+  return measure;
+}
+
+std::string overall_sentence(Verdict overall, bool compared,
+                             const std::vector<QualityMeasure>& measures) {
+  std::string culprits;
+  for (const QualityMeasure& measure : measures) {
+    if (measure.verdict != overall) continue;
+    std::string title = measure.title;
+    title.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(title.front())));
+    culprits += (culprits.empty() ? "" : ", ") + title;
+  }
+  switch (overall) {
+    case Verdict::kGood:
+      return "Good: wherever places were seen in two visits, the visits agree.";
+    case Verdict::kDoubtful:
+      return "Doubtful: look at " + culprits + ".";
+    case Verdict::kBad:
+      return "Bad: look at " + culprits + ".";
+    case Verdict::kUnknown:
+      break;
+  }
+  return compared ? "Not known."
+                  : "Not known: no place was seen in two visits, so nothing tells how far the map "
+                    "drifted.";
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kGood:
+      return "good";
+    case Verdict::kDoubtful:
+      return "doubtful";
+    case Verdict::kBad:
+      return "bad";
+    case Verdict::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+MapVerdict judge_map(const MapResult& result) {
+  const MapQuality& quality = result.quality;
+  MapVerdict verdict;
+  verdict.measures = {wall_thickness(quality),      entropy(quality),
+                      violations(quality),          held_out(quality),
+                      loops(result.graph_quality),  certified(result.graph_quality),
+                      degenerate(result.statistics)};
+  Verdict worst = Verdict::kUnknown;
+  for (const QualityMeasure& measure : verdict.measures) worst = std::max(worst, measure.verdict);
+  // That the graph agrees with itself is no evidence about the walls: without two visits nothing is called good.
+  const bool compared = verdict.measures[0].verdict != Verdict::kUnknown ||
+                        verdict.measures[2].verdict != Verdict::kUnknown;
+  verdict.overall = worst == Verdict::kGood && !compared ? Verdict::kUnknown : worst;
+  verdict.sentence = overall_sentence(verdict.overall, compared, verdict.measures);
+  return verdict;
+}
+
+}  // namespace loopstone

@@ -1,0 +1,199 @@
+#include "loopstone/slam/map_verdict.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "loopstone/geometry/angle.hpp"
+#include "loopstone/slam/map_result.hpp"
+
+namespace loopstone {
+namespace {
+
+/// A map without fault: every figure measured, every figure fine.
+MapResult fine_map() {
+  MapResult result;
+  result.quality = {.scans = 500,
+                    .visits = 40,
+                    .returns = 50000,
+                    .sensor_noise_m = 0.01,
+                    .local_spread_m = 0.005,
+                    .walls_compared = 5000,
+                    .wall_offset_m = 0.01,
+                    .wall_offset_worst_m = 0.04,
+                    .doubled_share = 0.004,
+                    .wall_thickness_m = 0.016,
+                    .entropy_points = 1000,
+                    .entropy_nats = -3.0,
+                    .entropy_gain_nats = 0.3,
+                    .beams_tested = 20000,
+                    .crossed_share = 0.02,
+                    .held_out_returns = 9000,
+                    .held_out_agreement = 0.97};
+  result.graph_quality.loops = 20;
+  result.graph_quality.closures = 20;
+  result.graph_quality.reduced_chi2 = 0.4;
+  result.graph_quality.certificate = Certificate{.status = CertificateStatus::kCertified};
+  result.graph_quality.certified_shift_m = 0.01;
+  result.statistics.path_length_m = 200.0;
+  result.statistics.degenerate_travel_m = 2.0;
+  return result;
+}
+
+Verdict verdict_of(const MapVerdict& verdict, const std::string& name) {
+  const auto found = std::find_if(verdict.measures.begin(), verdict.measures.end(),
+                                  [&](const auto& measure) { return measure.name == name; });
+  EXPECT_NE(found, verdict.measures.end()) << name;
+  return found == verdict.measures.end() ? Verdict::kUnknown : found->verdict;
+}
+
+TEST(MapVerdict, IsGoodWhenAllIs) {
+  const MapVerdict verdict = judge_map(fine_map());
+  EXPECT_EQ(verdict.overall, Verdict::kGood);
+  EXPECT_EQ(verdict.measures.size(), 7U);
+  for (const QualityMeasure& measure : verdict.measures) {
+    EXPECT_EQ(measure.verdict, Verdict::kGood) << measure.name;
+    EXPECT_FALSE(measure.sentence.empty()) << measure.name;
+    EXPECT_FALSE(measure.title.empty()) << measure.name;
+  }
+  EXPECT_EQ(verdict.sentence.substr(0, 4), "Good");
+}
+
+/// One figure spoiled, and what becomes of it.
+struct Spoiled {
+  const char* name;
+  void (*spoil)(MapResult&, double);
+  double doubtful;
+  double bad;
+};
+
+TEST(MapVerdict, FollowsEachFigureByItself) {
+  const std::vector<Spoiled> cases{
+      {"wall_thickness_m", [](MapResult& r, double v) { r.quality.doubled_share = v; }, 0.1, 0.4},
+      {"entropy_gain_nats", [](MapResult& r, double v) { r.quality.entropy_gain_nats = v; }, 0.9,
+       1.5},
+      {"free_space_violations", [](MapResult& r, double v) { r.quality.crossed_share = v; }, 0.2,
+       0.5},
+      {"held_out_agreement", [](MapResult& r, double v) { r.quality.held_out_agreement = v; }, 0.85,
+       0.4},
+      {"degenerate_travel_share",
+       [](MapResult& r, double v) { r.statistics.degenerate_travel_m = v * 200.0; }, 0.2, 0.8},
+      {"reduced_chi2", [](MapResult& r, double v) { r.graph_quality.reduced_chi2 = v; }, 2.0, 9.0},
+  };
+  for (const Spoiled& spoiled : cases) {
+    for (const bool bad : {false, true}) {
+      MapResult result = fine_map();
+      spoiled.spoil(result, bad ? spoiled.bad : spoiled.doubtful);
+      const MapVerdict verdict = judge_map(result);
+      const Verdict expected = bad ? Verdict::kBad : Verdict::kDoubtful;
+      EXPECT_EQ(verdict_of(verdict, spoiled.name), expected) << spoiled.name;
+      EXPECT_EQ(verdict.overall, expected) << spoiled.name;
+      const auto good =
+          std::count_if(verdict.measures.begin(), verdict.measures.end(),
+                        [](const auto& measure) { return measure.verdict == Verdict::kGood; });
+      EXPECT_EQ(good, 6) << spoiled.name;
+    }
+  }
+}
+
+TEST(MapVerdict, WhatIsNotProvenIsDoubtfulNotBad) {
+  MapResult result = fine_map();
+  result.graph_quality.certificate->status = CertificateStatus::kGapOpen;
+  EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful);
+  result = fine_map();
+  result.graph_quality.certified_shift_m = 3.0;
+  EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful);
+  result = fine_map();
+}
+
+TEST(MapVerdict, ManyRevokedClosuresAreSuspicious) {
+  MapResult result = fine_map();
+  result.graph_quality.closures_revoked = 3;
+  EXPECT_EQ(verdict_of(judge_map(result), "reduced_chi2"), Verdict::kDoubtful);
+  result.graph_quality.closures_revoked = 15;
+  EXPECT_EQ(verdict_of(judge_map(result), "reduced_chi2"), Verdict::kBad);
+}
+
+TEST(MapVerdict, AFigureThatIsNoNumberIsNotGood) {
+  MapResult result = fine_map();
+  result.quality.crossed_share = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(judge_map(result).overall, Verdict::kBad);
+}
+
+TEST(MapVerdict, WithoutASecondVisitNothingIsKnown) {
+  const MapVerdict empty = judge_map(MapResult{});
+  EXPECT_EQ(empty.overall, Verdict::kUnknown);
+  for (const QualityMeasure& measure : empty.measures)
+    EXPECT_EQ(measure.verdict, Verdict::kUnknown) << measure.name;
+
+  MapResult once;
+  once.quality = {.scans = 100, .visits = 20, .returns = 10000, .sensor_noise_m = 0.01};
+  once.statistics.path_length_m = 80.0;
+  EXPECT_EQ(judge_map(once).overall, Verdict::kUnknown)
+      << "no degenerate travel is no evidence for a good map";
+  once.statistics.degenerate_travel_m = 20.0;
+  EXPECT_EQ(judge_map(once).overall, Verdict::kDoubtful);
+}
+
+/// A square of four nodes; the last edge closes the loop.
+MapResult square(double wrong_m) {
+  MapResult result;
+  const Pose2 side{1.0, 0.0, kPi / 2.0};
+  Pose2 pose;
+  for (int i = 0; i < 4; ++i) {
+    result.graph.poses.push_back(pose);
+    pose = pose * side;
+    if (i > 0) result.graph.edges.push_back({NodeId{i - 1}, NodeId{i}, side});
+  }
+  result.graph.edges.push_back({NodeId{3}, NodeId{0}, Pose2{1.0 + wrong_m, 0.0, kPi / 2.0},
+                                Eigen::Matrix3d::Identity(), EdgeKind::kLoopClosure});
+  return result;
+}
+
+TEST(GraphQuality, CountsLoopsAndTheirError) {
+  MapResult result = square(0.3);
+  const GraphQuality quality = assess_graph(result);
+  EXPECT_EQ(quality.loops, 1);
+  EXPECT_NEAR(quality.reduced_chi2, 0.3 * 0.3 / 3.0, 1e-9);
+  result.graph.edges.pop_back();
+  const GraphQuality open = assess_graph(result);
+  EXPECT_EQ(open.loops, 0);
+  EXPECT_EQ(open.reduced_chi2, 0.0);
+  EXPECT_FALSE(open.certificate.has_value());
+  EXPECT_EQ(assess_graph(MapResult{}).loops, 0);
+}
+
+TEST(GraphQuality, CertifiesTheSolutionAndTellsHowFarTheMapIsFromIt) {
+  const GraphQuality exact = assess_graph(square(0.0));
+  ASSERT_TRUE(exact.certificate.has_value());
+  EXPECT_TRUE(exact.certificate->certified());
+  EXPECT_NEAR(exact.certified_shift_m, 0.0, 1e-6);
+  MapResult bent = square(0.0);
+  bent.graph.poses[2].x += 0.4;  // not at the optimum
+  const GraphQuality moved = assess_graph(bent);
+  ASSERT_TRUE(moved.certificate.has_value());
+  EXPECT_TRUE(moved.certificate->certified());
+  EXPECT_GT(moved.certified_shift_m, 0.15);
+  EXPECT_LT(moved.certified_shift_m, 0.45);
+}
+
+TEST(GraphQuality, AClosureThatWasInTheGraphAndIsNoMoreWasRevoked) {
+  MapResult result;
+  LoopClosure accepted;
+  accepted.accepted = true;
+  accepted.chi2 = 2.0;
+  LoopClosure rejected;
+  LoopClosure revoked;
+  revoked.chi2 = 40.0;
+  result.loop_closures = {accepted, rejected, revoked, accepted};
+  const GraphQuality quality = assess_graph(result);
+  EXPECT_EQ(quality.closures, 3);
+  EXPECT_EQ(quality.closures_revoked, 1);
+}
+
+}  // namespace
+}  // namespace loopstone
