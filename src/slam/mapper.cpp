@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "loopstone/slam/back_end.hpp"
+#include "slam/odometry_warnings.hpp"
 #include "slam/stopwatch.hpp"
 #include "slam/task_queue.hpp"
 
@@ -17,15 +18,20 @@ constexpr double kStillM = 0.01;
 constexpr double kStillRad = 0.005;
 
 /// What the user should know about the run, in plain words.
-std::vector<std::string> warnings_of(const MapResult& result, bool loop_closure) {
+std::vector<std::string> warnings_of(const MapResult& result, const MapOptions& options,
+                                     bool has_gyro) {
   const MapStatistics& s = result.statistics;
   std::vector<std::string> warnings;
   const auto share = [&](std::int64_t count) {
     return std::to_string(count) + " of " + std::to_string(s.scans) + " scans";
   };
-  if (s.scans > 0 && result.odometry.empty()) {
-    warnings.emplace_back(
-        "no odometry in the log: the motion between scans is guessed from the last one");
+  const bool ignored = options.front_end.odometry == "ignore";
+  if (s.scans > 0 && (ignored || result.odometry.empty())) {
+    const std::string none =
+        ignored ? "odometry was left out as asked: " : "no odometry in the log: ";
+    warnings.push_back(none + (has_gyro && !ignored
+                                   ? "the gyro tells the heading, distances are guessed"
+                                   : "the motion between scans is guessed from the last one"));
   }
   if (s.scans_dropped > 0) {
     warnings.push_back(share(s.scans_dropped) +
@@ -41,7 +47,7 @@ std::vector<std::string> warnings_of(const MapResult& result, bool loop_closure)
                        " m of the path ran where the laser leaves one direction open (corridors); "
                        "there the map is as long as odometry says");
   }
-  if (loop_closure && s.loop_closures_accepted == 0 && s.path_length_m > 30.0) {
+  if (options.loop_closure && s.loop_closures_accepted == 0 && s.path_length_m > 30.0) {
     warnings.emplace_back("no place was recognised a second time: drift was not corrected");
   }
   return warnings;
@@ -92,11 +98,12 @@ void Mapper::add(const SensorMessage& message) {
 void Mapper::add_scan(LaserScan scan) {
   const Stopwatch watch;
   const Pose2 robot_T_lidar = mount_of(scan, robot_);
-  const auto odometry = scan_queue_.odometer().pose_at(scan.stamp);
+  const auto odometry = scan_queue_.reading_at(scan.stamp);
   std::optional<Pose2> odom_T_robot;
-  if (odometry) odom_T_robot = odometry->pose;
+  if (odometry && odometry->has_translation) odom_T_robot = odometry->odom_T_robot;
+  if (odometry && !odometry->has_translation) ++gyro_scans_;
 
-  TrackedScan tracked = front_end_.add(scan, robot_T_lidar, odom_T_robot);
+  TrackedScan tracked = front_end_.add(scan, robot_T_lidar, odometry);
   if (!tracked.used) ++statistics_.scans_dropped;
   if (tracked.searched) ++statistics_.searches;
 
@@ -139,6 +146,17 @@ void Mapper::add_scan(LaserScan scan) {
   records_.push_back(std::move(record));
 }
 
+/// How odometry fared beside the laser.
+void Mapper::report_odometry(MapResult& result) const {
+  const OdometryCheck& check = front_end_.odometry_check();
+  MapStatistics& statistics = result.statistics;
+  result.odometry_episodes = check.episodes();
+  statistics.odometry_jumps = check.translation().jumps() + check.rotation().jumps();
+  statistics.odometry_translation_scale = check.translation().scale().value_or(0.0);
+  statistics.odometry_rotation_scale = check.rotation().scale().value_or(0.0);
+  statistics.odometry_distrusted_s = check.distrusted_s();
+}
+
 MapResult Mapper::finish() {
   scan_queue_.finish();
   while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
@@ -150,6 +168,7 @@ MapResult Mapper::finish() {
   result.graph = back_end.graph();
   result.loop_closures = back_end.closures();
   result.statistics = statistics_;
+  report_odometry(result);
 
   // Scans between two key scans share the correction of both, blended by time.
   std::vector<Pose2> map_T_local;
@@ -204,7 +223,9 @@ MapResult Mapper::finish() {
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
   statistics.graph_cost = graph_cost(result.graph);
-  result.warnings = warnings_of(result, options_.loop_closure);
+  result.warnings = warnings_of(result, options_, gyro_scans_ > 0);
+  const auto of_odometry = odometry_warnings(result);
+  result.warnings.insert(result.warnings.begin(), of_odometry.begin(), of_odometry.end());
   return result;
 }
 

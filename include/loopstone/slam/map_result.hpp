@@ -6,6 +6,7 @@
 
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/odometry/odometry_check.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 
 namespace loopstone {
@@ -38,6 +39,11 @@ struct MapStatistics {
   std::int64_t searches = 0;  ///< scans for which odometry and refinement alone were not trusted
   double degenerate_travel_m = 0.0;  ///< path during which a direction was unobserved by the laser
   double path_length_m = 0.0;
+  double odometry_distrusted_s =
+      0.0;                          ///< time during which odometry, or a part of it, was not used
+  std::int64_t odometry_jumps = 0;  ///< single motions that nothing but a jump explains
+  double odometry_translation_scale = 0.0;  ///< odometry's travel / the laser's; 0: unknown
+  double odometry_rotation_scale = 0.0;
   double duration_s = 0.0;   ///< of the recording
   double front_end_s = 0.0;  ///< wall time of the steps, which overlap
   double loop_closing_s = 0.0;
@@ -54,6 +60,7 @@ struct MapResult {
   PoseGraph graph;
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
+  std::vector<OdometryEpisode> odometry_episodes;  ///< when odometry was found wrong, and how
   MapStatistics statistics;
   std::vector<std::string> warnings;  ///< in plain words, for the user
   bool complete = true;               ///< false when it was interrupted

@@ -50,6 +50,7 @@ class Mapper {
   class BackEndWorker;
 
   void add_scan(LaserScan scan);
+  void report_odometry(MapResult& result) const;
 
   RobotModel robot_;
   MapOptions options_;
@@ -61,6 +62,7 @@ class Mapper {
   std::vector<Stamp> key_stamps_{};
   Pose2 last_mapped_{};
   MapStatistics statistics_{};
+  std::int64_t gyro_scans_ = 0;  ///< whose heading alone was known
 };
 
 }  // namespace loopstone
