@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t kPieces = 10;
 constexpr int kWrongToDistrust = 7;
-constexpr int kWrongToTrust = 2;
+constexpr int kRightToTrust = 8;
+constexpr double kClearlyRight = 0.5;
 /// Twice the share of a motion by which wheels may be off (one standard deviation) before anything is known of them.
 constexpr double kShare = 0.3;
 /// Heading lost by driving straight [rad/m].
@@ -58,7 +59,7 @@ void MotionAgreement::add(Stamp from, Stamp to, const Eigen::Vector2d& odometry,
       ++jumps_;
     }
     open_ = {from, odometry, laser};
-    close(true, true);
+    close(off, 0.0, true);
     return;
   }
   if (!is_open_) {
@@ -70,14 +71,15 @@ void MotionAgreement::add(Stamp from, Stamp to, const Eigen::Vector2d& odometry,
   open_.laser += laser;
   open_slack_ += slack;
   if (std::max(open_.odometry.norm(), open_.laser.norm()) < piece_) return;
-  close((open_.odometry - open_.laser).norm() > tolerance(open_.laser.norm(), open_slack_), false);
+  close((open_.odometry - open_.laser).norm(), tolerance(open_.laser.norm(), open_slack_), false);
 }
 
-void MotionAgreement::close(bool wrong, bool jump) {
+void MotionAgreement::close(double error, double tolerance, bool jump) {
   is_open_ = false;
-  open_.wrong = wrong;
+  open_.wrong = error > tolerance;
+  open_.right = error <= kClearlyRight * tolerance;
   open_.jump = jump;
-  if (!wrong) {
+  if (!open_.wrong) {
     right_.ol += open_.odometry.dot(open_.laser);
     right_.ll += open_.laser.squaredNorm();
     ++right_count_;
@@ -92,7 +94,9 @@ void MotionAgreement::close(bool wrong, bool jump) {
     jumps_ -= static_cast<int>(std::count_if(pieces_.begin(), pieces_.end(),
                                              [](const Piece& piece) { return piece.jump; }));
   }
-  if (!trusted_ && pieces_.size() == kPieces && count <= kWrongToTrust) trusted_ = true;
+  const auto right =
+      std::count_if(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.right; });
+  if (!trusted_ && right >= kRightToTrust) trusted_ = true;
 }
 
 MotionAgreement::Moments MotionAgreement::wrong_moments() const {

@@ -81,13 +81,6 @@ FrontEnd::FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match
       predictor_(options.odometry != "trust") {}
 
 TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
-                          const std::optional<Pose2>& odom_T_robot) {
-  std::optional<OdometryReading> odometry;
-  if (odom_T_robot) odometry = {*odom_T_robot};
-  return add(scan, robot_T_lidar, odometry);
-}
-
-TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
                           std::optional<OdometryReading> odometry) {
   if (options_.odometry == "ignore") odometry.reset();
   TrackedScan tracked;

@@ -52,8 +52,8 @@ struct MotionPair {
 
 /// One part of the motion, cut into pieces long enough that noise is small beside them. A piece is wrong when both
 /// disagree by more than twice what wheels are ever granted. Odometry loses trust when 7 of the last 10 pieces are wrong, which
-/// happens once in ten million pieces when one in twenty is wrong by chance (binomial), and regains it when no more than
-/// 2 of 10 are.
+/// happens once in ten million pieces when one in twenty is wrong by chance (binomial), and regains it when 8 of 10 are
+/// clearly right, within half of that.
 class MotionAgreement {
  public:
   /// \param piece  length of a piece [m or rad]
@@ -82,6 +82,7 @@ class MotionAgreement {
     Eigen::Vector2d odometry = Eigen::Vector2d::Zero();
     Eigen::Vector2d laser = Eigen::Vector2d::Zero();
     bool wrong = false;
+    bool right = false;  ///< clearly
     bool jump = false;
   };
   struct Moments {
@@ -92,7 +93,7 @@ class MotionAgreement {
 
   [[nodiscard]] double tolerance(double laser_length, double slack) const;
   [[nodiscard]] Moments wrong_moments() const;
-  void close(bool wrong, bool jump);
+  void close(double error, double tolerance, bool jump);
 
   double piece_;
   double rest_;

@@ -80,8 +80,6 @@ class FrontEnd {
   /// \param odometry  dead reckoning at the scan's stamp, if there is any
   [[nodiscard]] TrackedScan add(const LaserScan& scan, const Pose2& robot_T_lidar,
                                 std::optional<OdometryReading> odometry);
-  [[nodiscard]] TrackedScan add(const LaserScan& scan, const Pose2& robot_T_lidar,
-                                const std::optional<Pose2>& odom_T_robot);
 
   /// How odometry fared beside the laser.
   [[nodiscard]] const OdometryCheck& odometry_check() const { return predictor_.check(); }

@@ -65,8 +65,8 @@ Outcome track(FrontEnd& front_end, bool with_odometry, double noise_m) {
   Rng rng(21);
   const auto odometry = drifting_odometry();
   for (std::size_t i = 0; i < drive().size(); ++i) {
-    std::optional<Pose2> odom_T_robot;
-    if (with_odometry) odom_T_robot = odometry[i];
+    std::optional<OdometryReading> odom_T_robot;
+    if (with_odometry) odom_T_robot = OdometryReading{odometry[i]};
     outcome.scans.push_back(front_end.add(scan_at(i, noise_m, rng), kMount, odom_T_robot));
     for (auto& submap : outcome.scans.back().finished)
       outcome.finished.push_back(std::move(submap));
@@ -102,7 +102,7 @@ TEST(FrontEnd, FollowsARobotWithoutOdometry) {
 TEST(FrontEnd, FirstScanIsTheOriginAndAKeyScan) {
   FrontEnd front_end({}, {}, {});
   Rng rng(1);
-  const auto first = front_end.add(scan_at(0, 0.0, rng), kMount, Pose2{7.0, 8.0, 2.0});
+  const auto first = front_end.add(scan_at(0, 0.0, rng), kMount, OdometryReading{{7.0, 8.0, 2.0}});
   EXPECT_TRUE(first.used);
   EXPECT_TRUE(first.key);
   EXPECT_EQ(first.local_T_robot, Pose2{});
@@ -144,16 +144,16 @@ TEST(FrontEnd, AScanWithTooFewReturnsKeepsThePrediction) {
   FrontEnd front_end({}, {}, {});
   Rng rng(1);
   const auto odometry = drifting_odometry();
-  (void)front_end.add(scan_at(0, 0.0, rng), kMount, odometry[0]);
+  (void)front_end.add(scan_at(0, 0.0, rng), kMount, OdometryReading{odometry[0]});
   LaserScan blind = scan_at(1, 0.0, rng);
   std::fill(blind.ranges_m.begin(), blind.ranges_m.end(), std::numeric_limits<float>::infinity());
-  const auto dropped = front_end.add(blind, kMount, odometry[1]);
+  const auto dropped = front_end.add(blind, kMount, OdometryReading{odometry[1]});
   EXPECT_FALSE(dropped.used);
   EXPECT_FALSE(dropped.key);
   EXPECT_EQ(dropped.status, MatchStatus::kTooFewPairs);
   EXPECT_TRUE(pose_near(dropped.local_T_robot, odometry[0].inverse() * odometry[1], 1e-9, 1e-9));
   EXPECT_GT(dropped.covariance(0, 0), 1e-6);
-  const auto back = front_end.add(scan_at(2, 0.0, rng), kMount, odometry[2]);
+  const auto back = front_end.add(scan_at(2, 0.0, rng), kMount, OdometryReading{odometry[2]});
   EXPECT_TRUE(pose_near(back.local_T_robot, drive()[0].inverse() * drive()[2], 0.02, 0.01));
 }
 
@@ -177,7 +177,7 @@ int searches_when_the_wheels_jump(const FrontEndOptions& options) {
   for (std::size_t i = 0; i < 60; ++i) {
     if (i > 0) odometry = odometry * (drive()[i - 1].inverse() * drive()[i]);
     if (i == 40) odometry = odometry * Pose2{0.3, 0.2, 0.4};
-    const auto tracked = front_end.add(scan_at(i, 0.0, rng), kMount, odometry);
+    const auto tracked = front_end.add(scan_at(i, 0.0, rng), kMount, OdometryReading{odometry});
     if (tracked.searched) ++searches;
     if (i != 40) {
       EXPECT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.05, 0.02))
@@ -202,7 +202,7 @@ TEST(FrontEnd, StampsThatGoBackOrRepeatDoNoHarm) {
     auto scan = scan_at(i, 0.0, rng);
     if (i % 5 == 1) scan.stamp = stamp_at(i - 1);
     if (i % 7 == 3) scan.stamp = stamp_at(i - 2);
-    const auto tracked = front_end.add(scan, kMount, drive()[i]);
+    const auto tracked = front_end.add(scan, kMount, OdometryReading{drive()[i]});
     ASSERT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.03, 0.01))
         << "scan " << i;
   }
