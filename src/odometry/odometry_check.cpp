@@ -17,8 +17,9 @@ constexpr double kShare = 0.3;
 constexpr double kHeadingPerMetre = 0.03;
 /// A piece that takes longer is dropped: what adds up that slowly is drift, not a wrong reading.
 constexpr double kLongestPieceS = 4.0;
-/// A single step that is off by so many tolerances is a jump.
+/// A single step that is off by so many tolerances, and so many times what the robot moved, is a jump.
 constexpr double kJump = 3.0;
+constexpr double kJumpsApartS = 2.0;
 /// One side moves less than this share of the other: it stands. Squared.
 constexpr double kStands2 = 0.1 * 0.1;
 /// A factor explains the disagreement when no more than this share is left (root mean square). Squared.
@@ -45,6 +46,18 @@ std::string_view to_string(OdometryFault fault) {
   return "unknown";
 }
 
+std::string_view to_string(OdometryPart part) {
+  switch (part) {
+    case OdometryPart::kTranslation:
+      return "translation";
+    case OdometryPart::kRotation:
+      return "rotation";
+    case OdometryPart::kWhole:
+      return "whole";
+  }
+  return "unknown";
+}
+
 double MotionAgreement::tolerance(double laser_length, double slack) const {
   return rest_ + kShare * laser_length + slack;
 }
@@ -53,11 +66,13 @@ void MotionAgreement::add(Stamp from, Stamp to, const Eigen::Vector2d& odometry,
                           const Eigen::Vector2d& laser, double slack) {
   if (is_open_ && (to - open_.from).seconds() > kLongestPieceS) is_open_ = false;
   const double off = (odometry - laser).norm();
-  if (off > kJump * tolerance(laser.norm(), slack)) {
-    if (trusted_) {
-      if (jumps_ == 0) first_jump_ = to;
-      ++jumps_;
-    }
+  if (off > kJump * std::max(tolerance(laser.norm(), slack), laser.norm())) {
+    // One by itself is not the way odometry is wrong; one after the other they are.
+    const bool again = last_jump_ && (to - *last_jump_).seconds() < kJumpsApartS;
+    if (trusted_) ++jumps_;
+    last_jump_ = to;
+    is_open_ = false;
+    if (!again) return;
     open_ = {from, odometry, laser};
     close(off, 0.0, true);
     return;
@@ -169,7 +184,8 @@ OdometryEpisode* OdometryCheck::running(OdometryPart part) {
 
 void OdometryCheck::follow(const MotionAgreement& agreement, OdometryPart part, Stamp now) {
   OdometryEpisode* episode = running(part);
-  if (episode == nullptr && !agreement.trusted()) {
+  // What lags disagrees now and then: that is the same fault.
+  if (episode == nullptr && !agreement.trusted() && running(OdometryPart::kWhole) == nullptr) {
     episodes_.push_back({.part = part,
                          .fault = agreement.fault(),
                          .from = agreement.wrong_since(),

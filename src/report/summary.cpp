@@ -21,6 +21,24 @@ MapFigures figures_of(const OccupancyMap& map) {
           frame.columns * frame.resolution, frame.rows * frame.resolution};
 }
 
+/// When odometry was found wrong; times count from the first scan.
+nlohmann::ordered_json odometry_faults(const MapResult& result) {
+  auto list = nlohmann::ordered_json::array();
+  if (result.trajectory.empty()) return list;
+  const Stamp start = result.trajectory.poses().front().stamp;
+  for (const OdometryEpisode& episode : result.odometry_episodes) {
+    list.push_back({{"part", to_string(episode.part)},
+                    {"fault", to_string(episode.fault)},
+                    {"from_s", (episode.from - start).seconds()},
+                    {"noticed_s", (episode.noticed - start).seconds()},
+                    {"to_s", (episode.to - start).seconds()},
+                    {"over", episode.over},
+                    {"ratio", episode.ratio},
+                    {"lag_s", episode.lag_s}});
+  }
+  return list;
+}
+
 std::string format_summary(const MapResult& result, const RunInfo& info,
                            const FloorTexture* texture) {
   const MapStatistics& s = result.statistics;
@@ -64,6 +82,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"graph_nodes", result.graph.poses.size()},
       {"graph_edges", result.graph.edges.size()},
       {"graph_cost", s.graph_cost},
+      {"odometry_faults", odometry_faults(result)},
       {"warnings", result.warnings},
   };
   if (texture != nullptr) summary["texture"] = texture_json(*texture);

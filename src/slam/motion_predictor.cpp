@@ -76,7 +76,11 @@ std::vector<MotionGuess> MotionPredictor::guesses(
     return guesses;
   }
 
-  const Pose2 said = last_odometry_->odom_T_robot.inverse() * odometry->odom_T_robot;
+  Pose2 said = last_odometry_->odom_T_robot.inverse() * odometry->odom_T_robot;
+  // Wheels that were too large wherever the laser could see it are so along a corridor too.
+  const double scale = checks_ ? check_.translation().scale().value_or(1.0) : 1.0;
+  said.x /= scale;
+  said.y /= scale;
   const bool translates = odometry->has_translation && (!checks_ || check_.trusts_translation());
   const bool turns = !checks_ || check_.trusts_rotation();
   const double travelled = std::hypot(said.x, said.y);

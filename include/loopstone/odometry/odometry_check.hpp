@@ -26,6 +26,8 @@ enum class OdometryFault {
 
 enum class OdometryPart { kTranslation, kRotation, kWhole };
 
+[[nodiscard]] std::string_view to_string(OdometryPart part);
+
 /// A time during which odometry, or a part of it, was not trusted.
 struct OdometryEpisode {
   OdometryPart part = OdometryPart::kWhole;
@@ -72,7 +74,6 @@ class MotionAgreement {
   [[nodiscard]] Stamp wrong_since() const;
   /// Steps so far off that nothing but a jump explains them, while the pieces around were right.
   [[nodiscard]] int jumps() const { return jumps_; }
-  [[nodiscard]] Stamp first_jump() const { return first_jump_; }
   /// Odometry's motion / the laser's over all pieces that were right; nothing before there were 20 of them.
   [[nodiscard]] std::optional<double> scale() const;
 
@@ -103,7 +104,7 @@ class MotionAgreement {
   std::deque<Piece> pieces_{};
   bool trusted_ = true;
   int jumps_ = 0;
-  Stamp first_jump_{};
+  std::optional<Stamp> last_jump_{};
   Moments right_{};
   int right_count_ = 0;
 };
