@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kPieces = 10;
 constexpr int kWrongToDistrust = 7;
+constexpr int kWrongInARow = 5;
 constexpr int kRightToTrust = 8;
 constexpr double kClearlyRight = 0.5;
 /// Twice the share of a motion by which wheels may be off (one standard deviation) before anything is known of them.
@@ -103,7 +104,8 @@ void MotionAgreement::close(double error, double tolerance, bool jump) {
   if (pieces_.size() > kPieces) pieces_.pop_front();
   const auto count =
       std::count_if(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.wrong; });
-  if (trusted_ && count >= kWrongToDistrust) {
+  wrong_in_a_row_ = open_.wrong ? wrong_in_a_row_ + 1 : 0;
+  if (trusted_ && (count >= kWrongToDistrust || wrong_in_a_row_ >= kWrongInARow)) {
     trusted_ = false;
     // What looked like jumps was the fault.
     jumps_ -= static_cast<int>(std::count_if(pieces_.begin(), pieces_.end(),

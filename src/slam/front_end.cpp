@@ -25,9 +25,9 @@ constexpr int kMostLost = 5;
 /// Beyond 5 standard deviations the guess was an error, however far.
 constexpr double kScorePerChi2 = 0.004;
 constexpr double kMostChi2 = 25.0;
-/// A match farther from its guess than chance explains (chi-square, 3 degrees of freedom, 0.001) shows that the guess was
+/// A match farther from its guess than chance explains (chi-square, 3 degrees of freedom, 0.05) shows that the guess was
 /// wrong; then it keeps this share of its weight.
-constexpr double kSurprise = 16.3;
+constexpr double kSurprise = 7.8;
 constexpr double kOutvoted = 0.01;
 /// Without odometry, a scan that explains so much less than usual is searched for.
 constexpr double kScoreDrop = 0.1;

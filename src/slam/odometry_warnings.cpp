@@ -9,8 +9,9 @@ namespace loopstone {
 
 namespace {
 
-/// A jump may be the laser's mistake; several are not.
+/// Three jumps, and more than one in a thousand scans; fewer may be the laser's mistakes.
 constexpr std::int64_t kFewestJumps = 3;
+constexpr std::int64_t kScansPerMistake = 1000;
 
 std::string number(double value, int digits) {
   char text[64];
@@ -55,8 +56,9 @@ std::vector<std::string> odometry_warnings(const MapResult& result) {
                        what_is_wrong(episode) + "; it was not used from " + since(episode.noticed) +
                        " s on");
   }
-  if (result.statistics.odometry_jumps >= kFewestJumps) {
-    warnings.push_back("odometry jumped " + std::to_string(result.statistics.odometry_jumps) +
+  const MapStatistics& s = result.statistics;
+  if (s.odometry_jumps >= kFewestJumps && s.odometry_jumps * kScansPerMistake > s.scans) {
+    warnings.push_back("odometry jumped " + std::to_string(s.odometry_jumps) +
                        " times; there the laser alone was believed");
   }
   return warnings;

@@ -53,8 +53,8 @@ struct MotionPair {
 };
 
 /// One part of the motion, cut into pieces long enough that noise is small beside them. A piece is wrong when both
-/// disagree by more than twice what wheels are ever granted. Odometry loses trust when 7 of the last 10 pieces are wrong, which
-/// happens once in ten million pieces when one in twenty is wrong by chance (binomial), and regains it when 8 of 10 are
+/// disagree by more than twice what wheels are ever granted. Odometry loses trust when 5 in a row or 7 of the last 10 pieces are
+/// wrong, which happens once in some million pieces when one in twenty is wrong by chance (binomial), and regains it when 8 of 10 are
 /// clearly right, within half of that.
 class MotionAgreement {
  public:
@@ -102,6 +102,7 @@ class MotionAgreement {
   bool is_open_ = false;
   double open_slack_ = 0.0;
   std::deque<Piece> pieces_{};
+  int wrong_in_a_row_ = 0;
   bool trusted_ = true;
   int jumps_ = 0;
   std::optional<Stamp> last_jump_{};
