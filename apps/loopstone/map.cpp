@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "floor_run.hpp"
 #include "log_run.hpp"
+#include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
@@ -73,6 +74,9 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   if (arguments.no_loop_closure) options.loop_closure = false;
   if (arguments.odometry) options.front_end.odometry = *arguments.odometry;
 
+  if (textbook && arguments.odometry) {
+    throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
+  }
   ProblemPrinter print_problem(context);
   const auto reader = open_log(
       arguments.log, {.strict = arguments.strict,

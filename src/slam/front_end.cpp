@@ -37,6 +37,8 @@ constexpr double kFreeWindow = 2.0;
 /// A sweep bent by more than this by a wrong velocity is straightened anew.
 constexpr double kBendM = 0.01;
 constexpr double kBendRad = 0.005;
+/// Each pass takes away what the sweep is of the time between scans: half of the error or more.
+constexpr int kStraightenings = 3;
 
 /// Squared Mahalanobis distance of a match from its prior.
 double surprise(const MatchResult& match, const PosePrior2& prior) {
@@ -54,10 +56,13 @@ double merit(const MatchResult& match, std::span<const PosePrior2> priors) {
   return match.score - kScorePerChi2 * nearest;
 }
 
+double sweep_seconds(const LaserScan& scan) {
+  return std::abs(scan.time_increment_s) * static_cast<double>(scan.ranges_m.size());
+}
+
 /// Whether a velocity that is wrong by so much bends a sweep.
 bool bends(const LaserScan& scan, const Tangent2& velocity_error) {
-  const double sweep_s =
-      std::abs(scan.time_increment_s) * static_cast<double>(scan.ranges_m.size());
+  const double sweep_s = sweep_seconds(scan);
   return velocity_error.head<2>().norm() * sweep_s > kBendM ||
          std::abs(velocity_error.z()) * sweep_s > kBendRad;
 }
@@ -87,23 +92,24 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   const std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
   tracked.local_T_robot = guesses.front().local_T_robot;
 
-  Tangent2 velocity = velocity_to(guesses.front().local_T_robot, scan.stamp);
+  Tangent2 velocity = velocity_to(guesses.front().local_T_robot, scan);
   auto surfaces = surfaces_of(scan, robot_T_lidar, velocity);
   tracked.used = surfaces.size() >= kMinPoints;
   MotionPredictor::Seen seen;
 
   if (tracked.used && !active_.empty()) {
     Alignment alignment = align(surfaces, guesses);
-    if (has_supported_pose(alignment.match.status) && !alignment.lost) {
+    for (int pass = 0; pass < kStraightenings && !alignment.lost; ++pass) {
       // A scan that was straightened by a wrong velocity is straightened anew.
-      const Tangent2 matched = velocity_to(alignment.match.target_T_source, scan.stamp);
-      if (bends(scan, matched - velocity)) {
-        surfaces = surfaces_of(scan, robot_T_lidar, matched);
-        MotionGuess again = guesses.front();
-        again.local_T_robot = alignment.match.target_T_source;
-        again.information *= kOutvoted;
-        alignment.match = align(surfaces, std::span(&again, 1)).match;
-      }
+      if (!has_supported_pose(alignment.match.status)) break;
+      const Tangent2 matched = velocity_to(alignment.match.target_T_source, scan);
+      if (!bends(scan, matched - velocity)) break;
+      velocity = matched;
+      surfaces = surfaces_of(scan, robot_T_lidar, velocity);
+      MotionGuess again = guesses.front();
+      again.local_T_robot = alignment.match.target_T_source;
+      again.information *= kOutvoted;
+      alignment.match = align(surfaces, std::span(&again, 1)).match;
     }
     tracked.searched = alignment.searched;
     const MatchResult& match = alignment.match;
@@ -132,10 +138,12 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   return tracked;
 }
 
-Tangent2 FrontEnd::velocity_to(const Pose2& local_T_robot, Stamp stamp) const {
+Tangent2 FrontEnd::velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const {
   const auto& last = predictor_.last_stamp();
-  if (!last || stamp <= *last) return Tangent2::Zero();
-  return log(predictor_.last_pose().inverse() * local_T_robot) / (stamp - *last).seconds();
+  if (!last || scan.stamp <= *last) return Tangent2::Zero();
+  // No scanner begins its next sweep before the last one is over; stamps that say so are wrong.
+  const double seconds = std::max((scan.stamp - *last).seconds(), sweep_seconds(scan));
+  return log(predictor_.last_pose().inverse() * local_T_robot) / seconds;
 }
 
 std::vector<SurfacePoint> FrontEnd::surfaces_of(const LaserScan& scan, const Pose2& robot_T_lidar,

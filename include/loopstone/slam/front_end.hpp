@@ -114,7 +114,7 @@ class FrontEnd {
                                 std::span<const PosePrior2> priors,
                                 const MatchResult& matched) const;
   /// Constant from the last scan's pose to this one [m/s, m/s, rad/s], robot frame.
-  [[nodiscard]] Tangent2 velocity_to(const Pose2& local_T_robot, Stamp stamp) const;
+  [[nodiscard]] Tangent2 velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const;
   [[nodiscard]] bool moved_enough(const Pose2& local_T_robot) const;
   void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
               const Pose2& robot_T_lidar, TrackedScan& tracked);

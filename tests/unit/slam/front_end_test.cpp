@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -204,6 +205,79 @@ TEST(FrontEnd, StampsThatGoBackOrRepeatDoNoHarm) {
     if (i % 7 == 3) scan.stamp = stamp_at(i - 2);
     const auto tracked = front_end.add(scan, kMount, OdometryReading{drive()[i]});
     ASSERT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.03, 0.01))
+        << "scan " << i;
+  }
+}
+
+/// How far off the track is at most when the wheels say this of each step.
+void expect_on_track_with(const std::function<Pose2(const Pose2&)>& wheels) {
+  FrontEnd front_end({}, {}, {});
+  Rng rng(5);
+  Pose2 odometry;
+  for (std::size_t i = 0; i < drive().size(); ++i) {
+    if (i > 0) odometry = odometry * wheels(drive()[i - 1].inverse() * drive()[i]);
+    const auto tracked = front_end.add(scan_at(i, 0.01, rng), kMount, OdometryReading{odometry});
+    ASSERT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.05, 0.02))
+        << "scan " << i;
+  }
+  EXPECT_FALSE(front_end.odometry_check().episodes().empty());
+}
+
+TEST(FrontEnd, WrongWheelsDoNotDragTheLaserAlong) {
+  expect_on_track_with([](const Pose2&) { return Pose2{}; });
+  expect_on_track_with([](const Pose2& step) { return Pose2{step.x, step.y, -step.yaw}; });
+  expect_on_track_with([](const Pose2& step) {
+    return Pose2{1.8 * step.x, 1.8 * step.y, 1.8 * step.yaw};
+  });
+  expect_on_track_with([](const Pose2& step) { return Pose2{-step.x, step.y, step.yaw}; });
+}
+
+TEST(FrontEnd, OdometryThatIsIgnoredDoesNotMatter) {
+  const FrontEndOptions ignoring{.odometry = "ignore"};
+  FrontEnd without(ignoring, {}, {});
+  FrontEnd with(ignoring, {}, {});
+  Rng rng(6);
+  for (std::size_t i = 0; i < 60; ++i) {
+    const LaserScan scan = scan_at(i, 0.01, rng);
+    const Pose2 nonsense{0.7 * static_cast<double>(i), -3.0, 0.3 * static_cast<double>(i)};
+    EXPECT_EQ(without.add(scan, kMount, {}).local_T_robot,
+              with.add(scan, kMount, OdometryReading{nonsense}).local_T_robot);
+  }
+}
+
+TEST(FrontEnd, AScanThatContradictsTheMapStaysOutOfIt) {
+  FrontEnd front_end({}, {}, {});
+  Rng rng(7);
+  for (std::size_t i = 0; i < 60; ++i) {
+    const bool is_strange = i >= 40 && i < 43;
+    LaserScan scan = scan_at(i, 0.0, rng);
+    // A ball of people close around the robot.
+    if (is_strange) {
+      for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam)
+        scan.ranges_m[beam] = 0.4F + 0.1F * static_cast<float>(beam % 7 < 3);
+    }
+    const auto tracked = front_end.add(scan, kMount, OdometryReading{drive()[i]});
+    EXPECT_FALSE(is_strange && tracked.key) << "scan " << i;
+    EXPECT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.05, 0.02))
+        << "scan " << i;
+  }
+}
+
+TEST(FrontEnd, ASlowSweepIsStraightenedByTheMotionThatTheLaserSaw) {
+  // The robot starts to spin at once: the first prediction, to stand still, bends the sweep by 0.1 rad.
+  FrontEnd front_end({}, {}, {});
+  const Pose2 place{3.0, 2.5, 0.2};
+  const double rate_rad_s = 1.0;
+  for (int i = 0; i < 30; ++i) {
+    const double turned = i < 10 ? 0.0 : 0.1 * rate_rad_s * (i - 9);
+    const Pose2 world_T_robot = place * Pose2{0.0, 0.0, turned};
+    const Tangent2 velocity(0.0, 0.0, i < 10 ? 0.0 : rate_rad_s);
+    const Scanner scanner{.time_increment_s = 0.09 / 540.0};
+    auto scan =
+        test::scan_from(test::furnished_room(), world_T_robot, kMount, scanner, nullptr, velocity);
+    scan.stamp = stamp_at(static_cast<std::size_t>(i));
+    const auto tracked = front_end.add(scan, kMount, {});
+    ASSERT_TRUE(pose_near(tracked.local_T_robot, Pose2{0.0, 0.0, turned}, 0.02, 0.01))
         << "scan " << i;
   }
 }
