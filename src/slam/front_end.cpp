@@ -29,6 +29,8 @@ constexpr double kMostChi2 = 25.0;
 /// wrong; then it keeps this share of its weight.
 constexpr double kSurprise = 7.8;
 constexpr double kOutvoted = 0.01;
+/// Scores that differ by less say the same.
+constexpr double kSameScore = 0.02;
 /// Without odometry, a scan that explains so much less than usual is searched for.
 constexpr double kScoreDrop = 0.1;
 constexpr double kScoreMemory = 50.0;
@@ -98,7 +100,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   MotionPredictor::Seen seen;
 
   if (tracked.used && !active_.empty()) {
-    Alignment alignment = align(surfaces, guesses);
+    Alignment alignment = align(surfaces, guesses, predictor_.coast_guesses(scan.stamp));
     for (int pass = 0; pass < kStraightenings && !alignment.lost; ++pass) {
       // A scan that was straightened by a wrong velocity is straightened anew.
       if (!has_supported_pose(alignment.match.status)) break;
@@ -109,7 +111,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
       MotionGuess again = guesses.front();
       again.local_T_robot = alignment.match.target_T_source;
       again.information *= kOutvoted;
-      alignment.match = align(surfaces, std::span(&again, 1)).match;
+      alignment.match = align(surfaces, std::span(&again, 1), {}).match;
     }
     tracked.searched = alignment.searched;
     const MatchResult& match = alignment.match;
@@ -154,7 +156,8 @@ std::vector<SurfacePoint> FrontEnd::surfaces_of(const LaserScan& scan, const Pos
 }
 
 FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
-                                    std::span<const MotionGuess> guesses) const {
+                                    std::span<const MotionGuess> guesses,
+                                    std::span<const MotionGuess> others) const {
   const ActiveSubmap& target = active_.front();
   const Pose2 submap_T_local = target.local_T_submap.inverse();
   // Priors turn with the frame.
@@ -162,27 +165,30 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
   turn.topLeftCorner<2, 2>() = target.local_T_submap.rotation();
   const auto& grid = target.submap.surfaces();
   std::vector<PosePrior2> priors;
-  for (const MotionGuess& guess : guesses) {
+  MatchResult best;
+  std::size_t best_prior = 0;
+  const auto try_guess = [&](const MotionGuess& guess) {
     priors.push_back({submap_T_local * guess.local_T_robot,
                       turn.transpose() * guess.information * turn, guess.measured});
-  }
-
-  MatchResult best;
-  const PosePrior2* best_prior = nullptr;
-  for (const PosePrior2& prior : priors) {
+    const PosePrior2& prior = priors.back();
     const MatchResult match =
         match_to_grid(surfaces, grid, prior.target_T_source, prior, match_options_, 1);
-    if (best_prior != nullptr && merit(match, priors) <= merit(best, priors)) continue;
+    if (priors.size() > 1 && merit(match, priors) <= merit(best, priors)) return;
     best = match;
-    best_prior = &prior;
+    best_prior = priors.size() - 1;
+  };
+  for (const MotionGuess& guess : guesses) try_guess(guess);
+  // Odometry that explains less than usual is not the only way that the robot may have gone.
+  if (guesses.front().measured && merit(best, priors) < usual_score_ - kScoreDrop) {
+    for (const MotionGuess& guess : others) try_guess(guess);
   }
   // Where the laser pulls far away from the guess, the guess was wrong and must not pull back.
-  if (has_supported_pose(best.status) && surprise(best, *best_prior) > kSurprise) {
-    PosePrior2 loose = *best_prior;
+  if (has_supported_pose(best.status) && surprise(best, priors[best_prior]) > kSurprise) {
+    PosePrior2 loose = priors[best_prior];
     loose.information *= kOutvoted;
     const MatchResult freed =
-        match_to_grid(surfaces, grid, best.target_T_source, loose, match_options_, 0);
-    if (has_supported_pose(freed.status) && freed.score >= best.score) best = freed;
+        match_to_grid(surfaces, grid, best.target_T_source, loose, match_options_, 1);
+    if (has_supported_pose(freed.status) && freed.score >= best.score - kSameScore) best = freed;
   }
 
   Alignment result;
@@ -196,8 +202,8 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
     result.lost = searched.lost;
   }
   if (result.lost || best.status == MatchStatus::kTooFewPairs) {
-    best.target_T_source = best_prior->target_T_source;
-    best.covariance = best_prior->information.inverse();
+    best.target_T_source = priors[best_prior].target_T_source;
+    best.covariance = priors[best_prior].information.inverse();
     if (result.lost) best.status = MatchStatus::kNotConverged;
   }
   result.match = best;

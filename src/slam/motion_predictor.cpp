@@ -48,7 +48,7 @@ double MotionPredictor::coast_sigma_m() const { return std::sqrt(coast_variance_
 double MotionPredictor::coast_sigma_rad() const { return std::sqrt(coast_variance_rad2_); }
 
 std::vector<Pose2> MotionPredictor::coasts(Stamp stamp) const {
-  if (steps_.empty()) return {Pose2{}};
+  if (steps_.empty() || !last_stamp_) return {Pose2{}};
   const Tangent2& last = steps_.back().motion;
   std::vector<Pose2> motions{exp(last)};
   double seconds = 0.0;
@@ -63,6 +63,13 @@ std::vector<Pose2> MotionPredictor::coasts(Stamp stamp) const {
   if (distance(as_fast, motions[0]) > kSameM || turn(as_fast, motions[0]) > kSameRad)
     motions.push_back(as_fast);
   return motions;
+}
+
+std::vector<MotionGuess> MotionPredictor::coast_guesses(Stamp stamp) const {
+  const Eigen::Matrix3d loose = information_of(coast_sigma_m(), coast_sigma_rad());
+  std::vector<MotionGuess> guesses;
+  for (const Pose2& motion : coasts(stamp)) guesses.push_back({last_pose_ * motion, loose, false});
+  return guesses;
 }
 
 std::vector<MotionGuess> MotionPredictor::guesses(

@@ -104,8 +104,10 @@ class FrontEnd {
   [[nodiscard]] std::vector<SurfacePoint> surfaces_of(const LaserScan& scan,
                                                       const Pose2& robot_T_lidar,
                                                       const Tangent2& velocity);
+  /// \param others  guesses that are tried when none of the first explains what scans usually do
   [[nodiscard]] Alignment align(std::span<const SurfacePoint> surfaces,
-                                std::span<const MotionGuess> guesses) const;
+                                std::span<const MotionGuess> guesses,
+                                std::span<const MotionGuess> others) const;
   struct Searched {
     MatchResult match;  ///< submap frame
     bool lost = false;

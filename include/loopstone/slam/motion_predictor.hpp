@@ -38,6 +38,9 @@ class MotionPredictor {
   [[nodiscard]] std::vector<MotionGuess> guesses(
       Stamp stamp, const std::optional<OdometryReading>& odometry) const;
 
+  /// Without odometry: the motion goes on.
+  [[nodiscard]] std::vector<MotionGuess> coast_guesses(Stamp stamp) const;
+
   /// What the laser can tell of a scan's pose.
   struct Seen {
     bool translation = false;
