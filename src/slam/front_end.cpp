@@ -187,7 +187,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
     PosePrior2 loose = priors[best_prior];
     loose.information *= kOutvoted;
     const MatchResult freed =
-        match_to_grid(surfaces, grid, best.target_T_source, loose, match_options_, 1);
+        match_to_grid(surfaces, grid, best.target_T_source, loose, match_options_, 0);
     if (has_supported_pose(freed.status) && freed.score >= best.score - kSameScore) best = freed;
   }
 
