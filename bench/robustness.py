@@ -139,7 +139,7 @@ def measure_recorded(loopstone, data):
                    "closures": summary["loop_closures_accepted"], "cpu_s": cost["cpu_s"],
                    "front_end_us": 1e6 * summary["front_end_wall_s"] / summary["scans"],
                    "faults": [fault["fault"] for fault in summary["odometry_faults"]],
-                   "jumps": summary["odometry_jumps"]}
+                   "jumps": summary["odometry_jumps"] if any(w.startswith("odometry jumped") for w in summary["warnings"]) else 0}
             if relations.exists():
                 error = loopstone.evaluate("--estimate", out / "trajectory.tum", "--relations", relations)
                 row["translation_m"] = error["translation_error_m"]
