@@ -31,6 +31,7 @@ struct Arguments {
   std::string out;
   std::string pipeline = "submaps";
   LogCut cut;
+  std::optional<std::string> odometry;
   bool no_loop_closure = false;
   bool no_texture = false;
   bool cloud = false;
@@ -84,7 +85,11 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   auto textbook_options =
       textbook ? context.load_options<ScanToScanOptions>() : ScanToScanOptions{};
   if (arguments.no_loop_closure) options.loop_closure = false;
+  if (arguments.odometry) options.front_end.odometry = *arguments.odometry;
 
+  if (textbook && arguments.odometry) {
+    throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
+  }
   ProblemPrinter print_problem(context);
   const auto reader = open_log(
       arguments.log, {.strict = arguments.strict,
@@ -165,6 +170,11 @@ void add_map_command(CLI::App& app, AppContext& context) {
       ->check(CLI::IsMember({"submaps", "scan_to_scan"}))
       ->capture_default_str();
   add_cut_flags(*command, arguments->cut);
+  command
+      ->add_option("--odometry", arguments->odometry,
+                   "used while it agrees with the laser, always, or not at all (default: check)")
+      ->type_name("check|trust|ignore")
+      ->check(CLI::IsMember({"check", "trust", "ignore"}));
   command->add_flag("--no-loop-closure", arguments->no_loop_closure,
                     "do not correct the map where places are seen again");
   command->add_flag("--no-texture", arguments->no_texture,

@@ -41,6 +41,7 @@ struct Arguments {
   std::optional<double> max_range_m;
   std::optional<double> range_noise_m;
   std::optional<int> people;
+  std::optional<std::string> odometry_fault;
   bool rgbd = false;
   std::optional<std::string> floor;
   double floor_width_m = 4.0;
@@ -56,7 +57,7 @@ WORLD is a map.yaml with its picture, as ROS map_server reads it, or one of
 
 DIR then holds the log (ucsd: DIR itself is the log; carmen: DIR/log.clf), truth.tum (map_T_robot at every scan),
 map.yaml and map.pgm (the true map) and world.json (what was simulated). The same arguments give the same bytes.
-Wheels, gyro, laser, camera and drive have more options: see --set, for example --set wheels.imbalance=0.002
+Wheels, gyro, laser, camera, faults and drive have more options: see --set, for example --set wheels.imbalance=0.002
 
 --rgbd adds the robot's RGB-D camera: pictures in dataRGBD, their stamps in Kinect20.npz, the camera's true mount (not quite
 the robot file's) in world.json, and the true colours of the floor at 1 cm in floor.png and floor.yaml, on the frame of the
@@ -67,6 +68,7 @@ map, with the letters on it in floor_letters.csv. Floors are
 Examples:
   loopstone simulate office -o sim --seed 1
   loopstone simulate campus -o campus --format carmen --people 20
+  loopstone simulate office -o stuck --odometry-fault stuck --set faults.from_s=60 --set faults.glass=0.1
   loopstone simulate office -o seen --rgbd --floor text --duration 60
   loopstone simulate warehouse -o sick --format carmen --beams 180 --fov 179 --scan-rate 5 --max-range 80)";
 
@@ -82,6 +84,10 @@ SimulationOptions options_of(const Arguments& arguments, const AppContext& conte
   override_with("--duration", "duration_s", arguments.duration_s);
   if (arguments.beams) options.laser.beams = *arguments.beams;
   if (arguments.people) options.people = *arguments.people;
+  if (arguments.odometry_fault) {
+    override_option(entries, "--odometry-fault", "faults.odometry=" + *arguments.odometry_fault,
+                    problems);
+  }
   override_with("--fov", "laser.fov_rad", arguments.fov_deg, radians(1.0));
   override_with("--scan-rate", "laser.rate_hz", arguments.scan_rate_hz);
   override_with("--max-range", "laser.range_max_m", arguments.max_range_m);
@@ -276,6 +282,10 @@ void add_simulate_command(CLI::App& app, AppContext& context) {
   command->add_option("--people", arguments->people, "who walk about (default: 0)")
       ->type_name("N")
       ->check(CLI::Range(0, 1000));
+  command
+      ->add_option("--odometry-fault", arguments->odometry_fault,
+                   "what is wrong with wheels and gyro (default: none)")
+      ->type_name("none|missing|stuck|scaled|mirrored|lagging|jumping");
   command->add_flag("--rgbd", arguments->rgbd, "take pictures with the robot's RGB-D camera");
   command
       ->add_option("--floor", arguments->floor,

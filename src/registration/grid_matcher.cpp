@@ -127,16 +127,24 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
         result.status = MatchStatus::kTooFewPairs;
         return result;
       }
-      degenerate = remove_unobserved(last);
-      information = last.hessian * inverse_sigma2;
+      Linearisation observed = last;
+      degenerate = remove_unobserved(observed);
+      Eigen::Matrix3d all = last.hessian * inverse_sigma2;
+      // What the points say along an open direction may move the pose, but is no knowledge.
+      information = observed.hessian * inverse_sigma2;
+      if (!prior || prior->holds_unobserved) {
+        last = observed;
+        all = information;
+      }
       Eigen::Vector3d gradient = last.gradient * inverse_sigma2;
       if (prior) {
+        all += prior->information;
         information += prior->information;
         gradient += prior->information * difference(pose, prior->target_T_source);
       }
       // A trace of damping keeps an unobserved direction where it is.
-      Eigen::Matrix3d damped = information;
-      damped.diagonal() += 1e-6 * information.diagonal() + Eigen::Vector3d::Constant(kDamping);
+      Eigen::Matrix3d damped = all;
+      damped.diagonal() += 1e-6 * all.diagonal() + Eigen::Vector3d::Constant(kDamping);
       const Eigen::Vector3d step = -solve_symmetric(damped, gradient);
       if (!step.allFinite()) break;
       pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};

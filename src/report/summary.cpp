@@ -22,6 +22,24 @@ MapFigures figures_of(const OccupancyMap& map) {
           frame.columns * frame.resolution, frame.rows * frame.resolution};
 }
 
+/// When odometry was found wrong; times count from the first scan.
+nlohmann::ordered_json odometry_faults(const MapResult& result) {
+  auto list = nlohmann::ordered_json::array();
+  if (result.trajectory.empty()) return list;
+  const Stamp start = result.trajectory.poses().front().stamp;
+  for (const OdometryEpisode& episode : result.odometry_episodes) {
+    list.push_back({{"part", to_string(episode.part)},
+                    {"fault", to_string(episode.fault)},
+                    {"from_s", (episode.from - start).seconds()},
+                    {"noticed_s", (episode.noticed - start).seconds()},
+                    {"to_s", (episode.to - start).seconds()},
+                    {"over", episode.over},
+                    {"ratio", episode.ratio},
+                    {"lag_s", episode.lag_s}});
+  }
+  return list;
+}
+
 std::string format_summary(const MapResult& result, const RunInfo& info,
                            const FloorTexture* texture) {
   const MapStatistics& s = result.statistics;
@@ -42,6 +60,10 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"loop_closures_rejected", s.loop_closures_rejected},
       {"path_length_m", s.path_length_m},
       {"degenerate_travel_m", s.degenerate_travel_m},
+      {"odometry_distrusted_s", s.odometry_distrusted_s},
+      {"odometry_jumps", s.odometry_jumps},
+      {"odometry_translation_scale", s.odometry_translation_scale},
+      {"odometry_rotation_scale", s.odometry_rotation_scale},
       {"duration_s", s.duration_s},
       {"wall_time_s", info.wall_time_s},
       {"cpu_time_s", info.cpu_time_s},
@@ -66,6 +88,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"surface_spread_before_m", s.surface_spread_before_m},
       {"surface_spread_m", s.surface_spread_m},
       {"quality", quality_json(result)},
+      {"odometry_faults", odometry_faults(result)},
       {"warnings", result.warnings},
   };
   if (info.pace) {

@@ -15,6 +15,15 @@ double systematic(double size, Rng& rng) {
   return rng.below(2) == 0 ? magnitude : -magnitude;
 }
 
+/// Whether the place that a beam meets is glass: the same places for every scan and every seed.
+bool is_glass(const Eigen::Vector2d& point, double share) {
+  constexpr double kPaneM = 0.5;
+  if (share <= 0.0 || !point.allFinite()) return false;
+  const auto index = [](double at) { return static_cast<std::int64_t>(std::floor(at / kPaneM)); };
+  Rng pane(static_cast<std::uint64_t>(index(point.x()) * 1'000'003 + index(point.y())));
+  return pane.uniform() < share;
+}
+
 /// A count as a register of that many bits shows it.
 std::int64_t wrapped(std::int64_t count, int bits) {
   if (bits <= 0 || bits >= 63) return count;
@@ -29,9 +38,9 @@ double Clock::time_s(std::int64_t index) const {
   return std::round((first_s_ + static_cast<double>(index) * period_s_) * 1e6) * 1e-6;
 }
 
-WheelSensor::WheelSensor(const Drive& drive, const WheelModel& model, const SimulatedWheels& noise,
+WheelSensor::WheelSensor(FaultyMotion motion, const WheelModel& model, const SimulatedWheels& noise,
                          Rng rng)
-    : drive_(drive), model_(model), noise_(noise), rng_(rng) {
+    : motion_(motion), model_(model), noise_(noise), rng_(rng) {
   const double scale = systematic(noise.scale_error, rng_);
   const double imbalance = systematic(noise.imbalance, rng_);
   left_scale_ = (1.0 + scale) * (1.0 - 0.5 * imbalance);
@@ -40,13 +49,10 @@ WheelSensor::WheelSensor(const Drive& drive, const WheelModel& model, const Simu
 }
 
 std::array<std::int64_t, 4> WheelSensor::read(double time_s) {
-  const double travelled = drive_.travelled_m(time_s);
-  const double turned = drive_.turned_rad(time_s);
-  const double ahead = travelled - travelled_m_;
+  const FaultyMotion::Motion motion = motion_.until(time_s);
+  const double ahead = motion.travelled_m;
   // The track is an effective one, found by turning the robot, so it has absorbed the wheels' common error.
-  const double aside = 0.5 * model_.track_width_m * turn_scale_ * (turned - turned_rad_);
-  travelled_m_ = travelled;
-  turned_rad_ = turned;
+  const double aside = 0.5 * model_.track_width_m * turn_scale_ * motion.turned_rad;
   const double right = right_scale_ * ahead + aside;
   const double left = left_scale_ * ahead - aside;
   const std::array<double, 4> rolls{right, left, right,
@@ -70,8 +76,12 @@ std::array<std::int64_t, 4> WheelSensor::read(double time_s) {
   return counts;
 }
 
-ImuSensor::ImuSensor(const Drive& drive, const SimulatedImu& noise, Rng rng)
-    : drive_(drive), noise_(noise), rng_(rng), bias_rad_s_(systematic(noise.bias_rad_s, rng_)) {
+ImuSensor::ImuSensor(const Drive& drive, FaultyMotion motion, const SimulatedImu& noise, Rng rng)
+    : drive_(drive),
+      motion_(motion),
+      noise_(noise),
+      rng_(rng),
+      bias_rad_s_(systematic(noise.bias_rad_s, rng_)) {
   // Half a degree off level leaks 0.085 m/s^2 of gravity; it is noise of the mount, so none without noise.
   const double leak = noise.acceleration_noise_m_s2;
   tilt_m_s2_ = {systematic(leak, rng_), systematic(leak, rng_), 0.0};
@@ -81,7 +91,7 @@ ImuSample ImuSensor::read(double time_s) {
   const double period = 1.0 / noise_.rate_hz;
   const double from = time_s - 0.5 * period;
   const double to = time_s + 0.5 * period;
-  const double yaw_rate = (drive_.turned_rad(to) - drive_.turned_rad(from)) / period;
+  const double yaw_rate = motion_.yaw_rate(time_s, period);
   const double speed = (drive_.travelled_m(to) - drive_.travelled_m(from)) / period;
   // The drive changes its speed in steps; over five of them the difference is what a body with mass would feel.
   constexpr double kSpan = 5.0 * Drive::kStep;
@@ -104,12 +114,14 @@ ImuSample ImuSensor::read(double time_s) {
 }
 
 LaserSensor::LaserSensor(const Drive& drive, const SurfaceIndex& surfaces, const Crowd& crowd,
-                         const LidarMount& mount, const SimulatedLaser& options, Rng rng)
+                         const LidarMount& mount, const SimulatedLaser& options, double glass,
+                         Rng rng)
     : drive_(drive),
       surfaces_(surfaces),
       crowd_(crowd),
       robot_T_lidar_(mount.robot_T_lidar),
       options_(options),
+      glass_(glass),
       rng_(rng) {}
 
 double LaserSensor::true_range(double time_s, double angle_rad,
@@ -119,6 +131,7 @@ double LaserSensor::true_range(double time_s, double angle_rad,
   const Eigen::Vector2d origin = map_T_lidar.translation();
   const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
   double range = surfaces_.cast(origin, direction, options_.range_max_m);
+  if (is_glass(origin + range * direction, glass_)) range = std::numeric_limits<double>::infinity();
   for (const Circle& leg : legs) range = std::min(range, range_to(leg, origin, direction));
   return range <= options_.range_max_m ? range : std::numeric_limits<double>::infinity();
 }

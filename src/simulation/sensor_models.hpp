@@ -6,6 +6,7 @@
 #include "loopstone/base/rng.hpp"
 #include "loopstone/simulation/simulate.hpp"
 #include "loopstone/simulation/surface_index.hpp"
+#include "simulation/faulty_motion.hpp"
 #include "simulation/people.hpp"
 
 namespace loopstone {
@@ -25,7 +26,8 @@ class Clock {
 /// Encoder counts of the four wheels over a drive; the fraction of a count that a reading can't hold goes into the next.
 class WheelSensor {
  public:
-  WheelSensor(const Drive& drive, const WheelModel& model, const SimulatedWheels& noise, Rng rng);
+  /// \param motion  what the wheels see of the drive
+  WheelSensor(FaultyMotion motion, const WheelModel& model, const SimulatedWheels& noise, Rng rng);
 
   /// Counts since the previous call (or in all, as the model says), at a later time.
   [[nodiscard]] std::array<std::int64_t, 4> read(double time_s);
@@ -33,15 +35,13 @@ class WheelSensor {
   [[nodiscard]] const Pose2& dead_reckoning() const { return odom_T_robot_; }
 
  private:
-  const Drive& drive_;
+  FaultyMotion motion_;
   WheelModel model_;
   SimulatedWheels noise_;
   Rng rng_;
   double left_scale_;
   double right_scale_;
   double turn_scale_;
-  double travelled_m_ = 0.0;
-  double turned_rad_ = 0.0;
   std::array<double, 4> rolled_m_{};  ///< of each wheel since the start
   std::array<std::int64_t, 4> counted_{};
   Pose2 odom_T_robot_{};
@@ -50,11 +50,13 @@ class WheelSensor {
 /// Gyro and accelerometer; each sample is the mean over one period around its stamp.
 class ImuSensor {
  public:
-  ImuSensor(const Drive& drive, const SimulatedImu& noise, Rng rng);
+  /// \param motion  what the gyro sees of the drive's turning
+  ImuSensor(const Drive& drive, FaultyMotion motion, const SimulatedImu& noise, Rng rng);
   [[nodiscard]] ImuSample read(double time_s);
 
  private:
   const Drive& drive_;
+  FaultyMotion motion_;
   SimulatedImu noise_;
   Rng rng_;
   double bias_rad_s_;
@@ -65,7 +67,7 @@ class ImuSensor {
 class LaserSensor {
  public:
   LaserSensor(const Drive& drive, const SurfaceIndex& surfaces, const Crowd& crowd,
-              const LidarMount& mount, const SimulatedLaser& options, Rng rng);
+              const LidarMount& mount, const SimulatedLaser& options, double glass, Rng rng);
   /// A scan whose first beam leaves at this time; its stamp is for the caller to set.
   [[nodiscard]] LaserScan read(double time_s);
 
@@ -78,6 +80,7 @@ class LaserSensor {
   const Crowd& crowd_;
   Pose2 robot_T_lidar_;
   SimulatedLaser options_;
+  double glass_;  ///< share of the walls that return nothing
   Rng rng_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // Streams of the seed; each sensor draws from its own, so that one can be changed without the others.
-enum Stream : std::uint64_t { kClocks = 10, kWheels, kImu, kLaser, kPeople, kCamera };
+enum Stream : std::uint64_t { kClocks = 10, kWheels, kImu, kLaser, kPeople, kCamera, kFaults };
 
 /// Fires the sensors one after the other, by their stamps.
 class Simulator {
@@ -27,10 +27,12 @@ class Simulator {
         sink_(sink),
         surfaces_(world.plan),
         crowd_(world, drive, options.people, Rng(seed).fork(kPeople)),
-        wheels_(drive, robot.wheels, options.wheels, Rng(seed).fork(kWheels)),
-        imu_(drive, options.imu, Rng(seed).fork(kImu)),
+        motion_(drive, options.faults, Rng(seed).fork(kFaults)),
+        drops_(Rng(seed).fork(kFaults).fork(1)),
+        wheels_(motion_, robot.wheels, options.wheels, Rng(seed).fork(kWheels)),
+        imu_(drive, motion_, options.imu, Rng(seed).fork(kImu)),
         laser_(drive, surfaces_, crowd_, robot.lidars.empty() ? LidarMount{} : robot.lidars.front(),
-               options.laser, Rng(seed).fork(kLaser)) {
+               options.laser, options.faults.glass, Rng(seed).fork(kLaser)) {
     if (sink.frame) {
       const Rng camera = Rng(seed).fork(kCamera);
       Rng phase = camera.fork(1);
@@ -92,7 +94,9 @@ class Simulator {
   }
 
   void emit_wheels() {
-    if (options_.odometry_poses) {
+    if (!motion_.is_read(wheel_time_)) {
+      // Nobody reads the wheels.
+    } else if (options_.odometry_poses) {
       emit(OdometryPose{stamp(wheel_time_), wheels_.dead_reckoning()});
     } else {
       emit(WheelTicks{stamp(wheel_time_), counts_});
@@ -113,7 +117,8 @@ class Simulator {
 
   bool fire_laser(double stamp_s) {
     const double time = laser_clock_.time_s(laser_index_++);
-    if (options_.odometry_poses) {
+    const bool is_dropped = drops_.uniform() < options_.faults.scans_dropped;
+    if (options_.odometry_poses && motion_.is_read(stamp_s) && !is_dropped) {
       const double span = wheel_time_ - previous_time_;
       const double ratio = span > 0.0 ? (stamp_s - previous_time_) / span : 0.0;
       emit(OdometryPose{stamp(stamp_s),
@@ -121,9 +126,11 @@ class Simulator {
     }
     LaserScan scan = laser_.read(time);
     scan.stamp = stamp(stamp_s);
-    ++summary_.scans;
-    if (sink_.truth) sink_.truth({scan.stamp, drive_.pose_at(time)});
-    emit(std::move(scan));
+    if (!is_dropped) {
+      ++summary_.scans;
+      if (sink_.truth) sink_.truth({scan.stamp, drive_.pose_at(time)});
+      emit(std::move(scan));
+    }
     summary_.duration_s = stamp_s;
     summary_.route_length_m = drive_.travelled_m(time);
     return !sink_.progress || sink_.progress(time, drive_.duration_s());
@@ -134,6 +141,8 @@ class Simulator {
   const SimulationSink& sink_;
   SurfaceIndex surfaces_;
   Crowd crowd_;
+  FaultyMotion motion_;
+  Rng drops_;
   WheelSensor wheels_;
   ImuSensor imu_;
   LaserSensor laser_;

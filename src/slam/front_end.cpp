@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "slam/pose_search.hpp"
 
 namespace loopstone {
 
@@ -12,28 +14,59 @@ namespace {
 
 /// A scan with fewer points says too little to be aligned or mapped.
 constexpr std::size_t kMinPoints = 20;
-/// Wheels: share of the motion that may be wrong, and what is uncertain even at rest (stamps, quantisation).
-constexpr double kWheelShare = 0.15;
-constexpr double kWheelRestM = 0.01;
-constexpr double kWheelRestRad = 0.01;
-constexpr double kWheelRadPerM = 0.03;
-/// Without wheels: how much the velocity may change between scans.
-constexpr double kCoastRestM = 0.10;
-constexpr double kCoastRestRad = 0.15;
-/// The search must explain this much more of the scan before it overrules odometry and refinement.
-constexpr double kSearchGain = 0.08;
 constexpr double kSearchMinScore = 0.25;
 constexpr std::size_t kSearchPoints = 200;
+/// Where a robot is looked for that was lost.
+constexpr double kLostM = 2.0;
+/// Scans in a row that contradict the map are left out of it; after so many the place itself must have changed.
+constexpr int kMostLost = 5;
+/// How far a match may go against the guesses. A scan is worth about 50 independent points, and that one is explained speaks
+/// for a match by ln(0.93 / 0.07) when one in fourteen never is: 50 * 2.6 of log-likelihood against half a chi-square.
+/// Beyond 5 standard deviations the guess was an error, however far.
+constexpr double kScorePerChi2 = 0.004;
+constexpr double kMostChi2 = 25.0;
+/// A match farther from its guess than chance explains (chi-square, 3 degrees of freedom, 0.05) shows that the guess was
+/// wrong; then it keeps this share of its weight.
+constexpr double kSurprise = 7.8;
+constexpr double kOutvoted = 0.01;
+/// Scores that differ by less say the same.
+constexpr double kSameScore = 0.02;
+/// Without odometry, a scan that explains so much less than usual is searched for.
+constexpr double kScoreDrop = 0.1;
+constexpr double kScoreMemory = 50.0;
+/// ... and in a window that is so much wider.
+constexpr double kFreeWindow = 2.0;
+/// A sweep bent by more than this by a wrong velocity is straightened anew.
+constexpr double kBendM = 0.01;
+constexpr double kBendRad = 0.005;
+/// Each pass takes away what the sweep is of the time between scans: half of the error or more.
+constexpr int kStraightenings = 3;
 
-Eigen::Matrix3d information_of(const Pose2& local_T_robot, double sigma_forward, double sigma_side,
-                               double sigma_yaw) {
-  const Eigen::Matrix2d rotation = local_T_robot.rotation();
-  const Eigen::Vector2d weights(1.0 / (sigma_forward * sigma_forward),
-                                1.0 / (sigma_side * sigma_side));
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  information.topLeftCorner<2, 2>() = rotation * weights.asDiagonal() * rotation.transpose();
-  information(2, 2) = 1.0 / (sigma_yaw * sigma_yaw);
-  return information;
+/// Squared Mahalanobis distance of a match from its prior.
+double surprise(const MatchResult& match, const PosePrior2& prior) {
+  const Eigen::Vector3d off(match.target_T_source.x - prior.target_T_source.x,
+                            match.target_T_source.y - prior.target_T_source.y,
+                            wrap_angle(match.target_T_source.yaw - prior.target_T_source.yaw));
+  return off.dot(prior.information * off);
+}
+
+/// What speaks for a match: how much of the scan it explains, less how far it is from the nearest guess.
+double merit(const MatchResult& match, std::span<const PosePrior2> priors) {
+  if (match.status == MatchStatus::kTooFewPairs) return -1.0;
+  double nearest = kMostChi2;
+  for (const PosePrior2& prior : priors) nearest = std::min(nearest, surprise(match, prior));
+  return match.score - kScorePerChi2 * nearest;
+}
+
+double sweep_seconds(const LaserScan& scan) {
+  return std::abs(scan.time_increment_s) * static_cast<double>(scan.ranges_m.size());
+}
+
+/// Whether a velocity that is wrong by so much bends a sweep.
+bool bends(const LaserScan& scan, const Tangent2& velocity_error) {
+  const double sweep_s = sweep_seconds(scan);
+  return velocity_error.head<2>().norm() * sweep_s > kBendM ||
+         std::abs(velocity_error.z()) * sweep_s > kBendRad;
 }
 
 std::vector<Eigen::Vector2d> thinned_positions(std::span<const SurfacePoint> surfaces,
@@ -49,103 +82,181 @@ std::vector<Eigen::Vector2d> thinned_positions(std::span<const SurfacePoint> sur
 
 FrontEnd::FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match,
                    const SubmapOptions& submap)
-    : options_(options), match_options_(match), submap_options_(submap) {}
+    : options_(options),
+      match_options_(match),
+      submap_options_(submap),
+      predictor_(options.odometry != "trust") {}
 
 TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
-                          const std::optional<Pose2>& odom_T_robot) {
+                          std::optional<OdometryReading> odometry) {
+  if (options_.odometry == "ignore") odometry.reset();
   TrackedScan tracked;
-  const Prediction prediction = predict(scan, odom_T_robot);
-  tracked.local_T_robot = prediction.local_T_robot;
+  const std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
+  tracked.local_T_robot = guesses.front().local_T_robot;
 
-  // Motion during the sweep: from the last scan to the prediction.
-  Tangent2 velocity = Tangent2::Zero();
-  if (last_stamp_ && scan.stamp > *last_stamp_) {
-    velocity = log(last_pose_.inverse() * prediction.local_T_robot) /
-               (scan.stamp - *last_stamp_).seconds();
-  }
-  const SurfaceOptions surface_options{.range_max_m = options_.range_max_m,
-                                       .points_max = options_.points_max};
-  const auto surfaces = surface_points(scan, robot_T_lidar, velocity, surface_options, beams_);
+  Tangent2 velocity = velocity_to(guesses.front().local_T_robot, scan);
+  auto surfaces = surfaces_of(scan, robot_T_lidar, velocity);
   tracked.used = surfaces.size() >= kMinPoints;
+  MotionPredictor::Seen seen;
 
   if (tracked.used && !active_.empty()) {
-    const MatchResult match = align(surfaces, prediction, &tracked.searched);
+    Alignment alignment = align(surfaces, guesses, predictor_.coast_guesses(scan.stamp));
+    for (int pass = 0; pass < kStraightenings && !alignment.lost; ++pass) {
+      // A scan that was straightened by a wrong velocity is straightened anew.
+      if (!has_supported_pose(alignment.match.status)) break;
+      const Tangent2 matched = velocity_to(alignment.match.target_T_source, scan);
+      if (!bends(scan, matched - velocity)) break;
+      velocity = matched;
+      surfaces = surfaces_of(scan, robot_T_lidar, velocity);
+      MotionGuess again = guesses.front();
+      again.local_T_robot = alignment.match.target_T_source;
+      again.information *= kOutvoted;
+      alignment.match = align(surfaces, std::span(&again, 1), {}).match;
+    }
+    tracked.searched = alignment.searched;
+    const MatchResult& match = alignment.match;
     tracked.local_T_robot = match.target_T_source;
     tracked.covariance = match.covariance;
     tracked.status = match.status;
     tracked.score = match.score;
+    const bool fits = match.status != MatchStatus::kTooFewPairs && !alignment.lost &&
+                      match.score >= options_.trusted_score;
+    lost_in_a_row_ = alignment.lost ? lost_in_a_row_ + 1 : 0;
+    seen = {fits && match.status != MatchStatus::kDegenerate, fits};
+    if (fits) usual_score_ += (match.score - usual_score_) / kScoreMemory;
   } else if (tracked.used) {
     tracked.status = MatchStatus::kConverged;
     tracked.score = 1.0;
+    seen = {true, true};
   } else {
-    tracked.covariance = prediction.information.inverse();
+    tracked.covariance = guesses.front().information.inverse();
   }
 
-  if (last_stamp_ && scan.stamp > *last_stamp_) {
-    velocity_ =
-        log(last_pose_.inverse() * tracked.local_T_robot) / (scan.stamp - *last_stamp_).seconds();
-  }
-  if (tracked.used && (active_.empty() || moved_enough(tracked.local_T_robot))) {
+  predictor_.settle(scan.stamp, tracked.local_T_robot, odometry, seen);
+  const bool fits_in = lost_in_a_row_ == 0 || lost_in_a_row_ > kMostLost;
+  if (tracked.used && fits_in && (active_.empty() || moved_enough(tracked.local_T_robot))) {
     insert(surfaces, scan, robot_T_lidar, tracked);
   }
-  last_stamp_ = scan.stamp;
-  last_pose_ = tracked.local_T_robot;
-  last_odometry_ = odom_T_robot;
   return tracked;
 }
 
-FrontEnd::Prediction FrontEnd::predict(const LaserScan& scan,
-                                       const std::optional<Pose2>& odom_T_robot) const {
-  if (!last_stamp_) return {Pose2{}, information_of(Pose2{}, 1.0, 1.0, 1.0)};
-  if (odom_T_robot && last_odometry_) {
-    const Pose2 motion = last_odometry_->inverse() * *odom_T_robot;
-    const Pose2 pose = last_pose_ * motion;
-    const double distance = std::hypot(motion.x, motion.y);
-    const double sigma = kWheelRestM + kWheelShare * distance;
-    const double sigma_yaw =
-        kWheelRestRad + kWheelShare * std::abs(motion.yaw) + kWheelRadPerM * distance;
-    return {pose, information_of(pose, sigma, sigma, sigma_yaw)};
-  }
-  const double seconds = std::clamp((scan.stamp - *last_stamp_).seconds(), 0.0, 1.0);
-  const Pose2 pose = last_pose_ * exp(Tangent2(velocity_ * seconds));
-  return {pose, information_of(pose, kCoastRestM, kCoastRestM, kCoastRestRad)};
+Tangent2 FrontEnd::velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const {
+  const auto& last = predictor_.last_stamp();
+  if (!last || scan.stamp <= *last) return Tangent2::Zero();
+  // No scanner begins its next sweep before the last one is over; stamps that say so are wrong.
+  const double seconds = std::max((scan.stamp - *last).seconds(), sweep_seconds(scan));
+  return log(predictor_.last_pose().inverse() * local_T_robot) / seconds;
 }
 
-MatchResult FrontEnd::align(std::span<const SurfacePoint> surfaces, const Prediction& prediction,
-                            bool* searched) const {
+std::vector<SurfacePoint> FrontEnd::surfaces_of(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                                const Tangent2& velocity) {
+  const SurfaceOptions surface_options{.range_max_m = options_.range_max_m,
+                                       .points_max = options_.points_max};
+  return surface_points(scan, robot_T_lidar, velocity, surface_options, beams_);
+}
+
+FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
+                                    std::span<const MotionGuess> guesses,
+                                    std::span<const MotionGuess> others) const {
   const ActiveSubmap& target = active_.front();
   const Pose2 submap_T_local = target.local_T_submap.inverse();
-  // The prior turns with the frame.
+  // Priors turn with the frame.
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = target.local_T_submap.rotation();
-  const PosePrior2 prior{submap_T_local * prediction.local_T_robot,
-                         turn.transpose() * prediction.information * turn};
   const auto& grid = target.submap.surfaces();
-  MatchResult match =
-      match_to_grid(surfaces, grid, prior.target_T_source, prior, match_options_, 1);
-
-  if (match.status == MatchStatus::kTooFewPairs || match.score < options_.trusted_score) {
-    *searched = true;
-    const auto pyramid =
-        target.submap.freeze().search_pyramid(submap_options_, options_.search_half_xy_m);
-    const auto found = search_branch_and_bound(
-        thinned_positions(surfaces, kSearchPoints), pyramid,
-        {prior.target_T_source, options_.search_half_xy_m, options_.search_half_yaw_rad},
-        kSearchMinScore);
-    if (found.found) {
-      const MatchResult other =
-          match_to_grid(surfaces, grid, found.target_T_source, prior, match_options_, 0);
-      if (other.status != MatchStatus::kTooFewPairs && other.score > match.score + kSearchGain)
-        match = other;
-    }
-    if (match.status == MatchStatus::kTooFewPairs) {
-      match.target_T_source = prior.target_T_source;
-      match.covariance = prior.information.inverse();
-    }
+  std::vector<PosePrior2> priors;
+  MatchResult best;
+  std::size_t best_prior = 0;
+  const auto try_guess = [&](const MotionGuess& guess) {
+    priors.push_back({submap_T_local * guess.local_T_robot,
+                      turn.transpose() * guess.information * turn, guess.measured});
+    const PosePrior2& prior = priors.back();
+    const MatchResult match =
+        match_to_grid(surfaces, grid, prior.target_T_source, prior, match_options_, 1);
+    if (priors.size() > 1 && merit(match, priors) <= merit(best, priors)) return;
+    best = match;
+    best_prior = priors.size() - 1;
+  };
+  for (const MotionGuess& guess : guesses) try_guess(guess);
+  // Odometry that explains less than usual is not the only way that the robot may have gone.
+  if (guesses.front().measured && merit(best, priors) < usual_score_ - kScoreDrop) {
+    for (const MotionGuess& guess : others) try_guess(guess);
   }
-  match.target_T_source = target.local_T_submap * match.target_T_source;
-  match.covariance = turn * match.covariance * turn.transpose();
-  return match;
+  // Where the laser pulls far away from the guess, the guess was wrong and must not pull back.
+  if (has_supported_pose(best.status) && surprise(best, priors[best_prior]) > kSurprise) {
+    PosePrior2 loose = priors[best_prior];
+    loose.information *= kOutvoted;
+    const MatchResult freed =
+        match_to_grid(surfaces, grid, best.target_T_source, loose, match_options_, 0);
+    if (has_supported_pose(freed.status) && freed.score >= best.score - kSameScore) best = freed;
+  }
+
+  Alignment result;
+  const double least = priors.front().holds_unobserved
+                           ? options_.trusted_score
+                           : std::max(options_.trusted_score, usual_score_ - kScoreDrop);
+  if (best.status == MatchStatus::kTooFewPairs || best.score < least) {
+    const Searched searched = search(surfaces, priors, best);
+    best = searched.match;
+    result.searched = true;
+    result.lost = searched.lost;
+  }
+  if (result.lost || best.status == MatchStatus::kTooFewPairs) {
+    best.target_T_source = priors[best_prior].target_T_source;
+    best.covariance = priors[best_prior].information.inverse();
+    if (result.lost) best.status = MatchStatus::kNotConverged;
+  }
+  result.match = best;
+  result.match.target_T_source = target.local_T_submap * best.target_T_source;
+  result.match.covariance = turn * best.covariance * turn.transpose();
+  return result;
+}
+
+FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
+                                    std::span<const PosePrior2> priors,
+                                    const MatchResult& matched) const {
+  const ActiveSubmap& target = active_.front();
+  const PosePrior2& likeliest = priors.front();
+  const FrozenSubmap frozen = target.submap.freeze();
+  const auto points = thinned_positions(surfaces, kSearchPoints);
+  const auto best_of = [&](const MatchResult& best, const MaxPyramid& pyramid,
+                           const SearchWindow& window, double least_score) {
+    const auto found = search_about_robot(points, pyramid, window, kSearchMinScore);
+    if (!found.found) return best;
+    const PosePrior2 loose{found.target_T_source, likeliest.information * kOutvoted,
+                           likeliest.holds_unobserved};
+    const MatchResult other = match_to_grid(surfaces, target.submap.surfaces(),
+                                            found.target_T_source, loose, match_options_, 0);
+    const Pose2 off = window.centre.inverse() * other.target_T_source;
+    const bool inside = std::max(std::abs(off.x), std::abs(off.y)) <= window.half_xy_m;
+    return inside && other.score >= least_score && merit(other, priors) > merit(best, priors)
+               ? other
+               : best;
+  };
+
+  SearchWindow window{likeliest.target_T_source, options_.search_half_xy_m,
+                      options_.search_half_yaw_rad};
+  if (!likeliest.holds_unobserved) {
+    // Without odometry the robot may have turned back as well as gone on: what counts is where it was.
+    window.centre = target.local_T_submap.inverse() * predictor_.last_pose();
+    window.half_xy_m *= kFreeWindow;
+    window.half_yaw_rad *= kFreeWindow;
+  }
+  const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, window.half_xy_m);
+  Searched result{best_of(matched, pyramid, window, 0.0), false};
+  const auto is_lost = [&] {
+    return result.match.status == MatchStatus::kTooFewPairs ||
+           (result.match.score < options_.trusted_score &&
+            agreement_at(points, pyramid, result.match.target_T_source) < kSearchMinScore);
+  };
+  if (!is_lost()) return result;
+  // It contradicts what was seen before: scans are missing, or the robot was carried. It may face anywhere; among so
+  // many poses only one that explains what scans usually explain is no chance.
+  const SearchWindow anywhere{likeliest.target_T_source, std::max(kLostM, window.half_xy_m), kPi};
+  result.match = best_of(result.match, frozen.search_pyramid(submap_options_, anywhere.half_xy_m),
+                         anywhere, std::max(options_.trusted_score, usual_score_ - kScoreDrop));
+  result.lost = is_lost();
+  return result;
 }
 
 bool FrontEnd::moved_enough(const Pose2& local_T_robot) const {

@@ -7,6 +7,7 @@
 #include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/back_end.hpp"
 #include "loopstone/slam/surface_adjustment.hpp"
+#include "slam/odometry_warnings.hpp"
 #include "slam/stopwatch.hpp"
 #include "slam/task_queue.hpp"
 
@@ -14,21 +15,25 @@ namespace loopstone {
 
 namespace {
 
-/// Scans that differ less than this from the last one mapped add next to nothing to the final map: a cell of it, or
-/// cell is wide at arm's length of a room.
+/// Scans that differ less than this from the last one mapped add next to nothing to the final map.
 constexpr double kStillCells = 1.0;
 constexpr double kStillRad = 0.04;
 
 /// What the user should know about the run, in plain words.
-std::vector<std::string> warnings_of(const MapResult& result, bool loop_closure) {
+std::vector<std::string> warnings_of(const MapResult& result, const MapOptions& options,
+                                     bool has_gyro) {
   const MapStatistics& s = result.statistics;
   std::vector<std::string> warnings;
   const auto share = [&](std::int64_t count) {
     return std::to_string(count) + " of " + std::to_string(s.scans) + " scans";
   };
-  if (s.scans > 0 && result.odometry.empty()) {
-    warnings.emplace_back(
-        "no odometry in the log: the motion between scans is guessed from the last one");
+  const bool ignored = options.front_end.odometry == "ignore";
+  if (s.scans > 0 && (ignored || result.odometry.empty())) {
+    const std::string none =
+        ignored ? "odometry was left out as asked: " : "no odometry in the log: ";
+    warnings.push_back(none + (has_gyro && !ignored
+                                   ? "the gyro tells the heading, distances are guessed"
+                                   : "the motion between scans is guessed from the last one"));
   }
   if (s.scans_dropped > 0) {
     warnings.push_back(share(s.scans_dropped) +
@@ -44,7 +49,7 @@ std::vector<std::string> warnings_of(const MapResult& result, bool loop_closure)
                        " m of the path ran where the laser leaves one direction open (corridors); "
                        "there the map is as long as odometry says");
   }
-  if (loop_closure && s.loop_closures_accepted == 0 && s.path_length_m > 30.0) {
+  if (options.loop_closure && s.loop_closures_accepted == 0 && s.path_length_m > 30.0) {
     warnings.emplace_back("no place was recognised a second time: drift was not corrected");
   }
   return warnings;
@@ -95,11 +100,12 @@ void Mapper::add(const SensorMessage& message) {
 void Mapper::add_scan(LaserScan scan) {
   const Stopwatch watch;
   const Pose2 robot_T_lidar = mount_of(scan, robot_);
-  const auto odometry = scan_queue_.odometer().pose_at(scan.stamp);
+  const auto odometry = scan_queue_.reading_at(scan.stamp);
   std::optional<Pose2> odom_T_robot;
-  if (odometry) odom_T_robot = odometry->pose;
+  if (odometry && odometry->has_translation) odom_T_robot = odometry->odom_T_robot;
+  if (odometry && !odometry->has_translation) ++gyro_scans_;
 
-  TrackedScan tracked = front_end_.add(scan, robot_T_lidar, odom_T_robot);
+  TrackedScan tracked = front_end_.add(scan, robot_T_lidar, odometry);
   if (!tracked.used) ++statistics_.scans_dropped;
   if (tracked.searched) ++statistics_.searches;
 
@@ -164,31 +170,31 @@ std::vector<std::vector<SurfacePoint>> Mapper::key_surfaces() const {
   return surfaces;
 }
 
-MapResult Mapper::finish() {
-  scan_queue_.finish();
-  while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
-  for (auto& submap : front_end_.finish()) back_end_->add_submap(std::move(submap));
-  const BackEnd& back_end = back_end_->finish();
+/// How odometry fared beside the laser.
+void Mapper::report_odometry(MapResult& result) const {
+  const OdometryCheck& check = front_end_.odometry_check();
+  MapStatistics& statistics = result.statistics;
+  result.odometry_episodes = check.episodes();
+  statistics.odometry_jumps = check.translation().jumps() + check.rotation().jumps();
+  statistics.odometry_translation_scale = check.translation().scale().value_or(0.0);
+  statistics.odometry_rotation_scale = check.rotation().scale().value_or(0.0);
+  statistics.odometry_distrusted_s = check.distrusted_s();
+}
 
-  MapResult result;
-  result.node_stamps = key_stamps_;
-  result.graph = back_end.graph();
-  result.loop_closures = back_end.closures();
-  result.statistics = statistics_;
-  // The graph's own solution is judged: the adjustment knows more than its edges.
-  const Stopwatch judging_graph;
-  result.graph_quality = assess_graph(result);
-  result.statistics.judging_s = judging_graph.seconds();
-  if (options_.adjustment.enabled) {
-    const Stopwatch watch;
-    auto adjusted = adjust_to_surfaces(result.graph, key_surfaces(), options_.adjustment, threads_);
-    result.graph.poses = std::move(adjusted.poses);
-    result.statistics.surface_spread_before_m = adjusted.spread_before_m;
-    result.statistics.surface_spread_m = adjusted.spread_after_m;
-    result.statistics.adjustment_s = watch.seconds();
-  }
+/// Moves all key scans onto the surfaces that they share.
+void Mapper::adjust(MapResult& result) const {
+  if (!options_.adjustment.enabled) return;
+  const Stopwatch watch;
+  auto adjusted = adjust_to_surfaces(result.graph, key_surfaces(), options_.adjustment, threads_);
+  result.graph.poses = std::move(adjusted.poses);
+  result.statistics.surface_spread_before_m = adjusted.spread_before_m;
+  result.statistics.surface_spread_m = adjusted.spread_after_m;
+  result.statistics.adjustment_s = watch.seconds();
+}
 
-  // Scans between two key scans share the correction of both, blended by time.
+/// Puts every scan on the map. Scans between two key scans share the correction of both, blended by time.
+/// Returns those that the map is drawn from.
+std::vector<PosedScan> Mapper::place_scans(MapResult& result) const {
   std::vector<Pose2> map_T_local;
   for (std::size_t i = 0, key = 0; i < records_.size() && key < key_stamps_.size(); ++i) {
     if (records_[i].scan.stamp != key_stamps_[key] || records_[i].last_key != key) continue;
@@ -217,14 +223,14 @@ MapResult Mapper::finish() {
                        correction * record.local_T_robot_end * record.robot_T_lidar, map_T_robot});
     }
   }
+  return posed;
+}
 
-  const Stopwatch rendering;
-  result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
+/// The figures that follow from the finished trajectory and graph.
+void Mapper::count(MapResult& result) const {
   auto& statistics = result.statistics;
-  statistics.rendering_s = rendering.seconds();
   statistics.scans = static_cast<std::int64_t>(records_.size());
   statistics.key_scans = static_cast<std::int64_t>(key_stamps_.size());
-  statistics.submaps = static_cast<std::int64_t>(back_end.submap_count());
   for (const auto& closure : result.loop_closures) {
     ++(closure.accepted ? statistics.loop_closures_accepted : statistics.loop_closures_rejected);
   }
@@ -238,14 +244,45 @@ MapResult Mapper::finish() {
     statistics.path_length_m +=
         std::hypot(poses[i].x - poses[i - 1].x, poses[i].y - poses[i - 1].y);
   }
+  statistics.graph_cost = graph_cost(result.graph);
+}
+
+MapResult Mapper::finish() {
+  scan_queue_.finish();
+  while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
+  for (auto& submap : front_end_.finish()) back_end_->add_submap(std::move(submap));
+  const BackEnd& back_end = back_end_->finish();
+
+  MapResult result;
+  result.node_stamps = key_stamps_;
+  result.graph = back_end.graph();
+  result.loop_closures = back_end.closures();
+  result.statistics = statistics_;
+  auto& statistics = result.statistics;
+  statistics.submaps = static_cast<std::int64_t>(back_end.submap_count());
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
-  statistics.graph_cost = graph_cost(result.graph);
+  report_odometry(result);
+
+  // The graph's own solution is judged: the adjustment knows more than its edges.
+  const Stopwatch judging_graph;
+  result.graph_quality = assess_graph(result);
+  statistics.judging_s = judging_graph.seconds();
+  adjust(result);
+  const std::vector<PosedScan> posed = place_scans(result);
+
+  const Stopwatch rendering;
+  result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
+  statistics.rendering_s = rendering.seconds();
+  count(result);
+
   const Stopwatch judging;
   result.quality = assess_map(posed, threads_);
   result.verdict = judge_map(result);
   statistics.judging_s += judging.seconds();
-  result.warnings = warnings_of(result, options_.loop_closure);
+  result.warnings = warnings_of(result, options_, gyro_scans_ > 0);
+  const auto of_odometry = odometry_warnings(result);
+  result.warnings.insert(result.warnings.begin(), of_odometry.begin(), of_odometry.end());
   return result;
 }
 

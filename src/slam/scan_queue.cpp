@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "loopstone/geometry/angle.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -18,6 +20,7 @@ void ScanQueue::add(const SensorMessage& message) {
     odometer_.add(*ticks);
   } else if (const auto* imu = std::get_if<ImuSample>(&message)) {
     odometer_.add(*imu);
+    gyro_.add(*imu);
   } else if (const auto* pose = std::get_if<OdometryPose>(&message)) {
     odometer_.add(*pose);
   }
@@ -31,12 +34,24 @@ void ScanQueue::finish() {
 std::optional<LaserScan> ScanQueue::next() {
   if (waiting_.empty()) return {};
   const Stamp stamp = waiting_.front().stamp;
-  const auto known_until = odometer_.newest();
+  auto known_until = odometer_.newest();
+  if (!known_until) known_until = gyro_.newest();
   const bool known = known_until && *known_until >= stamp;
   if (!known && !finished_ && newest_ - stamp < kPatience) return {};
   LaserScan scan = std::move(waiting_.front());
   waiting_.pop_front();
   return scan;
+}
+
+std::optional<OdometryReading> ScanQueue::reading_at(Stamp stamp) const {
+  if (odometer_.newest()) {
+    const auto known = odometer_.pose_at(stamp);
+    if (!known) return {};
+    return OdometryReading{known->pose};
+  }
+  const auto heading = gyro_.heading_at(stamp);
+  if (!heading) return {};
+  return OdometryReading{{0.0, 0.0, wrap_angle(*heading)}, false};
 }
 
 }  // namespace loopstone

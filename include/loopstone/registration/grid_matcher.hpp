@@ -34,6 +34,9 @@ void visit_options(GridMatchOptions& options, Visitor&& visit) {
 struct PosePrior2 {
   Pose2 target_T_source;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) in the target frame
+  /// Along a direction that the points leave open: true, it alone holds the pose there; false, it is a mere guess, and
+  /// what little the points say counts beside it.
+  bool holds_unobserved = true;
 };
 
 /// Aligns surface points to a surface grid: Gauss-Newton on point-to-line distances, coarse level to fine, with a

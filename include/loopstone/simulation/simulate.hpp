@@ -10,6 +10,7 @@
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/simulation/drive.hpp"
 #include "loopstone/simulation/simulated_camera.hpp"
+#include "loopstone/simulation/simulated_faults.hpp"
 #include "loopstone/simulation/world.hpp"
 
 namespace loopstone {
@@ -59,6 +60,7 @@ struct SimulationOptions {
   SimulatedWheels wheels{};
   SimulatedImu imu{};
   SimulatedCamera camera{};
+  SimulatedFaults faults{};
 };
 
 template <typename Visitor>
@@ -115,6 +117,7 @@ void visit_options(SimulationOptions& options, Visitor&& visit) {
   visit.group("wheels", options.wheels);
   visit.group("imu", options.imu);
   visit.group("camera", options.camera);
+  visit.group("faults", options.faults);
 }
 
 /// The pictures of one frame of the RGB-D camera.

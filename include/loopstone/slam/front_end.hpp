@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -9,6 +10,7 @@
 #include "loopstone/registration/grid_matcher.hpp"
 #include "loopstone/registration/match_result.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
+#include "loopstone/slam/motion_predictor.hpp"
 
 namespace loopstone {
 
@@ -22,6 +24,8 @@ struct FrontEndOptions {
       0.6;  ///< below it, a search checks whether another pose nearby explains more
   double search_half_xy_m = 0.6;  ///< window of that search
   double search_half_yaw_rad = 0.5;
+  std::string odometry =
+      "check";  ///< "check": used while it agrees with the laser; "trust"; "ignore"
 };
 
 template <typename Visitor>
@@ -41,6 +45,8 @@ void visit_options(FrontEndOptions& options, Visitor&& visit) {
         "half side of the window of that search");
   visit("search_half_yaw_rad", options.search_half_yaw_rad, Range{0.01, 3.2},
         "half heading range of that search");
+  visit("odometry", options.odometry, OneOf{{"check", "trust", "ignore"}},
+        "used while it agrees with the laser, used always, or not at all");
 }
 
 /// A submap that is full, and the key scans that are in it.
@@ -71,9 +77,12 @@ class FrontEnd {
   FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match,
            const SubmapOptions& submap);
 
-  /// \param odom_T_robot  dead reckoning at the scan's stamp, if there is any
+  /// \param odometry  dead reckoning at the scan's stamp, if there is any
   [[nodiscard]] TrackedScan add(const LaserScan& scan, const Pose2& robot_T_lidar,
-                                const std::optional<Pose2>& odom_T_robot);
+                                std::optional<OdometryReading> odometry);
+
+  /// How odometry fared beside the laser.
+  [[nodiscard]] const OdometryCheck& odometry_check() const { return predictor_.check(); }
 
   /// The submaps still open, as they are. Call once, at the end.
   [[nodiscard]] std::vector<FinishedSubmap> finish();
@@ -85,15 +94,29 @@ class FrontEnd {
     std::size_t first_key;
     double travelled_m;
   };
-  struct Prediction {
-    Pose2 local_T_robot;
-    Eigen::Matrix3d information;  ///< of (x, y, yaw), local frame
+  struct Alignment {
+    MatchResult match;  ///< local frame
+    bool searched = false;
+    bool lost =
+        false;  ///< the scan contradicts the submap wherever it was looked for; the pose is a guess
   };
 
-  [[nodiscard]] Prediction predict(const LaserScan& scan,
-                                   const std::optional<Pose2>& odom_T_robot) const;
-  [[nodiscard]] MatchResult align(std::span<const SurfacePoint> surfaces,
-                                  const Prediction& prediction, bool* searched) const;
+  [[nodiscard]] std::vector<SurfacePoint> surfaces_of(const LaserScan& scan,
+                                                      const Pose2& robot_T_lidar,
+                                                      const Tangent2& velocity);
+  /// \param others  guesses that are tried when none of the first explains what scans usually do
+  [[nodiscard]] Alignment align(std::span<const SurfacePoint> surfaces,
+                                std::span<const MotionGuess> guesses,
+                                std::span<const MotionGuess> others) const;
+  struct Searched {
+    MatchResult match;  ///< submap frame
+    bool lost = false;
+  };
+  [[nodiscard]] Searched search(std::span<const SurfacePoint> surfaces,
+                                std::span<const PosePrior2> priors,
+                                const MatchResult& matched) const;
+  /// Constant from the last scan's pose to this one [m/s, m/s, rad/s], robot frame.
+  [[nodiscard]] Tangent2 velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const;
   [[nodiscard]] bool moved_enough(const Pose2& local_T_robot) const;
   void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
               const Pose2& robot_T_lidar, TrackedScan& tracked);
@@ -105,10 +128,9 @@ class FrontEnd {
   std::vector<ActiveSubmap> active_{};  ///< oldest first; the oldest is what scans are aligned to
   std::size_t key_count_ = 0;
   Pose2 last_key_{};
-  std::optional<Stamp> last_stamp_{};
-  Pose2 last_pose_{};
-  std::optional<Pose2> last_odometry_{};
-  Tangent2 velocity_ = Tangent2::Zero();  ///< robot frame [m/s, m/s, rad/s]
+  MotionPredictor predictor_;
+  int lost_in_a_row_ = 0;
+  double usual_score_ = 1.0;  ///< of the scans so far, mean over some tens
 };
 
 }  // namespace loopstone

@@ -7,6 +7,7 @@
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/mapping/map_quality.hpp"
 #include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/odometry/odometry_check.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 #include "loopstone/slam/map_verdict.hpp"
 
@@ -40,6 +41,11 @@ struct MapStatistics {
   std::int64_t searches = 0;  ///< scans for which odometry and refinement alone were not trusted
   double degenerate_travel_m = 0.0;  ///< path during which a direction was unobserved by the laser
   double path_length_m = 0.0;
+  double odometry_distrusted_s =
+      0.0;                          ///< time during which odometry, or a part of it, was not used
+  std::int64_t odometry_jumps = 0;  ///< single motions that nothing but a jump explains
+  double odometry_translation_scale = 0.0;  ///< odometry's travel / the laser's; 0: unknown
+  double odometry_rotation_scale = 0.0;
   double duration_s = 0.0;   ///< of the recording
   double front_end_s = 0.0;  ///< wall time of the steps, which overlap
   double loop_closing_s = 0.0;
@@ -60,6 +66,7 @@ struct MapResult {
   PoseGraph graph;
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
+  std::vector<OdometryEpisode> odometry_episodes;  ///< when odometry was found wrong, and how
   MapStatistics statistics;
   MapQuality quality;                 ///< what the scans say about each other
   GraphQuality graph_quality;         ///< what the pose graph says about itself

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
-#include "loopstone/base/progress.hpp"
+#include "loopstone/base/stamp.hpp"
+#include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
+#include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/front_end.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
@@ -52,6 +54,10 @@ class Mapper {
   void add_scan(LaserScan scan);
   /// Of each key scan, its own frame.
   [[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces() const;
+  void report_odometry(MapResult& result) const;
+  void adjust(MapResult& result) const;
+  [[nodiscard]] std::vector<PosedScan> place_scans(MapResult& result) const;
+  void count(MapResult& result) const;
 
   RobotModel robot_;
   MapOptions options_;
@@ -63,6 +69,7 @@ class Mapper {
   std::vector<Stamp> key_stamps_{};
   Pose2 last_mapped_{};
   MapStatistics statistics_{};
+  std::int64_t gyro_scans_ = 0;  ///< whose heading alone was known
 };
 
 }  // namespace loopstone

@@ -3,9 +3,11 @@
 #include <deque>
 #include <optional>
 
+#include "loopstone/odometry/gyro_heading.hpp"
 #include "loopstone/odometry/odometer.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
+#include "loopstone/slam/motion_predictor.hpp"
 
 namespace loopstone {
 
@@ -26,9 +28,12 @@ class ScanQueue {
   [[nodiscard]] std::optional<LaserScan> next();
 
   [[nodiscard]] const Odometer& odometer() const { return odometer_; }
+  /// Dead reckoning at a scan's stamp: from wheels or the log's own poses; as long as there are none, the gyro's heading.
+  [[nodiscard]] std::optional<OdometryReading> reading_at(Stamp stamp) const;
 
  private:
   Odometer odometer_;
+  GyroHeading gyro_{};
   std::deque<LaserScan> waiting_{};
   Stamp newest_{};
   bool finished_ = false;

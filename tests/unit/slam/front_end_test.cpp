@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -65,8 +66,8 @@ Outcome track(FrontEnd& front_end, bool with_odometry, double noise_m) {
   Rng rng(21);
   const auto odometry = drifting_odometry();
   for (std::size_t i = 0; i < drive().size(); ++i) {
-    std::optional<Pose2> odom_T_robot;
-    if (with_odometry) odom_T_robot = odometry[i];
+    std::optional<OdometryReading> odom_T_robot;
+    if (with_odometry) odom_T_robot = OdometryReading{odometry[i]};
     outcome.scans.push_back(front_end.add(scan_at(i, noise_m, rng), kMount, odom_T_robot));
     for (auto& submap : outcome.scans.back().finished)
       outcome.finished.push_back(std::move(submap));
@@ -102,7 +103,7 @@ TEST(FrontEnd, FollowsARobotWithoutOdometry) {
 TEST(FrontEnd, FirstScanIsTheOriginAndAKeyScan) {
   FrontEnd front_end({}, {}, {});
   Rng rng(1);
-  const auto first = front_end.add(scan_at(0, 0.0, rng), kMount, Pose2{7.0, 8.0, 2.0});
+  const auto first = front_end.add(scan_at(0, 0.0, rng), kMount, OdometryReading{{7.0, 8.0, 2.0}});
   EXPECT_TRUE(first.used);
   EXPECT_TRUE(first.key);
   EXPECT_EQ(first.local_T_robot, Pose2{});
@@ -144,16 +145,16 @@ TEST(FrontEnd, AScanWithTooFewReturnsKeepsThePrediction) {
   FrontEnd front_end({}, {}, {});
   Rng rng(1);
   const auto odometry = drifting_odometry();
-  (void)front_end.add(scan_at(0, 0.0, rng), kMount, odometry[0]);
+  (void)front_end.add(scan_at(0, 0.0, rng), kMount, OdometryReading{odometry[0]});
   LaserScan blind = scan_at(1, 0.0, rng);
   std::fill(blind.ranges_m.begin(), blind.ranges_m.end(), std::numeric_limits<float>::infinity());
-  const auto dropped = front_end.add(blind, kMount, odometry[1]);
+  const auto dropped = front_end.add(blind, kMount, OdometryReading{odometry[1]});
   EXPECT_FALSE(dropped.used);
   EXPECT_FALSE(dropped.key);
   EXPECT_EQ(dropped.status, MatchStatus::kTooFewPairs);
   EXPECT_TRUE(pose_near(dropped.local_T_robot, odometry[0].inverse() * odometry[1], 1e-9, 1e-9));
   EXPECT_GT(dropped.covariance(0, 0), 1e-6);
-  const auto back = front_end.add(scan_at(2, 0.0, rng), kMount, odometry[2]);
+  const auto back = front_end.add(scan_at(2, 0.0, rng), kMount, OdometryReading{odometry[2]});
   EXPECT_TRUE(pose_near(back.local_T_robot, drive()[0].inverse() * drive()[2], 0.02, 0.01));
 }
 
@@ -177,7 +178,7 @@ int searches_when_the_wheels_jump(const FrontEndOptions& options) {
   for (std::size_t i = 0; i < 60; ++i) {
     if (i > 0) odometry = odometry * (drive()[i - 1].inverse() * drive()[i]);
     if (i == 40) odometry = odometry * Pose2{0.3, 0.2, 0.4};
-    const auto tracked = front_end.add(scan_at(i, 0.0, rng), kMount, odometry);
+    const auto tracked = front_end.add(scan_at(i, 0.0, rng), kMount, OdometryReading{odometry});
     if (tracked.searched) ++searches;
     if (i != 40) {
       EXPECT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.05, 0.02))
@@ -202,8 +203,81 @@ TEST(FrontEnd, StampsThatGoBackOrRepeatDoNoHarm) {
     auto scan = scan_at(i, 0.0, rng);
     if (i % 5 == 1) scan.stamp = stamp_at(i - 1);
     if (i % 7 == 3) scan.stamp = stamp_at(i - 2);
-    const auto tracked = front_end.add(scan, kMount, drive()[i]);
+    const auto tracked = front_end.add(scan, kMount, OdometryReading{drive()[i]});
     ASSERT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.03, 0.01))
+        << "scan " << i;
+  }
+}
+
+/// How far off the track is at most when the wheels say this of each step.
+void expect_on_track_with(const std::function<Pose2(const Pose2&)>& wheels) {
+  FrontEnd front_end({}, {}, {});
+  Rng rng(5);
+  Pose2 odometry;
+  for (std::size_t i = 0; i < drive().size(); ++i) {
+    if (i > 0) odometry = odometry * wheels(drive()[i - 1].inverse() * drive()[i]);
+    const auto tracked = front_end.add(scan_at(i, 0.01, rng), kMount, OdometryReading{odometry});
+    ASSERT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.05, 0.02))
+        << "scan " << i;
+  }
+  EXPECT_FALSE(front_end.odometry_check().episodes().empty());
+}
+
+TEST(FrontEnd, WrongWheelsDoNotDragTheLaserAlong) {
+  expect_on_track_with([](const Pose2&) { return Pose2{}; });
+  expect_on_track_with([](const Pose2& step) { return Pose2{step.x, step.y, -step.yaw}; });
+  expect_on_track_with([](const Pose2& step) {
+    return Pose2{1.8 * step.x, 1.8 * step.y, 1.8 * step.yaw};
+  });
+  expect_on_track_with([](const Pose2& step) { return Pose2{-step.x, step.y, step.yaw}; });
+}
+
+TEST(FrontEnd, OdometryThatIsIgnoredDoesNotMatter) {
+  const FrontEndOptions ignoring{.odometry = "ignore"};
+  FrontEnd without(ignoring, {}, {});
+  FrontEnd with(ignoring, {}, {});
+  Rng rng(6);
+  for (std::size_t i = 0; i < 60; ++i) {
+    const LaserScan scan = scan_at(i, 0.01, rng);
+    const Pose2 nonsense{0.7 * static_cast<double>(i), -3.0, 0.3 * static_cast<double>(i)};
+    EXPECT_EQ(without.add(scan, kMount, {}).local_T_robot,
+              with.add(scan, kMount, OdometryReading{nonsense}).local_T_robot);
+  }
+}
+
+TEST(FrontEnd, AScanThatContradictsTheMapStaysOutOfIt) {
+  FrontEnd front_end({}, {}, {});
+  Rng rng(7);
+  for (std::size_t i = 0; i < 60; ++i) {
+    const bool is_strange = i >= 40 && i < 43;
+    LaserScan scan = scan_at(i, 0.0, rng);
+    // A ball of people close around the robot.
+    if (is_strange) {
+      for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam)
+        scan.ranges_m[beam] = 0.4F + 0.1F * static_cast<float>(beam % 7 < 3);
+    }
+    const auto tracked = front_end.add(scan, kMount, OdometryReading{drive()[i]});
+    EXPECT_FALSE(is_strange && tracked.key) << "scan " << i;
+    EXPECT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.05, 0.02))
+        << "scan " << i;
+  }
+}
+
+TEST(FrontEnd, ASlowSweepIsStraightenedByTheMotionThatTheLaserSaw) {
+  // The robot starts to spin at once: the first prediction, to stand still, bends the sweep by 0.1 rad.
+  FrontEnd front_end({}, {}, {});
+  const Pose2 place{3.0, 2.5, 0.2};
+  const double rate_rad_s = 1.0;
+  for (int i = 0; i < 30; ++i) {
+    const double turned = i < 10 ? 0.0 : 0.1 * rate_rad_s * (i - 9);
+    const Pose2 world_T_robot = place * Pose2{0.0, 0.0, turned};
+    const Tangent2 velocity(0.0, 0.0, i < 10 ? 0.0 : rate_rad_s);
+    const Scanner scanner{.time_increment_s = 0.09 / 540.0};
+    auto scan =
+        test::scan_from(test::furnished_room(), world_T_robot, kMount, scanner, nullptr, velocity);
+    scan.stamp = stamp_at(static_cast<std::size_t>(i));
+    const auto tracked = front_end.add(scan, kMount, {});
+    ASSERT_TRUE(pose_near(tracked.local_T_robot, Pose2{0.0, 0.0, turned}, 0.02, 0.01))
         << "scan " << i;
   }
 }

@@ -1,0 +1,42 @@
+#include "slam/pose_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "loopstone/geometry/angle.hpp"
+
+namespace loopstone {
+
+namespace {
+
+constexpr double kSliceRad = 0.15;
+
+}  // namespace
+
+SearchResult search_about_robot(std::span<const Eigen::Vector2d> points, const MaxPyramid& target,
+                                const SearchWindow& window, double min_score) {
+  const int slices = std::max(1, static_cast<int>(std::ceil(window.half_yaw_rad / kSliceRad)));
+  const double half_slice = window.half_yaw_rad / slices;
+  SearchResult best;
+  best.score = min_score;
+  for (int slice = 0; slice < slices; ++slice) {
+    SearchWindow part = window;
+    part.half_yaw_rad = half_slice;
+    part.centre.yaw =
+        wrap_angle(window.centre.yaw - window.half_yaw_rad + (2 * slice + 1) * half_slice);
+    const SearchResult here = search_branch_and_bound(points, target, part, best.score);
+    best.evaluations += here.evaluations;
+    if (!here.found || here.score <= best.score) continue;
+    best.found = true;
+    best.target_T_source = here.target_T_source;
+    best.score = here.score;
+  }
+  return best;
+}
+
+double agreement_at(std::span<const Eigen::Vector2d> points, const MaxPyramid& target,
+                    const Pose2& target_T_robot) {
+  return search_branch_and_bound(points, target, {target_T_robot, 0.0, 0.0}, -1.0).score;
+}
+
+}  // namespace loopstone

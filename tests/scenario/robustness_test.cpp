@@ -1,0 +1,212 @@
+// What goes wrong on robots, on simulated worlds whose truth is known: the map stays right, and the run says what it was.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
+#include "loopstone/evaluation/relations.hpp"
+#include "loopstone/evaluation/trajectory_error.hpp"
+#include "loopstone/formats/log_reader.hpp"
+#include "loopstone/formats/relations_file.hpp"
+#include "loopstone/slam/mapper.hpp"
+#include "support/recorded_data.hpp"
+#include "support/simulated_log.hpp"
+
+namespace loopstone::test {
+namespace {
+
+bool small_scale() {
+  const char* scale = std::getenv("LOOPSTONE_TEST_SCALE");
+  return scale != nullptr && std::string(scale) == "small";
+}
+
+MapResult map_of(const SimulatedLog& log, const MapOptions& options = {}, Threads threads = {}) {
+  Mapper mapper(log.robot, options, threads);
+  for (const auto& message : log.messages) mapper.add(message);
+  return mapper.finish();
+}
+
+double ate_rmse_m(const Trajectory& estimate, const SimulatedLog& log) {
+  return absolute_error(estimate, log.truth, Alignment::kSe2).translation_m.rmse;
+}
+
+/// 180 beams and the base's own dead reckoning, as old logs have them; or all beams, counts and gyro.
+SimulatedLog office_with(const SimulatedFaults& faults, bool poses = true, int people = 0) {
+  SimulationOptions options{
+      .duration_s = small_scale() ? 60.0 : 150.0, .people = people, .odometry_poses = poses};
+  options.laser.beams = 271;
+  options.faults = faults;
+  return simulate_log("office", 21, options);
+}
+
+bool warns_of(const MapResult& result, const std::string& words) {
+  return std::any_of(
+      result.warnings.begin(), result.warnings.end(),
+      [&](const std::string& warning) { return warning.find(words) != std::string::npos; });
+}
+
+struct FaultCase {
+  std::string fault;
+  std::string warning;
+};
+
+class RobustTo : public testing::TestWithParam<FaultCase> {};
+
+TEST_P(RobustTo, TheMapStaysRightAndTheRunSaysWhy) {
+  const SimulatedLog log = office_with({.odometry = GetParam().fault});
+  const MapResult result = map_of(log);
+  EXPECT_LT(ate_rmse_m(result.trajectory, log), 0.04);
+  if (GetParam().warning.empty()) {
+    EXPECT_FALSE(warns_of(result, "odometry"));
+  } else {
+    EXPECT_TRUE(warns_of(result, GetParam().warning));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Odometry, RobustTo,
+                         testing::Values(FaultCase{"none", ""},
+                                         FaultCase{"missing", "no odometry in the log"},
+                                         FaultCase{"stuck", "stands still while the robot drives"},
+                                         FaultCase{"scaled", "times the true one"},
+                                         FaultCase{"mirrored", "turns the other way"},
+                                         FaultCase{"lagging", "s late"},
+                                         FaultCase{"jumping", "odometry jumped"}),
+                         [](const auto& named) { return named.param.fault; });
+
+TEST(Robustness, HealthyOdometryIsNotAccused) {
+  for (const std::string world : {"office", "rooms", "warehouse"}) {
+    for (std::uint64_t seed = 1; seed <= (small_scale() ? 1 : 3); ++seed) {
+      SimulationOptions options{.duration_s = 100.0, .odometry_poses = seed % 2 == 0};
+      options.laser.beams = 181;
+      options.laser.rate_hz = 5.0;
+      const MapResult result = map_of(simulate_log(world, seed, options), {.loop_closure = false});
+      EXPECT_TRUE(result.odometry_episodes.empty()) << world << " " << seed;
+      EXPECT_EQ(result.statistics.odometry_jumps, 0) << world << " " << seed;
+    }
+  }
+}
+
+TEST(Robustness, AGyroAloneGivesTheHeading) {
+  const SimulatedLog log = office_with({.odometry = "missing"}, false);
+  const MapResult result = map_of(log);
+  EXPECT_LT(ate_rmse_m(result.trajectory, log), 0.03);
+  EXPECT_TRUE(warns_of(result, "the gyro tells the heading"));
+  EXPECT_TRUE(result.odometry.empty());
+}
+
+TEST(Robustness, OdometryThatHasBecomeRightIsUsedAgain) {
+  const SimulatedLog log = office_with({.odometry = "stuck", .from_s = 20.0, .to_s = 50.0});
+  const MapResult result = map_of(log);
+  EXPECT_LT(ate_rmse_m(result.trajectory, log), 0.04);
+  ASSERT_FALSE(result.odometry_episodes.empty());
+  const Stamp start = result.trajectory.front().stamp;
+  for (const OdometryEpisode& episode : result.odometry_episodes) {
+    EXPECT_GT((episode.from - start).seconds(), 15.0);
+    if (!small_scale()) {
+      EXPECT_TRUE(episode.over);
+      EXPECT_GT((episode.to - start).seconds(), 48.0);
+    }
+  }
+}
+
+TEST(Robustness, LostScansPeopleAndGlassTogether) {
+  for (const bool with_odometry : {true, false}) {
+    const SimulatedLog log =
+        office_with({.scans_dropped = 0.3, .glass = 0.15}, false, small_scale() ? 3 : 8);
+    MapOptions options;
+    if (!with_odometry) options.front_end.odometry = "ignore";
+    EXPECT_LT(ate_rmse_m(map_of(log, options).trajectory, log), 0.05) << with_odometry;
+  }
+}
+
+TEST(Robustness, AFastTurningRobotNeedsNoOdometry) {
+  SimulationOptions options{.duration_s = small_scale() ? 40.0 : 120.0};
+  options.drive.yaw_rate_rad_s = 3.0;
+  options.drive.speed_m_s = 1.0;
+  options.laser.beams = 541;
+  const SimulatedLog log = simulate_log("office", 22, options);
+  MapOptions laser_only;
+  laser_only.front_end.odometry = "ignore";
+  EXPECT_LT(ate_rmse_m(map_of(log, laser_only).trajectory, log), 0.04);
+}
+
+TEST(Robustness, WheelsThatAreTooLargeAreCorrectedAlongACorridor) {
+  SimulationOptions options{};
+  options.laser.rate_hz = small_scale() ? 2.0 : 5.0;
+  options.laser.beams = 361;
+  const SimulatedLog log = simulate_log("corridor", 3, options);
+  MapOptions trusting;
+  trusting.front_end.odometry = "trust";
+  const MapResult result = map_of(log);
+  EXPECT_LT(2.0 * ate_rmse_m(result.trajectory, log),
+            ate_rmse_m(map_of(log, trusting).trajectory, log));
+  EXPECT_NEAR(result.statistics.odometry_translation_scale, 0.985, 0.01);
+}
+
+TEST(Robustness, StandingStillAddsNothing) {
+  SimulationOptions options{.duration_s = 90.0};
+  options.drive.standstill_s = 60.0;
+  options.laser.beams = 181;
+  const SimulatedLog log = simulate_log("office", 23, options);
+  for (const std::string odometry : {"check", "ignore"}) {
+    Mapper mapper(log.robot, {.front_end = {.odometry = odometry}}, Threads{1});
+    for (const auto& message : log.messages) {
+      if ((stamp_of(message) - stamp_of(log.messages.front())).seconds() < 58.0)
+        mapper.add(message);
+    }
+    const MapResult result = mapper.finish();
+    EXPECT_EQ(result.graph.poses.size(), 1u) << odometry;
+    EXPECT_EQ(result.statistics.key_scans, 1) << odometry;
+  }
+}
+
+TEST(Robustness, ThreadsDoNotChangeARunWithFaults) {
+  const SimulatedLog log = office_with({.odometry = "stuck", .scans_dropped = 0.2}, true, 3);
+  const MapResult one = map_of(log, {}, Threads{1});
+  const MapResult three = map_of(log, {}, Threads{3});
+  ASSERT_EQ(one.trajectory.size(), three.trajectory.size());
+  for (std::size_t i = 0; i < one.trajectory.size(); ++i)
+    ASSERT_EQ(one.trajectory.poses()[i].pose, three.trajectory.poses()[i].pose) << "scan " << i;
+  EXPECT_EQ(one.warnings, three.warnings);
+}
+
+/// Relations error of a recorded log mapped from the laser alone.
+void expect_consistent_from_the_laser_alone(const std::string& name, double most_m) {
+  const std::string path = recorded_data("carmen/" + name + ".clf");
+  const std::string relations = recorded_data("carmen/" + name + ".relations");
+  if (path.empty() || relations.empty())
+    GTEST_SKIP() << "carmen/" << name << " is not among the recorded data; set LOOPSTONE_DATA";
+  if (small_scale()) GTEST_SKIP() << "LOOPSTONE_TEST_SCALE=small leaves the long logs out";
+  const auto log = open_log(path);
+  Mapper mapper(log->robot({}), {.front_end = {.odometry = "ignore"}}, {});
+  while (const auto message = log->next()) mapper.add(*message);
+  const auto error = relations_error(mapper.finish().trajectory, read_relations(relations));
+  EXPECT_LT(error.translation_m.mean, most_m);
+}
+
+TEST(RobustnessRecorded, IntelFromTheLaserAlone) {
+  expect_consistent_from_the_laser_alone("intel", 0.03);
+}
+
+TEST(RobustnessRecorded, AcesFromTheLaserAlone) {
+  expect_consistent_from_the_laser_alone("aces", 0.05);
+}
+
+TEST(RobustnessRecorded, HonestWheelsOfRealRobotsAreNotAccused) {
+  if (small_scale()) GTEST_SKIP() << "LOOPSTONE_TEST_SCALE=small leaves the long logs out";
+  for (const std::string name : {"intel", "aces"}) {
+    const std::string path = recorded_data("carmen/" + name + ".clf");
+    if (path.empty()) GTEST_SKIP() << "carmen/" << name << " is not among the recorded data";
+    const auto log = open_log(path);
+    Mapper mapper(log->robot({}), {.loop_closure = false}, {});
+    while (const auto message = log->next()) mapper.add(*message);
+    const MapResult result = mapper.finish();
+    EXPECT_TRUE(result.odometry_episodes.empty()) << name;
+    EXPECT_FALSE(warns_of(result, "odometry jumped")) << name;
+  }
+}
+
+}  // namespace
+}  // namespace loopstone::test

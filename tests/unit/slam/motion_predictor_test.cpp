@@ -1,0 +1,147 @@
+#include "loopstone/slam/motion_predictor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/pose_near.hpp"
+
+namespace loopstone {
+namespace {
+
+using test::pose_near;
+
+Stamp stamp_at(double seconds) { return Stamp::from_seconds(10.0 + seconds); }
+const Pose2 kStep = exp(Tangent2(0.05, 0.0, 0.02));
+
+/// A predictor after ten scans of a steady drive, and where the robot is then.
+struct Driven {
+  MotionPredictor predictor;
+  Pose2 local_T_robot{};
+  double seconds = 0.0;
+};
+
+Driven drive(bool with_odometry, bool has_translation = true, bool check = true) {
+  Driven driven{MotionPredictor(check)};
+  for (int i = 0; i < 10; ++i) {
+    if (i > 0) {
+      driven.local_T_robot = driven.local_T_robot * kStep;
+      driven.seconds += 0.1;
+    }
+    std::optional<OdometryReading> odometry;
+    if (with_odometry) odometry = OdometryReading{driven.local_T_robot, has_translation};
+    driven.predictor.settle(stamp_at(driven.seconds), driven.local_T_robot, odometry, {true, true});
+  }
+  return driven;
+}
+
+TEST(MotionPredictor, MotionGoesOnWithoutOdometry) {
+  const Driven driven = drive(false);
+  const auto guesses = driven.predictor.guesses(stamp_at(driven.seconds + 0.1), {});
+  ASSERT_EQ(guesses.size(), 1u);
+  EXPECT_TRUE(pose_near(guesses[0].local_T_robot, driven.local_T_robot * kStep, 1e-9, 1e-9));
+  EXPECT_FALSE(guesses[0].measured);
+}
+
+TEST(MotionPredictor, AMissingScanLeavesTwoGuesses) {
+  const Driven driven = drive(false);
+  const auto guesses = driven.predictor.guesses(stamp_at(driven.seconds + 0.3), {});
+  ASSERT_EQ(guesses.size(), 2u);
+  EXPECT_TRUE(pose_near(guesses[0].local_T_robot, driven.local_T_robot * kStep, 1e-9, 1e-9));
+  EXPECT_TRUE(pose_near(guesses[1].local_T_robot, driven.local_T_robot * kStep * kStep * kStep,
+                        1e-6, 1e-6));
+}
+
+TEST(MotionPredictor, OdometryComesFirstAndAloneWhereItIsPlausible) {
+  const Driven driven = drive(true);
+  const Pose2 motion{0.06, 0.0, -0.01};
+  const auto guesses = driven.predictor.guesses(stamp_at(driven.seconds + 0.1),
+                                                OdometryReading{driven.local_T_robot * motion});
+  ASSERT_EQ(guesses.size(), 1u);
+  EXPECT_TRUE(pose_near(guesses[0].local_T_robot, driven.local_T_robot * motion, 1e-9, 1e-9));
+  EXPECT_TRUE(guesses[0].measured);
+}
+
+TEST(MotionPredictor, OdometryThatJumpsIsOneOfTwoGuesses) {
+  const Driven driven = drive(true);
+  const auto guesses = driven.predictor.guesses(
+      stamp_at(driven.seconds + 0.1), OdometryReading{driven.local_T_robot * Pose2{1.0, 0.0, 0.5}});
+  ASSERT_EQ(guesses.size(), 2u);
+  EXPECT_TRUE(guesses[0].measured);
+  EXPECT_FALSE(guesses[1].measured);
+  EXPECT_TRUE(pose_near(guesses[1].local_T_robot, driven.local_T_robot * kStep, 1e-9, 1e-9));
+}
+
+TEST(MotionPredictor, AGyroTellsTheHeadingAndTheDistanceGoesOn) {
+  const Driven driven = drive(true, false);
+  Pose2 heading = driven.local_T_robot;
+  heading.yaw += 0.11;
+  const auto guesses =
+      driven.predictor.guesses(stamp_at(driven.seconds + 0.1), OdometryReading{heading, false});
+  ASSERT_EQ(guesses.size(), 1u);
+  const Pose2 motion = driven.local_T_robot.inverse() * guesses[0].local_T_robot;
+  EXPECT_NEAR(motion.yaw, 0.11, 1e-9);
+  EXPECT_NEAR(motion.x, kStep.x, 1e-9);
+  EXPECT_FALSE(guesses[0].measured);
+  const double coast_rad = driven.predictor.coast_sigma_rad();
+  EXPECT_GT(guesses[0].information(2, 2), 2.0 / (coast_rad * coast_rad));
+}
+
+TEST(MotionPredictor, ReadingsOfDifferentKindsAreNotCompared) {
+  const Driven driven = drive(true, false);
+  const auto guesses = driven.predictor.guesses(stamp_at(driven.seconds + 0.1),
+                                                OdometryReading{Pose2{7.0, 8.0, 3.0}, true});
+  ASSERT_EQ(guesses.size(), 1u);
+  EXPECT_TRUE(pose_near(guesses[0].local_T_robot, driven.local_T_robot * kStep, 1e-9, 1e-9));
+}
+
+/// The robot drives steadily, its wheels stand still.
+Pose2 guess_with_stuck_wheels(bool check) {
+  MotionPredictor predictor(check);
+  Pose2 local_T_robot;
+  for (int i = 0; i < 300; ++i) {
+    if (i > 0) local_T_robot = local_T_robot * kStep;
+    predictor.settle(stamp_at(0.1 * i), local_T_robot, OdometryReading{}, {true, true});
+  }
+  const auto guesses = predictor.guesses(stamp_at(30.0), OdometryReading{});
+  return local_T_robot.inverse() * guesses.front().local_T_robot;
+}
+
+TEST(MotionPredictor, WheelsThatWereFoundWrongAreNotAsked) {
+  EXPECT_TRUE(pose_near(guess_with_stuck_wheels(true), kStep, 1e-9, 1e-9));
+  EXPECT_TRUE(pose_near(guess_with_stuck_wheels(false), Pose2{}, 1e-9, 1e-9)) << "trusted as asked";
+}
+
+TEST(MotionPredictor, WheelsThatAreTooLargeAreCorrected) {
+  MotionPredictor predictor;
+  Pose2 local_T_robot;
+  Pose2 odom_T_robot;
+  const Pose2 said{1.04 * kStep.x, 1.04 * kStep.y, kStep.yaw};
+  for (int i = 0; i < 300; ++i) {
+    if (i > 0) {
+      local_T_robot = local_T_robot * kStep;
+      odom_T_robot = odom_T_robot * said;
+    }
+    predictor.settle(stamp_at(0.1 * i), local_T_robot, OdometryReading{odom_T_robot}, {true, true});
+  }
+  const auto guesses = predictor.guesses(stamp_at(30.0), OdometryReading{odom_T_robot * said});
+  EXPECT_TRUE(pose_near(guesses.front().local_T_robot, local_T_robot * kStep, 1e-4, 1e-9));
+}
+
+TEST(MotionPredictor, UncertaintyIsLearnedFromHowTheRobotMoves) {
+  MotionPredictor calm;
+  MotionPredictor wild;
+  Pose2 steady;
+  Pose2 turned;
+  for (int i = 0; i < 200; ++i) {
+    steady = steady * kStep;
+    turned = turned * Pose2{0.0, 0.0, i % 4 < 2 ? 0.4 : -0.4};
+    calm.settle(stamp_at(0.1 * i), steady, {}, {true, true});
+    wild.settle(stamp_at(0.1 * i), turned, {}, {true, true});
+  }
+  EXPECT_LT(calm.coast_sigma_rad(), 0.06);
+  EXPECT_GT(wild.coast_sigma_rad(), 0.2);
+}
+
+}  // namespace
+}  // namespace loopstone
