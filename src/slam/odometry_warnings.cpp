@@ -1,7 +1,10 @@
 #include "slam/odometry_warnings.hpp"
 
-#include <cmath>
-#include <cstdio>
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "loopstone/odometry/odometry_check.hpp"
 
@@ -13,11 +16,7 @@ namespace {
 constexpr std::int64_t kFewestJumps = 3;
 constexpr std::int64_t kScansPerMistake = 1000;
 
-std::string number(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
+std::string number(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
 
 std::string what_is_wrong(const OdometryEpisode& episode) {
   const bool turns = episode.part == OdometryPart::kRotation;
