@@ -133,8 +133,9 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   }
 
   predictor_.settle(scan.stamp, tracked.local_T_robot, odometry, seen);
-  const bool fits_in = lost_in_a_row_ == 0 || lost_in_a_row_ > kMostLost;
-  if (tracked.used && fits_in && (active_.empty() || moved_enough(tracked.local_T_robot))) {
+  tracked.left_out = lost_in_a_row_ > 0 && lost_in_a_row_ <= kMostLost;
+  if (tracked.used && !tracked.left_out &&
+      (active_.empty() || moved_enough(tracked.local_T_robot))) {
     insert(surfaces, scan, robot_T_lidar, tracked);
   }
   return tracked;

@@ -138,7 +138,7 @@ void Mapper::add_scan(LaserScan scan) {
   // Standing still adds nothing to the map, and a fast scanner no more than a slow one.
   const Pose2 since = last_mapped_.inverse() * tracked.local_T_robot;
   record.mapped =
-      tracked.used &&
+      tracked.used && !tracked.left_out &&
       (tracked.key || std::hypot(since.x, since.y) > kStillCells * options_.map.resolution_m ||
        std::abs(since.yaw) > kStillRad);
   if (record.mapped) {

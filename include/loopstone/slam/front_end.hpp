@@ -65,6 +65,8 @@ struct TrackedScan {
   MatchStatus status = MatchStatus::kTooFewPairs;
   double score = 0.0;
   bool searched = false;
+  bool left_out =
+      false;  ///< it contradicts the map wherever it was looked for: the pose is a guess
   bool key = false;
   std::vector<FinishedSubmap> finished;  ///< submaps that this scan filled
 };
