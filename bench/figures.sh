@@ -16,3 +16,6 @@ python3 bench/registration.py ${BENCH_QUICK:+--quick}
 python3 bench/localization_speed.py ${BENCH_QUICK:+--quick}
 python3 bench/localization.py ${BENCH_QUICK:+--quick}
 python3 bench/ray_cast.py ${BENCH_QUICK:+--quick}
+python3 bench/loops.py ${BENCH_QUICK:+--quick}
+python3 bench/robustness.py ${BENCH_QUICK:+--quick}
+python3 bench/quality.py ${BENCH_QUICK:+--quick}
