@@ -41,7 +41,8 @@ WORLDS = [
 # How a run is spoiled: name, flags of map.
 SPOILS = [
     ("as it is", []),
-    ("no loop closing", ["--no-loop-closure"]),
+    ("no loop closing", ["--no-loop-closure", "--set", "adjustment.enabled=false"]),
+    ("no loop closing, adjusted", ["--no-loop-closure"]),
     ("scan to scan", ["--pipeline", "scan_to_scan"]),
     ("few closures", ["--set", "loop.candidates_max=1", "--set", "loop.drift_per_m=0.001", "--set",
                       "loop.drift_rad_per_m=0.0002", "--set", "loop.min_overlap=0.9"]),
