@@ -14,7 +14,7 @@ namespace {
 /// A scan nearer than this to the last one judged shows the same walls with the same pose error.
 constexpr double kSpacingM = 0.2;
 constexpr double kSpacingRad = 0.25;
-constexpr std::size_t kMostScans = 3000;
+constexpr std::size_t kMostScans = 1500;
 /// Beams that are followed, of a scan.
 constexpr std::size_t kMostBeams = 120;
 /// Beyond, a degree of heading is more than a wall's place can tell about the map nearby.
@@ -30,11 +30,6 @@ struct Chosen {
   std::size_t scan;
   int stretch;
 };
-
-bool usable(const PosedScan& posed) {
-  return posed.scan != nullptr && posed.map_T_lidar.vector().allFinite() &&
-         posed.map_T_lidar_end.vector().allFinite() && posed.map_T_robot.vector().allFinite();
-}
 
 std::vector<Chosen> choose(std::span<const PosedScan> scans) {
   std::vector<Chosen> chosen;
@@ -65,8 +60,7 @@ std::vector<Chosen> choose(std::span<const PosedScan> scans) {
 
 /// Speed of the lidar in its own frame.
 Tangent2 lidar_velocity(const PosedScan& posed) {
-  const double sweep_s =
-      posed.scan->time_increment_s * static_cast<double>(posed.scan->ranges_m.size());
+  const double sweep_s = sweep_seconds(*posed.scan);
   if (sweep_s == 0.0) return Tangent2::Zero();
   return log(posed.map_T_lidar.inverse() * posed.map_T_lidar_end) / sweep_s;
 }

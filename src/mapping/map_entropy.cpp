@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/grid/block_grid.hpp"
+#include "mapping/cell_runs.hpp"
 #include "mapping/wall_pieces.hpp"
 
 namespace loopstone {
@@ -49,54 +48,16 @@ struct Moments {
   }
 };
 
-/// Points in the order of the cells that they lie in.
-class PointCells {
- public:
-  explicit PointCells(std::vector<EntropyPoint> points) : points_(std::move(points)) {
-    const auto before = [&](const EntropyPoint& a, const EntropyPoint& b) {
-      const Cell cell_a = cell_of(a);
-      const Cell cell_b = cell_of(b);
-      return cell_a.row != cell_b.row ? cell_a.row < cell_b.row : cell_a.column < cell_b.column;
-    };
-    std::stable_sort(points_.begin(), points_.end(), before);
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      Run& run = grid_.at(cell_of(points_[i]));
-      if (run.end == 0) run.first = i;
-      run.end = i + 1;
+/// Calls visit(point) for those near the query that face the same way.
+template <typename Visit>
+void for_each_near(const CellRuns<EntropyPoint>& cells, const EntropyPoint& query, Visit&& visit) {
+  cells.for_each_around(cells.cell_of(query.position), 1, [&](const EntropyPoint& point) {
+    if ((point.position - query.position).squaredNorm() <= kRadiusM * kRadiusM &&
+        point.normal.dot(query.normal) >= kSameFacing) {
+      visit(point);
     }
-  }
-
-  [[nodiscard]] const std::vector<EntropyPoint>& points() const { return points_; }
-
-  template <typename Visit>
-  void for_each_near(const EntropyPoint& query, Visit&& visit) const {
-    const Cell centre = cell_of(query);
-    for (int row = centre.row - 1; row <= centre.row + 1; ++row) {
-      for (int column = centre.column - 1; column <= centre.column + 1; ++column) {
-        const Run* run = grid_.find({column, row});
-        if (run == nullptr) continue;
-        for (std::size_t i = run->first; i < run->end; ++i) {
-          if ((points_[i].position - query.position).squaredNorm() <= kRadiusM * kRadiusM &&
-              points_[i].normal.dot(query.normal) >= kSameFacing) {
-            visit(points_[i]);
-          }
-        }
-      }
-    }
-  }
-
- private:
-  struct Run {
-    std::size_t first = 0;
-    std::size_t end = 0;
-  };
-  [[nodiscard]] Cell cell_of(const EntropyPoint& point) const {
-    return grid_.cell_of(static_cast<double>(point.position.x()),
-                         static_cast<double>(point.position.y()));
-  }
-  std::vector<EntropyPoint> points_;
-  BlockGrid<Run> grid_{static_cast<double>(kRadiusM)};
-};
+  });
+}
 
 std::vector<EntropyPoint> points_of(std::span<const JudgedScan> scans) {
   std::size_t count = 0;
@@ -116,8 +77,8 @@ std::vector<EntropyPoint> points_of(std::span<const JudgedScan> scans) {
 }  // namespace
 
 MapEntropy map_entropy(std::span<const JudgedScan> scans, Threads threads) {
-  const PointCells cells(points_of(scans));
-  const auto& points = cells.points();
+  const CellRuns<EntropyPoint> cells(points_of(scans), static_cast<double>(kRadiusM));
+  const auto& points = cells.items();
   const std::size_t queries = std::min(points.size(), kMostQueries);
   std::vector<MapEntropy> parts((queries + kPerTask - 1) / kPerTask);
   parallel_for(parts.size(), threads, [&](std::size_t task) {
@@ -128,7 +89,7 @@ MapEntropy map_entropy(std::span<const JudgedScan> scans, Threads threads) {
       Moments all;
       Moments own;
       int others = 0;
-      cells.for_each_near(query, [&](const EntropyPoint& point) {
+      for_each_near(cells, query, [&](const EntropyPoint& point) {
         const Eigen::Vector2d offset = (point.position - query.position).cast<double>();
         all.add(offset);
         if (point.stretch == query.stretch) own.add(offset);

@@ -144,7 +144,7 @@ MapQuality assess_map(std::span<const PosedScan> scans, Threads threads) {
   Walls walls = walls_of(judged, threads);
   quality.visits = walls.stretches;
   quality.local_spread_m = sigma_of(walls.spread_m);
-  const PieceIndex index(std::move(walls.pieces));
+  const PieceIndex index(std::move(walls.pieces), kPieceM);
 
   const auto offsets = wall_offsets(index, walls.stretches, threads);
   add_offsets(offsets, quality);
@@ -162,7 +162,7 @@ MapQuality assess_map(std::span<const PosedScan> scans, Threads threads) {
   }
 
   const double tolerance_m = std::max(kToleranceM, kToleranceSigmas * quality.sensor_noise_m);
-  std::vector<std::uint8_t> looked_through(index.pieces().size(), 0);
+  std::vector<std::uint8_t> looked_through(index.items().size(), 0);
   for (const BeamMeeting& meeting : meetings) {
     if (meeting.crossed >= 0) looked_through[static_cast<std::size_t>(meeting.crossed)] = 1;
   }
@@ -179,7 +179,7 @@ MapQuality assess_map(std::span<const PosedScan> scans, Threads threads) {
   quality.entropy_nats = entropy.mean_nats;
   quality.entropy_gain_nats = entropy.mean_nats - entropy.stretch_nats;
 
-  add_places(index.pieces(), offsets, meetings, quality);
+  add_places(index.items(), offsets, meetings, quality);
   return quality;
 }
 

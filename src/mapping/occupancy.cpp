@@ -27,12 +27,6 @@ float log_odds_of(double probability) {
   return static_cast<float>(std::log(probability / (1.0 - probability)));
 }
 
-/// A scan that cannot be placed (a pose that is not finite) is left out.
-bool usable(const PosedScan& posed) {
-  return posed.scan != nullptr && posed.map_T_lidar.vector().allFinite() &&
-         posed.map_T_lidar_end.vector().allFinite() && posed.map_T_robot.vector().allFinite();
-}
-
 struct Bounds {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector2d high = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());

@@ -9,6 +9,12 @@
 
 namespace loopstone {
 
+/// A scan that cannot be placed (a pose that is not finite) is left out.
+[[nodiscard]] inline bool usable(const PosedScan& posed) {
+  return posed.scan != nullptr && posed.map_T_lidar.vector().allFinite() &&
+         posed.map_T_lidar_end.vector().allFinite() && posed.map_T_robot.vector().allFinite();
+}
+
 /// What one beam says: free from start to end, and occupied there if it hit.
 struct Beam {
   Eigen::Vector2d start;  ///< [m], map frame

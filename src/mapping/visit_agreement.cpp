@@ -102,7 +102,7 @@ void meet(const JudgedBeam& beam, int stretch, const PieceIndex& index, float ma
           if (crossed || !are_apart(piece.stretch, stretch)) return;
           if (!passes(beam, piece, margin_m)) return;
           crossed = true;
-          meetings.push_back({piece.position, static_cast<std::int32_t>(index.position_of(piece))});
+          meetings.push_back({piece.position, static_cast<std::int32_t>(index.index_of(piece))});
         });
       });
   if (crossed || length > kMostBeamM) return;
@@ -117,7 +117,7 @@ void meet(const JudgedBeam& beam, int stretch, const PieceIndex& index, float ma
 }  // namespace
 
 std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches, Threads threads) {
-  const auto& pieces = index.pieces();
+  const auto& pieces = index.items();
   const std::size_t looked = std::min(pieces.size(), kMostPieces);
   std::vector<std::vector<WallOffset>> parts((looked + kPiecesPerTask - 1) / kPiecesPerTask);
   parallel_for(parts.size(), threads, [&](std::size_t task) {
@@ -177,7 +177,7 @@ HeldOut held_out_agreement(std::span<const JudgedScan> scans, const PieceIndex& 
           const bool here = std::abs(across(piece, seen.surface)) <= tolerance_m;
           if (are_apart(piece.stretch, stretch)) {
             (here ? foretold : missed) = true;
-          } else if (here && crossed[index.position_of(piece)] != 0) {
+          } else if (here && crossed[index.index_of(piece)] != 0) {
             missed = true;
           }
         });

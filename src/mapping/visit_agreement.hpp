@@ -27,8 +27,7 @@ struct WallOffset {
 /// A beam that met a wall of another visit.
 struct BeamMeeting {
   Eigen::Vector2f where;
-  std::int32_t crossed =
-      -1;  ///< the piece it went through (PieceIndex::pieces); -1: it ended there
+  std::int32_t crossed = -1;  ///< the piece it went through (PieceIndex::items); -1: it ended there
 };
 
 /// \param margin_m  a wall that the beam's end lies behind by less is the one that it ended on

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <cstddef>
+#include <cstdint>
+
+#include "loopstone/grid/block_grid.hpp"
+#include "loopstone/registration/surface_grid.hpp"
 
 namespace loopstone {
 namespace {
@@ -14,12 +18,7 @@ constexpr int kLeastScans = 2;
 /// normal, for a spread of about 14 deg.
 constexpr float kLeastStraightness = 0.97F;
 
-struct PieceSum {
-  float weight = 0.0F;
-  float x = 0.0F;  ///< from the cell's centre
-  float y = 0.0F;
-  float normal_x = 0.0F;
-  float normal_y = 0.0F;
+struct PieceSum : SurfaceSum {
   std::int16_t scans = 0;
   std::int16_t last_scan = -1;
 };
@@ -30,9 +29,7 @@ struct PieceCell {
 };
 
 bool faces_same(const PieceSum& sum, const Eigen::Vector2f& normal) {
-  const float dot = sum.normal_x * normal.x() + sum.normal_y * normal.y();
-  const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
-  return dot > 0.0F && dot * dot > kSameFacing * kSameFacing * length2;
+  return faces_like(sum, normal.x(), normal.y(), kSameFacing);
 }
 
 void add_to(PieceCell& cell, const Eigen::Vector2f& offset, const Eigen::Vector2f& normal,
@@ -102,22 +99,6 @@ StretchWalls stretch_walls(std::span<const JudgedScan> scans) {
     }
   }
   return walls;
-}
-
-PieceIndex::PieceIndex(std::vector<WallPiece> pieces) : pieces_(std::move(pieces)) {
-  const auto before = [&](const WallPiece& a, const WallPiece& b) {
-    const Cell cell_a = cell_of(a.position);
-    const Cell cell_b = cell_of(b.position);
-    if (cell_a.row != cell_b.row) return cell_a.row < cell_b.row;
-    return cell_a.column < cell_b.column;
-  };
-  // Stable: within a cell they stay in the order of the stretches.
-  std::stable_sort(pieces_.begin(), pieces_.end(), before);
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    Run& run = grid_.at(cell_of(pieces_[i].position));
-    if (run.end == 0) run.first = static_cast<std::int32_t>(i);
-    run.end = static_cast<std::int32_t>(i + 1);
-  }
 }
 
 }  // namespace loopstone

@@ -2,13 +2,11 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "loopstone/grid/block_grid.hpp"
 #include "loopstone/mapping/map_quality.hpp"
+#include "mapping/cell_runs.hpp"
 #include "mapping/judged_scans.hpp"
 
 namespace loopstone {
@@ -38,43 +36,7 @@ struct StretchWalls {
 /// the same way, if at least two scans saw it and the mean lies in the cell.
 [[nodiscard]] StretchWalls stretch_walls(std::span<const JudgedScan> scans);
 
-/// All pieces, to be found by place.
-class PieceIndex {
- public:
-  explicit PieceIndex(std::vector<WallPiece> pieces);
-
-  [[nodiscard]] const std::vector<WallPiece>& pieces() const { return pieces_; }
-  /// Of a piece that a visit was called with, its place in pieces().
-  [[nodiscard]] std::size_t position_of(const WallPiece& piece) const {
-    return static_cast<std::size_t>(&piece - pieces_.data());
-  }
-  [[nodiscard]] Cell cell_of(const Eigen::Vector2f& point) const {
-    return grid_.cell_of(static_cast<double>(point.x()), static_cast<double>(point.y()));
-  }
-  /// Calls visit(piece) for the pieces of a cell.
-  template <typename Visit>
-  void for_each_in(Cell cell, Visit&& visit) const {
-    const Run* run = grid_.find(cell);
-    if (run == nullptr) return;
-    for (std::int32_t i = run->first; i < run->end; ++i)
-      visit(pieces_[static_cast<std::size_t>(i)]);
-  }
-  /// The same for all cells within `reach` cells.
-  template <typename Visit>
-  void for_each_around(Cell centre, int reach, Visit&& visit) const {
-    for (int row = centre.row - reach; row <= centre.row + reach; ++row) {
-      for (int column = centre.column - reach; column <= centre.column + reach; ++column)
-        for_each_in({column, row}, visit);
-    }
-  }
-
- private:
-  struct Run {
-    std::int32_t first = 0;
-    std::int32_t end = 0;
-  };
-  std::vector<WallPiece> pieces_;  ///< by cell, in a cell by stretch
-  BlockGrid<Run> grid_{kPieceM};
-};
+/// All pieces, to be found by place; in a cell in the order of the stretches.
+using PieceIndex = CellRuns<WallPiece>;
 
 }  // namespace loopstone

@@ -75,14 +75,9 @@ std::vector<MotionGuess> MotionPredictor::coast_guesses(Stamp stamp) const {
 std::vector<MotionGuess> MotionPredictor::guesses(
     Stamp stamp, const std::optional<OdometryReading>& odometry) const {
   if (!last_stamp_) return {{Pose2{}, information_of(1.0, 1.0), false}};
+  if (!comparable(odometry, last_odometry_)) return coast_guesses(stamp);
   const std::vector<Pose2> going_on = coasts(stamp);
-  const Eigen::Matrix3d loose = information_of(coast_sigma_m(), coast_sigma_rad());
   std::vector<MotionGuess> guesses;
-  if (!comparable(odometry, last_odometry_)) {
-    for (const Pose2& motion : going_on) guesses.push_back({last_pose_ * motion, loose, false});
-    return guesses;
-  }
-
   Pose2 said = last_odometry_->odom_T_robot.inverse() * odometry->odom_T_robot;
   // Wheels that were too large wherever the laser could see it are so along a corridor too.
   const double scale = checks_ ? check_.translation().scale().value_or(1.0) : 1.0;
@@ -103,7 +98,7 @@ std::vector<MotionGuess> MotionPredictor::guesses(
              turn(said, motion) > kUnlikely * coast_sigma_rad();
     });
     if (unlikely) {
-      for (const Pose2& motion : going_on) guesses.push_back({last_pose_ * motion, loose, false});
+      for (const MotionGuess& guess : coast_guesses(stamp)) guesses.push_back(guess);
     }
     return guesses;
   }

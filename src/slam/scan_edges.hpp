@@ -8,6 +8,9 @@
 
 namespace loopstone {
 
+/// Closures that disagree by more standard deviations than this pull less than in proportion (Huber).
+inline constexpr double kClosureHuberWidth = 1.5;
+
 /// The motion when nothing measured it: as the last one, with little trust.
 [[nodiscard]] PoseWithCovariance2 guessed_motion(const Pose2& last_motion);
 

@@ -211,8 +211,7 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
     if (record.node < 0 || static_cast<std::size_t>(record.node) >= links.nodes) continue;
     const Pose2 map_T_robot =
         result.graph.poses[static_cast<std::size_t>(record.node)] * record.node_T_robot;
-    const double sweep_s =
-        record.scan.time_increment_s * static_cast<double>(record.scan.ranges_m.size());
+    const double sweep_s = sweep_seconds(record.scan);
     const Pose2 map_T_robot_end = map_T_robot * exp(Tangent2(record.velocity * sweep_s));
     result.trajectory.append(record.scan.stamp, map_T_robot);
     posed.push_back({&record.scan, map_T_robot * record.robot_T_lidar,

@@ -14,6 +14,7 @@
 #include "graph/normal_equations.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/robust_kernel.hpp"
+#include "slam/scan_edges.hpp"
 #include "slam/surface_patches.hpp"
 #include "slam/surface_segments.hpp"
 #include "slam/surface_system.hpp"
@@ -33,7 +34,7 @@ constexpr double kLeastSigmaM = 1e-4;
 /// holding together what moves together.
 constexpr double kOwnSurfaces = 0.1;
 /// As the back end has it.
-const RobustPolicy kClosures{.kernel = RobustKernel::kHuber, .width = 1.5};
+const RobustPolicy kClosures{.kernel = RobustKernel::kHuber, .width = kClosureHuberWidth};
 
 using Blocks = std::vector<Eigen::Vector3d>;
 

@@ -3,13 +3,13 @@
 #include <array>
 
 #include "loopstone/grid/block_grid.hpp"
+#include "loopstone/registration/surface_grid.hpp"
 
 namespace loopstone {
 
 namespace {
 
 constexpr std::size_t kSides = 2;
-constexpr double kSameSurfaceCosine = 0.5;
 
 /// The patches that begin in a cell, -1: none yet.
 struct PatchCell {

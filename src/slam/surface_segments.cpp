@@ -11,10 +11,6 @@ namespace {
 
 constexpr std::size_t kKeysPerSegment = 12;
 
-Eigen::Vector3d jacobian_of(const SurfacePatch& patch, double turn) {
-  return {patch.normal.x(), patch.normal.y(), turn};
-}
-
 }  // namespace
 
 /// What one segment saw of a patch: sums over its sights, as if they were of one rigid body.
@@ -76,7 +72,7 @@ void SurfaceSegments::for_each_patch(const SurfaceSystem& surfaces, Visitor&& vi
         groups.push_back({.segment = member.segment});
       Group& group = groups.back();
       const double turn = row.turn + patch.normal.y() * member.x - patch.normal.x() * member.y;
-      const Eigen::Vector3d jacobian = jacobian_of(patch, turn);
+      const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), turn);
       const Eigen::Vector3d weighted = static_cast<double>(row.weight) * jacobian;
       group.a += weighted * jacobian.transpose();
       group.b.col(0) += weighted;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/base/median.hpp"
 #include "loopstone/base/robust_kernel.hpp"
 
 namespace loopstone {
@@ -26,6 +27,23 @@ struct Line {
   double b = 0.0;
   double c = 0.0;
 };
+
+/// A sight beside its patch: how far off along the normal, where along it, and how the distance grows with yaw.
+struct Offset {
+  double distance;
+  double along;
+  double turn;
+};
+
+Offset offset_of(const PatchSight& sight, const SurfacePatch& patch,
+                 std::span<const PlacedKey> map_T_key) {
+  const PlacedKey& key = map_T_key[static_cast<std::size_t>(sight.key)];
+  const Eigen::Vector2d arm = key.rotation * sight.point.cast<double>();
+  const Eigen::Vector2d offset = key.translation + arm - patch.centre;
+  const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
+  return {patch.normal.dot(offset), tangent.dot(offset),
+          patch.normal.y() * arm.x() - patch.normal.x() * arm.y()};
+}
 
 struct LineSums {
   double w = 0.0;
@@ -77,20 +95,16 @@ SurfaceSystem::SurfaceSystem(const SurfacePatches& patches, std::span<const int>
 void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey> map_T_key,
                                     double sigma_m, Chunk& chunk) {
   const SurfacePatch& patch = patches_.patches[index];
-  const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
   const double information = 1.0 / (kGrids * sigma_m * sigma_m);
   auto& distances = chunk.distances;
   distances.resize(patch.last - patch.first);
   LineSums plain;
   for (std::size_t i = patch.first; i < patch.last; ++i) {
     const PatchSight& sight = patches_.sights[i];
-    const PlacedKey& key = map_T_key[static_cast<std::size_t>(sight.key)];
-    const Eigen::Vector2d arm = key.rotation * sight.point.cast<double>();
-    const Eigen::Vector2d offset = key.translation + arm - patch.centre;
-    const double turn = patch.normal.y() * arm.x() - patch.normal.x() * arm.y();
-    rows_[i] = {places_[static_cast<std::size_t>(sight.key)], static_cast<float>(turn),
-                static_cast<float>(tangent.dot(offset)), 0.0F};
-    distances[i - patch.first] = patch.normal.dot(offset);
+    const Offset offset = offset_of(sight, patch, map_T_key);
+    rows_[i] = {places_[static_cast<std::size_t>(sight.key)], static_cast<float>(offset.turn),
+                static_cast<float>(offset.along), 0.0F};
+    distances[i - patch.first] = offset.distance;
     plain.add(information * sight.weight, rows_[i].along, distances[i - patch.first]);
   }
   Line line = plain.line();
@@ -195,32 +209,23 @@ void SurfaceSystem::multiply_add(std::span<const Eigen::Vector3d> x, std::span<E
 double SurfaceSystem::spread_m(std::span<const PlacedKey> map_T_key) const {
   std::vector<float> off;
   off.reserve(patches_.sights.size());
-  std::vector<double> distances;
-  std::vector<double> along;
+  std::vector<Offset> offsets;
   for (const SurfacePatch& patch : patches_.patches) {
-    const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
-    distances.clear();
-    along.clear();
+    offsets.clear();
     LineSums sums;
     for (std::size_t i = patch.first; i < patch.last; ++i) {
       const PatchSight& sight = patches_.sights[i];
-      const Eigen::Vector2d offset =
-          map_T_key[static_cast<std::size_t>(sight.key)] * sight.point - patch.centre;
-      distances.push_back(patch.normal.dot(offset));
-      along.push_back(tangent.dot(offset));
+      offsets.push_back(offset_of(sight, patch, map_T_key));
       // Any scale of information: only the slope's prior, of a few millimetres, depends on it.
-      sums.add(sight.weight * 1e4, along.back(), distances.back());
+      sums.add(sight.weight * 1e4, offsets.back().along, offsets.back().distance);
     }
     const Line line = sums.line();
-    for (std::size_t i = 0; i < distances.size(); ++i) {
+    for (const Offset& offset : offsets) {
       off.push_back(
-          static_cast<float>(std::abs(distances[i] - line.offset - line.slope * along[i])));
+          static_cast<float>(std::abs(offset.distance - line.offset - line.slope * offset.along)));
     }
   }
-  if (off.empty()) return 0.0;
-  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-  std::nth_element(off.begin(), middle, off.end());
-  return 1.4826 * static_cast<double>(*middle);
+  return kSigmaPerMedian * static_cast<double>(median_of(off));
 }
 
 }  // namespace loopstone

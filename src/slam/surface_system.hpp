@@ -48,7 +48,7 @@ class SurfaceSystem {
   /// y += (A - B C^-1 B^T) x
   void multiply_add(std::span<const Eigen::Vector3d> x, std::span<Eigen::Vector3d> y);
 
-  /// 1.4826 times the median distance of sights from their patch: the standard deviation if they are normal.
+  /// Standard deviation of sights about their patch, from the median distance.
   [[nodiscard]] double spread_m(std::span<const PlacedKey> map_T_key) const;
 
  private:

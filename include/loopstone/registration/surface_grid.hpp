@@ -28,12 +28,15 @@ struct SurfaceCell {
   std::array<SurfaceSum, 2> sums{};
 };
 
-/// Whether a sum faces like a unit normal, within 60 deg. Compares squares, so no root is needed.
-[[nodiscard]] inline bool faces_like(const SurfaceSum& sum, float normal_x, float normal_y) {
-  constexpr float kSameSurfaceCosine = 0.5F;
+/// cos(60 deg): surfaces that face the same way may be the same.
+inline constexpr float kSameSurfaceCosine = 0.5F;
+
+/// Whether a sum faces like a unit normal, within the angle of that cosine (> 0). Compares squares, so no root is needed.
+[[nodiscard]] inline bool faces_like(const SurfaceSum& sum, float normal_x, float normal_y,
+                                     float cosine = kSameSurfaceCosine) {
   const float dot = sum.normal_x * normal_x + sum.normal_y * normal_y;
   const float length2 = sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y;
-  return dot > 0.0F && dot * dot > kSameSurfaceCosine * kSameSurfaceCosine * length2;
+  return dot > 0.0F && dot * dot > cosine * cosine * length2;
 }
 
 /// Adds a point to the cell's sum that faces the same way (within 60 deg), else to an empty one; left out when there is

@@ -20,6 +20,11 @@ class BeamTable {
   std::vector<Eigen::Vector2d> directions_{};
 };
 
+/// From the first beam to the last; 0: unknown, or all at once; negative: the last beam came first.
+[[nodiscard]] inline double sweep_seconds(const LaserScan& scan) {
+  return scan.time_increment_s * static_cast<double>(scan.ranges_m.size());
+}
+
 /// A piece of surface: where it is, where it faces, and how much it can be relied on.
 struct SurfacePoint {
   Eigen::Vector2f position;  ///< [m]

@@ -238,12 +238,12 @@ Parts parts_of(const std::vector<PosedScan>& posed) {
     pieces.insert(pieces.end(), walls.pieces.begin(), walls.pieces.end());
     first = end;
   }
-  return {std::move(scans), PieceIndex(std::move(pieces))};
+  return {std::move(scans), PieceIndex(std::move(pieces), kPieceM)};
 }
 
 TEST(WallOffsets, AreThoseOfASearchThroughAllPieces) {
   const Parts parts = parts_of(noisy_drive().doubled(0.1));
-  const auto& pieces = parts.index.pieces();
+  const auto& pieces = parts.index.items();
   ASSERT_GT(pieces.size(), 1000U);
   ASSERT_LT(pieces.size(), 20000U) << "all of them look for theirs";
   std::vector<float> naive;
@@ -284,7 +284,7 @@ TEST(BeamMeetings, CrossOnlyWhatASearchThroughAllPiecesCrosses) {
     for (const JudgedBeam& beam : scan.beams) {
       const Eigen::Vector2f way = beam.end - beam.start;
       const bool crosses = std::any_of(
-          parts.index.pieces().begin(), parts.index.pieces().end(), [&](const auto& piece) {
+          parts.index.items().begin(), parts.index.items().end(), [&](const auto& piece) {
             if (std::abs(piece.stretch - scan.stretch) < kStretchesApart) return false;
             const float before = piece.normal.dot(beam.start - piece.position);
             const float behind = piece.normal.dot(beam.end - piece.position);
@@ -302,7 +302,7 @@ TEST(BeamMeetings, CrossOnlyWhatASearchThroughAllPiecesCrosses) {
   ASSERT_GT(naive, 1000U);
   EXPECT_LE(crossed, naive);
   EXPECT_GE(10 * crossed, 9 * naive) << "only cells that the beam passes are looked at";
-  EXPECT_TRUE(beam_meetings(parts.scans, PieceIndex({}), kMargin, {1}).empty());
+  EXPECT_TRUE(beam_meetings(parts.scans, PieceIndex({}, kPieceM), kMargin, {1}).empty());
 }
 
 TEST(MapEntropy, GrowsByTheLogarithmOfTheThickness) {
