@@ -35,6 +35,7 @@ struct Arguments {
   std::uint64_t seed = 1;
   bool force = false;
   std::optional<double> duration_s;
+  std::optional<int> laps;
   std::optional<int> beams;
   std::optional<double> fov_deg;
   std::optional<double> scan_rate_hz;
@@ -82,6 +83,7 @@ SimulationOptions options_of(const Arguments& arguments, const AppContext& conte
     if (value) override_option(entries, flag, fmt::format("{}={}", key, *value * factor), problems);
   };
   override_with("--duration", "duration_s", arguments.duration_s);
+  override_with("--laps", "drive.laps", arguments.laps);
   if (arguments.beams) options.laser.beams = *arguments.beams;
   if (arguments.people) options.people = *arguments.people;
   if (arguments.odometry_fault) {
@@ -266,6 +268,7 @@ void add_simulate_command(CLI::App& app, AppContext& context) {
   command
       ->add_option("--duration", arguments->duration_s, "cut the drive (default: the whole route)")
       ->type_name("S");
+  command->add_option("--laps", arguments->laps, "of the same route (default: 1)")->type_name("N");
   command->add_option("--beams", arguments->beams, "of a scan (default: 1081)")
       ->type_name("N")
       ->check(CLI::Range(2, 20000));

@@ -14,7 +14,7 @@ constexpr double kTurnInPlace = 0.9;   ///< off by more than this the robot stop
 constexpr double kCornerReach = 0.3;   ///< over which a path's turning is measured [m]
 
 /// All legs joined; every leg's end stands in the path as planned.
-Path plan_route(const World& world, RoutePlanner& planner) {
+Path plan_route(const World& world, RoutePlanner& planner, int laps) {
   const auto start = planner.nearest_free(world.map_T_start.translation(), 0.3);
   Cell at = *start;
   Path route{world.map_T_start.translation()};
@@ -40,6 +40,12 @@ Path plan_route(const World& world, RoutePlanner& planner) {
   if (returns.empty()) returns.push_back(world.map_T_start.translation());
   for (const auto& point : returns) {
     if (const auto cell = planner.nearest_free(point, 1.0)) go({*cell});
+  }
+  if (laps > 1) go({*start});
+  const auto lap = static_cast<std::ptrdiff_t>(route.size());
+  for (int i = 1; i < laps; ++i) {
+    const Path again(route.begin() + 1, route.begin() + lap);
+    route.insert(route.end(), again.begin(), again.end());
   }
   return route;
 }
@@ -184,7 +190,7 @@ Drive drive_route(const World& world, double robot_radius_m, const DriveOptions&
   }
   Drive drive(world.map_T_start);
   for (double time = 0.0; time < options.standstill_s; time += Drive::kStep) drive.append(0.0, 0.0);
-  const Path route = plan_route(world, planner);
+  const Path route = plan_route(world, planner, options.laps);
   if (route.size() > 1) Follower(route, obstacles, robot_radius_m, options).run(drive);
   return drive;
 }

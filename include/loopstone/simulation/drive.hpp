@@ -15,6 +15,7 @@ struct DriveOptions {
   double yaw_rate_rad_s = 1.0;
   double acceleration_m_s2 = 0.6;
   double standstill_s = 3.0;  ///< before it sets off
+  int laps = 1;               ///< times that it goes the whole route, each time back to the start
 };
 
 /// A motion of constant speed and yaw rate in each of many short steps, so that the pose, the distance and the angle
@@ -58,7 +59,7 @@ class Drive {
 
 /// Visits the world's places, each time the cheapest to reach of those that are left, ways driven before being dearer;
 /// then passes its returns in order. Without returns it comes back to the start. Places that a robot of that radius
-/// can't reach are left out. The robot's centre never comes nearer to an obstacle than the radius.
+/// can't reach are left out. With more than one lap it goes on to the start and along the same way again. The robot's centre never comes nearer to an obstacle than the radius.
 /// Throws UsageError when the start itself has no room for the robot.
 /// Source of the steering: Coulter 1992, "Implementation of the pure pursuit path tracking algorithm".
 [[nodiscard]] Drive drive_route(const World& world, double robot_radius_m,

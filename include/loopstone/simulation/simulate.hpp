@@ -69,6 +69,7 @@ void visit_options(DriveOptions& options, Visitor&& visit) {
   visit("yaw_rate_rad_s", options.yaw_rate_rad_s, Range{0.2, 3.0}, "fastest turn");
   visit("acceleration_m_s2", options.acceleration_m_s2, Range{0.1, 5.0}, "how fast it gains speed");
   visit("standstill_s", options.standstill_s, Range{0.0, 60.0}, "rest before it sets off");
+  visit("laps", options.laps, Range{1, 1000}, "times that it goes the whole route");
 }
 
 template <typename Visitor>

@@ -378,5 +378,21 @@ TEST(Drive, KeepsItsLimits) {
   EXPECT_EQ(drive.travelled_m(options.standstill_s), 0.0);
 }
 
+TEST(Drive, LapsGoTheSameWay) {
+  const World world = make_world("office", 3);
+  const Drive one = drive_route(world, 0.25);
+  const Drive three = drive_route(world, 0.25, {.laps = 3});
+  // The first ends where the route does, a lap where it began.
+  EXPECT_GT(three.duration_s(), 2.8 * one.duration_s());
+  EXPECT_LT((three.last_pose().translation() - world.map_T_start.translation()).norm(), 0.5);
+  for (double time = 0.0; time < three.duration_s(); time += 0.5) {
+    const Eigen::Vector2d at = three.pose_at(time).translation();
+    double nearest = 10.0;
+    for (double t = 0.0; t < 0.34 * three.duration_s(); t += 0.1)
+      nearest = std::min(nearest, (three.pose_at(t).translation() - at).norm());
+    EXPECT_LT(nearest, 0.3) << time;
+  }
+}
+
 }  // namespace
 }  // namespace loopstone
