@@ -1,7 +1,6 @@
 #include "loopstone/slam/back_end.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "loopstone/graph/solver.hpp"
@@ -13,33 +12,15 @@ namespace loopstone {
 
 namespace {
 
-/// What matching against a submap leaves uncertain between consecutive key scans, however good the match: its slow drift.
-constexpr double kChainRestM = 0.004;
-constexpr double kChainShare = 0.006;
-constexpr double kChainRestRad = 0.0012;
-constexpr double kChainTurnShare = 0.004;
 /// A closure whose residual is less likely than this (chi-square, 3 degrees of freedom, 1e-5) does not stand.
 constexpr double kRevokeChi2 = 26.0;
-/// Closures that disagree by more standard deviations than this pull less than in proportion.
-constexpr double kHuberWidth = 1.5;
 /// A closure that would bend the map and that no other one bears witness for needs at least this.
 constexpr double kLoneOverlap = 0.5;
 constexpr double kLoneAgreement = 0.9;
+/// As long as closures say together no more than this that the map does not, solving it can wait.
+constexpr double kNewsChi2 = 6.0;
 /// Rounds of looking everywhere with ever better poses.
 constexpr int kFinalRounds = 2;
-
-RelativePoseEdge chain_edge(int from, const KeyScan& previous, const KeyScan& next) {
-  const Pose2 motion = previous.local_T_robot.inverse() * next.local_T_robot;
-  const double distance = std::hypot(motion.x, motion.y);
-  const double sigma = kChainRestM + kChainShare * distance;
-  const double sigma_yaw = kChainRestRad + kChainTurnShare * std::abs(motion.yaw);
-  // From the local frame to that of the previous key scan, in which the motion is told.
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = previous.local_T_robot.rotation().transpose();
-  Eigen::Matrix3d covariance = turn * (previous.covariance + next.covariance) * turn.transpose();
-  covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, sigma_yaw * sigma_yaw);
-  return edge_between(from, from + 1, {motion, covariance}, EdgeKind::kOdometry);
-}
 
 }  // namespace
 
@@ -48,36 +29,64 @@ BackEnd::BackEnd(const MapOptions& options, Threads threads)
       loops_(options.loop, options.submap, options.match, threads) {}
 
 void BackEnd::add_key(const KeyScan& key) {
-  if (keys_.empty()) {
-    graph_.poses.push_back(key.local_T_robot);
-    travelled_m_.push_back(0.0);
-  } else {
-    const Pose2 motion = keys_.back().local_T_robot.inverse() * key.local_T_robot;
-    graph_.edges.push_back(chain_edge(static_cast<int>(keys_.size()) - 1, keys_.back(), key));
-    graph_.poses.push_back(graph_.poses.back() * motion);
-    travelled_m_.push_back(travelled_m_.back() + std::hypot(motion.x, motion.y));
+  chain_.add(key);
+  const std::size_t newest = chain_.stretch_count() - 1;
+  if (newest < outline_.poses.size()) return;
+  if (newest == 0) {
+    outline_.poses.push_back(key.local_T_robot);
+    return;
   }
-  keys_.push_back(key);
+  const PoseWithCovariance2& motion = chain_.across(newest - 1);
+  const int from = static_cast<int>(newest) - 1;
+  outline_.edges.push_back(edge_between(from, from + 1, motion, EdgeKind::kOdometry));
+  outline_.poses.push_back(outline_.poses.back() * motion.pose);
 }
 
 void BackEnd::add_submap(FinishedSubmap submap) {
   const Stopwatch watch;
-  const double travelled = travelled_m_[submap.first_key];
-  loops_.add(std::move(submap), travelled);
+  loops_.add(std::move(submap), chain_.travelled_m()[loops_.submap_count()]);
+  covered_.push_back(false);
   std::vector<LoopClosure> found;
-  if (loop_closure_) found = loops_.close_newest(graph_.poses);
+  if (loop_closure_) found = loops_.close_newest(outline_.poses);
   loop_closing_s_ += watch.seconds();
   take(std::move(found));
+  thin_covered();
 }
 
+/// A stretch lies in the submap that it starts and in the one before.
+void BackEnd::thin_covered() {
+  for (const std::size_t submap : loops_.drop_covered()) {
+    covered_[submap] = true;
+    for (const std::size_t stretch : {submap, submap + 1}) {
+      if (stretch == 0 || stretch >= covered_.size()) continue;
+      if (!covered_[stretch - 1] || !covered_[stretch]) continue;
+      chain_.thin(stretch);
+      thinned_.push_back(stretch);
+    }
+  }
+}
+
+std::vector<std::size_t> BackEnd::take_thinned() { return std::exchange(thinned_, {}); }
+
 void BackEnd::finish() {
+  if (unsolved_chi2() > 0.0) solve(outline_);
   for (int round = 0; loop_closure_ && round < kFinalRounds; ++round) {
     const Stopwatch watch;
-    auto found = loops_.close_all(graph_.poses);
+    auto found = loops_.close_all(outline_.poses);
     loop_closing_s_ += watch.seconds();
     take(std::move(found));
   }
   accept_lone();
+  loops_.drop_all();
+
+  graph_ = chain_.expand(outline_.poses);
+  const auto nodes = chain_.first_nodes();
+  for (auto& closure : closures_) {
+    closure.from = nodes[closure.from_submap];
+    closure.to = nodes[closure.to_submap];
+  }
+  if (std::any_of(closures_.begin(), closures_.end(), [](const auto& c) { return c.accepted; }))
+    solve(graph_);
   for (const auto& closure : closures_) {
     if (closure.accepted) graph_.edges.push_back(loops_.edge_of(closure));
   }
@@ -93,7 +102,7 @@ void BackEnd::accept_lone() {
     closure.reason = closure.accepted ? "" : "no second closure asks for the same";
     news = news || closure.accepted;
   }
-  if (news) solve();
+  if (news) solve(outline_);
 }
 
 void BackEnd::take(std::vector<LoopClosure> found) {
@@ -111,30 +120,43 @@ void BackEnd::take(std::vector<LoopClosure> found) {
   }
   // Each solution brings the map nearer to the truth, so that more of those that wait may agree with it.
   bool news = false;
-  while (accept_witnessed(closures_, {graph_.poses, travelled_m_})) {
-    solve();
+  while (accept_witnessed(closures_, {outline_.poses, chain_.travelled_m()})) {
     news = true;
+    if (unsolved_chi2() < kNewsChi2) break;
+    solve(outline_);
   }
   if (news) loops_.set_closures(closures_);
 }
 
-void BackEnd::solve() {
+/// How much the closures accepted since the last solution disagree with it.
+double BackEnd::unsolved_chi2() const {
+  double sum = 0.0;
+  for (const auto& closure : closures_) {
+    if (!closure.accepted || closure.chi2 > 0.0) continue;
+    sum += edge_chi2(loops_.edge_of(closure), outline_.poses[closure.from_submap],
+                     outline_.poses[closure.to_submap]);
+  }
+  return sum;
+}
+
+/// \param graph  of the closures' nodes; without them
+void BackEnd::solve(PoseGraph& graph) {
   const Stopwatch watch;
-  const SolverOptions solver{.robust_kernel = "huber", .robust_width = kHuberWidth};
+  const SolverOptions solver{.robust_kernel = "huber", .robust_width = kClosureHuberWidth};
   while (true) {
-    PoseGraph whole = graph_;
+    PoseGraph whole = graph;
     for (const auto& closure : closures_) {
       if (closure.accepted) whole.edges.push_back(loops_.edge_of(closure));
     }
-    graph_.poses = optimize(whole, solver).poses;
+    graph.poses = optimize(whole, solver).poses;
     // The worst closure that can't be reconciled goes; then the rest is solved again.
     LoopClosure* worst = nullptr;
     for (auto& closure : closures_) {
       if (!closure.accepted) continue;
       const auto edge = loops_.edge_of(closure);
       const Eigen::Vector3d error =
-          edge_error(edge, graph_.poses[static_cast<std::size_t>(edge.from.index)],
-                     graph_.poses[static_cast<std::size_t>(edge.to.index)]);
+          edge_error(edge, graph.poses[static_cast<std::size_t>(edge.from.index)],
+                     graph.poses[static_cast<std::size_t>(edge.to.index)]);
       closure.chi2 = error.dot(edge.information * error);
       if (closure.chi2 > kRevokeChi2 && (worst == nullptr || closure.chi2 > worst->chi2))
         worst = &closure;

@@ -58,13 +58,9 @@ double merit(const MatchResult& match, std::span<const PosePrior2> priors) {
   return match.score - kScorePerChi2 * nearest;
 }
 
-double sweep_seconds(const LaserScan& scan) {
-  return std::abs(scan.time_increment_s) * static_cast<double>(scan.ranges_m.size());
-}
-
 /// Whether a velocity that is wrong by so much bends a sweep.
 bool bends(const LaserScan& scan, const Tangent2& velocity_error) {
-  const double sweep_s = sweep_seconds(scan);
+  const double sweep_s = std::abs(sweep_seconds(scan));
   return velocity_error.head<2>().norm() * sweep_s > kBendM ||
          std::abs(velocity_error.z()) * sweep_s > kBendRad;
 }
@@ -145,7 +141,7 @@ Tangent2 FrontEnd::velocity_to(const Pose2& local_T_robot, const LaserScan& scan
   const auto& last = predictor_.last_stamp();
   if (!last || scan.stamp <= *last) return Tangent2::Zero();
   // No scanner begins its next sweep before the last one is over; stamps that say so are wrong.
-  const double seconds = std::max((scan.stamp - *last).seconds(), sweep_seconds(scan));
+  const double seconds = std::max((scan.stamp - *last).seconds(), std::abs(sweep_seconds(scan)));
   return log(predictor_.last_pose().inverse() * local_T_robot) / seconds;
 }
 
@@ -288,6 +284,7 @@ void FrontEnd::insert(std::span<const SurfacePoint> surfaces, const LaserScan& s
   last_key_ = tracked.local_T_robot;
   ++key_count_;
   tracked.key = true;
+  tracked.starts_submap = start_next;
 }
 
 std::vector<FinishedSubmap> FrontEnd::finish() {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <queue>
+#include <utility>
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/correlative_search.hpp"
@@ -32,16 +33,42 @@ constexpr double kSameTryRad = 0.03;
 /// A pose this far from the best one is another place.
 constexpr double kElsewhereM = 1.0;
 constexpr double kElsewhereRad = 0.35;
+/// A submap of which older ones saw so much adds nothing.
+constexpr double kCovered = 0.9;
+/// So many are compared beside each other, whatever the number of threads; the nearest first, until the submap is covered.
+constexpr std::size_t kBeside = 2;
+
+/// Which of the surfaces fall where a submap was observed.
+std::vector<bool> seen_by(const MaxPyramid& target, const Pose2& target_T_source,
+                          std::span<const SurfacePoint> surfaces) {
+  std::vector<bool> seen;
+  seen.reserve(surfaces.size());
+  for (const SurfacePoint& surface : surfaces) {
+    const Cell cell =
+        target.frame().cell_of(target_T_source * surface.position.cast<double>().eval());
+    seen.push_back(target.bound(0, cell.column, cell.row) != kUnknown);
+  }
+  return seen;
+}
+
+void add_to(std::vector<bool>& seen, const std::vector<bool>& more) {
+  for (std::size_t i = 0; i < seen.size(); ++i) seen[i] = seen[i] || more[i];
+}
+
+double share_of(const std::vector<bool>& seen) {
+  return static_cast<double>(std::count(seen.begin(), seen.end(), true)) /
+         static_cast<double>(seen.size());
+}
 
 }  // namespace
 
 struct LoopCloser::Entry {
   FrozenSubmap submap;
-  std::size_t first_key = 0;
-  std::size_t last_key = 0;
   double travelled_m = 0.0;
   Eigen::Vector2d centre;  // of its surfaces, submap frame
   double radius_m = 0.0;   // rms distance of its surfaces from the centre
+  std::vector<std::size_t> closed_with{};
+  bool dropped = false;
 };
 
 struct LoopCloser::Pair {
@@ -65,11 +92,11 @@ std::size_t LoopCloser::submap_count() const { return entries_.size(); }
 
 void LoopCloser::add(FinishedSubmap submap, double travelled_m) {
   Entry entry{.submap = std::move(submap.submap),
-              .first_key = submap.first_key,
-              .last_key = submap.last_key,
               .travelled_m = travelled_m,
               .centre = Eigen::Vector2d::Zero(),
-              .radius_m = 0.0};
+              .radius_m = 0.0,
+              .closed_with = {},
+              .dropped = false};
   const auto& surfaces = entry.submap.surfaces;
   if (!surfaces.empty()) {
     for (const auto& surface : surfaces) entry.centre += surface.position.cast<double>();
@@ -83,57 +110,56 @@ void LoopCloser::add(FinishedSubmap submap, double travelled_m) {
 }
 
 void LoopCloser::set_closures(std::span<const LoopClosure> closures) {
-  standing_.clear();
+  const auto before = std::exchange(standing_, {});
+  for (Entry& entry : entries_) entry.closed_with.clear();
   for (const auto& closure : closures) {
-    if (closure.accepted) standing_.push_back(closure);
+    if (!closure.accepted) continue;
+    standing_.emplace(closure.to_submap, closure.from_submap);
+    entries_[closure.from_submap].closed_with.push_back(closure.to_submap);
+    entries_[closure.to_submap].closed_with.push_back(closure.from_submap);
+    if (!before.contains({closure.to_submap, closure.from_submap}))
+      newly_closed_.insert(closure.to_submap);
   }
 }
 
-std::vector<double> LoopCloser::travel_between(std::size_t from) const {
-  // Dijkstra over submaps: neighbours in sequence by the path between them, closures at a fixed price.
-  std::vector<std::vector<std::pair<std::size_t, double>>> links(entries_.size());
-  for (std::size_t i = 1; i < entries_.size(); ++i) {
-    const double travel = entries_[i].travelled_m - entries_[i - 1].travelled_m;
-    links[i].push_back({i - 1, travel});
-    links[i - 1].push_back({i, travel});
-  }
-  for (const auto& closure : standing_) {
-    links[closure.from_submap].push_back({closure.to_submap, kClosureTravelM});
-    links[closure.to_submap].push_back({closure.from_submap, kClosureTravelM});
-  }
+/// Shortest travel from a submap to each other: Dijkstra, neighbours in sequence by the path between them, closures at a fixed
+/// price. Infinite beyond what makes a difference.
+std::vector<double> LoopCloser::travel_from(std::size_t from) const {
+  const double enough_m = std::max(options_.max_half_xy_m / std::max(options_.drift_per_m, 1e-9),
+                                   kMaxHalfYawRad / std::max(options_.drift_rad_per_m, 1e-9));
   std::vector<double> travel(entries_.size(), std::numeric_limits<double>::infinity());
   using Item = std::pair<double, std::size_t>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
-  travel[from] = 0.0;
-  open.push({0.0, from});
+  const auto reach = [&](std::size_t at, double cost) {
+    if (cost >= travel[at] || cost > enough_m) return;
+    travel[at] = cost;
+    open.push({cost, at});
+  };
+  reach(from, 0.0);
   while (!open.empty()) {
     const auto [cost, at] = open.top();
     open.pop();
     if (cost > travel[at]) continue;
-    for (const auto& [next, step] : links[at]) {
-      if (cost + step >= travel[next]) continue;
-      travel[next] = cost + step;
-      open.push({travel[next], next});
-    }
+    const double here_m = entries_[at].travelled_m;
+    if (at > 0) reach(at - 1, cost + here_m - entries_[at - 1].travelled_m);
+    if (at + 1 < entries_.size()) reach(at + 1, cost + entries_[at + 1].travelled_m - here_m);
+    for (const std::size_t other : entries_[at].closed_with) reach(other, cost + kClosureTravelM);
   }
   return travel;
 }
 
-std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer,
-                                                         std::span<const Pose2> map_T_key) const {
+std::vector<LoopCloser::Pair> LoopCloser::candidates_for(
+    std::size_t newer, std::span<const Pose2> map_T_submap) const {
   std::vector<Pair> pairs;
   const Entry& query = entries_[newer];
-  const Pose2 map_T_newer = map_T_key[query.first_key];
+  if (query.dropped) return pairs;
+  const Pose2 map_T_newer = map_T_submap[newer];
   const Eigen::Vector2d centre = map_T_newer * query.centre;
-  const auto travel = travel_between(newer);
+  const auto travel = travel_from(newer);
   for (std::size_t older = 0; older + kNeighbours < newer; ++older) {
-    const bool closed =
-        std::any_of(standing_.begin(), standing_.end(), [&](const LoopClosure& closure) {
-          return closure.from_submap == older && closure.to_submap == newer;
-        });
-    if (closed) continue;
     const Entry& target = entries_[older];
-    const Pose2 map_T_older = map_T_key[target.first_key];
+    if (target.dropped || standing_.contains({newer, older})) continue;
+    const Pose2 map_T_older = map_T_submap[older];
     Pair pair{.older = older,
               .newer = newer,
               .older_T_newer = map_T_older.inverse() * map_T_newer,
@@ -161,22 +187,35 @@ bool LoopCloser::was_tried(const Pair& pair) const {
   return std::hypot(change.x, change.y) < kSameTryM && std::abs(change.yaw) < kSameTryRad;
 }
 
-std::vector<LoopClosure> LoopCloser::close_newest(std::span<const Pose2> map_T_key) {
-  return compare(candidates_for(entries_.size() - 1, map_T_key));
+std::vector<LoopClosure> LoopCloser::close_newest(std::span<const Pose2> map_T_submap) {
+  const std::size_t newest = entries_.size() - 1;
+  const std::vector<Pair> pairs = candidates_for(newest, map_T_submap);
+  std::vector<LoopClosure> closures;
+  std::vector<bool> seen(entries_[newest].submap.surfaces.size());
+  for (std::size_t first = 0; first < pairs.size(); first += kBeside) {
+    const std::size_t count = std::min(kBeside, pairs.size() - first);
+    for (LoopClosure& closure : compare(std::span(pairs).subspan(first, count))) {
+      if (closure.accepted) add_to(seen, seen_.at({newest, closure.from_submap}));
+      closures.push_back(std::move(closure));
+    }
+    if (share_of(seen) >= kCovered) break;
+  }
+  return closures;
 }
 
-std::vector<LoopClosure> LoopCloser::close_all(std::span<const Pose2> map_T_key) {
+std::vector<LoopClosure> LoopCloser::close_all(std::span<const Pose2> map_T_submap) {
   std::vector<Pair> pairs;
   for (std::size_t newer = kNeighbours + 1; newer < entries_.size(); ++newer) {
-    const auto more = candidates_for(newer, map_T_key);
+    const auto more = candidates_for(newer, map_T_submap);
     pairs.insert(pairs.end(), more.begin(), more.end());
   }
   return compare(pairs);
 }
 
-std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
+std::vector<LoopClosure> LoopCloser::compare(std::span<const Pair> pairs) {
   for (const Pair& pair : pairs) tried_[{pair.older, pair.newer}] = pair.older_T_newer;
   std::vector<std::optional<LoopClosure>> found(pairs.size());
+  std::vector<std::vector<bool>> seen(pairs.size());
   parallel_for(pairs.size(), threads_, [&](std::size_t index) {
     const Pair& pair = pairs[index];
     const Entry& target = entries_[pair.older];
@@ -189,8 +228,8 @@ std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
     if (!best.found) return;
 
     LoopClosure closure;
-    closure.from = NodeId{static_cast<int>(target.first_key)};
-    closure.to = NodeId{static_cast<int>(query.first_key)};
+    closure.from = NodeId{static_cast<int>(pair.older)};
+    closure.to = NodeId{static_cast<int>(pair.newer)};
     closure.from_submap = pair.older;
     closure.to_submap = pair.newer;
     closure.score = best.score;
@@ -211,13 +250,8 @@ std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
     closure.covariance.diagonal() +=
         Eigen::Vector3d(kBendM * kBendM, kBendM * kBendM, kBendRad * kBendRad);
 
-    std::size_t seen = 0;
-    for (const auto& surface : query.submap.surfaces) {
-      const Cell cell =
-          pyramid.frame().cell_of(match.target_T_source * surface.position.cast<double>().eval());
-      if (pyramid.bound(0, cell.column, cell.row) != kUnknown) ++seen;
-    }
-    closure.overlap = static_cast<double>(seen) / static_cast<double>(query.submap.surfaces.size());
+    seen[index] = seen_by(pyramid, match.target_T_source, query.submap.surfaces);
+    closure.overlap = share_of(seen[index]);
     closure.agreement = closure.overlap > 0.0 ? std::min(1.0, match.score / closure.overlap) : 0.0;
 
     if (match.status == MatchStatus::kTooFewPairs) {
@@ -234,10 +268,38 @@ std::vector<LoopClosure> LoopCloser::compare(const std::vector<Pair>& pairs) {
     found[index] = closure;
   });
   std::vector<LoopClosure> closures;
-  for (auto& closure : found) {
-    if (closure) closures.push_back(std::move(*closure));
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!found[i]) continue;
+    if (found[i]->accepted) seen_[{pairs[i].newer, pairs[i].older}] = std::move(seen[i]);
+    closures.push_back(std::move(*found[i]));
   }
   return closures;
+}
+
+std::vector<std::size_t> LoopCloser::drop_covered() {
+  std::vector<std::size_t> dropped;
+  for (const std::size_t newer : std::exchange(newly_closed_, {})) {
+    if (entries_[newer].dropped) continue;
+    std::vector<bool> seen(entries_[newer].submap.surfaces.size());
+    for (const std::size_t older : entries_[newer].closed_with) {
+      if (older > newer || entries_[older].dropped) continue;
+      add_to(seen, seen_.at({newer, older}));
+    }
+    if (!(share_of(seen) >= kCovered)) continue;
+    entries_[newer].submap = {};
+    entries_[newer].dropped = true;
+    seen_.erase(seen_.lower_bound({newer, 0}), seen_.lower_bound({newer + 1, 0}));
+    dropped.push_back(newer);
+  }
+  return dropped;
+}
+
+void LoopCloser::drop_all() {
+  for (Entry& entry : entries_) {
+    entry.submap = {};
+    entry.dropped = true;
+  }
+  seen_.clear();
 }
 
 RelativePoseEdge LoopCloser::edge_of(const LoopClosure& closure) const {

@@ -7,7 +7,9 @@
 #include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/back_end.hpp"
 #include "loopstone/slam/surface_adjustment.hpp"
+#include "slam/drift_correction.hpp"
 #include "slam/odometry_warnings.hpp"
+#include "slam/scan_store.hpp"
 #include "slam/stopwatch.hpp"
 #include "slam/task_queue.hpp"
 
@@ -57,28 +59,57 @@ std::vector<std::string> warnings_of(const MapResult& result, const MapOptions& 
 
 }  // namespace
 
-/// The back end, fed through a queue so that it runs beside the front end when there is more than one thread.
+/// The back end and the scans that it decides about, fed through a queue so that both run beside the front end when there is
+/// more than one thread.
 class Mapper::BackEndWorker {
  public:
   BackEndWorker(const MapOptions& options, Threads threads)
       : back_end_(options, threads), queue_(threads.resolved() > 1) {}
 
-  void add_key(const KeyScan& key) {
-    queue_.run([this, key] { back_end_.add_key(key); });
+  void add_scan(MappedScan scan, const std::optional<KeyScan>& key) {
+    // Handed over with the next submap: a thread that wakes for every scan costs more than it does.
+    waiting_.push_back({std::move(scan), key});
   }
-  void add_submap(FinishedSubmap submap) {
-    auto shared = std::make_shared<FinishedSubmap>(std::move(submap));
-    queue_.run([this, shared] { back_end_.add_submap(std::move(*shared)); });
+  void add_submaps(std::vector<FinishedSubmap> submaps) {
+    if (submaps.empty()) return;
+    auto batch = std::make_shared<Batch>(Batch{std::exchange(waiting_, {}), std::move(submaps)});
+    queue_.run([this, batch] { take(std::move(*batch)); });
   }
-  /// Waits for all that was queued, ends the back end and gives access to it.
-  [[nodiscard]] const BackEnd& finish() {
-    queue_.run([this] { back_end_.finish(); });
+  /// Waits for all that was handed over and ends the back end.
+  void finish() {
+    auto batch = std::make_shared<Batch>(Batch{std::exchange(waiting_, {}), {}});
+    queue_.run([this, batch] {
+      take(std::move(*batch));
+      back_end_.finish();
+    });
     queue_.wait();
-    return back_end_;
   }
+  /// After finish().
+  [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
+  [[nodiscard]] const ScanStore& scans() const { return scans_; }
 
  private:
+  struct Step {
+    MappedScan scan{};
+    std::optional<KeyScan> key{};
+  };
+  struct Batch {
+    std::vector<Step> steps{};
+    std::vector<FinishedSubmap> submaps{};
+  };
+
+  void take(Batch batch) {
+    for (Step& step : batch.steps) {
+      if (step.key) back_end_.add_key(*step.key);
+      scans_.add(std::move(step.scan), step.key && step.key->starts_submap);
+    }
+    for (FinishedSubmap& submap : batch.submaps) back_end_.add_submap(std::move(submap));
+    for (const std::size_t stretch : back_end_.take_thinned()) scans_.thin(stretch);
+  }
+
   BackEnd back_end_;
+  ScanStore scans_{};
+  std::vector<Step> waiting_{};
   TaskQueue queue_;
 };
 
@@ -109,64 +140,66 @@ void Mapper::add_scan(LaserScan scan) {
   if (!tracked.used) ++statistics_.scans_dropped;
   if (tracked.searched) ++statistics_.searches;
 
-  ScanRecord record{.scan = std::move(scan),
-                    .robot_T_lidar = robot_T_lidar,
-                    .local_T_robot = tracked.local_T_robot,
-                    .local_T_robot_end = tracked.local_T_robot,
-                    .odom_T_robot = odom_T_robot};
-  const double sweep_s =
-      record.scan.time_increment_s * static_cast<double>(record.scan.ranges_m.size());
-  if (!records_.empty()) {
-    const ScanRecord& before = records_.back();
-    const Pose2 motion = before.local_T_robot.inverse() * tracked.local_T_robot;
-    const double distance = std::hypot(motion.x, motion.y);
-    if (tracked.status == MatchStatus::kDegenerate) statistics_.degenerate_travel_m += distance;
-    const double seconds = (record.scan.stamp - before.scan.stamp).seconds();
-    if (sweep_s != 0.0 && seconds > 0.0) {
-      record.local_T_robot_end =
-          tracked.local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
-    }
+  if (!track_.empty() && tracked.status == MatchStatus::kDegenerate) {
+    const Pose2 motion = track_.back().local_T_robot.inverse() * tracked.local_T_robot;
+    statistics_.degenerate_travel_m += std::hypot(motion.x, motion.y);
   }
-  // With one thread the back end works within the calls below.
+  track_.push_back({scan.stamp, tracked.local_T_robot, odom_T_robot});
+  // With one thread the back end works within the call below.
   statistics_.front_end_s += watch.seconds();
-  if (tracked.key) {
-    back_end_->add_key({record.scan.stamp, tracked.local_T_robot, tracked.covariance});
-    key_stamps_.push_back(record.scan.stamp);
-  }
-  for (auto& submap : tracked.finished) back_end_->add_submap(std::move(submap));
-
-  // Standing still adds nothing to the map, and a fast scanner no more than a slow one.
-  const Pose2 since = last_mapped_.inverse() * tracked.local_T_robot;
-  record.mapped =
-      tracked.used && !tracked.left_out &&
-      (tracked.key || std::hypot(since.x, since.y) > kStillCells * options_.map.resolution_m ||
-       std::abs(since.yaw) > kStillRad);
-  if (record.mapped) {
-    last_mapped_ = tracked.local_T_robot;
-  } else {
-    record.scan.ranges_m = {};
-  }
-  record.last_key = key_stamps_.empty() ? 0 : key_stamps_.size() - 1;
-  records_.push_back(std::move(record));
+  hand_over(std::move(scan), robot_T_lidar, std::move(tracked));
 }
 
-std::vector<std::vector<SurfacePoint>> Mapper::key_surfaces() const {
+/// Where the robot is when the sweep of the newest scan ends, if it goes on as it came.
+Pose2 Mapper::end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const {
+  const double sweep_s = sweep_seconds(scan);
+  if (track_.size() < 2 || sweep_s == 0.0) return local_T_robot;
+  const TrackedPose& before = track_[track_.size() - 2];
+  const double seconds = (scan.stamp - before.stamp).seconds();
+  if (!(seconds > 0.0)) return local_T_robot;
+  const Pose2 motion = before.local_T_robot.inverse() * local_T_robot;
+  return local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
+}
+
+/// Gives the back end what the front end is done with.
+void Mapper::hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan tracked) {
+  const std::size_t index = track_.size() - 1;
+  const Pose2& local_T_robot = tracked.local_T_robot;
+  std::optional<KeyScan> key;
+  if (tracked.key) {
+    key = {scan.stamp, local_T_robot, tracked.covariance, index, tracked.starts_submap};
+    const Pose2 step = last_key_.inverse() * local_T_robot;
+    // From key scan to key scan: between them the robot only trembles.
+    if (statistics_.key_scans > 0) statistics_.path_length_m += std::hypot(step.x, step.y);
+    ++statistics_.key_scans;
+    last_key_ = local_T_robot;
+  }
+  // Standing still adds nothing to the map, and a fast scanner no more than a slow one.
+  const Pose2 since = last_mapped_.inverse() * local_T_robot;
+  const bool moved = std::hypot(since.x, since.y) > kStillCells * options_.map.resolution_m ||
+                     std::abs(since.yaw) > kStillRad;
+  if (key || (tracked.used && !tracked.left_out && moved)) {
+    last_mapped_ = local_T_robot;
+    const Pose2 end = end_of_sweep(scan, local_T_robot);
+    back_end_->add_scan({std::move(scan), index, robot_T_lidar, local_T_robot, end}, key);
+  }
+  back_end_->add_submaps(std::move(tracked.finished));
+}
+
+std::vector<std::vector<SurfacePoint>> Mapper::key_surfaces(std::span<const KeyScan> keys) const {
   std::vector<std::vector<SurfacePoint>> surfaces;
+  surfaces.reserve(keys.size());
   BeamTable beams;
   const SurfaceOptions options{.range_max_m = options_.front_end.range_max_m,
                                .points_max = options_.adjustment.points_max};
-  for (std::size_t i = 0; i < records_.size() && surfaces.size() < key_stamps_.size(); ++i) {
-    const ScanRecord& record = records_[i];
-    if (record.scan.stamp != key_stamps_[surfaces.size()] || record.last_key != surfaces.size())
-      continue;
-    const double sweep_s =
-        record.scan.time_increment_s * static_cast<double>(record.scan.ranges_m.size());
+  back_end_->scans().for_each([&](const MappedScan& mapped) {
+    if (surfaces.size() == keys.size() || mapped.index != keys[surfaces.size()].scan) return;
+    const double sweep_s = sweep_seconds(mapped.scan);
     Tangent2 velocity = Tangent2::Zero();
-    if (sweep_s != 0.0) {
-      velocity = log(record.local_T_robot.inverse() * record.local_T_robot_end) / sweep_s;
-    }
-    surfaces.push_back(surface_points(record.scan, record.robot_T_lidar, velocity, options, beams));
-  }
+    if (sweep_s != 0.0)
+      velocity = log(mapped.local_T_robot.inverse() * mapped.local_T_robot_end) / sweep_s;
+    surfaces.push_back(surface_points(mapped.scan, mapped.robot_T_lidar, velocity, options, beams));
+  });
   return surfaces;
 }
 
@@ -182,55 +215,40 @@ void Mapper::report_odometry(MapResult& result) const {
 }
 
 /// Moves all key scans onto the surfaces that they share.
-void Mapper::adjust(MapResult& result) const {
+void Mapper::adjust(std::span<const KeyScan> keys, MapResult& result) const {
   if (!options_.adjustment.enabled) return;
   const Stopwatch watch;
-  auto adjusted = adjust_to_surfaces(result.graph, key_surfaces(), options_.adjustment, threads_);
+  auto adjusted =
+      adjust_to_surfaces(result.graph, key_surfaces(keys), options_.adjustment, threads_);
   result.graph.poses = std::move(adjusted.poses);
   result.statistics.surface_spread_before_m = adjusted.spread_before_m;
   result.statistics.surface_spread_m = adjusted.spread_after_m;
   result.statistics.adjustment_s = watch.seconds();
 }
 
-/// Puts every scan on the map. Scans between two key scans share the correction of both, blended by time.
-/// Returns those that the map is drawn from.
-std::vector<PosedScan> Mapper::place_scans(MapResult& result) const {
-  std::vector<Pose2> map_T_local;
-  for (std::size_t i = 0, key = 0; i < records_.size() && key < key_stamps_.size(); ++i) {
-    if (records_[i].scan.stamp != key_stamps_[key] || records_[i].last_key != key) continue;
-    map_T_local.push_back(result.graph.poses[key] * records_[i].local_T_robot.inverse());
-    ++key;
+/// Puts every scan on the map. Returns those that the map is drawn from.
+std::vector<PosedScan> Mapper::place_scans(std::vector<KeyScan> keys, MapResult& result) const {
+  const DriftCorrection correction(std::move(keys), result.graph.poses);
+  result.trajectory.reserve(track_.size());
+  result.odometry.reserve(track_.empty() || !track_.back().odom_T_robot ? 0 : track_.size());
+  for (std::size_t i = 0; i < track_.size(); ++i) {
+    const auto& [stamp, local_T_robot, odom_T_robot] = track_[i];
+    result.trajectory.append(stamp, correction.at(i, stamp, local_T_robot) * local_T_robot);
+    if (odom_T_robot) result.odometry.append(stamp, *odom_T_robot);
   }
   std::vector<PosedScan> posed;
-  for (const ScanRecord& record : records_) {
-    Pose2 correction;
-    if (!map_T_local.empty()) {
-      const std::size_t key = record.last_key;
-      correction = map_T_local[key];
-      if (key + 1 < map_T_local.size() && record.scan.stamp > key_stamps_[key]) {
-        const double ratio = (record.scan.stamp - key_stamps_[key]).seconds() /
-                             (key_stamps_[key + 1] - key_stamps_[key]).seconds();
-        const Pose2 first = map_T_local[key] * record.local_T_robot;
-        const Pose2 second = map_T_local[key + 1] * record.local_T_robot;
-        correction = interpolate(first, second, ratio) * record.local_T_robot.inverse();
-      }
-    }
-    const Pose2 map_T_robot = correction * record.local_T_robot;
-    result.trajectory.append(record.scan.stamp, map_T_robot);
-    if (record.odom_T_robot) result.odometry.append(record.scan.stamp, *record.odom_T_robot);
-    if (record.mapped) {
-      posed.push_back({&record.scan, map_T_robot * record.robot_T_lidar,
-                       correction * record.local_T_robot_end * record.robot_T_lidar, map_T_robot});
-    }
-  }
+  back_end_->scans().for_each([&](const MappedScan& mapped) {
+    const Pose2 map_T_local = correction.at(mapped.index, mapped.scan.stamp, mapped.local_T_robot);
+    const Pose2 map_T_robot = map_T_local * mapped.local_T_robot;
+    posed.push_back({&mapped.scan, map_T_robot * mapped.robot_T_lidar,
+                     map_T_local * mapped.local_T_robot_end * mapped.robot_T_lidar, map_T_robot});
+  });
   return posed;
 }
 
 /// The figures that follow from the finished trajectory and graph.
-void Mapper::count(MapResult& result) const {
+void Mapper::count(MapResult& result) {
   auto& statistics = result.statistics;
-  statistics.scans = static_cast<std::int64_t>(records_.size());
-  statistics.key_scans = static_cast<std::int64_t>(key_stamps_.size());
   for (const auto& closure : result.loop_closures) {
     ++(closure.accepted ? statistics.loop_closures_accepted : statistics.loop_closures_rejected);
   }
@@ -238,27 +256,25 @@ void Mapper::count(MapResult& result) const {
     statistics.duration_s =
         (result.trajectory.back().stamp - result.trajectory.front().stamp).seconds();
   }
-  // From key scan to key scan: between them the robot only trembles.
-  const auto& poses = result.graph.poses;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    statistics.path_length_m +=
-        std::hypot(poses[i].x - poses[i - 1].x, poses[i].y - poses[i - 1].y);
-  }
   statistics.graph_cost = graph_cost(result.graph);
 }
 
 MapResult Mapper::finish() {
   scan_queue_.finish();
   while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
-  for (auto& submap : front_end_.finish()) back_end_->add_submap(std::move(submap));
-  const BackEnd& back_end = back_end_->finish();
+  back_end_->add_submaps(front_end_.finish());
+  back_end_->finish();
+  const BackEnd& back_end = back_end_->back_end();
+  std::vector<KeyScan> keys = back_end.keys();
 
   MapResult result;
-  result.node_stamps = key_stamps_;
+  for (const KeyScan& key : keys) result.node_stamps.push_back(key.stamp);
   result.graph = back_end.graph();
   result.loop_closures = back_end.closures();
   result.statistics = statistics_;
   auto& statistics = result.statistics;
+  statistics.scans = scans();
+  statistics.key_scans_thinned = statistics.key_scans - static_cast<std::int64_t>(keys.size());
   statistics.submaps = static_cast<std::int64_t>(back_end.submap_count());
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
@@ -268,8 +284,9 @@ MapResult Mapper::finish() {
   const Stopwatch judging_graph;
   result.graph_quality = assess_graph(result);
   statistics.judging_s = judging_graph.seconds();
-  adjust(result);
-  const std::vector<PosedScan> posed = place_scans(result);
+  adjust(keys, result);
+  const std::vector<PosedScan> posed = place_scans(std::move(keys), result);
+  track_ = {};  // it is in the trajectories now
 
   const Stopwatch rendering;
   result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <deque>
 #include <exception>
 #include <functional>
@@ -14,6 +15,9 @@ namespace loopstone {
 /// After an exception nothing more is run until wait() has thrown it.
 class TaskQueue {
  public:
+  /// Whoever gives more tasks than are run waits: what tasks hold is memory.
+  static constexpr std::size_t kMostWaiting = 8;
+
   explicit TaskQueue(bool own_thread) {
     if (own_thread) {
       thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
@@ -31,7 +35,8 @@ class TaskQueue {
       return;
     }
     {
-      const std::scoped_lock lock(mutex_);
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return tasks_.size() < kMostWaiting || failure_; });
       if (failure_) return;
       tasks_.push_back(std::move(task));
     }

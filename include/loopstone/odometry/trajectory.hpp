@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,8 @@ class Trajectory {
 
   /// Appends; stamps must increase (a pose with the last stamp replaces it; an earlier one is refused: false).
   bool append(Stamp stamp, const Pose2& pose);
+  /// Makes room for so many poses.
+  void reserve(std::size_t count) { poses_.reserve(count); }
 
   [[nodiscard]] const std::vector<StampedPose2>& poses() const { return poses_; }
   [[nodiscard]] bool empty() const { return poses_.empty(); }

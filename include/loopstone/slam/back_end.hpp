@@ -1,37 +1,39 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
-#include "loopstone/base/stamp.hpp"
 #include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/slam/key_chain.hpp"
 #include "loopstone/slam/loop_closer.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
 
 namespace loopstone {
 
-/// A scan that is a node of the graph.
-struct KeyScan {
-  Stamp stamp;
-  Pose2 local_T_robot;  ///< where the front end put it
-  Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
-};
-
 /// Keeps the graph: key scans in a chain, closures across it, solved whenever a closure was found.
 /// Depends only on what it is given and in which order, so it may run beside the front end.
+///
+/// Memory: grows with the area, not with time. What older submaps cover is thinned: of such a stretch the first key scan stays,
+/// some hundred bytes for metres of travel.
 class BackEnd {
  public:
   BackEnd(const MapOptions& options, Threads threads);
 
   void add_key(const KeyScan& key);
+  /// Submaps come in the order of the key scans that they start with.
   void add_submap(FinishedSubmap submap);
-  /// Looks once more for closures everywhere and settles which stand. Call once, at the end.
+  /// Looks once more for closures everywhere, settles which stand, and makes the graph of all key scans. Call once, at the end.
   void finish();
 
+  /// The stretches thinned since the last call: only their first key scans are still of use.
+  [[nodiscard]] std::vector<std::size_t> take_thinned();
+
+  /// After finish().
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
+  [[nodiscard]] std::vector<KeyScan> keys() const { return chain_.keys(); }  ///< the graph's nodes
   [[nodiscard]] const std::vector<LoopClosure>& closures() const { return closures_; }
   [[nodiscard]] std::size_t submap_count() const { return loops_.submap_count(); }
   [[nodiscard]] double loop_closing_s() const { return loop_closing_s_; }
@@ -39,15 +41,19 @@ class BackEnd {
 
  private:
   void take(std::vector<LoopClosure> found);
+  void thin_covered();
   void accept_lone();
-  void solve();
+  [[nodiscard]] double unsolved_chi2() const;
+  void solve(PoseGraph& graph);
 
   bool loop_closure_;
   LoopCloser loops_;
-  PoseGraph graph_{};  ///< chain edges only, closures live in closures_
-  std::vector<KeyScan> keys_{};
-  std::vector<double> travelled_m_{};
+  KeyChain chain_{};
+  PoseGraph outline_{};  ///< a node a stretch, and edges along the path; closures live in closures_
+  PoseGraph graph_{};    ///< in the end: of all key scans, and with closures
   std::vector<LoopClosure> closures_{};
+  std::vector<bool> covered_{};  ///< by submap
+  std::vector<std::size_t> thinned_{};
   double loop_closing_s_ = 0.0;
   double optimisation_s_ = 0.0;
 };

@@ -68,6 +68,7 @@ struct TrackedScan {
   bool left_out =
       false;  ///< it contradicts the map wherever it was looked for: the pose is a guess
   bool key = false;
+  bool starts_submap = false;
   std::vector<FinishedSubmap> finished;  ///< submaps that this scan filled
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -60,12 +61,20 @@ class LoopCloser {
   /// \param travelled_m  along the path, at the submap's first key scan
   void add(FinishedSubmap submap, double travelled_m);
 
-  /// Compares the newest submap with older ones within reach at the present poses (one a key scan).
-  /// Everything tried that scored well enough to be considered is returned, accepted or not.
-  [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<const Pose2> map_T_key);
+  /// Compares the newest submap with older ones within reach at the present poses, nearest first, until those that match
+  /// saw nearly all of it.
+  /// Everything tried that scored well enough to be considered is returned, accepted or not; its nodes are submaps.
+  [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<const Pose2> map_T_submap);
 
   /// Compares all pairs within reach that have not been closed yet; for the end of a run, when poses are good.
-  [[nodiscard]] std::vector<LoopClosure> close_all(std::span<const Pose2> map_T_key);
+  [[nodiscard]] std::vector<LoopClosure> close_all(std::span<const Pose2> map_T_submap);
+
+  /// Drops what submaps hold that saw nothing new: standing closures tie them to older ones, and those saw nearly all of
+  /// their surfaces. They keep their places, but nothing is compared with them any more. Returns which.
+  std::vector<std::size_t> drop_covered();
+
+  /// Nothing will be compared any more: drops what all submaps hold.
+  void drop_all();
 
   /// Tells which closures stand, so that uncertainty can be followed through them.
   void set_closures(std::span<const LoopClosure> closures);
@@ -79,19 +88,23 @@ class LoopCloser {
   struct Entry;
   struct Pair;
   [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer,
-                                                 std::span<const Pose2> map_T_key) const;
-  [[nodiscard]] std::vector<double> travel_between(std::size_t from) const;
+                                                 std::span<const Pose2> map_T_submap) const;
+  [[nodiscard]] std::vector<double> travel_from(std::size_t from) const;
   [[nodiscard]] bool was_tried(const Pair& pair) const;
-  [[nodiscard]] std::vector<LoopClosure> compare(const std::vector<Pair>& pairs);
+  [[nodiscard]] std::vector<LoopClosure> compare(std::span<const Pair> pairs);
 
   LoopOptions options_;
   SubmapOptions submap_options_;
   GridMatchOptions match_options_;
   Threads threads_;
   std::vector<Entry> entries_;
-  std::vector<LoopClosure> standing_;
+  std::set<std::pair<std::size_t, std::size_t>> standing_;  ///< closures: (newer, older)
   std::map<std::pair<std::size_t, std::size_t>, Pose2>
       tried_;  ///< (older, newer): older_T_newer at the last attempt
+  /// (newer, older): which of the newer one's surfaces the older one saw; of closures that stood when they were found.
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<bool>> seen_;
+  std::set<std::size_t>
+      newly_closed_;  ///< newer submaps of closures that came to stand since drop_covered()
 };
 
 }  // namespace loopstone

@@ -35,6 +35,8 @@ struct MapStatistics {
   std::int64_t scans = 0;
   std::int64_t scans_dropped = 0;  ///< too few valid beams to use
   std::int64_t key_scans = 0;
+  std::int64_t key_scans_thinned =
+      0;  ///< of them, where older submaps had seen all: not in the graph
   std::int64_t submaps = 0;
   std::int64_t loop_closures_accepted = 0;
   std::int64_t loop_closures_rejected = 0;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/front_end.hpp"
+#include "loopstone/slam/key_chain.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
 #include "loopstone/slam/scan_queue.hpp"
@@ -36,28 +39,28 @@ class Mapper {
   /// Ends the recording: last closures, last solution, the final map of all scans. Call once.
   [[nodiscard]] MapResult finish();
 
-  [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(records_.size()); }
+  [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(track_.size()); }
 
  private:
-  /// A scan as the final map will need it.
-  struct ScanRecord {
-    LaserScan scan{};  ///< ranges dropped when it adds nothing to the map
-    Pose2 robot_T_lidar{};
+  /// What is kept of every scan.
+  struct TrackedPose {
+    Stamp stamp{};
     Pose2 local_T_robot{};
-    Pose2 local_T_robot_end{};  ///< at the end of its sweep
     std::optional<Pose2> odom_T_robot{};
-    std::size_t last_key = 0;  ///< the latest key scan up to and including this scan
-    bool mapped = false;
   };
   class BackEndWorker;
 
   void add_scan(LaserScan scan);
+  [[nodiscard]] Pose2 end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const;
+  void hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan tracked);
   /// Of each key scan, its own frame.
-  [[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces() const;
+  [[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces(
+      std::span<const KeyScan> keys) const;
   void report_odometry(MapResult& result) const;
-  void adjust(MapResult& result) const;
-  [[nodiscard]] std::vector<PosedScan> place_scans(MapResult& result) const;
-  void count(MapResult& result) const;
+  void adjust(std::span<const KeyScan> keys, MapResult& result) const;
+  [[nodiscard]] std::vector<PosedScan> place_scans(std::vector<KeyScan> keys,
+                                                   MapResult& result) const;
+  static void count(MapResult& result);
 
   RobotModel robot_;
   MapOptions options_;
@@ -65,9 +68,9 @@ class Mapper {
   ScanQueue scan_queue_;
   FrontEnd front_end_;
   std::unique_ptr<BackEndWorker> back_end_;
-  std::vector<ScanRecord> records_{};
-  std::vector<Stamp> key_stamps_{};
+  std::deque<TrackedPose> track_{};
   Pose2 last_mapped_{};
+  Pose2 last_key_{};
   MapStatistics statistics_{};
   std::int64_t gyro_scans_ = 0;  ///< whose heading alone was known
 };

@@ -119,11 +119,26 @@ TEST(MapOutputs, EveryClosureIsListedWithItsEvidence) {
 
 TEST(MapOutputs, SummaryHasEveryKeyOfTheContract) {
   const auto summary = nlohmann::json::parse(format_summary(small_result(), small_info()));
-  for (const char* key :
-       {"scans", "key_scans", "submaps", "loop_closures_accepted", "loop_closures_rejected",
-        "path_length_m", "duration_s", "wall_time_s", "cpu_time_s", "realtime_factor",
-        "scans_per_s", "peak_memory_bytes", "map_area_m2", "records_skipped", "graph_cost",
-        "version", "scans_dropped", "searches", "degenerate_travel_m"}) {
+  for (const char* key : {"scans",
+                          "key_scans",
+                          "key_scans_thinned",
+                          "submaps",
+                          "loop_closures_accepted",
+                          "loop_closures_rejected",
+                          "path_length_m",
+                          "duration_s",
+                          "wall_time_s",
+                          "cpu_time_s",
+                          "realtime_factor",
+                          "scans_per_s",
+                          "peak_memory_bytes",
+                          "map_area_m2",
+                          "records_skipped",
+                          "graph_cost",
+                          "version",
+                          "scans_dropped",
+                          "searches",
+                          "degenerate_travel_m"}) {
     EXPECT_TRUE(summary.contains(key)) << key;
   }
   EXPECT_EQ(summary["scans"], 120);

@@ -35,7 +35,7 @@ LoopCloser closer_with(FinishedSubmap first, FinishedSubmap last, Threads thread
   return closer;
 }
 
-std::vector<Pose2> key_poses(const Pose2& last) {
+std::vector<Pose2> submap_poses(const Pose2& last) {
   return {kFirstVisit.front(), {20.0, 0.0, 0.0}, {30.0, 10.0, 1.0}, {20.0, 10.0, 2.0}, last};
 }
 
@@ -45,7 +45,7 @@ TEST(LoopCloser, FindsAPlaceSeenFromElsewhereDespiteDrift) {
     auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
                               submap_seen_from(test::furnished_room(), kSecondVisit, 4));
     EXPECT_EQ(closer.submap_count(), 5U);
-    const auto closures = closer.close_newest(key_poses(kSecondVisit.front() * drift));
+    const auto closures = closer.close_newest(submap_poses(kSecondVisit.front() * drift));
     ASSERT_EQ(closures.size(), 1U);
     const auto& closure = closures.front();
     EXPECT_TRUE(closure.accepted) << closure.reason;
@@ -74,7 +74,7 @@ TEST(LoopCloser, RefusesAPlaceThatLooksTheSameElsewhere) {
   const std::vector<Pose2> back{{3.0, 2.2, kPi}, {2.0, 2.2, kPi}, {1.0, 2.2, kPi}, {0.0, 2.2, kPi}};
   auto closer = closer_with(submap_seen_from(hall, there, 0, scanner),
                             submap_seen_from(hall, back, 4, scanner));
-  auto poses = key_poses(back.front());
+  auto poses = submap_poses(back.front());
   poses.front() = there.front();
   const auto closures = closer.close_newest(poses);
   ASSERT_EQ(closures.size(), 1U);
@@ -90,7 +90,7 @@ TEST(LoopCloser, RefusesAnotherPlaceWhereTheFirstShouldBe) {
   auto closer =
       closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
                   submap_seen_from(other, {{3.0, 2.5, 1.7}, {3.0, 3.2, 2.6}, {2.6, 2.4, -1.0}}, 4));
-  for (const auto& closure : closer.close_newest(key_poses(kSecondVisit.front()))) {
+  for (const auto& closure : closer.close_newest(submap_poses(kSecondVisit.front()))) {
     EXPECT_FALSE(closure.accepted)
         << "score " << closure.score << ", agreement " << closure.agreement;
     EXPECT_FALSE(closure.reason.empty());
@@ -102,17 +102,17 @@ TEST(LoopCloser, LooksNoFartherThanTheDriftExplains) {
   auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
                             submap_seen_from(test::furnished_room(), kSecondVisit, 4), {1}, 1.0);
   for (const auto& closure :
-       closer.close_newest(key_poses(kSecondVisit.front() * Pose2{3.0, 0.0, 0.0}))) {
+       closer.close_newest(submap_poses(kSecondVisit.front() * Pose2{3.0, 0.0, 0.0}))) {
     EXPECT_FALSE(closure.accepted);
   }
-  EXPECT_TRUE(closer.close_newest(key_poses({500.0, 0.0, 0.0})).empty());
+  EXPECT_TRUE(closer.close_newest(submap_poses({500.0, 0.0, 0.0})).empty());
 }
 
 TEST(LoopCloser, ThreadsDoNotChangeTheAnswer) {
   const auto run = [](int threads) {
     auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
                               submap_seen_from(test::furnished_room(), kSecondVisit, 4), {threads});
-    return closer.close_all(key_poses(kSecondVisit.front() * Pose2{0.3, 0.2, 0.1}));
+    return closer.close_all(submap_poses(kSecondVisit.front() * Pose2{0.3, 0.2, 0.1}));
   };
   const auto one = run(1);
   const auto many = run(4);
@@ -129,11 +129,43 @@ TEST(LoopCloser, ThreadsDoNotChangeTheAnswer) {
 TEST(LoopCloser, AStandingClosureIsNotTriedAgain) {
   auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
                             submap_seen_from(test::furnished_room(), kSecondVisit, 4));
-  const auto poses = key_poses(kSecondVisit.front());
+  const auto poses = submap_poses(kSecondVisit.front());
   const auto closures = closer.close_newest(poses);
   ASSERT_EQ(closures.size(), 1U);
   closer.set_closures(closures);
   EXPECT_TRUE(closer.close_all(poses).empty());
+}
+
+TEST(LoopCloser, DropsASubmapThatOlderOnesSawAndNoOther) {
+  const auto dropped_after = [](const FinishedSubmap& second, bool stands) {
+    auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0), second);
+    auto poses = submap_poses(kSecondVisit.front());
+    auto closures = closer.close_newest(poses);
+    EXPECT_EQ(closures.size(), 1U);
+    for (auto& closure : closures) closure.accepted = stands;
+    closer.set_closures(closures);
+    const auto dropped = closer.drop_covered();
+    EXPECT_TRUE(closer.drop_covered().empty()) << "each is named once";
+    // Whoever comes now finds the older one, and nothing of what was dropped.
+    for (std::size_t i = 0; i < 3; ++i) {
+      closer.add(i < 2 ? empty_submap(5 + i) : second, 75.0 + 15.0 * static_cast<double>(i));
+      poses.push_back(kSecondVisit.front());
+    }
+    bool found_second = false;
+    for (const auto& closure : closer.close_newest(poses))
+      found_second = found_second || closure.from_submap == 4;
+    EXPECT_EQ(found_second, dropped.empty());
+    return dropped;
+  };
+  const auto again = submap_seen_from(test::furnished_room(), kSecondVisit, 4);
+  EXPECT_EQ(dropped_after(again, true), std::vector<std::size_t>{4});
+  EXPECT_TRUE(dropped_after(again, false).empty()) << "it may be another place";
+  // The room next door was not seen before.
+  const Walls both =
+      test::together({test::furnished_room(), test::rectangle({15.0, 0.0}, {27.0, 9.0})});
+  auto poses = kSecondVisit;
+  poses.insert(poses.end(), {{18.0, 3.0, 0.0}, {22.0, 5.0, 3.0}});
+  EXPECT_TRUE(dropped_after(submap_seen_from(both, poses, 4), true).empty());
 }
 
 TEST(LoopCloser, EdgeCarriesTheCovarianceIntoTheFrameOfTheGraphsError) {

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "loopstone/base/stamp.hpp"
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/graph/pose_graph.hpp"
+
+namespace loopstone {
+
+/// A scan that is a node of the graph.
+struct KeyScan {
+  Stamp stamp{};
+  Pose2 local_T_robot{};  ///< where the front end put it
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
+  std::size_t scan = 0;         ///< its place among all scans
+  bool starts_submap = false;
+};
+
+/// The path as key scans, cut into stretches: a stretch begins with the key scan that a submap begins with.
+///
+/// Loop closing needs the stretches' first poses alone, so that is what it solves for: some hundred nodes instead of some thousand.
+/// What happened between them is one edge, compounded from the motions, until expand() spells it out.
+class KeyChain {
+ public:
+  /// The first key scan begins a stretch in any case.
+  void add(const KeyScan& key);
+  /// Forgets all key scans of a stretch but the first. It must not be the newest.
+  void thin(std::size_t stretch);
+
+  [[nodiscard]] std::size_t stretch_count() const { return stretches_.size(); }
+  /// Motion from the first key scan of a stretch to that of the next one, or to its own last.
+  [[nodiscard]] const PoseWithCovariance2& across(std::size_t stretch) const {
+    return stretches_[stretch].across;
+  }
+  /// Length of the path up to each stretch [m].
+  [[nodiscard]] std::span<const double> travelled_m() const { return travelled_m_; }
+
+  /// The key scans that are kept, in order.
+  [[nodiscard]] std::vector<KeyScan> keys() const;
+  /// Of each stretch, the place of its first key scan among them.
+  [[nodiscard]] std::vector<NodeId> first_nodes() const;
+  /// Their graph, edges along the path only. \param map_T_stretch  pose of each stretch's first key scan
+  [[nodiscard]] PoseGraph expand(std::span<const Pose2> map_T_stretch) const;
+
+ private:
+  struct Stretch {
+    std::vector<KeyScan> keys{};
+    PoseWithCovariance2 across{};
+  };
+  std::vector<Stretch> stretches_{};
+  std::vector<double> travelled_m_{};
+  KeyScan newest_{};
+  double length_m_ = 0.0;
+};
+
+}  // namespace loopstone

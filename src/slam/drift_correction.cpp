@@ -1,0 +1,30 @@
+#include "slam/drift_correction.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace loopstone {
+
+DriftCorrection::DriftCorrection(std::vector<KeyScan> keys, std::span<const Pose2> map_T_key)
+    : keys_(std::move(keys)) {
+  map_T_local_.reserve(keys_.size());
+  for (std::size_t i = 0; i < keys_.size(); ++i)
+    map_T_local_.push_back(map_T_key[i] * keys_[i].local_T_robot.inverse());
+}
+
+Pose2 DriftCorrection::at(std::size_t scan, Stamp stamp, const Pose2& local_T_robot) const {
+  if (keys_.empty()) return {};
+  const auto after =
+      std::upper_bound(keys_.begin(), keys_.end(), scan,
+                       [](std::size_t place, const KeyScan& key) { return place < key.scan; });
+  const auto next = static_cast<std::size_t>(after - keys_.begin());
+  const std::size_t last = next > 0 ? next - 1 : 0;
+  if (next == keys_.size() || next == 0 || stamp <= keys_[last].stamp) return map_T_local_[last];
+  const double ratio =
+      (stamp - keys_[last].stamp).seconds() / (keys_[next].stamp - keys_[last].stamp).seconds();
+  const Pose2 first = map_T_local_[last] * local_T_robot;
+  const Pose2 second = map_T_local_[next] * local_T_robot;
+  return interpolate(first, second, ratio) * local_T_robot.inverse();
+}
+
+}  // namespace loopstone
