@@ -193,30 +193,32 @@ void SurfaceSystem::multiply_add(std::span<const Eigen::Vector3d> x, std::span<E
 }
 
 double SurfaceSystem::spread_m(std::span<const PlacedKey> map_T_key) const {
-  std::vector<float> off;
-  off.reserve(patches_.sights.size());
-  std::vector<double> distances;
-  std::vector<double> along;
-  for (const SurfacePatch& patch : patches_.patches) {
-    const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
-    distances.clear();
-    along.clear();
-    LineSums sums;
-    for (std::size_t i = patch.first; i < patch.last; ++i) {
-      const PatchSight& sight = patches_.sights[i];
-      const Eigen::Vector2d offset =
-          map_T_key[static_cast<std::size_t>(sight.key)] * sight.point - patch.centre;
-      distances.push_back(patch.normal.dot(offset));
-      along.push_back(tangent.dot(offset));
-      // Any scale of information: only the slope's prior, of a few millimetres, depends on it.
-      sums.add(sight.weight * 1e4, along.back(), distances.back());
+  std::vector<float> off(patches_.sights.size());
+  parallel_for(chunks_.size(), threads_, [&](std::size_t chunk) {
+    std::vector<double> distances;
+    std::vector<double> along;
+    for (std::size_t p = chunks_[chunk].first; p < chunks_[chunk].last; ++p) {
+      const SurfacePatch& patch = patches_.patches[p];
+      const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
+      distances.clear();
+      along.clear();
+      LineSums sums;
+      for (std::size_t i = patch.first; i < patch.last; ++i) {
+        const PatchSight& sight = patches_.sights[i];
+        const Eigen::Vector2d offset =
+            map_T_key[static_cast<std::size_t>(sight.key)] * sight.point - patch.centre;
+        distances.push_back(patch.normal.dot(offset));
+        along.push_back(tangent.dot(offset));
+        // Any scale of information: only the slope's prior, of a few millimetres, depends on it.
+        sums.add(sight.weight * 1e4, along.back(), distances.back());
+      }
+      const Line line = sums.line();
+      for (std::size_t i = 0; i < distances.size(); ++i) {
+        off[patch.first + i] =
+            static_cast<float>(std::abs(distances[i] - line.offset - line.slope * along[i]));
+      }
     }
-    const Line line = sums.line();
-    for (std::size_t i = 0; i < distances.size(); ++i) {
-      off.push_back(
-          static_cast<float>(std::abs(distances[i] - line.offset - line.slope * along[i])));
-    }
-  }
+  });
   if (off.empty()) return 0.0;
   const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
   std::nth_element(off.begin(), middle, off.end());
