@@ -18,7 +18,7 @@ struct Addition {
 };
 
 /// \param x, y  weight * offset from the cell's centre
-void add_weighted(SurfaceCell& cell, const Addition& point, float x, float y) {
+inline void add_weighted(SurfaceCell& cell, const Addition& point, float x, float y) {
   for (SurfaceSum& sum : cell.sums) {
     if (sum.weight != 0.0F && !faces_like(sum, point.normal_x, point.normal_y)) continue;
     sum.weight += point.weight;
