@@ -91,9 +91,10 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
     throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
   }
   ProblemPrinter print_problem(context);
-  const auto reader = open_log(
-      arguments.log, {.strict = arguments.strict,
-                      .on_problem = [&](const Problem& problem) { print_problem(problem); }});
+  const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
+  const auto reader =
+      open(arguments.log, {.strict = arguments.strict,
+                           .on_problem = [&](const Problem& problem) { print_problem(problem); }});
   prepare_output_folder(arguments.out, arguments.force);
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 

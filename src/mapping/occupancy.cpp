@@ -8,6 +8,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/grid/ray_walk.hpp"
+#include "mapping/grid_beam.hpp"
 #include "mapping/scan_beams.hpp"
 #include "mapping/scan_raster.hpp"
 
@@ -82,12 +83,6 @@ GridFrame frame_of(const Bounds& bounds, double resolution_m) {
   return frame_covering(bounds.low, bounds.high, resolution_m, resolution_m);
 }
 
-struct GridBeam {
-  GridPoint start;
-  GridPoint end;
-  bool hit = false;
-};
-
 /// The beams of a scan on the grid and the box of cells that they stay in.
 struct ScanBeams {
   std::vector<GridBeam> beams{};
@@ -108,10 +103,16 @@ ScanBeams beams_on_grid(const PosedScan& posed, const GridFrame& frame,
   for_each_beam(posed, options, table, [&](const Beam& beam) {
     const GridBeam segment{grid_point_of(frame, beam.start), grid_point_of(frame, beam.end),
                            beam.hit};
+    // Neighbours that end in one cell cross the same cells.
+    if (!result.beams.empty() && result.beams.back().hit == segment.hit &&
+        cell_of(result.beams.back().end) == cell_of(segment.end)) {
+      return;
+    }
     result.include(cell_of(segment.start));
     result.include(cell_of(segment.end));
     result.beams.push_back(segment);
   });
+  skip_shared_rows(result.beams);
   return result;
 }
 
@@ -137,21 +138,25 @@ void insert_scan(const ScanBeams& scan, int first_row, int end_row, const Update
   for (const GridBeam& beam : scan.beams) {
     const Cell end = cell_of(beam.end);
     if (beam.hit && end.row >= first_row && end.row < end_row) raster.mark_hit(end);
-    walk_ray_rows(beam.start, beam.end, first_row, end_row,
+    const bool up = beam.end.y >= beam.start.y;
+    walk_ray_rows(beam.start, beam.end, up ? std::max(first_row, beam.walked_from_row) : first_row,
+                  up ? end_row : std::min(end_row, beam.walked_from_row + 1),
                   [&](int row, int first_column, int last_column) {
                     raster.mark_passed(row, first_column, last_column);
                   });
   }
-  raster.finish([&](int row, int column, std::uint64_t passed, std::uint64_t hit) {
+  const auto [hit_odds, miss_odds, limit] = updates;
+  raster.finish([&, hit_odds = hit_odds, miss_odds = miss_odds, limit = limit](
+                    int row, int column, std::uint64_t passed, std::uint64_t hit) {
     const std::size_t index = map.log_odds.frame().index_of({column, row});
     float* const log_odds = map.log_odds.cells().data() + index;
     std::uint8_t* const observed = map.observed.cells().data() + index;
     for_each_bit(passed, [&](std::size_t i) {
-      log_odds[i] = std::max(log_odds[i] + updates.miss, -updates.limit);
+      log_odds[i] = std::max(log_odds[i] + miss_odds, -limit);
       observed[i] = 1;
     });
     for_each_bit(hit, [&](std::size_t i) {
-      log_odds[i] = std::min(log_odds[i] + updates.hit, updates.limit);
+      log_odds[i] = std::min(log_odds[i] + hit_odds, limit);
       observed[i] = 1;
     });
   });

@@ -30,15 +30,15 @@ class ScanRaster {
   }
 
   void mark_hit(Cell cell) {
-    const int column = cell.column - low_.column;
-    hit_[word_index(cell.row, column)] |= std::uint64_t{1} << (column % kWordBits);
+    const auto column = static_cast<unsigned>(cell.column - low_.column);
+    hit_[row_start(cell.row) + column / kWordBits] |= std::uint64_t{1} << (column % kWordBits);
   }
 
   /// Cells first_column to last_column, both included.
   void mark_passed(int row, int first_column, int last_column) {
     const auto first = static_cast<unsigned>(first_column - low_.column);
     const auto last = static_cast<unsigned>(last_column - low_.column);
-    std::uint64_t* word = passed_.data() + word_index(row, static_cast<int>(first));
+    std::uint64_t* word = passed_.data() + row_start(row) + first / kWordBits;
     const std::uint64_t from_first = ~std::uint64_t{0} << (first % kWordBits);
     const std::uint64_t to_last = ~std::uint64_t{0} >> (kWordBits - 1 - last % kWordBits);
     if (first / kWordBits == last / kWordBits) {
@@ -67,10 +67,9 @@ class ScanRaster {
   }
 
  private:
-  [[nodiscard]] std::size_t word_index(int row, int column) const {
-    assert(row >= low_.row && row < low_.row + rows_ && column >= 0);
-    return static_cast<std::size_t>(row - low_.row) * words_per_row_ +
-           static_cast<std::size_t>(column / kWordBits);
+  [[nodiscard]] std::size_t row_start(int row) const {
+    assert(row >= low_.row && row < low_.row + rows_);
+    return static_cast<std::size_t>(row - low_.row) * words_per_row_;
   }
 
   Cell low_{};

@@ -179,14 +179,24 @@ MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options, double hal
   // Surfaces last: near one, the record of free space is too coarse to contradict anything.
   const Nearness nearness;
   const int reach = static_cast<int>(std::ceil(2.5 * kBlurM / frame.resolution));
+  std::vector<double> across2(
+      static_cast<std::size_t>(2 * reach + 1));  // squared, column by column
   for (const SurfacePoint& surface : surfaces) {
     const Eigen::Vector2d point = surface.position.cast<double>();
     const Cell middle = frame.cell_of(point);
-    for (int row = middle.row - reach; row <= middle.row + reach; ++row) {
-      for (int column = middle.column - reach; column <= middle.column + reach; ++column) {
-        if (!frame.contains({column, row})) continue;
+    const int first = std::max(middle.column - reach, 0);
+    const int last = std::min(middle.column + reach, frame.columns - 1);
+    for (int column = first; column <= last; ++column) {
+      const double across = frame.centre_of({column, 0}).x() - point.x();
+      across2[static_cast<std::size_t>(column - first)] = across * across;
+    }
+    for (int row = std::max(middle.row - reach, 0);
+         row <= std::min(middle.row + reach, frame.rows - 1); ++row) {
+      const double along = frame.centre_of({0, row}).y() - point.y();
+      for (int column = first; column <= last; ++column) {
         auto& cell = cells[{column, row}];
-        cell = std::max(cell, nearness((frame.centre_of({column, row}) - point).squaredNorm()));
+        cell = std::max(
+            cell, nearness(across2[static_cast<std::size_t>(column - first)] + along * along));
       }
     }
   }

@@ -12,9 +12,12 @@ namespace loopstone {
 namespace {
 
 constexpr int kMinPairs = 10;
-/// A step smaller than this ends a level.
-constexpr double kStepM = 1e-4;
-constexpr double kStepRad = 2e-5;
+/// A step smaller than this ends the finest level: the next one would be a few times smaller still, less than what the
+/// grid itself is wrong by.
+constexpr double kStepM = 1e-3;
+constexpr double kStepRad = 2e-4;
+/// Coarser levels only lead to where the finest one starts.
+constexpr double kCoarseSteps = 10.0;
 /// Translation counts as unobserved along a direction that has less than this share of the best direction's information.
 constexpr double kDegenerateShare = 0.01;
 /// ... or less than so many points facing along it give.
@@ -118,6 +121,7 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
     const std::size_t level = above - 1;
     const double width =
         options.kernel_width_m * target.resolution_m(level) / target.resolution_m(0);
+    const double enough = level == 0 ? 1.0 : kCoarseSteps;
     converged = false;
     for (int iteration = 0; iteration < options.max_iterations && !converged; ++iteration) {
       last = linearise(source, target, level, pose, width);
@@ -148,7 +152,7 @@ MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGri
       const Eigen::Vector3d step = -solve_symmetric(damped, gradient);
       if (!step.allFinite()) break;
       pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};
-      converged = step.head<2>().norm() < kStepM && std::abs(step.z()) < kStepRad;
+      converged = step.head<2>().norm() < enough * kStepM && std::abs(step.z()) < enough * kStepRad;
     }
   }
 

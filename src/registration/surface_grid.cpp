@@ -1,5 +1,6 @@
 #include "loopstone/registration/surface_grid.hpp"
 
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -7,14 +8,56 @@ namespace loopstone {
 
 namespace {
 
+/// What a point adds to a cell, all but where the cell is.
+struct Addition {
+  float weight;
+  float normal_x;  // unit
+  float normal_y;
+  float weighted_x;  // weight * normal
+  float weighted_y;
+};
+
+/// \param x, y  weight * offset from the cell's centre
+inline void add_weighted(SurfaceCell& cell, const Addition& point, float x, float y) {
+  for (SurfaceSum& sum : cell.sums) {
+    if (sum.weight != 0.0F && !faces_like(sum, point.normal_x, point.normal_y)) continue;
+    sum.weight += point.weight;
+    sum.x += x;
+    sum.y += y;
+    sum.normal_x += point.weighted_x;
+    sum.normal_y += point.weighted_y;
+    return;
+  }
+}
+
+Addition addition_of(const Eigen::Vector2f& normal, float weight) {
+  return {weight, normal.x(), normal.y(), weight * normal.x(), weight * normal.y()};
+}
+
 /// Adds a point to its cell and the eight around it.
 void add_point(BlockGrid<SurfaceCell>& level, const Eigen::Vector2d& point,
                const Eigen::Vector2f& normal, float weight) {
+  constexpr int kSide = BlockGrid<SurfaceCell>::kBlockSide;
   const Cell middle = level.cell_of(point.x(), point.y());
-  for (int row = middle.row - 1; row <= middle.row + 1; ++row) {
-    for (int column = middle.column - 1; column <= middle.column + 1; ++column) {
-      const Cell cell{column, row};
-      add_to(level.at(cell), point - level.centre_of(cell), normal, weight);
+  const Addition addition = addition_of(normal, weight);
+  std::array<float, 3> x{};
+  std::array<float, 3> y{};
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2d centre = level.centre_of({middle.column + i - 1, middle.row + i - 1});
+    const Eigen::Vector2d offset = point - centre;
+    x[static_cast<std::size_t>(i)] = weight * static_cast<float>(offset.x());
+    y[static_cast<std::size_t>(i)] = weight * static_cast<float>(offset.y());
+  }
+  // One look-up serves all nine where a block holds them.
+  SurfaceCell* const together =
+      BlockGrid<SurfaceCell>::is_inside_block(middle) ? &level.at(middle) : nullptr;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      SurfaceCell& cell = together != nullptr
+                              ? together[(row - 1) * kSide + column - 1]
+                              : level.at({middle.column + column - 1, middle.row + row - 1});
+      add_weighted(cell, addition, x[static_cast<std::size_t>(column)],
+                   y[static_cast<std::size_t>(row)]);
     }
   }
 }
@@ -23,15 +66,8 @@ void add_point(BlockGrid<SurfaceCell>& level, const Eigen::Vector2d& point,
 
 void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal,
             float weight) {
-  for (SurfaceSum& sum : cell.sums) {
-    if (sum.weight != 0.0F && !faces_like(sum, normal.x(), normal.y())) continue;
-    sum.weight += weight;
-    sum.x += weight * static_cast<float>(offset.x());
-    sum.y += weight * static_cast<float>(offset.y());
-    sum.normal_x += weight * normal.x();
-    sum.normal_y += weight * normal.y();
-    return;
-  }
+  add_weighted(cell, addition_of(normal, weight), weight * static_cast<float>(offset.x()),
+               weight * static_cast<float>(offset.y()));
 }
 
 SurfaceGrid::SurfaceGrid(std::span<const double> resolutions_m) {

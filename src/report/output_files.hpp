@@ -40,7 +40,7 @@ class OutputFolder {
   bool kept_ = false;
 };
 
-/// Files that are all complete on disk before the first appears.
+/// Files that are all complete on disk before the first appears: commit() makes them safe, all at once, then renames them.
 class FileSet {
  public:
   explicit FileSet(const OutputFolder& folder) : folder_(folder) {}

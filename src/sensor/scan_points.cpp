@@ -72,7 +72,6 @@ std::vector<Return> returns_of(const LaserScan& scan, const Pose2& robot_T_lidar
 
 /// Sums over a prefix of the returns, so that the moments of any run of neighbours are one subtraction.
 struct Moments {
-  double n = 0.0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double xx = 0.0;
   double xy = 0.0;
@@ -80,40 +79,38 @@ struct Moments {
 };
 
 std::vector<Moments> prefix_moments(const std::vector<Return>& returns) {
-  std::vector<Moments> prefix(returns.size() + 1);
-  for (std::size_t i = 0; i < returns.size(); ++i) {
-    const Eigen::Vector2d& p = returns[i].point;
-    Moments next = prefix[i];
-    next.n += 1.0;
-    next.sum += p;
-    next.xx += p.x() * p.x();
-    next.xy += p.x() * p.y();
-    next.yy += p.y() * p.y();
-    prefix[i + 1] = next;
+  std::vector<Moments> prefix;
+  prefix.reserve(returns.size() + 1);
+  Moments total;
+  prefix.push_back(total);
+  for (const Return& seen : returns) {
+    const Eigen::Vector2d& p = seen.point;
+    total.sum += p;
+    total.xx += p.x() * p.x();
+    total.xy += p.x() * p.y();
+    total.yy += p.y() * p.y();
+    prefix.push_back(total);
   }
   return prefix;
 }
 
-/// For each return, the index of the first return of its unbroken surface, and one past its last.
-struct Runs {
-  std::vector<std::size_t> first;
-  std::vector<std::size_t> last;
+/// Returns [first, last) of an unbroken surface.
+struct Run {
+  std::size_t first;
+  std::size_t last;
 };
 
-Runs unbroken_runs(const std::vector<Return>& returns, double beam_spacing_rad) {
-  const std::size_t count = returns.size();
-  Runs runs{std::vector<std::size_t>(count), std::vector<std::size_t>(count)};
+/// One after the other, all returns.
+std::vector<Run> unbroken_runs(const std::vector<Return>& returns, double beam_spacing_rad) {
+  std::vector<Run> runs;
   std::size_t start = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool ends =
-        i + 1 == count ||
-        (returns[i + 1].point - returns[i].point).norm() >
-            kGapM + kSlant * beam_spacing_rad * std::min(returns[i].range, returns[i + 1].range);
-    if (!ends) continue;
-    for (std::size_t j = start; j <= i; ++j) {
-      runs.first[j] = start;
-      runs.last[j] = i + 1;
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    if (i + 1 < returns.size()) {
+      const double gap =
+          kGapM + kSlant * beam_spacing_rad * std::min(returns[i].range, returns[i + 1].range);
+      if ((returns[i + 1].point - returns[i].point).squaredNorm() <= gap * gap) continue;
     }
+    runs.push_back({start, i + 1});
     start = i + 1;
   }
   return runs;
@@ -131,17 +128,17 @@ bool stands_free(const std::vector<Return>& returns, std::size_t first, std::siz
 
 /// Fits a line to the returns [first, last) and projects return i on it. Nothing when no line fits and none can be guessed.
 std::optional<SurfacePoint> fit_line(const std::vector<Return>& returns,
-                                     const std::vector<Moments>& prefix, const Runs& runs,
+                                     const std::vector<Moments>& prefix, const Run& run,
                                      std::size_t i, std::size_t first, std::size_t last) {
   const auto guess_along_beam = [&]() -> std::optional<SurfacePoint> {
-    if (!stands_free(returns, runs.first[i], runs.last[i])) return {};
+    if (!stands_free(returns, run.first, run.last)) return {};
     return SurfacePoint{returns[i].point.cast<float>(), (-returns[i].direction).cast<float>(),
                         kGuessedNormalWeight};
   };
   if (last - first < 3) return guess_along_beam();
   const Moments& low = prefix[first];
   const Moments& high = prefix[last];
-  const double n = high.n - low.n;
+  const auto n = static_cast<double>(last - first);
   const Eigen::Vector2d mean = (high.sum - low.sum) / n;
   const double xx = (high.xx - low.xx) / n - mean.x() * mean.x();
   const double xy = (high.xy - low.xy) / n - mean.x() * mean.y();
@@ -163,17 +160,17 @@ std::optional<SurfacePoint> fit_line(const std::vector<Return>& returns,
   return SurfacePoint{on_line.cast<float>(), normal.cast<float>(), 1.0F};
 }
 
-std::vector<std::size_t> evenly_spaced(const std::vector<Return>& returns, double spacing_m) {
-  std::vector<std::size_t> kept;
-  kept.reserve(returns.size());
-  for (std::size_t i = 0; i < returns.size(); ++i) {
+/// Returns no nearer than this to the one kept before; one more than `most` when there are more.
+void keep_evenly_spaced(const std::vector<Return>& returns, double spacing_m, std::size_t most,
+                        std::vector<std::size_t>& kept) {
+  kept.clear();
+  for (std::size_t i = 0; i < returns.size() && kept.size() <= most; ++i) {
     if (!kept.empty() &&
         (returns[i].point - returns[kept.back()].point).squaredNorm() < spacing_m * spacing_m) {
       continue;
     }
     kept.push_back(i);
   }
-  return kept;
 }
 
 }  // namespace
@@ -212,22 +209,27 @@ std::vector<SurfacePoint> surface_points(const LaserScan& scan, const Pose2& rob
   const auto runs = unbroken_runs(returns, beam_spacing);
   const auto prefix = prefix_moments(returns);
 
+  const auto most = static_cast<std::size_t>(std::max(options.points_max, 1));
   double spacing = std::max(options.spacing_m, 0.001);
-  auto kept = evenly_spaced(returns, spacing);
-  while (kept.size() > static_cast<std::size_t>(std::max(options.points_max, 1))) {
+  std::vector<std::size_t> kept;
+  kept.reserve(std::min(most, returns.size()) + 1);
+  keep_evenly_spaced(returns, spacing, most, kept);
+  while (kept.size() > most) {
     spacing *= 1.3;
-    kept = evenly_spaced(returns, spacing);
+    keep_evenly_spaced(returns, spacing, most, kept);
   }
 
   std::vector<SurfacePoint> surfaces;
   surfaces.reserve(kept.size());
+  auto run = runs.begin();
   for (const std::size_t i : kept) {
+    while (i >= run->last) ++run;
     const double between = std::max(1e-4, beam_spacing * returns[i].range);
     const auto reach =
         static_cast<std::size_t>(std::clamp(std::ceil(options.support_m / between), 1.0, 64.0));
-    const std::size_t first = i - std::min(reach, i - runs.first[i]);
-    const std::size_t last = std::min(i + reach + 1, runs.last[i]);
-    if (const auto surface = fit_line(returns, prefix, runs, i, first, last))
+    const std::size_t first = i - std::min(reach, i - run->first);
+    const std::size_t last = std::min(i + reach + 1, run->last);
+    if (const auto surface = fit_line(returns, prefix, *run, i, first, last))
       surfaces.push_back(*surface);
   }
   return surfaces;

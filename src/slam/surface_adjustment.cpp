@@ -89,7 +89,7 @@ class Adjustment {
   /// One Gauss-Newton step with patches found at the present poses. False when nothing is left to gain.
   bool improve() {
     const auto keys = placed(state_.poses);
-    const SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m);
+    const SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
     if (patches.patches.empty()) return false;
     SurfaceSystem system(patches, places_, step_.size(), threads_);
     const double spread_m = system.spread_m(keys);

@@ -1,6 +1,9 @@
 #include "slam/surface_patches.hpp"
 
 #include <array>
+#include <cstddef>
+#include <iterator>
+#include <vector>
 
 #include "loopstone/grid/block_grid.hpp"
 #include "loopstone/registration/surface_grid.hpp"
@@ -118,15 +121,17 @@ std::vector<PlacedKey> placed(std::span<const Pose2> map_T_key) {
 }
 
 SurfacePatches find_patches(std::span<const PlacedKey> map_T_key,
-                            std::span<const std::vector<SurfacePoint>> surfaces, double patch_m) {
-  SurfacePatches result;
-  for (const double shift_m : {0.0, 0.5 * patch_m}) {
-    Finder finder(patch_m);
+                            std::span<const std::vector<SurfacePoint>> surfaces, double patch_m,
+                            Threads threads) {
+  const double shifts_m[] = {0.0, 0.5 * patch_m};
+  std::vector<Finder> finders(std::size(shifts_m), Finder(patch_m));
+  parallel_for(finders.size(), threads, [&](std::size_t i) {
     for (std::size_t key = 0; key < map_T_key.size(); ++key) {
-      finder.add(static_cast<int>(key), map_T_key[key], surfaces[key], shift_m);
+      finders[i].add(static_cast<int>(key), map_T_key[key], surfaces[key], shifts_m[i]);
     }
-    finder.append_to(result);
-  }
+  });
+  SurfacePatches result;
+  for (const Finder& finder : finders) finder.append_to(result);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "loopstone/base/parallel_for.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 
@@ -43,8 +44,9 @@ struct SurfacePatches {
 
 /// Groups points that fall in one cell and face the same way (within 60 deg). Walls on a cell's border would fall apart into
 /// two halves that nothing holds together, so there are two grids, shifted by half a cell (Biber and Strasser 2003).
+/// The same for any number of threads.
 [[nodiscard]] SurfacePatches find_patches(std::span<const PlacedKey> map_T_key,
                                           std::span<const std::vector<SurfacePoint>> surfaces,
-                                          double patch_m);
+                                          double patch_m, Threads threads = {});
 
 }  // namespace loopstone

@@ -207,24 +207,26 @@ void SurfaceSystem::multiply_add(std::span<const Eigen::Vector3d> x, std::span<E
 }
 
 double SurfaceSystem::spread_m(std::span<const PlacedKey> map_T_key) const {
-  std::vector<float> off;
-  off.reserve(patches_.sights.size());
-  std::vector<Offset> offsets;
-  for (const SurfacePatch& patch : patches_.patches) {
-    offsets.clear();
-    LineSums sums;
-    for (std::size_t i = patch.first; i < patch.last; ++i) {
-      const PatchSight& sight = patches_.sights[i];
-      offsets.push_back(offset_of(sight, patch, map_T_key));
-      // Any scale of information: only the slope's prior, of a few millimetres, depends on it.
-      sums.add(sight.weight * 1e4, offsets.back().along, offsets.back().distance);
+  std::vector<float> off(patches_.sights.size());
+  parallel_for(chunks_.size(), threads_, [&](std::size_t chunk) {
+    std::vector<Offset> offsets;
+    for (std::size_t p = chunks_[chunk].first; p < chunks_[chunk].last; ++p) {
+      const SurfacePatch& patch = patches_.patches[p];
+      offsets.clear();
+      LineSums sums;
+      for (std::size_t i = patch.first; i < patch.last; ++i) {
+        const PatchSight& sight = patches_.sights[i];
+        offsets.push_back(offset_of(sight, patch, map_T_key));
+        // Any scale of information: only the slope's prior, of a few millimetres, depends on it.
+        sums.add(sight.weight * 1e4, offsets.back().along, offsets.back().distance);
+      }
+      const Line line = sums.line();
+      for (std::size_t i = 0; i < offsets.size(); ++i) {
+        off[patch.first + i] = static_cast<float>(
+            std::abs(offsets[i].distance - line.offset - line.slope * offsets[i].along));
+      }
     }
-    const Line line = sums.line();
-    for (const Offset& offset : offsets) {
-      off.push_back(
-          static_cast<float>(std::abs(offset.distance - line.offset - line.slope * offset.along)));
-    }
-  }
+  });
   return kSigmaPerMedian * static_cast<double>(median_of(off));
 }
 

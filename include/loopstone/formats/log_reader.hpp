@@ -51,6 +51,11 @@ class LogReader {
 [[nodiscard]] std::unique_ptr<LogReader> open_log(const std::string& path,
                                                   const LogOptions& options = {});
 
+/// The same log, read by a thread of its own a few hundred messages ahead of next(). Messages, problems, progress and
+/// counts come as they would from open_log(), and problems are told by whoever calls next().
+[[nodiscard]] std::unique_ptr<LogReader> open_log_ahead(const std::string& path,
+                                                        const LogOptions& options = {});
+
 /// Writes a log. Nothing appears under the final name before finish().
 class LogWriter {
  public:

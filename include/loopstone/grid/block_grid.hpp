@@ -60,6 +60,14 @@ class BlockGrid {
     return cells_[offset_in(block, cell)];
   }
 
+  /// Whether a cell and the eight around it lie in one block: then they are kBlockSide apart from row to row.
+  [[nodiscard]] static bool is_inside_block(Cell cell) {
+    const auto inside = [](int i) {
+      return static_cast<unsigned>((i & (kBlockSide - 1)) - 1) < kBlockSide - 2;
+    };
+    return inside(cell.column) && inside(cell.row);
+  }
+
   /// Calls visit(Cell, const T&) for every cell of every block, in an order that depends only on what was written where.
   template <typename Visitor>
   void for_each(Visitor&& visit) const {

@@ -108,12 +108,11 @@ void walk_ray_rows(GridPoint from, GridPoint to, int first_row, int end_row, Vis
   const std::int64_t column_step = floor_divide(kGridPointsPerCell * dx);
   const std::int64_t remainder_step = kGridPointsPerCell * dx - column_step * d;
   const auto to_next_edge = [&] {
-    column += column_step;
     remainder += remainder_step;
-    if (remainder >= d) {
-      remainder -= d;
-      ++column;
-    }
+    // No branch: a processor could only guess which way it goes.
+    const std::int64_t carry = remainder >= d ? 1 : 0;
+    column += column_step + carry;
+    remainder -= d & -carry;
   };
   auto at_lower_edge = static_cast<int>(column);
   if (starts_below) {

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -172,6 +173,7 @@ OccupancyMap naive_map(const std::vector<PosedScan>& scans, const GridFrame& fra
   for (const PosedScan& posed : scans) {
     std::set<std::pair<int, int>> ends;
     std::set<std::pair<int, int>> passed;
+    std::optional<std::pair<Cell, bool>> before;
     for (std::size_t i = 0; i < posed.scan->ranges_m.size(); ++i) {
       double range = posed.scan->ranges_m[i];
       if (std::isnan(range)) continue;
@@ -181,6 +183,9 @@ OccupancyMap naive_map(const std::vector<PosedScan>& scans, const GridFrame& fra
       const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
       const Eigen::Vector2d end =
           posed.map_T_lidar.translation() + range * (posed.map_T_lidar.rotation() * direction);
+      const std::pair ends_as(frame.cell_of(end), hit);
+      if (before == ends_as) continue;  // as its neighbour did
+      before = ends_as;
       walk_ray(grid_point_of(frame, posed.map_T_lidar.translation()), grid_point_of(frame, end),
                [&](Cell cell) {
                  passed.insert({cell.column, cell.row});
@@ -230,8 +235,9 @@ RandomRun random_run(std::uint64_t seed, int scans, int beams) {
 }
 
 TEST(OccupancyMap, EqualsTheNaiveTwin) {
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const RandomRun run = random_run(seed, 30, 90);
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    // Some scans so fine that beams share most of their way.
+    const RandomRun run = random_run(seed, 30, seed % 2 == 0 ? 90 : 1081);
     OccupancyOptions options;
     options.resolution_m = 0.04 + 0.02 * static_cast<double>(seed);
     options.max_range_m = 10.0;

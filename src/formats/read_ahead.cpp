@@ -1,0 +1,140 @@
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "loopstone/formats/log_reader.hpp"
+
+namespace loopstone {
+namespace {
+
+/// Messages are handed over so many at a time: waking a thread costs more than reading a message.
+constexpr std::size_t kBatch = 64;
+constexpr std::size_t kMostWaiting = 256;
+
+/// One call of next(), with what was known after it.
+struct Step {
+  std::optional<SensorMessage> message{};
+  std::exception_ptr failure{};
+  std::vector<Problem> problems{};
+  ReadProgress progress{};
+  std::int64_t skipped = 0;
+
+  [[nodiscard]] bool is_last() const { return !message.has_value(); }
+};
+
+class ReadAhead final : public LogReader {
+ public:
+  ReadAhead(const std::string& path, const LogOptions& options) : on_problem_(options.on_problem) {
+    LogOptions own = options;
+    own.on_problem = [this](const Problem& problem) { found_.push_back(problem); };
+    try {
+      reader_ = open_log(path, own);
+    } catch (...) {
+      tell(found_);
+      throw;
+    }
+    tell(std::exchange(found_, {}));
+    now_ = {.progress = reader_->progress(), .skipped = reader_->records_skipped()};
+  }
+
+  [[nodiscard]] std::optional<SensorMessage> next() override {
+    if (over_) return {};
+    if (!thread_.joinable()) {
+      thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+    }
+    if (next_taken_ == taken_.size()) take();
+    now_ = std::move(taken_[next_taken_++]);
+    over_ = now_.is_last();
+    tell(now_.problems);
+    if (now_.failure) std::rethrow_exception(now_.failure);
+    return std::move(now_.message);
+  }
+
+  [[nodiscard]] ReadProgress progress() const override { return now_.progress; }
+  [[nodiscard]] std::int64_t records_skipped() const override { return now_.skipped; }
+  [[nodiscard]] std::string format() const override { return reader_->format(); }
+  [[nodiscard]] RobotModel robot(RobotModel base) const override {
+    const std::scoped_lock lock(reading_);
+    return reader_->robot(std::move(base));
+  }
+  [[nodiscard]] std::vector<std::string> notes() const override {
+    const std::scoped_lock lock(reading_);
+    return reader_->notes();
+  }
+
+ private:
+  void tell(const std::vector<Problem>& problems) const {
+    if (!on_problem_) return;
+    for (const Problem& problem : problems) on_problem_(problem);
+  }
+
+  /// Waits for what was read.
+  void take() {
+    taken_.clear();
+    next_taken_ = 0;
+    std::unique_lock lock(mutex_);
+    hungry_ = true;
+    changed_.wait(lock, [this] { return !waiting_.empty(); });
+    hungry_ = false;
+    taken_.swap(waiting_);
+    changed_.notify_all();
+  }
+
+  void work(const std::stop_token& stop) {
+    std::vector<Step> batch;
+    for (bool last = false; !last && !stop.stop_requested();) {
+      batch.push_back(read());
+      last = batch.back().is_last();
+      if (batch.size() < kBatch && !last && !hungry_) continue;
+      std::unique_lock lock(mutex_);
+      if (!changed_.wait(lock, stop, [this] { return waiting_.size() < kMostWaiting; })) return;
+      for (Step& step : batch) waiting_.push_back(std::move(step));
+      batch.clear();
+      changed_.notify_all();
+    }
+  }
+
+  [[nodiscard]] Step read() {
+    const std::scoped_lock lock(reading_);
+    Step step;
+    try {
+      step.message = reader_->next();
+    } catch (...) {
+      step.failure = std::current_exception();
+    }
+    step.problems = std::exchange(found_, {});
+    step.progress = reader_->progress();
+    step.skipped = reader_->records_skipped();
+    return step;
+  }
+
+  std::function<void(const Problem&)> on_problem_;
+  std::unique_ptr<LogReader> reader_{};
+  std::vector<Problem> found_{};  // since the last step
+  mutable std::mutex reading_{};
+
+  Step now_{};
+  std::vector<Step> taken_{};
+  std::size_t next_taken_ = 0;
+  bool over_ = false;
+
+  std::mutex mutex_{};
+  std::condition_variable_any changed_{};
+  std::vector<Step> waiting_{};
+  std::atomic<bool> hungry_{false};
+  std::jthread thread_{};  // last: it stops before what it uses goes
+};
+
+}  // namespace
+
+std::unique_ptr<LogReader> open_log_ahead(const std::string& path, const LogOptions& options) {
+  return std::make_unique<ReadAhead>(path, options);
+}
+
+}  // namespace loopstone
