@@ -25,7 +25,7 @@ import targets  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from program import Loopstone, machine, say  # noqa: E402
 
-SECTIONS = ["speed", "real", "simulated", "demo"]  # the timing first, while nothing else has warmed or filled the machine
+SECTIONS = ["speed", "laps", "online", "real", "simulated", "demo"]  # the timing first, while nothing else has warmed or filled the machine
 
 
 def measure_section(name, loopstone, data, quick):
@@ -35,6 +35,10 @@ def measure_section(name, loopstone, data, quick):
         return measure.simulated(loopstone, quick)
     if name == "demo":
         return measure.demo(loopstone)
+    if name == "laps":
+        return measure.laps(loopstone)
+    if name == "online":
+        return measure.online(loopstone, data)
     return measure.speed(loopstone, data, 2 if quick else 5)
 
 
@@ -48,6 +52,10 @@ def blocks_of(sections):
     if "speed" in sections:
         blocks.append(("docs/benchmarks.md", "speed", tables.speed_tables(sections["speed"])))
         blocks.append(("docs/benchmarks.md", "stages", tables.stage_table(sections["speed"])))
+    if "laps" in sections:
+        blocks.append(("docs/benchmarks.md", "laps", tables.laps_table(sections["laps"])))
+    if "online" in sections:
+        blocks.append(("docs/benchmarks.md", "online", tables.online_table(sections["online"])))
     if "real" in sections or "simulated" in sections:
         blocks.append(("README.md", "headline", tables.headline(sections)))
     if "demo" in sections:
@@ -63,6 +71,10 @@ def summary(sections):
         rows += targets.of_simulated(sections["simulated"]["figures"])
     if "speed" in sections:
         rows += targets.of_speed(sections["speed"]["figures"])
+    if "laps" in sections:
+        rows += targets.of_laps(sections["laps"]["figures"])
+    if "online" in sections:
+        rows += targets.of_online(sections["online"]["figures"])
     return "\n".join(f"{'met    ' if met else 'NOT MET'}  {measured:>10}  {target:<24} {name}"
                      for name, target, measured, met in rows)
 

@@ -52,15 +52,11 @@ def real_logs(loopstone, data):
         if corrected.exists():
             reference = loopstone.work / "corrected.tum"
             found, count = corrected_logs.write_reference(reference, log, corrected)
-            errors = ate_of_files(loopstone, folder / "trajectory.tum", reference)
+            errors = loopstone.evaluate("--estimate", folder / "trajectory.tum", "--reference", reference)
             loop["corrected"] = {"scans": found, "of": count, "ate_m": errors["ate_rmse_m"],
                                  "ate_rad": errors["ate_rmse_rad"]}
         logs.append({"name": name, "title": title, "rows": rows, **loop})
     return logs
-
-
-def ate_of_files(loopstone, estimate, reference):
-    return loopstone.evaluate("--estimate", estimate, "--reference", reference)
 
 
 def ate_of(loopstone, estimate, sim, folder=None):
@@ -141,6 +137,37 @@ def speed(loopstone, data, repeats):
                     "fastest_wall_s": fastest["wall_s"], "fastest_stages": fastest["stages"]}
         result["variants"].append(variant)
     return result
+
+
+LAPS = [1, 10]
+PACE = 10.0  # times the log's own
+PACED_S = 600.0
+
+
+def laps(loopstone):
+    """The same way once and ten times: what the second to the tenth time cost."""
+    rows = []
+    for count in LAPS:
+        sim = loopstone.simulate("office", 1, ["--laps", count, "--format", "carmen"])
+        folder, summary, row = map_row(loopstone, sim / "log.clf", f"laps-{count}", [])
+        errors = ate_of(loopstone, folder / "trajectory.tum", sim)
+        rows.append({**row, "laps": count, "path_m": summary["path_length_m"], "ate_m": errors["ate_rmse_m"],
+                     "thinned": summary["key_scans_thinned"], "keys": summary["key_scans"]})
+        say(f"  {count} laps: {row['wall_s']:.1f} s, {row['peak_mb']:.0f} MB")
+    return rows
+
+
+def online(loopstone, data):
+    """Intel's first minutes, replayed: how long after a scan is due its pose is known."""
+    log = data / "carmen" / "intel.clf"
+    if not log.exists():
+        say(f"  {log}: not there, skipped")
+        return None
+    _, summary, _ = map_row(loopstone, log, "online",
+                            ["--threads", "1", "--realtime", PACE, "--to", PACED_S])
+    pace = summary["realtime"]
+    say(f"  worst {1e3 * pace['worst_s']:.1f} ms")
+    return {"speed": PACE, "duration_s": summary["duration_s"], "scans": summary["scans"], **pace}
 
 
 DEMO = [

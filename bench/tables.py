@@ -110,6 +110,25 @@ def speed_tables(section):
     return "\n".join(parts)
 
 
+def laps_table(section):
+    rows = [[f"{run['laps']}", f"{run['path_m']:.0f}", f"{run['scans']}", f"{run['keys'] - run['thinned']} of {run['keys']}",
+             f"{run['wall_s']:.1f}", f"{run['duration_s'] / run['wall_s']:.0f}", f"{run['peak_mb']:.0f}",
+             f"{1e3 * run['ate_m']:.1f}"] for run in section["figures"]]
+    return "\n".join([provenance(section), "",
+                      table(["laps", "path [m]>", "scans>", "key scans kept>", "wall [s]>", "times real time>",
+                             "peak memory [MB]>", "ATE rmse [mm]>"], rows), "",
+                      targets_table(targets.of_laps(section["figures"]))])
+
+
+def online_table(section):
+    pace = section["figures"]
+    rows = [[f"{pace['scans']}", f"{pace['speed']:.0f} x", f"{1e3 * pace['median_s']:.2f}", f"{1e3 * pace['p99_s']:.1f}",
+             f"{1e3 * pace['worst_s']:.1f}"]]
+    return "\n".join([provenance(section), "",
+                      table(["scans>", "pace>", "median [ms]>", "99 % within [ms]>", "worst [ms]>"], rows), "",
+                      targets_table(targets.of_online(pace))])
+
+
 STAGES = [("front_end_wall_s", "front end: filter, predict, align, insert"),
           ("loop_closing_wall_s", "loop closing: search and refinement"),
           ("optimisation_wall_s", "pose graph"),

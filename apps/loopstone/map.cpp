@@ -12,6 +12,7 @@
 #include "floor_run.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/release_memory.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
@@ -141,6 +142,7 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
       options_to_toml(textbook ? list_options(textbook_options) : list_options(options));
   info.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
 
   for (const auto& warning : result.warnings) context.warn(warning);

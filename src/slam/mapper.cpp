@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/release_memory.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/back_end.hpp"
 #include "loopstone/slam/surface_adjustment.hpp"
@@ -280,6 +281,7 @@ MapResult Mapper::finish() {
   statistics.optimisation_s = back_end.optimisation_s();
   report_odometry(result);
 
+  release_unused_memory();
   // The graph's own solution is judged: the adjustment knows more than its edges.
   const Stopwatch judging_graph;
   result.graph_quality = assess_graph(result);
@@ -287,12 +289,14 @@ MapResult Mapper::finish() {
   adjust(keys, result);
   const std::vector<PosedScan> posed = place_scans(std::move(keys), result);
   track_ = {};  // it is in the trajectories now
+  release_unused_memory();
 
   const Stopwatch rendering;
   result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
   statistics.rendering_s = rendering.seconds();
   count(result);
 
+  release_unused_memory();
   const Stopwatch judging;
   result.quality = assess_map(posed, threads_);
   result.verdict = judge_map(result);
