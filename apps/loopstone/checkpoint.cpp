@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
@@ -11,6 +14,8 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/session_file.hpp"
+#include "loopstone/version.hpp"
+#include "result.hpp"
 
 namespace loopstone::app {
 
@@ -46,6 +51,24 @@ void remove_partial_files(const std::string& out) {
   }
 }
 
+/// Whether the folder holds all that this very command leads to. A run may have been killed when nothing was left to do but
+/// to say so; who starts it again must not fail for it.
+bool holds_results(const std::string& out, const AppContext& context) {
+  const std::string path = (fs::path(out) / "summary.json").string();
+  if (!exists(path)) return false;
+  std::ifstream stream(path);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const auto summary = nlohmann::json::parse(text, nullptr, false);
+  if (!summary.is_object() || summary.value("complete", false) == false ||
+      summary.value("command", "") != context.command_line() ||
+      summary.value("version", "") != kVersion) {
+    return false;
+  }
+  context.note(out + ": holds the results of this command already; --force makes them anew");
+  if (context.json()) print_to_stdout(text);
+  return true;
+}
+
 /// "front_end.points_max = 360" where two texts of the same keys first differ; empty where they don't.
 std::string differing_line(const std::string& was, const std::string& is) {
   std::istringstream old_lines(was);
@@ -77,25 +100,26 @@ void add_checkpoint_flags(CLI::App& command, CheckpointFlags& flags) {
                    "from the beginning when there is none yet");
 }
 
-bool prepare_session_folder(const std::string& out, const CheckpointFlags& flags, bool force,
-                            const AppContext& context) {
+RunStart prepare_session_folder(const std::string& out, const CheckpointFlags& flags, bool force,
+                                const AppContext& context) {
   const std::string session = session_path(out);
   if (flags.resume) remove_partial_files(out);
   if (exists(session)) {
-    if (flags.resume) return true;
+    if (flags.resume) return RunStart::kSession;
     if (!force) {
       throw UsageError(out +
                        ": holds the session of a run that was ended before its time; add "
                        "--resume to go on with it, or --force to start from the beginning");
     }
-  } else if (flags.resume) {
+  } else if (flags.resume && !force) {
+    if (holds_results(out, context)) return RunStart::kOver;
     context.note(out + ": holds no session yet; from the beginning");
   }
   prepare_output_folder(out, force);
   std::error_code error;
   fs::remove(session, error);  // it is not of the run that begins
   if (error) throw DataError({session}, "cannot remove the old session: " + error.message());
-  return false;
+  return RunStart::kLog;
 }
 
 std::string difference(const RunTerms& session, const RunTerms& now) {

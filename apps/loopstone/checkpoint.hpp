@@ -27,10 +27,17 @@ struct CheckpointFlags {
 /// --checkpoint, --resume.
 void add_checkpoint_flags(CLI::App& command, CheckpointFlags& flags);
 
-/// Makes the output folder, or takes one that holds a session to go on with: true. Throws UsageError when it holds anything else
-/// and `force` is not given, or a session that was not asked for. With `force` and without --resume, an old session goes.
-[[nodiscard]] bool prepare_session_folder(const std::string& out, const CheckpointFlags& flags,
-                                          bool force, const AppContext& context);
+/// Where a run begins.
+enum class RunStart {
+  kLog,      ///< with the log
+  kSession,  ///< with the session in the output folder
+  kOver,     ///< its results are there
+};
+
+/// Makes the output folder, or takes one that --resume can go on with. Throws UsageError when it holds anything else and `force`
+/// is not given, or a session that was not asked for. With `force` and without --resume, an old session goes.
+[[nodiscard]] RunStart prepare_session_folder(const std::string& out, const CheckpointFlags& flags,
+                                              bool force, const AppContext& context);
 
 /// What a run has in common with the one whose session it goes on with; else it would not lead to the same result.
 struct RunTerms {

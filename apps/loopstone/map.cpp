@@ -102,8 +102,9 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const auto reader =
       open(arguments.log, {.strict = arguments.strict,
                            .on_problem = [&](const Problem& problem) { print_problem(problem); }});
-  const bool resumes =
+  const RunStart begin =
       prepare_session_folder(arguments.out, arguments.checkpoint, arguments.force, context);
+  if (begin == RunStart::kOver) return kExitDone;
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
@@ -128,7 +129,7 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
     result = mapper.finish(display.callback());
   } else {
     Mapper mapper(robot, options, context.threads());
-    if (resumes && !checkpoint.resume(mapper, log, camera, arguments.log)) {
+    if (begin == RunStart::kSession && !checkpoint.resume(mapper, log, camera, arguments.log)) {
       context.warn("interrupted before the session was reached: nothing has changed");
       return kExitInterrupted;
     }
