@@ -148,38 +148,38 @@ class MapperStateDamaged : public testing::Test {
   void SetUp() override {
     Mapper mapper({}, options(), {1});
     for (std::size_t i = 0; i < 100; ++i) mapper.add(recording()[i]);
-    chunks_ = mapper.save_state().get();
+    chunks = mapper.save_state().get();
   }
   [[nodiscard]] bool refused() const {
     Mapper mapper({}, options(), {1});
     try {
-      mapper.restore_state(chunks_);
+      mapper.restore_state(chunks);
     } catch (const DataError&) {
       return true;
     }
     return false;
   }
-  std::vector<StateChunk> chunks_{};
+  std::vector<StateChunk> chunks{};
 };
 
 TEST_F(MapperStateDamaged, APartThatIsMissingUnknownCutOffOrOfAnotherVersionIsRefused) {
   EXPECT_FALSE(refused());
-  for (std::size_t i = 0; i < chunks_.size(); ++i) {
-    const std::vector<StateChunk> whole = chunks_;
-    ++chunks_[i].version;
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    const std::vector<StateChunk> whole = chunks;
+    ++chunks[i].version;
     EXPECT_TRUE(refused()) << whole[i].tag;
-    chunks_ = whole;
-    chunks_[i].bytes.pop_back();
+    chunks = whole;
+    chunks[i].bytes.pop_back();
     EXPECT_TRUE(refused()) << whole[i].tag;
-    chunks_[i].bytes = whole[i].bytes + '\0';
+    chunks[i].bytes = whole[i].bytes + '\0';
     EXPECT_TRUE(refused()) << whole[i].tag;
-    chunks_.erase(chunks_.begin() + static_cast<std::ptrdiff_t>(i));
+    chunks.erase(chunks.begin() + static_cast<std::ptrdiff_t>(i));
     EXPECT_TRUE(refused()) << whole[i].tag;
-    chunks_ = whole;
+    chunks = whole;
   }
-  chunks_.push_back({.tag = "WHAT"});
+  chunks.push_back({.tag = "WHAT"});
   EXPECT_TRUE(refused());
-  chunks_.back().optional = true;
+  chunks.back().optional = true;
   EXPECT_FALSE(refused());
 }
 
@@ -187,7 +187,7 @@ TEST_F(MapperStateDamaged, OtherOptionsOfTheGridsAreRefused) {
   MapOptions other = options();
   other.submap.cell_m = 0.05;
   Mapper mapper({}, other, {1});
-  EXPECT_THROW(mapper.restore_state(chunks_), DataError);
+  EXPECT_THROW(mapper.restore_state(chunks), DataError);
 }
 
 }  // namespace
