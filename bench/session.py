@@ -109,7 +109,7 @@ def main():
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
     circumstances = {"machine": machine(), "version": loopstone.version(), "command": "bench/session.py"}
-    least_kills = 5 if arguments.quick else 40
+    least_kills = 5 if arguments.quick else 20
     rows = []
     intel = arguments.data / "carmen/intel.clf"
     if intel.exists():

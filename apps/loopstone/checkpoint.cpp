@@ -227,14 +227,14 @@ void Checkpoint::settle() {
     bytes_ = writing_.get();
     ++saved_;
     warned_ = false;
-  } catch (const DataError& error) {
+  } catch (const std::future_error&) {
+    // The back end failed before it came so far; it says so itself.
+  } catch (const std::exception& error) {
     if (!warned_) {
       context_.warn(std::string("the session could not be saved, the run goes on: ") +
                     error.what());
     }
     warned_ = true;
-  } catch (const std::future_error&) {
-    // The back end failed before it came so far; it says so itself.
   }
 }
 
