@@ -10,6 +10,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -33,7 +34,7 @@ namespace loopstone {
 //
 // What is fixed by how an object was made (its options) and what can be computed again (caches) is left out.
 //
-// Numbers are little-endian and as wide as their type; a bool is one byte, 0 or 1. Lists, maps and text begin with their count in
+// Numbers are little-endian and as wide as their type; a bool is one byte, 0 or 1. Lists, sets, maps and text begin with their count in
 // 64 bits, optional values with a bool. Matrices go column by column.
 
 /// Whether runs of these can be copied as they are.
@@ -117,6 +118,10 @@ class ByteWriter {
   }
   template <typename Key, typename T>
   void put(const std::map<Key, T>& values) {
+    put_each(values);
+  }
+  template <typename T>
+  void put(const std::set<T>& values) {
     put_each(values);
   }
   template <typename Values>
@@ -233,6 +238,14 @@ class ByteReader {
       get_each(values);
     }
   }
+  void get(std::vector<bool>& values) {
+    values.clear();
+    for (std::uint64_t count = get_count(1); count > 0; --count) {
+      bool value = false;
+      get(value);
+      values.push_back(value);
+    }
+  }
   template <typename T>
   void get(std::deque<T>& values) {
     get_each(values);
@@ -249,6 +262,15 @@ class ByteReader {
       std::pair<Key, T> value;
       get(value);
       check(values.insert(std::move(value)).second, "a key twice");
+    }
+  }
+  template <typename T>
+  void get(std::set<T>& values) {
+    values.clear();
+    for (std::uint64_t count = get_count(1); count > 0; --count) {
+      T value{};
+      get(value);
+      check(values.insert(std::move(value)).second, "a value twice");
     }
   }
 

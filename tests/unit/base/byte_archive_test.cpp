@@ -51,11 +51,13 @@ struct Everything {
   std::vector<Inner> list{};
   std::deque<std::string> queue{};
   std::map<std::pair<std::size_t, std::size_t>, Inner> by_pair{};
+  std::vector<bool> bits{};
+  std::set<std::pair<int, int>> pairs{};
 
   template <typename Archive>
   void archive(Archive& a) {
     a(flag, small, middle, large, size, single, real, colour, stamp, text, matrix, pair_of_inner,
-      maybe, list, queue, by_pair);
+      maybe, list, queue, by_pair, bits, pairs);
   }
   friend bool operator==(const Everything&, const Everything&) = default;
 };
@@ -75,7 +77,9 @@ Everything full() {
                .maybe = Inner{3, {2.5F, 3.5F}},
                .list = {Inner{4, {}}, Inner{5, {4.5F}}},
                .queue = {"x", "", "yz"},
-               .by_pair = {{{1, 2}, Inner{6, {}}}, {{0, 9}, Inner{7, {5.5F}}}}};
+               .by_pair = {{{1, 2}, Inner{6, {}}}, {{0, 9}, Inner{7, {5.5F}}}},
+               .bits = {true, false, true},
+               .pairs = {{3, 1}, {1, 2}}};
   e.matrix << 1, 2, 3, 4, 5, 6;
   return e;
 }
@@ -130,11 +134,15 @@ TEST(ByteArchive, NoCountIsTrusted) {
     std::vector<Inner> list;
     std::deque<Inner> queue;
     std::map<int, Inner> map;
+    std::vector<bool> bits;
+    std::set<int> set;
     EXPECT_THROW(restore(text, state), DataError) << count;
     EXPECT_THROW(restore(plain, state), DataError) << count;
     EXPECT_THROW(restore(list, state), DataError) << count;
     EXPECT_THROW(restore(queue, state), DataError) << count;
     EXPECT_THROW(restore(map, state), DataError) << count;
+    EXPECT_THROW(restore(bits, state), DataError) << count;
+    EXPECT_THROW(restore(set, state), DataError) << count;
   }
 }
 
@@ -148,6 +156,8 @@ TEST(ByteArchive, OnlyZeroAndOneAreBools) {
 TEST(ByteArchive, AKeyThatComesTwiceIsRefused) {
   std::map<int, int> map;
   EXPECT_THROW(restore(map, state_of(std::vector<std::pair<int, int>>{{1, 2}, {1, 3}})), DataError);
+  std::set<int> set;
+  EXPECT_THROW(restore(set, state_of(std::vector<int>{4, 4})), DataError);
 }
 
 /// Has no default constructor, and a field that must not be negative.
