@@ -58,7 +58,7 @@ def killed_run(loopstone, log, folder, wall_s, interval_s, rng):
     while True:
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
         try:
-            code = process.wait(timeout=rng.uniform(0.1 * wall_s, 0.7 * wall_s))
+            code = process.wait(timeout=rng.uniform(0.1 * wall_s, wall_s))
         except subprocess.TimeoutExpired:
             process.send_signal(signal.SIGKILL)
             process.wait()
@@ -96,7 +96,7 @@ def text_of(circumstances, rows):
               "same bytes" if row["same"] else "DIFFERENT"] for row in rows]
     return "\n".join([provenance(circumstances), "",
                       table(["log", "scans>", "session at the end [MB]>", "scans wait [ms]>", "at most [ms]>", "run [s]>",
-                             "saving 20 times a run [s]>", "kills>", "runs>", "results"], cells)])
+                             "saving every 20th of it [s]>", "kills>", "runs>", "results"], cells)])
 
 
 def main():

@@ -13,7 +13,15 @@
 
 namespace {
 
-using namespace loopstone;
+using loopstone::DataError;
+using loopstone::ImuSample;
+using loopstone::LaserScan;
+using loopstone::MapOptions;
+using loopstone::Mapper;
+using loopstone::OdometryPose;
+using loopstone::Stamp;
+using loopstone::StateChunk;
+using loopstone::Threads;
 
 /// Submaps that are full after a few scans.
 MapOptions options() {
@@ -79,8 +87,9 @@ void restore_edited(std::string_view edits) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   try {
-    const std::vector<StateChunk> chunks = parse_session(bytes, "fuzz");
-    if (format_session(chunks) != bytes) __builtin_trap();  // there is one way only to write it
+    const std::vector<StateChunk> chunks = loopstone::parse_session(bytes, "fuzz");
+    if (loopstone::format_session(chunks) != bytes)
+      __builtin_trap();  // there is one way only to write it
     restore(chunks);
   } catch (const DataError&) {
     // As above.

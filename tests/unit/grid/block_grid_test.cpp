@@ -106,8 +106,8 @@ RC_GTEST_PROP(BlockGridLaws, OneThatWasSavedGoesOnAsIfItHadNotBeen, ()) {
   }
   std::vector<std::pair<Cell, float>> cells;
   std::vector<std::pair<Cell, float>> cells_again;
-  grid.for_each([&](Cell cell, float value) { cells.push_back({cell, value}); });
-  again.for_each([&](Cell cell, float value) { cells_again.push_back({cell, value}); });
+  grid.for_each([&](Cell cell, float value) { cells.emplace_back(cell, value); });
+  again.for_each([&](Cell cell, float value) { cells_again.emplace_back(cell, value); });
   RC_ASSERT(cells == cells_again);
   RC_ASSERT(test::state_of(again) == test::state_of(grid));
 }
