@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <future>
+#include <memory>
 #include <string>
 #include <vector>
 
