@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app.hpp"
+#include "checkpoint.hpp"
 #include "commands.hpp"
 #include "floor_run.hpp"
 #include "log_run.hpp"
@@ -15,11 +16,13 @@
 #include "loopstone/base/release_memory.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
+#include "loopstone/formats/robot_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/scan_to_scan.hpp"
+#include "loopstone/version.hpp"
 #include "pace.hpp"
 #include "result.hpp"
 
@@ -39,6 +42,7 @@ struct Arguments {
   bool force = false;
   bool strict = false;
   double realtime = 0.0;  ///< speed of the replay; 0: as fast as it goes
+  CheckpointFlags checkpoint;
 };
 
 void print_result(const MapResult& result, const FloorTexture* texture, const RunInfo& info,
@@ -82,6 +86,9 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
     throw UsageError(
         "--realtime: the textbook pipeline works when the log is over; leave out --pipeline");
   }
+  if (textbook && arguments.checkpoint.any()) {
+    throw UsageError("--checkpoint, --resume: the textbook pipeline can't go on from a session");
+  }
   auto options = textbook ? MapOptions{} : context.load_options<MapOptions>();
   auto textbook_options =
       textbook ? context.load_options<ScanToScanOptions>() : ScanToScanOptions{};
@@ -96,7 +103,9 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const auto reader =
       open(arguments.log, {.strict = arguments.strict,
                            .on_problem = [&](const Problem& problem) { print_problem(problem); }});
-  prepare_output_folder(arguments.out, arguments.force);
+  const RunStart begin =
+      prepare_session_folder(arguments.out, arguments.checkpoint, arguments.force, context);
+  if (begin == RunStart::kOver) return kExitDone;
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
@@ -104,6 +113,13 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   CameraFrames camera;
   std::optional<Pace> pace;
   if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
+  Checkpoint checkpoint(arguments.checkpoint, arguments.out,
+                        {.version = std::string(kVersion),
+                         .options_toml = options_to_toml(list_options(options)),
+                         .robot_toml = robot_to_toml(robot),
+                         .mounts_from_log = !context.robot_given(),
+                         .cut = arguments.cut},
+                        context);
   MapResult result;
   if (textbook) {
     ScanToScanMapper mapper(robot, textbook_options, context.threads());
@@ -114,13 +130,19 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
     result = mapper.finish(display.callback());
   } else {
     Mapper mapper(robot, options, context.threads());
+    if (begin == RunStart::kSession && !checkpoint.resume(mapper, log, camera, arguments.log)) {
+      context.warn("interrupted before the session was reached: nothing has changed");
+      return kExitInterrupted;
+    }
     while (const auto message = log.next()) {
       if (pace) pace->wait_for(stamp_of(*message), [] { return !AppContext::interrupted(); });
       camera.take(*message);
       const std::int64_t before = mapper.scans();
       mapper.add(*message);
       if (pace && mapper.scans() > before) pace->note_done();
+      checkpoint.after(*message, mapper);
     }
+    checkpoint.after_last(mapper);
     result = mapper.finish();
   }
   ProgressDisplay::clear_line();
@@ -136,19 +158,24 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   }
   const FloorTexture* floor = texture ? &*texture : nullptr;
 
-  RunInfo info = run_info(arguments.log, *reader, arguments.force, context);
+  RunInfo info =
+      run_info(arguments.log, *reader, arguments.force || arguments.checkpoint.any(), context);
+  info.cpu_time_s += checkpoint.earlier_cpu_s();
   if (pace) info.pace = pace->figures();
   info.options_toml =
       options_to_toml(textbook ? list_options(textbook_options) : list_options(options));
   info.wall_time_s =
+      checkpoint.earlier_wall_s() +
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
+  checkpoint.end(result.complete);
 
   for (const auto& warning : result.warnings) context.warn(warning);
   print_result(result, floor, info, arguments.out, context);
   if (!result.complete) {
-    context.warn("interrupted: the map is of what was read until then");
+    context.warn(std::string("interrupted: the map is of what was read until then") +
+                 (arguments.checkpoint.any() ? "; --resume goes on from there" : ""));
     return kExitInterrupted;
   }
   return kExitDone;
@@ -191,6 +218,7 @@ void add_map_command(CLI::App& app, AppContext& context) {
           "were waited for")
       ->type_name("SPEED")
       ->check(CLI::Range(0.001, 1e6));
+  add_checkpoint_flags(*command, arguments->checkpoint);
   command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");
   context.add_common_flags(*command);

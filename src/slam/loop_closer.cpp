@@ -69,6 +69,11 @@ struct LoopCloser::Entry {
   double radius_m = 0.0;   // rms distance of its surfaces from the centre
   std::vector<std::size_t> closed_with{};
   bool dropped = false;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(submap, travelled_m, centre, radius_m, closed_with, dropped);
+  }
 };
 
 struct LoopCloser::Pair {
@@ -87,6 +92,13 @@ LoopCloser::LoopCloser(const LoopOptions& options, const SubmapOptions& submap,
 LoopCloser::~LoopCloser() = default;
 LoopCloser::LoopCloser(LoopCloser&&) noexcept = default;
 LoopCloser& LoopCloser::operator=(LoopCloser&&) noexcept = default;
+
+template <typename Archive>
+void LoopCloser::archive_fields(Archive& a) {
+  a(entries_, standing_, tried_, seen_, newly_closed_);
+}
+void LoopCloser::archive(ByteWriter& a) { archive_fields(a); }
+void LoopCloser::archive(ByteReader& a) { archive_fields(a); }
 
 std::size_t LoopCloser::submap_count() const { return entries_.size(); }
 

@@ -1,7 +1,10 @@
 #include "loopstone/slam/mapper.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <string_view>
 #include <utility>
 
 #include "loopstone/base/release_memory.hpp"
@@ -21,6 +24,12 @@ namespace {
 /// Scans that differ less than this from the last one mapped add next to nothing to the final map.
 constexpr double kStillCells = 1.0;
 constexpr double kStillRad = 0.04;
+
+/// Raised whenever a field list of that part changes.
+constexpr std::uint16_t kScanQueueVersion = 1;
+constexpr std::uint16_t kFrontEndVersion = 1;
+constexpr std::uint16_t kBackEndVersion = 1;
+constexpr std::uint16_t kMapperVersion = 1;
 
 /// What the user should know about the run, in plain words.
 std::vector<std::string> warnings_of(const MapResult& result, const MapOptions& options,
@@ -76,6 +85,26 @@ class Mapper::BackEndWorker {
     auto batch = std::make_shared<Batch>(Batch{std::exchange(waiting_, {}), std::move(submaps)});
     queue_.run([this, batch] { take(std::move(*batch)); });
   }
+  /// These chunks, and what the back end and its scans are after all that was handed over until now.
+  [[nodiscard]] std::future<std::vector<StateChunk>> add_state(std::vector<StateChunk> chunks) {
+    auto promise = std::make_shared<std::promise<std::vector<StateChunk>>>();
+    auto saved = std::make_shared<std::vector<StateChunk>>(std::move(chunks));
+    saved->push_back(save_chunk("WAIT", kBackEndVersion, waiting_));
+    queue_.run([this, promise, saved] {
+      saved->push_back(save_chunk("BACK", kBackEndVersion, back_end_));
+      saved->push_back(save_chunk("MAPD", kBackEndVersion, scans_));
+      promise->set_value(std::move(*saved));
+    });
+    return promise->get_future();
+  }
+  void restore(std::span<const StateChunk> chunks) {
+    load_chunk(chunks, "WAIT", kBackEndVersion, waiting_);
+    queue_.run([this, chunks] {
+      load_chunk(chunks, "BACK", kBackEndVersion, back_end_);
+      load_chunk(chunks, "MAPD", kBackEndVersion, scans_);
+    });
+    queue_.wait();
+  }
   /// Waits for all that was handed over and ends the back end.
   void finish() {
     auto batch = std::make_shared<Batch>(Batch{std::exchange(waiting_, {}), {}});
@@ -93,6 +122,11 @@ class Mapper::BackEndWorker {
   struct Step {
     MappedScan scan{};
     std::optional<KeyScan> key{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(scan, key);
+    }
   };
   struct Batch {
     std::vector<Step> steps{};
@@ -127,6 +161,23 @@ Mapper::~Mapper() = default;
 void Mapper::add(const SensorMessage& message) {
   scan_queue_.add(message);
   while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
+}
+
+std::future<std::vector<StateChunk>> Mapper::save_state() {
+  std::vector<StateChunk> chunks;
+  chunks.push_back(save_chunk("SCAN", kScanQueueVersion, scan_queue_));
+  chunks.push_back(save_chunk("FRNT", kFrontEndVersion, front_end_));
+  chunks.push_back(save_chunk("MAPR", kMapperVersion, *this));
+  return back_end_->add_state(std::move(chunks));
+}
+
+void Mapper::restore_state(std::span<const StateChunk> chunks) {
+  constexpr std::array<std::string_view, 6> kTags{"SCAN", "FRNT", "MAPR", "WAIT", "BACK", "MAPD"};
+  refuse_unknown(chunks, kTags);
+  load_chunk(chunks, "SCAN", kScanQueueVersion, scan_queue_);
+  load_chunk(chunks, "FRNT", kFrontEndVersion, front_end_);
+  load_chunk(chunks, "MAPR", kMapperVersion, *this);
+  back_end_->restore(chunks);
 }
 
 void Mapper::add_scan(LaserScan scan) {

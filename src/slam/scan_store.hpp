@@ -16,6 +16,11 @@ struct MappedScan {
   Pose2 robot_T_lidar{};
   Pose2 local_T_robot{};
   Pose2 local_T_robot_end{};  ///< at the end of its sweep
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(scan, index, robot_T_lidar, local_T_robot, local_T_robot_end);
+  }
 };
 
 /// Mapped scans, in stretches as KeyChain has them.
@@ -36,6 +41,11 @@ class ScanStore {
     for (const auto& stretch : stretches_) {
       for (const MappedScan& scan : stretch) visit(scan);
     }
+  }
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stretches_);
   }
 
  private:

@@ -8,7 +8,6 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <functional>
 #include <stdexcept>
 #include <thread>
 
@@ -22,6 +21,13 @@ namespace {
 void redirect(int descriptor, const char* path, int flags) {
   const int file = ::open(path, flags, 0600);
   if (file < 0 || ::dup2(file, descriptor) < 0) ::_exit(127);
+}
+
+void wait_until_exists(const std::string& path) {
+  constexpr auto kPause = std::chrono::milliseconds(2);
+  constexpr int kMostPauses = 30'000;
+  for (int i = 0; i < kMostPauses && !std::filesystem::exists(path); ++i)
+    std::this_thread::sleep_for(kPause);
 }
 
 /// \param while_running  called in the parent with the child's process id
@@ -65,14 +71,36 @@ ProgramResult interrupt_program(const std::string& when_exists,
                                 const std::vector<std::string>& arguments) {
   const TempDir folder;
   ProgramResult result = run(folder / "stdout", arguments, [&](pid_t child) {
-    constexpr auto kPause = std::chrono::milliseconds(2);
-    constexpr int kMostPauses = 30'000;
-    for (int i = 0; i < kMostPauses && !std::filesystem::exists(when_exists); ++i)
-      std::this_thread::sleep_for(kPause);
+    wait_until_exists(when_exists);
     ::kill(child, SIGINT);  // not yet waited for, so the id is still its own
   });
   result.out = folder.read("stdout");
   return result;
+}
+
+ProgramResult kill_program(std::chrono::milliseconds after,
+                           const std::vector<std::string>& arguments) {
+  const TempDir folder;
+  return run(folder / "stdout", arguments, [&](pid_t child) {
+    const auto end = std::chrono::steady_clock::now() + after;
+    siginfo_t state{};
+    // WNOWAIT: who has ended is still there to be waited for.
+    while (std::chrono::steady_clock::now() < end &&
+           ::waitid(P_PID, static_cast<id_t>(child), &state, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           state.si_pid == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ::kill(child, SIGKILL);
+  });
+}
+
+ProgramResult disturb_program(const std::string& when_exists, const std::function<void()>& action,
+                              const std::vector<std::string>& arguments) {
+  const TempDir folder;
+  return run(folder / "stdout", arguments, [&](pid_t) {
+    wait_until_exists(when_exists);
+    action();
+  });
 }
 
 ProgramResult run_program(const std::vector<std::string>& arguments) {

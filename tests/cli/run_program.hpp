@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,15 @@ struct ProgramResult {
 /// The same, with Ctrl-C as soon as this file or folder exists.
 [[nodiscard]] ProgramResult interrupt_program(const std::string& when_exists,
                                               const std::vector<std::string>& arguments);
+
+/// The same, ended by SIGKILL after so long unless it was faster.
+[[nodiscard]] ProgramResult kill_program(std::chrono::milliseconds after,
+                                         const std::vector<std::string>& arguments);
+
+/// The same, with `action` done while it runs, as soon as this file or folder exists.
+[[nodiscard]] ProgramResult disturb_program(const std::string& when_exists,
+                                            const std::function<void()>& action,
+                                            const std::vector<std::string>& arguments);
 
 /// How many lines a text has.
 [[nodiscard]] std::size_t count_lines(const std::string& text);

@@ -29,6 +29,11 @@ struct Stamp {
   }
   [[nodiscard]] constexpr double seconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
   friend constexpr auto operator<=>(const Stamp&, const Stamp&) = default;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(nanoseconds);
+  }
 };
 
 [[nodiscard]] constexpr Duration operator-(Stamp later, Stamp earlier) {

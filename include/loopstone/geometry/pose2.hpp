@@ -27,6 +27,11 @@ struct Pose2 {
   }
   [[nodiscard]] Eigen::Vector3d vector() const { return {x, y, yaw}; }
   friend bool operator==(const Pose2&, const Pose2&) = default;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(x, y, yaw);
+  }
 };
 
 [[nodiscard]] inline Pose2 operator*(const Pose2& a_T_b, const Pose2& b_T_c) {
@@ -66,6 +71,11 @@ using Tangent2 = Eigen::Vector3d;
 struct PoseWithCovariance2 {
   Pose2 pose;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(pose, covariance);
+  }
 };
 
 /// a_T_c and its covariance from independent a_T_b and b_T_c, to first order

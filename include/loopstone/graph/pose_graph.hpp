@@ -13,6 +13,11 @@ namespace loopstone {
 struct NodeId {
   int index = 0;
   friend constexpr auto operator<=>(const NodeId&, const NodeId&) = default;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(index);
+  }
 };
 
 enum class EdgeKind {
@@ -30,6 +35,11 @@ struct RelativePoseEdge {
   Eigen::Matrix3d information =
       Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), symmetric positive definite
   EdgeKind kind = EdgeKind::kMatch;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(from, to, from_T_to, information, kind);
+  }
 };
 
 /// What is known of one pose in the map frame (g2o's EDGE_SE2_PRIOR): e = vector(map_T_node^-1 * pose).
@@ -38,12 +48,22 @@ struct PosePrior {
   Pose2 map_T_node;
   Eigen::Matrix3d information =
       Eigen::Matrix3d::Identity();  ///< of (x, y, yaw), symmetric positive definite
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(node, map_T_node, information);
+  }
 };
 
 /// Position of a point in PoseGraph::landmarks.
 struct LandmarkId {
   int index = 0;
   friend constexpr auto operator<=>(const LandmarkId&, const LandmarkId&) = default;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(index);
+  }
 };
 
 /// A landmark seen from a pose (g2o's EDGE_SE2_XY): e = pose_from^-1 * landmark - measured point.
@@ -52,6 +72,11 @@ struct LandmarkEdge {
   LandmarkId landmark;
   Eigen::Vector2d point_in_from = Eigen::Vector2d::Zero();  ///< [m]
   Eigen::Matrix2d information = Eigen::Matrix2d::Identity();
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(from, landmark, point_in_from, information);
+  }
 };
 
 /// Poses and landmarks to estimate, and what was measured between them.
@@ -65,6 +90,11 @@ struct PoseGraph {
   std::vector<Eigen::Vector2d> landmarks{};  ///< in the map frame [m]
   std::vector<LandmarkEdge> landmark_edges{};
   std::vector<NodeId> fixed{};
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(poses, edges, priors, landmarks, landmark_edges, fixed);
+  }
 };
 
 /// e of the definition above.

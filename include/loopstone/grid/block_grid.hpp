@@ -2,8 +2,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "loopstone/grid/grid_frame.hpp"
@@ -90,6 +94,28 @@ class BlockGrid {
 
   [[nodiscard]] bool empty() const { return cells_.empty(); }
 
+  /// Of each block, a bit for every cell that is not as new (row by row, lowest bit first), and those cells.
+  template <typename Archive>
+  void archive(Archive& a) {
+    double resolution_m = resolution_m_;
+    a(resolution_m, first_block_, block_columns_, block_rows_, directory_);
+    a.check(resolution_m == resolution_m_, "a grid of another resolution");
+    std::uint64_t blocks = cells_.size() / kBlockCells;
+    a(blocks);
+    a.check(directory_fits(blocks), "a grid whose directory contradicts its blocks");
+    if constexpr (Archive::kReads) cells_.clear();
+    for (std::size_t block = 0; block < blocks; ++block) {
+      if constexpr (Archive::kReads) cells_.resize(cells_.size() + kBlockCells);
+      T* const cells = &cells_[block * kBlockCells];
+      std::array<std::uint64_t, kBlockCells / 64> used{};
+      if constexpr (!Archive::kReads) used = used_of(cells);
+      a(used);
+      for (std::size_t i = 0; i < kBlockCells; ++i) {
+        if ((used[i / 64] >> (i % 64)) & 1U) a(cells[i]);
+      }
+    }
+  }
+
  private:
   static constexpr int kBlockCells = kBlockSide * kBlockSide;
 
@@ -97,6 +123,30 @@ class BlockGrid {
     return static_cast<std::size_t>(block) * kBlockCells +
            static_cast<std::size_t>((cell.row & (kBlockSide - 1)) << kBlockBits) +
            static_cast<std::size_t>(cell.column & (kBlockSide - 1));
+  }
+  [[nodiscard]] static std::array<std::uint64_t, kBlockCells / 64> used_of(const T* cells) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const T fresh{};
+    std::array<std::uint64_t, kBlockCells / 64> used{};
+    for (std::size_t i = 0; i < kBlockCells; ++i) {
+      // By bytes: -0.0 is not as new, and must come back as it is.
+      if (std::memcmp(&cells[i], &fresh, sizeof(T)) != 0)
+        used[i / 64] |= std::uint64_t{1} << (i % 64);
+    }
+    return used;
+  }
+  /// Whether every block can be reached and every look-up ends inside; for what comes from a file.
+  [[nodiscard]] bool directory_fits(std::uint64_t blocks) const {
+    constexpr int kFarthest = 1 << 24;
+    const auto near = [](int value) { return value >= -kFarthest && value <= kFarthest; };
+    const auto block = [&](std::int32_t b) {
+      return b >= -1 && b < static_cast<std::int64_t>(blocks);
+    };
+    return near(first_block_.column) && near(first_block_.row) && block_columns_ >= 0 &&
+           block_rows_ >= 0 && near(block_columns_) && near(block_rows_) &&
+           static_cast<std::uint64_t>(block_columns_) * static_cast<std::uint64_t>(block_rows_) ==
+               directory_.size() &&
+           blocks <= directory_.size() && std::ranges::all_of(directory_, block);
   }
   [[nodiscard]] bool covers(Cell block) const {
     return block.column >= first_block_.column && block.row >= first_block_.row &&

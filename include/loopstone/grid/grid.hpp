@@ -32,6 +32,12 @@ class Grid {
   [[nodiscard]] std::vector<T>& cells() { return cells_; }
   [[nodiscard]] bool empty() const { return cells_.empty(); }
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(frame_, cells_);
+    a.check(cells_.size() == frame_.cell_count(), "a grid with too few or too many cells");
+  }
+
  private:
   GridFrame frame_{};
   std::vector<T> cells_{};

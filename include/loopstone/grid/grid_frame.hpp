@@ -16,6 +16,11 @@ struct Cell {
   int column = 0;
   int row = 0;
   friend bool operator==(const Cell&, const Cell&) = default;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(column, row);
+  }
 };
 
 /// Where a grid lies in the plane: the one place where metres become cells and back.
@@ -44,6 +49,12 @@ struct GridFrame {
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   }
   friend bool operator==(const GridFrame&, const GridFrame&) = default;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(origin, resolution, columns, rows);
+    a.check(columns >= 0 && rows >= 0, "a grid of negative size");
+  }
 };
 
 /// The smallest frame with that resolution, corners on whole multiples of it, that covers the box [low, high] and a

@@ -45,6 +45,11 @@ struct FrozenSubmap {
   [[nodiscard]] MaxPyramid search_pyramid(const SubmapOptions& options, double half_window_m) const;
   /// About `count` positions of its surfaces, evenly spaced, to search other submaps with.
   [[nodiscard]] std::vector<Eigen::Vector2d> probe(std::size_t count) const;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(surfaces, free);
+  }
 };
 
 /// A short stretch of travel within which dead reckoning and matching hardly drift, as surfaces to align the next scan to.
@@ -60,6 +65,11 @@ class Submap {
 
   [[nodiscard]] const SurfaceGrid& surfaces() const { return surfaces_; }
   [[nodiscard]] FrozenSubmap freeze() const;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(surfaces_, thin_surfaces_, free_);
+  }
 
  private:
   SubmapOptions options_;

@@ -15,6 +15,11 @@ namespace loopstone {
 struct ArcMotion {
   double distance_m = 0.0;    ///< of the robot's centre, forward
   double rotation_rad = 0.0;  ///< counter-clockwise
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(distance_m, rotation_rad);
+  }
 };
 
 /// What one cumulative counter of `bits` bits moved by from one reading to the next: the difference modulo 2^bits that

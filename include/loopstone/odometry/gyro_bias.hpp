@@ -18,6 +18,11 @@ class GyroBias {
   [[nodiscard]] double bias_rad_s() const { return bias_rad_s_; }
   [[nodiscard]] double variance() const { return variance_; }
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(bias_rad_s_, variance_, learned_, has_learned_);
+  }
+
  private:
   double bias_rad_s_ = 0.0;
   double variance_ = 0.02 * 0.02;  ///< [rad^2/s^2]; the bias of cheap gyros, before any reading

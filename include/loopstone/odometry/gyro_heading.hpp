@@ -22,11 +22,21 @@ class GyroHeading {
 
   [[nodiscard]] std::optional<Stamp> newest() const;
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(nodes_);
+  }
+
  private:
   struct Node {
     Stamp stamp;
     double rate_rad_s;
     double heading_rad;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(stamp, rate_rad_s, heading_rad);
+    }
   };
   std::deque<Node> nodes_{};
 };

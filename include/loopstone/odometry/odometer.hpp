@@ -64,6 +64,14 @@ class Odometer {
   [[nodiscard]] std::int64_t turned_by_gyro() const { return turned_by_gyro_; }
   [[nodiscard]] std::int64_t turned_by_wheels() const { return turned_by_wheels_; }
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(source_, nodes_, forgot_nodes_, last_ticks_, waiting_, rates_, bias_, started_, seen_until_,
+      still_since_, turned_by_gyro_, turned_by_wheels_, last_pose_, odom_T_log_odom_,
+      counted_from_);
+    a.check(waiting_.empty() || (started_ && !nodes_.empty()), "readings that wait for no start");
+  }
+
  private:
   enum class Source { kNone, kWheels, kPoses };
 
@@ -71,16 +79,31 @@ class Odometer {
     Stamp stamp;
     PoseWithCovariance2 odom_T_robot;
     Eigen::Matrix3d step_covariance;  ///< of the motion from the node before, in that node's frame
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(stamp, odom_T_robot, step_covariance);
+    }
   };
   struct Interval {  ///< between two wheel readings
     Stamp from;
     Stamp to;
     ArcMotion motion;  ///< rotation as the wheels say
     bool still = false;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(from, to, motion, still);
+    }
   };
   struct Rate {
     Stamp stamp;
     double rate_rad_s;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(stamp, rate_rad_s);
+    }
   };
 
   void integrate_waiting(bool all);

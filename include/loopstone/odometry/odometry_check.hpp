@@ -39,6 +39,11 @@ struct OdometryEpisode {
   double ratio =
       0.0;  ///< odometry's motion / the laser's, least squares; of the motions that showed it
   double lag_s = 0.0;  ///< kLagging: so late (early when negative)
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(part, fault, from, noticed, to, over, ratio, lag_s);
+  }
 };
 
 /// The motion from one scan to the next as both tell it, in the frame of the first.
@@ -77,6 +82,12 @@ class MotionAgreement {
   /// Odometry's motion / the laser's over all pieces that were right; nothing before there were 20 of them.
   [[nodiscard]] std::optional<double> scale() const;
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(open_, is_open_, open_slack_, pieces_, wrong_in_a_row_, trusted_, jumps_, last_jump_, right_,
+      right_count_);
+  }
+
  private:
   struct Piece {
     Stamp from{};
@@ -85,11 +96,21 @@ class MotionAgreement {
     bool wrong = false;
     bool right = false;  ///< clearly
     bool jump = false;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(from, odometry, laser, wrong, right, jump);
+    }
   };
   struct Moments {
     double oo = 0.0;
     double ol = 0.0;
     double ll = 0.0;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(oo, ol, ll);
+    }
   };
 
   [[nodiscard]] double tolerance(double laser_length, double slack) const;
@@ -128,6 +149,11 @@ class OdometryCheck {
   [[nodiscard]] double distrusted_s() const { return distrusted_s_; }
   [[nodiscard]] const MotionAgreement& translation() const { return translation_; }
   [[nodiscard]] const MotionAgreement& rotation() const { return rotation_; }
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(translation_, rotation_, lag_, episodes_, distrusted_s_);
+  }
 
  private:
   void follow(const MotionAgreement& agreement, OdometryPart part, Stamp now);

@@ -22,12 +22,22 @@ class OdometryLag {
     double laser_rad = 0.0;
     bool sees_translation = true;
     bool sees_rotation = true;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(from, to, odometry_m, odometry_rad, laser_m, laser_rad, sees_translation, sees_rotation);
+    }
   };
 
   void add(const Step& step);
 
   /// How late odometry is; nothing while it is in time, as far as is known.
   [[nodiscard]] std::optional<double> lag_s() const { return lag_s_; }
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(steps_, since_judged_, lag_s_);
+  }
 
  private:
   void judge();

@@ -21,11 +21,21 @@ struct SurfaceSum {
   float y = 0.0F;
   float normal_x = 0.0F;
   float normal_y = 0.0F;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(weight, x, y, normal_x, normal_y);
+  }
 };
 
 /// Two sums a cell, so that both sides of a thin wall and both walls of a corner stay apart.
 struct SurfaceCell {
   std::array<SurfaceSum, 2> sums{};
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(sums);
+  }
 };
 
 /// cos(60 deg): surfaces that face the same way may be the same.
@@ -93,6 +103,11 @@ class SurfaceGrid {
     const Eigen::Vector2d total(sum->normal_x, sum->normal_y);
     return SurfaceLine{grid.centre_of(at) + Eigen::Vector2d(sum->x, sum->y) * mean,
                        total * (1.0 / std::sqrt(total.squaredNorm()))};
+  }
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    for (auto& level : levels_) a(level);
   }
 
  private:

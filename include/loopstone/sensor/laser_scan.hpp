@@ -29,6 +29,12 @@ struct LaserScan {
   [[nodiscard]] double angle_rad(std::size_t beam) const {
     return angle_min_rad + static_cast<double>(beam) * angle_increment_rad;
   }
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stamp, angle_min_rad, angle_increment_rad, range_min_m, range_max_m, time_increment_s, lidar,
+      robot_T_lidar, ranges_m);
+  }
 };
 
 }  // namespace loopstone

@@ -17,12 +17,22 @@ namespace loopstone {
 struct WheelTicks {
   Stamp stamp;
   std::array<std::int64_t, 4> counts{};
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stamp, counts);
+  }
 };
 
 /// A pose that the robot's own dead reckoning reported: odom_T_robot.
 struct OdometryPose {
   Stamp stamp;
   Pose2 odom_T_robot;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stamp, odom_T_robot);
+  }
 };
 
 /// One reading of an inertial unit, axes aligned with the robot's (x forward, y left, z up).
@@ -30,6 +40,11 @@ struct ImuSample {
   Stamp stamp;
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d linear_acceleration_m_s2 = Eigen::Vector3d::Zero();
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stamp, angular_velocity_rad_s, linear_acceleration_m_s2);
+  }
 };
 
 /// Which pictures an RGB-D camera took and where they are; the pixels are loaded when somebody needs them.

@@ -31,6 +31,11 @@ struct SurfacePoint {
   Eigen::Vector2f normal;    ///< unit, towards free space (the side it was seen from)
   float weight =
       1.0F;  ///< 1: normal fitted to neighbours; less: a small thing, its normal a guess along the beam
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(position, normal, weight);
+  }
 };
 
 /// The returns of a scan as points in the robot frame at the scan's stamp, in beam order; beams without a return are

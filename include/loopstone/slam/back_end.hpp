@@ -39,6 +39,12 @@ class BackEnd {
   [[nodiscard]] double loop_closing_s() const { return loop_closing_s_; }
   [[nodiscard]] double optimisation_s() const { return optimisation_s_; }
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(loops_, chain_, outline_, graph_, closures_, covered_, thinned_, loop_closing_s_,
+      optimisation_s_);
+  }
+
  private:
   void take(std::vector<LoopClosure> found);
   void thin_covered();

@@ -90,12 +90,23 @@ class FrontEnd {
   /// The submaps still open, as they are. Call once, at the end.
   [[nodiscard]] std::vector<FinishedSubmap> finish();
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a.list(active_, [this] { return ActiveSubmap{Submap(submap_options_), {}, 0, 0.0}; });
+    a(key_count_, last_key_, predictor_, lost_in_a_row_, usual_score_);
+  }
+
  private:
   struct ActiveSubmap {
     Submap submap;
     Pose2 local_T_submap;
     std::size_t first_key;
     double travelled_m;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(submap, local_T_submap, first_key, travelled_m);
+    }
   };
   struct Alignment {
     MatchResult match;  ///< local frame

@@ -19,6 +19,11 @@ struct KeyScan {
       Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
   std::size_t scan = 0;         ///< its place among all scans
   bool starts_submap = false;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stamp, local_T_robot, covariance, scan, starts_submap);
+  }
 };
 
 /// The path as key scans, cut into stretches: a stretch begins with the key scan that a submap begins with.
@@ -47,10 +52,20 @@ class KeyChain {
   /// Their graph, edges along the path only. \param map_T_stretch  pose of each stretch's first key scan
   [[nodiscard]] PoseGraph expand(std::span<const Pose2> map_T_stretch) const;
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stretches_, travelled_m_, newest_, length_m_);
+  }
+
  private:
   struct Stretch {
     std::vector<KeyScan> keys{};
     PoseWithCovariance2 across{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(keys, across);
+    }
   };
   std::vector<Stretch> stretches_{};
   std::vector<double> travelled_m_{};

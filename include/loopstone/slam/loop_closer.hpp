@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/byte_archive.hpp"
 #include "loopstone/base/options.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/graph/pose_graph.hpp"
@@ -84,9 +85,14 @@ class LoopCloser {
   /// The edge that a closure adds to the graph.
   [[nodiscard]] RelativePoseEdge edge_of(const LoopClosure& closure) const;
 
+  void archive(ByteWriter& a);
+  void archive(ByteReader& a);
+
  private:
   struct Entry;
   struct Pair;
+  template <typename Archive>
+  void archive_fields(Archive& a);
   [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer,
                                                  std::span<const Pose2> map_T_submap) const;
   [[nodiscard]] std::vector<double> travel_from(std::size_t from) const;

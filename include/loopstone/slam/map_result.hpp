@@ -28,6 +28,12 @@ struct LoopClosure {
   double chi2 = 0.0;       ///< at the final poses
   bool accepted = false;
   std::string reason;  ///< why it was rejected or revoked; empty when accepted
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(from, to, from_submap, to_submap, from_T_to, covariance, score, second_score, overlap,
+      agreement, chi2, accepted, reason);
+  }
 };
 
 /// The figures of a run.
@@ -58,6 +64,12 @@ struct MapStatistics {
   double graph_cost = 0.0;               ///< sum e^T Omega e
   double surface_spread_before_m = 0.0;  ///< of points about their walls, see SurfaceAdjustment
   double surface_spread_m = 0.0;         ///< after the adjustment; 0 when there was none
+
+  /// What grows during a run; the rest is counted at its end.
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(scans_dropped, key_scans, searches, degenerate_travel_m, path_length_m, front_end_s);
+  }
 };
 
 /// What the mapper made of a log.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <future>
 #include <memory>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/base/state_chunk.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
@@ -39,6 +41,18 @@ class Mapper {
   /// Ends the recording: last closures, last solution, the final map of all scans. Call once.
   [[nodiscard]] MapResult finish();
 
+  /// Everything that the messages so far have led to. A new mapper of the same robot and options that is given it goes on to
+  /// the same bytes. Returns once the front end is saved; the rest follows when the back end has come as far, on its thread.
+  [[nodiscard]] std::future<std::vector<StateChunk>> save_state();
+  /// Before the first message. Throws DataError when a part is missing, of another version or damaged; this mapper is of no
+  /// use then.
+  void restore_state(std::span<const StateChunk> chunks);
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(track_, last_mapped_, last_key_, statistics_, gyro_scans_);
+  }
+
   [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(track_.size()); }
 
  private:
@@ -47,6 +61,11 @@ class Mapper {
     Stamp stamp{};
     Pose2 local_T_robot{};
     std::optional<Pose2> odom_T_robot{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(stamp, local_T_robot, odom_T_robot);
+    }
   };
   class BackEndWorker;
 

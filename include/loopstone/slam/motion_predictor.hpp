@@ -15,6 +15,11 @@ namespace loopstone {
 struct OdometryReading {
   Pose2 odom_T_robot;
   bool has_translation = true;  ///< false: a gyro alone, only the heading counts
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(odom_T_robot, has_translation);
+  }
 };
 
 /// Where the robot may be, before the laser is asked.
@@ -45,6 +50,11 @@ class MotionPredictor {
   struct Seen {
     bool translation = false;
     bool rotation = false;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(translation, rotation);
+    }
   };
   /// The robot's pose at a scan, as it was settled.
   void settle(Stamp stamp, const Pose2& local_T_robot,
@@ -57,10 +67,21 @@ class MotionPredictor {
   [[nodiscard]] const Pose2& last_pose() const { return last_pose_; }
   [[nodiscard]] const std::optional<Stamp>& last_stamp() const { return last_stamp_; }
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(check_, last_stamp_, last_pose_, last_odometry_, last_seen_, steps_, coast_variance_m2_,
+      coast_variance_rad2_);
+  }
+
  private:
   struct Step {
     double seconds = 0.0;
     Tangent2 motion = Tangent2::Zero();
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(seconds, motion);
+    }
   };
 
   /// The motion goes on: as far as the last one, and as fast.

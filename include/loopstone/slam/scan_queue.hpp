@@ -31,6 +31,11 @@ class ScanQueue {
   /// Dead reckoning at a scan's stamp: from wheels or the log's own poses; as long as there are none, the gyro's heading.
   [[nodiscard]] std::optional<OdometryReading> reading_at(Stamp stamp) const;
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(odometer_, gyro_, waiting_, newest_, finished_);
+  }
+
  private:
   Odometer odometer_;
   GyroHeading gyro_{};

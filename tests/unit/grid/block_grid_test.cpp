@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/error.hpp"
 #include "support/generators.hpp"
+#include "support/saved_state.hpp"
 
 namespace loopstone {
 namespace {
@@ -84,6 +87,54 @@ RC_GTEST_PROP(BlockGridLaws, CentresLieInTheirCell, ()) {
   const Cell cell{*rc::gen::inRange(-5000, 5000), *rc::gen::inRange(-5000, 5000)};
   const Eigen::Vector2d centre = grid.centre_of(cell);
   RC_ASSERT(grid.cell_of(centre.x(), centre.y()) == cell);
+}
+
+RC_GTEST_PROP(BlockGridLaws, OneThatWasSavedGoesOnAsIfItHadNotBeen, ()) {
+  const auto coordinate = rc::gen::inRange(-200, 200);
+  const auto some =
+      rc::gen::container<std::vector<std::pair<int, int>>>(rc::gen::pair(coordinate, coordinate));
+  const auto before = *some;
+  const auto after = *some;
+  BlockGrid<float> grid(0.1);
+  for (const auto& [column, row] : before)
+    grid.at({column, row}) = column % 3 == 0 ? -0.0F : static_cast<float>(row);
+  BlockGrid<float> again = test::restored(grid, BlockGrid<float>(0.1));
+  RC_ASSERT(test::state_of(again) == test::state_of(grid));
+  for (const auto& [column, row] : after) {
+    grid.at({column, row}) += 1.0F;
+    again.at({column, row}) += 1.0F;
+  }
+  std::vector<std::pair<Cell, float>> cells;
+  std::vector<std::pair<Cell, float>> cells_again;
+  grid.for_each([&](Cell cell, float value) { cells.emplace_back(cell, value); });
+  again.for_each([&](Cell cell, float value) { cells_again.emplace_back(cell, value); });
+  RC_ASSERT(cells == cells_again);
+  RC_ASSERT(test::state_of(again) == test::state_of(grid));
+}
+
+TEST(BlockGrid, AStateThatLeadsOutsideIsRefused) {
+  const auto state = [](double resolution, Cell first, int columns, int rows,
+                        const std::vector<std::int32_t>& directory, std::uint64_t blocks) {
+    return test::state_of(resolution, first, columns, rows, directory, blocks) +
+           std::string(blocks < 10 ? blocks * 32 : 0, '\0');
+  };
+  const auto refused = [](const std::string& bytes) {
+    BlockGrid<int> grid(0.1);
+    try {
+      test::restore(grid, bytes);
+    } catch (const DataError&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused(state(0.1, {0, 0}, 2, 1, {0, -1}, 1)));
+  EXPECT_TRUE(refused(state(0.2, {0, 0}, 2, 1, {0, -1}, 1))) << "resolution";
+  EXPECT_TRUE(refused(state(0.1, {0, 0}, 2, 1, {1, -1}, 1))) << "no such block";
+  EXPECT_TRUE(refused(state(0.1, {0, 0}, 2, 1, {-2, 0}, 1))) << "no such block";
+  EXPECT_TRUE(refused(state(0.1, {0, 0}, 3, 1, {0, -1}, 1))) << "size";
+  EXPECT_TRUE(refused(state(0.1, {0, 0}, -2, -1, {0, -1}, 1))) << "negative";
+  EXPECT_TRUE(refused(state(0.1, {1 << 30, 0}, 2, 1, {0, -1}, 1))) << "far away";
+  EXPECT_TRUE(refused(state(0.1, {0, 0}, 2, 1, {0, -1}, std::uint64_t{1} << 50))) << "blocks";
 }
 
 }  // namespace
