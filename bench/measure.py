@@ -165,7 +165,7 @@ def online(loopstone, data):
         return None
     _, summary, _ = map_row(loopstone, log, "online",
                             ["--threads", "1", "--realtime", PACE, "--to", PACED_S])
-    pace = summary["realtime"]
+    pace = {key.removesuffix("_latency_s") + "_s": value for key, value in summary["realtime"].items() if key != "speed"}
     say(f"  worst {1e3 * pace['worst_s']:.1f} ms")
     return {"speed": PACE, "duration_s": summary["duration_s"], "scans": summary["scans"], **pace}
 

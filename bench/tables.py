@@ -133,7 +133,8 @@ STAGES = [("front_end_wall_s", "front end: filter, predict, align, insert"),
           ("loop_closing_wall_s", "loop closing: search and refinement"),
           ("optimisation_wall_s", "pose graph"),
           ("adjustment_wall_s", "adjustment of all key scans to the surfaces they share"),
-          ("rendering_wall_s", "final occupancy map")]
+          ("rendering_wall_s", "final occupancy map"),
+          ("judging_wall_s", "how good the map is")]
 
 
 def stage_table(section):
