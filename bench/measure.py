@@ -84,7 +84,8 @@ def simulated_run(loopstone, world, seed, flags, baseline):
 
 
 # What summary.json says about the time of the steps.
-STAGES = ("front_end_wall_s", "loop_closing_wall_s", "optimisation_wall_s", "adjustment_wall_s", "rendering_wall_s")
+STAGES = ("front_end_wall_s", "loop_closing_wall_s", "optimisation_wall_s", "adjustment_wall_s", "rendering_wall_s",
+          "judging_wall_s")
 SICK = ["--beams", "180", "--fov", "179"]
 CASES = [  # name, world, flags of simulate, seeds, seeds with --quick, seeds of the baseline
     ("office", "office", [], 10, 2, 3),
@@ -164,7 +165,7 @@ def online(loopstone, data):
         say(f"  {log}: not there, skipped")
         return None
     _, summary, _ = map_row(loopstone, log, "online",
-                            ["--threads", "1", "--realtime", PACE, "--to", PACED_S])
+                            ["--threads", "1", "--realtime", PACE, "--duration", PACED_S])
     pace = {key.removesuffix("_latency_s") + "_s": value for key, value in summary["realtime"].items() if key != "speed"}
     say(f"  worst {1e3 * pace['worst_s']:.1f} ms")
     return {"speed": PACE, "duration_s": summary["duration_s"], "scans": summary["scans"], **pace}

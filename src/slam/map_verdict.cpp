@@ -1,13 +1,13 @@
 #include "loopstone/slam/map_verdict.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <string>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "loopstone/slam/map_result.hpp"
@@ -41,12 +41,8 @@ Verdict against(const Limits& limits, double value) {
   return value <= limits.doubtful ? Verdict::kGood : Verdict::kDoubtful;
 }
 
-/// With so many digits behind the point, whatever the locale.
 std::string number(double value, int digits) {
-  if (!std::isfinite(value)) return "n/a";
-  std::array<char, 64> text{};
-  const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, digits);
-  return end.ec == std::errc{} ? std::string(text.begin(), end.ptr) : "n/a";
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "n/a";
 }
 std::string centimetres(double metres) { return number(100.0 * metres, 1) + " cm"; }
 std::string percent(double share) { return number(100.0 * share, share < 0.0995 ? 1 : 0) + " %"; }
@@ -54,13 +50,16 @@ std::string percent(double share) { return number(100.0 * share, share < 0.0995 
 constexpr const char* kSeenOnce =
     "No place was seen in two visits, so there is nothing to compare.";
 
+/// With nothing to judge by.
+QualityMeasure unknown(QualityMeasure measure, const char* why) {
+  measure.sentence = why;
+  return measure;
+}
+
 QualityMeasure wall_thickness(const MapQuality& q) {
   QualityMeasure measure{
       .name = "wall_thickness_m", .title = "Wall thickness", .value = q.wall_thickness_m};
-  if (q.walls_compared < kLeastWalls) {
-    measure.sentence = kSeenOnce;
-    return measure;
-  }
+  if (q.walls_compared < kLeastWalls) return unknown(std::move(measure), kSeenOnce);
   measure.verdict = against(kDoubledShare, q.doubled_share);
   measure.sentence = "The same wall lies " + centimetres(q.wall_offset_m) +
                      " apart in two visits (5 of 100: more than " +
@@ -74,10 +73,7 @@ QualityMeasure wall_thickness(const MapQuality& q) {
 QualityMeasure entropy(const MapQuality& q) {
   QualityMeasure measure{
       .name = "entropy_gain_nats", .title = "Mean map entropy", .value = q.entropy_gain_nats};
-  if (q.entropy_points < kLeastEntropyPoints) {
-    measure.sentence = kSeenOnce;
-    return measure;
-  }
+  if (q.entropy_points < kLeastEntropyPoints) return unknown(std::move(measure), kSeenOnce);
   measure.verdict = against(kEntropyGain, q.entropy_gain_nats);
   measure.sentence = "The mean map entropy is " + number(q.entropy_nats, 2) + " nats, " +
                      number(q.entropy_gain_nats, 2) +
@@ -89,10 +85,7 @@ QualityMeasure entropy(const MapQuality& q) {
 QualityMeasure violations(const MapQuality& q) {
   QualityMeasure measure{
       .name = "free_space_violations", .title = "Free-space violations", .value = q.crossed_share};
-  if (q.beams_tested < kLeastBeams) {
-    measure.sentence = kSeenOnce;
-    return measure;
-  }
+  if (q.beams_tested < kLeastBeams) return unknown(std::move(measure), kSeenOnce);
   measure.verdict = against(kCrossedShare, q.crossed_share);
   measure.sentence = percent(q.crossed_share) +
                      " of the beams that met a wall of another visit went through it. What moved "
@@ -104,10 +97,7 @@ QualityMeasure held_out(const MapQuality& q) {
   QualityMeasure measure{.name = "held_out_agreement",
                          .title = "Agreement of held-out scans",
                          .value = q.held_out_agreement};
-  if (q.held_out_returns < kLeastReturns) {
-    measure.sentence = kSeenOnce;
-    return measure;
-  }
+  if (q.held_out_returns < kLeastReturns) return unknown(std::move(measure), kSeenOnce);
   measure.verdict = against(kMissedShare, 1.0 - q.held_out_agreement);
   measure.sentence = "The other visits foretell " + percent(q.held_out_agreement) +
                      " of the returns of scans that were held out, where they had looked.";
@@ -117,10 +107,9 @@ QualityMeasure held_out(const MapQuality& q) {
 QualityMeasure loops(const GraphQuality& g) {
   QualityMeasure measure{
       .name = "reduced_chi2", .title = "Chi-square of the loops", .value = g.reduced_chi2};
-  if (g.loops < 1 || g.closures < 1) {
-    measure.sentence = "No loop was closed, so drift was neither measured nor corrected.";
-    return measure;
-  }
+  if (g.loops < 1 || g.closures < 1)
+    return unknown(std::move(measure),
+                   "No loop was closed, so drift was neither measured nor corrected.");
   const double revoked = static_cast<double>(g.closures_revoked) / g.closures;
   measure.verdict =
       std::max(against(kReducedChi2, g.reduced_chi2), against(kRevokedShare, revoked));
@@ -134,11 +123,10 @@ QualityMeasure loops(const GraphQuality& g) {
 QualityMeasure certified(const GraphQuality& g) {
   QualityMeasure measure{
       .name = "certified_shift_m", .title = "Certified", .value = g.certified_shift_m};
-  if (!g.certificate) {
-    measure.sentence = g.loops < 1 ? "Without loops the graph has one solution: nothing to prove."
-                                   : "The graph is too large to be certified in passing.";
-    return measure;
-  }
+  if (!g.certificate)
+    return unknown(std::move(measure),
+                   g.loops < 1 ? "Without loops the graph has one solution: nothing to prove."
+                               : "The graph is too large to be certified in passing.");
   if (!g.certificate->certified()) {
     measure.verdict = Verdict::kDoubtful;
     measure.sentence = "It was not proven that the graph's solution is the best one there is (" +
@@ -159,10 +147,7 @@ QualityMeasure degenerate(const MapStatistics& s) {
       .name = "degenerate_travel_share",
       .title = "Degenerate travel",
       .value = s.path_length_m > 0.0 ? s.degenerate_travel_m / s.path_length_m : 0.0};
-  if (!(s.path_length_m > kShortM)) {
-    measure.sentence = "The robot did not travel.";
-    return measure;
-  }
+  if (!(s.path_length_m > kShortM)) return unknown(std::move(measure), "The robot did not travel.");
   measure.verdict =
       s.degenerate_travel_m <= kShortM ? Verdict::kGood : against(kDegenerateShare, measure.value);
   measure.sentence =

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "../../bench/localization_runs.hpp"
 #include "loopstone/localization/localizer.hpp"
+#include "support/test_scale.hpp"
 
 // Simulated drives, as bench/localization.py has them, and what a localizer said on the way beside the truth.
 namespace loopstone::test {
@@ -18,11 +18,6 @@ using bench::error_of;
 using bench::make_run;
 using bench::PoseError;
 using Drive = bench::Run;
-
-[[nodiscard]] inline bool small_scale() {
-  const char* scale = std::getenv("LOOPSTONE_TEST_SCALE");
-  return scale != nullptr && std::string(scale) == "small";
-}
 
 /// Not where the drive is, but roughly.
 [[nodiscard]] inline InitialPose guess_of(const Drive& drive) {

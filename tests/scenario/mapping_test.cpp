@@ -2,38 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <optional>
 #include <string>
 
 #include "loopstone/evaluation/relations.hpp"
-#include "loopstone/evaluation/trajectory_error.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/relations_file.hpp"
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/slam/mapper.hpp"
+#include "mapped_drives.hpp"
 #include "support/recorded_data.hpp"
-#include "support/simulated_log.hpp"
 
 namespace loopstone::test {
 namespace {
-
-bool small_scale() {
-  const char* scale = std::getenv("LOOPSTONE_TEST_SCALE");
-  return scale != nullptr && std::string(scale) == "small";
-}
-
-MapResult map_of(const SimulatedLog& log, const MapOptions& options = {}, Threads threads = {}) {
-  Mapper mapper(log.robot, options, threads);
-  for (const auto& message : log.messages) mapper.add(message);
-  return mapper.finish();
-}
-
-double ate_rmse_m(const Trajectory& estimate, const SimulatedLog& log) {
-  const AbsoluteError error = absolute_error(estimate, log.truth, Alignment::kSe2);
-  EXPECT_EQ(error.poses_missing, 0);
-  return error.translation_m.rmse;
-}
 
 /// Accepted closures that are off by more than 0.3 m or 6 deg in a direction that they claim to know.
 int false_closures(const MapResult& result, const SimulatedLog& log) {
@@ -116,6 +96,26 @@ TEST(MappingSimulated, TheVerdictTellsARightMapFromASpoiledOne) {
   ASSERT_GT(ate_rmse_m(spoiled.trajectory, log), 0.08) << "much more between two visits";
   EXPECT_EQ(spoiled.verdict.overall, Verdict::kBad) << spoiled.verdict.sentence;
   EXPECT_GT(spoiled.quality.places_in_trouble(), 10 * right.quality.places_in_trouble());
+}
+
+TEST(MappingSimulated, MoreLapsOfTheSameWayKeepNoMore) {
+  if (small_scale()) GTEST_SKIP() << "needs whole laps";
+  const auto after = [](int laps) {
+    SimulationOptions options{};
+    options.laser.rate_hz = 4.0;
+    options.laser.beams = 271;
+    options.drive.laps = laps;
+    const SimulatedLog log = simulate_log("office", 5, options);
+    const MapResult result = map_of(log);
+    EXPECT_LT(ate_rmse_m(result.trajectory, log), 0.03) << laps << " laps";
+    EXPECT_EQ(false_closures(result, log), 0);
+    return result;
+  };
+  const MapResult one = after(1);
+  const MapResult three = after(3);
+  ASSERT_GT(three.statistics.key_scans, 2 * one.statistics.key_scans);
+  EXPECT_LT(2 * three.graph.poses.size(), 3 * one.graph.poses.size())
+      << "of a lap more, a key scan every 4 m stays";
 }
 
 TEST(MappingSimulated, ThreadsDoNotChangeTheResultDeterministically) {

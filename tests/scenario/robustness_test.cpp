@@ -3,34 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <string>
 
 #include "loopstone/evaluation/relations.hpp"
-#include "loopstone/evaluation/trajectory_error.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/relations_file.hpp"
-#include "loopstone/slam/mapper.hpp"
+#include "mapped_drives.hpp"
 #include "support/recorded_data.hpp"
-#include "support/simulated_log.hpp"
 
 namespace loopstone::test {
 namespace {
-
-bool small_scale() {
-  const char* scale = std::getenv("LOOPSTONE_TEST_SCALE");
-  return scale != nullptr && std::string(scale) == "small";
-}
-
-MapResult map_of(const SimulatedLog& log, const MapOptions& options = {}, Threads threads = {}) {
-  Mapper mapper(log.robot, options, threads);
-  for (const auto& message : log.messages) mapper.add(message);
-  return mapper.finish();
-}
-
-double ate_rmse_m(const Trajectory& estimate, const SimulatedLog& log) {
-  return absolute_error(estimate, log.truth, Alignment::kSe2).translation_m.rmse;
-}
 
 /// 180 beams and the base's own dead reckoning, as old logs have them; or all beams, counts and gyro.
 SimulatedLog office_with(const SimulatedFaults& faults, bool poses = true, int people = 0) {
