@@ -24,6 +24,7 @@ THIRD_PARTY = {
     "hwy/": ANY_PART,
     "oneapi/tbb": ANY_PART,
     "tbb/": ANY_PART,
+    "malloc.h": {"base"},
     "nlohmann/": FILE_PARTS | {"apps"},
     "toml++/": FILE_PARTS | {"apps"},
     "yaml-cpp/": FILE_PARTS,
