@@ -198,7 +198,7 @@ std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer,
     pairs.resize(static_cast<std::size_t>(options_.candidates_max));
   }
   if (options_.places_max > 0 && !far.empty()) {
-    for (const Pair& place : places_like(newer, std::move(far))) {
+    for (const Pair& place : places_like(newer, far)) {
       const bool near = std::any_of(pairs.begin(), pairs.end(),
                                     [&](const Pair& pair) { return pair.older == place.older; });
       if (!near) pairs.push_back(place);
@@ -209,7 +209,8 @@ std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer,
 
 /// The few that look most like a submap, best first, less those that were tried. Which these are does not depend on poses.
 /// \param far  pairs with older submaps whose distance the window can't hold
-std::vector<LoopCloser::Pair> LoopCloser::places_like(std::size_t newer, std::vector<Pair> far) {
+std::vector<LoopCloser::Pair> LoopCloser::places_like(std::size_t newer,
+                                                      std::span<const Pair> far) {
   const auto& looks = looks_of(newer);
   if (looks.empty()) return {};
   std::vector<std::pair<double, Pair>> ranked;

@@ -93,7 +93,7 @@ class LoopCloser {
   struct Pair;
   [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer,
                                                  std::span<const Pose2> map_T_submap);
-  [[nodiscard]] std::vector<Pair> places_like(std::size_t newer, std::vector<Pair> far);
+  [[nodiscard]] std::vector<Pair> places_like(std::size_t newer, std::span<const Pair> far);
   [[nodiscard]] const std::vector<float>& looks_of(std::size_t submap);
   [[nodiscard]] std::vector<double> travel_from(std::size_t from) const;
   [[nodiscard]] bool was_tried(const Pair& pair) const;
