@@ -9,6 +9,7 @@
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "slam/place_descriptor.hpp"
 #include "slam/scan_edges.hpp"
 
 namespace loopstone {
@@ -33,6 +34,15 @@ constexpr double kSameTryRad = 0.03;
 /// A pose this far from the best one is another place.
 constexpr double kElsewhereM = 1.0;
 constexpr double kElsewhereRad = 0.35;
+/// Two places that look alike are laid centre on centre, give or take what each one saw more of on one side.
+constexpr double kPlaceHalfM = 5.0;
+/// What was found without a pose's help must score at least this.
+constexpr double kPlaceScore = 0.5;
+constexpr double kPlaceOverlap = 0.5;
+constexpr double kPlaceAgreement = 0.85;
+/// Less alike than this share of the middle one of all that come into question: another place. Of true ones 19 in 20 are
+/// more alike.
+constexpr double kUnlike = 0.8;
 /// A submap of which older ones saw so much adds nothing.
 constexpr double kCovered = 0.9;
 /// So many are compared beside each other, whatever the number of threads; the nearest first, until the submap is covered.
@@ -68,6 +78,7 @@ struct LoopCloser::Entry {
   Eigen::Vector2d centre;  // of its surfaces, submap frame
   double radius_m = 0.0;   // rms distance of its surfaces from the centre
   std::vector<std::size_t> closed_with{};
+  std::vector<float> looks{};  // of the place, once somebody asked
   bool dropped = false;
 
   template <typename Archive>
@@ -83,6 +94,7 @@ struct LoopCloser::Pair {
   double half_xy_m;
   double half_yaw_rad;
   double distance_m;
+  bool place = false;  // taken for its looks, not for its pose
 };
 
 LoopCloser::LoopCloser(const LoopOptions& options, const SubmapOptions& submap,
@@ -108,6 +120,7 @@ void LoopCloser::add(FinishedSubmap submap, double travelled_m) {
               .centre = Eigen::Vector2d::Zero(),
               .radius_m = 0.0,
               .closed_with = {},
+              .looks = {},
               .dropped = false};
   const auto& surfaces = entry.submap.surfaces;
   if (!surfaces.empty()) {
@@ -137,8 +150,11 @@ void LoopCloser::set_closures(std::span<const LoopClosure> closures) {
 /// Shortest travel from a submap to each other: Dijkstra, neighbours in sequence by the path between them, closures at a fixed
 /// price. Infinite beyond what makes a difference.
 std::vector<double> LoopCloser::travel_from(std::size_t from) const {
-  const double enough_m = std::max(options_.max_half_xy_m / std::max(options_.drift_per_m, 1e-9),
-                                   kMaxHalfYawRad / std::max(options_.drift_rad_per_m, 1e-9));
+  const double enough_m =
+      options_.places_max > 0
+          ? std::numeric_limits<double>::infinity()
+          : std::max(options_.max_half_xy_m / std::max(options_.drift_per_m, 1e-9),
+                     kMaxHalfYawRad / std::max(options_.drift_rad_per_m, 1e-9));
   std::vector<double> travel(entries_.size(), std::numeric_limits<double>::infinity());
   using Item = std::pair<double, std::size_t>;
   std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
@@ -160,9 +176,10 @@ std::vector<double> LoopCloser::travel_from(std::size_t from) const {
   return travel;
 }
 
-std::vector<LoopCloser::Pair> LoopCloser::candidates_for(
-    std::size_t newer, std::span<const Pose2> map_T_submap) const {
+std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer,
+                                                         std::span<const Pose2> map_T_submap) {
   std::vector<Pair> pairs;
+  std::vector<Pair> far;
   const Entry& query = entries_[newer];
   if (query.dropped) return pairs;
   const Pose2 map_T_newer = map_T_submap[newer];
@@ -180,6 +197,9 @@ std::vector<LoopCloser::Pair> LoopCloser::candidates_for(
               .half_yaw_rad =
                   std::min(kRestRad + options_.drift_rad_per_m * travel[older], kMaxHalfYawRad),
               .distance_m = (centre - map_T_older * target.centre).norm()};
+    const double uncertain_m = kRestM + options_.drift_per_m * travel[older];
+    if (uncertain_m > options_.max_half_xy_m && pair.distance_m <= uncertain_m + kPlaceHalfM)
+      far.push_back(pair);
     if (pair.distance_m > 0.7 * (query.radius_m + target.radius_m) + pair.half_xy_m) continue;
     if (was_tried(pair)) continue;
     pairs.push_back(pair);
@@ -189,7 +209,54 @@ std::vector<LoopCloser::Pair> LoopCloser::candidates_for(
   if (pairs.size() > static_cast<std::size_t>(options_.candidates_max)) {
     pairs.resize(static_cast<std::size_t>(options_.candidates_max));
   }
+  if (options_.places_max > 0 && !far.empty()) {
+    for (const Pair& place : places_like(newer, far)) {
+      const bool near = std::any_of(pairs.begin(), pairs.end(),
+                                    [&](const Pair& pair) { return pair.older == place.older; });
+      if (!near) pairs.push_back(place);
+    }
+  }
   return pairs;
+}
+
+/// The few that look most like a submap, best first, less those that were tried. Which these are does not depend on poses.
+/// \param far  pairs with older submaps whose distance the window can't hold
+std::vector<LoopCloser::Pair> LoopCloser::places_like(std::size_t newer,
+                                                      std::span<const Pair> far) {
+  const auto& looks = looks_of(newer);
+  if (looks.empty()) return {};
+  std::vector<std::pair<double, Pair>> ranked;
+  for (const Pair& pair : far) {
+    const auto& others = looks_of(pair.older);
+    if (!others.empty()) ranked.emplace_back(place_distance(looks, others), pair);
+  }
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto most = static_cast<std::size_t>(options_.places_max);
+  double unlike = std::numeric_limits<double>::infinity();
+  if (ranked.size() > most) {
+    unlike = kUnlike * ranked[ranked.size() / 2].first;
+    ranked.erase(ranked.begin() + static_cast<std::ptrdiff_t>(most), ranked.end());
+  }
+  std::vector<Pair> places;
+  for (auto& [distance, pair] : ranked) {
+    if (distance > unlike || tried_places_.contains({pair.older, newer})) continue;
+    const double yaw = pair.older_T_newer.yaw;
+    const Eigen::Vector2d shift =
+        entries_[pair.older].centre - Pose2{0.0, 0.0, yaw}.rotation() * entries_[newer].centre;
+    pair.older_T_newer = {shift.x(), shift.y(), yaw};
+    pair.half_xy_m = kPlaceHalfM;
+    pair.half_yaw_rad = kPi;
+    pair.place = true;
+    places.push_back(pair);
+  }
+  return places;
+}
+
+const std::vector<float>& LoopCloser::looks_of(std::size_t submap) {
+  Entry& entry = entries_[submap];
+  if (entry.looks.empty()) entry.looks = describe_place(entry.submap.surfaces);
+  return entry.looks;
 }
 
 bool LoopCloser::was_tried(const Pair& pair) const {
@@ -212,6 +279,7 @@ std::vector<LoopClosure> LoopCloser::close_newest(std::span<const Pose2> map_T_s
     }
     if (share_of(seen) >= kCovered) break;
   }
+  refuse_rivals(closures, map_T_submap);
   return closures;
 }
 
@@ -221,11 +289,43 @@ std::vector<LoopClosure> LoopCloser::close_all(std::span<const Pose2> map_T_subm
     const auto more = candidates_for(newer, map_T_submap);
     pairs.insert(pairs.end(), more.begin(), more.end());
   }
-  return compare(pairs);
+  auto closures = compare(pairs);
+  refuse_rivals(closures, map_T_submap);
+  return closures;
+}
+
+/// A submap can't be at two places. Where one taken for its looks is contradicted by another closure of the same submap, nobody knows
+/// which is right.
+void LoopCloser::refuse_rivals(std::vector<LoopClosure>& closures,
+                               std::span<const Pose2> map_T_submap) const {
+  std::vector<std::size_t> refused;
+  for (std::size_t i = 0; i < closures.size(); ++i) {
+    const LoopClosure& a = closures[i];
+    if (!a.accepted || !tried_places_.contains({a.from_submap, a.to_submap})) continue;
+    for (const LoopClosure& b : closures) {
+      if (!b.accepted || b.to_submap != a.to_submap) continue;
+      const double between_m =
+          std::abs(entries_[a.from_submap].travelled_m - entries_[b.from_submap].travelled_m);
+      const Pose2 apart = (map_T_submap[a.from_submap] * a.from_T_to).inverse() *
+                          (map_T_submap[b.from_submap] * b.from_T_to);
+      if (std::hypot(apart.x, apart.y) > kElsewhereM + options_.drift_per_m * between_m)
+        refused.push_back(i);
+    }
+  }
+  for (const std::size_t i : refused) {
+    closures[i].accepted = false;
+    closures[i].reason = "ambiguous: another place matches as well";
+  }
 }
 
 std::vector<LoopClosure> LoopCloser::compare(std::span<const Pair> pairs) {
-  for (const Pair& pair : pairs) tried_[{pair.older, pair.newer}] = pair.older_T_newer;
+  for (const Pair& pair : pairs) {
+    if (pair.place) {
+      tried_places_.emplace(pair.older, pair.newer);
+    } else {
+      tried_[{pair.older, pair.newer}] = pair.older_T_newer;
+    }
+  }
   std::vector<std::optional<LoopClosure>> found(pairs.size());
   std::vector<std::vector<bool>> seen(pairs.size());
   parallel_for(pairs.size(), threads_, [&](std::size_t index) {
@@ -236,7 +336,9 @@ std::vector<LoopClosure> LoopCloser::compare(std::span<const Pair> pairs) {
     if (probe.empty() || target.submap.surfaces.empty()) return;
     const MaxPyramid pyramid = target.submap.search_pyramid(submap_options_, pair.half_xy_m);
     const SearchWindow window{pair.older_T_newer, pair.half_xy_m, pair.half_yaw_rad};
-    const SearchResult best = search_branch_and_bound(probe, pyramid, window, options_.min_score);
+    const SearchResult best = search_branch_and_bound(
+        probe, pyramid, window,
+        pair.place ? std::max(options_.min_score, kPlaceScore) : options_.min_score);
     if (!best.found) return;
 
     LoopClosure closure;
@@ -266,13 +368,17 @@ std::vector<LoopClosure> LoopCloser::compare(std::span<const Pair> pairs) {
     closure.overlap = share_of(seen[index]);
     closure.agreement = closure.overlap > 0.0 ? std::min(1.0, match.score / closure.overlap) : 0.0;
 
+    const double min_overlap =
+        pair.place ? std::max(options_.min_overlap, kPlaceOverlap) : options_.min_overlap;
+    const double min_agreement =
+        pair.place ? std::max(options_.min_agreement, kPlaceAgreement) : options_.min_agreement;
     if (match.status == MatchStatus::kTooFewPairs) {
       closure.reason = "refinement found too few pairs";
     } else if (second.found) {
       closure.reason = "ambiguous: another pose scores nearly as well";
-    } else if (closure.overlap < options_.min_overlap) {
+    } else if (closure.overlap < min_overlap) {
       closure.reason = "too little overlap";
-    } else if (closure.agreement < options_.min_agreement) {
+    } else if (closure.agreement < min_agreement) {
       closure.reason = "surfaces disagree";
     } else {
       closure.accepted = true;

@@ -28,6 +28,7 @@ struct LoopOptions {
   double drift_rad_per_m = 0.006;  ///< heading uncertainty, likewise
   double max_half_xy_m = 10.0;     ///< the search window grows no further
   int candidates_max = 5;          ///< older submaps that a new one is compared with
+  int places_max = 3;  ///< older submaps beyond the window, tried for their looks; 0: none
 };
 
 template <typename Visitor>
@@ -48,6 +49,9 @@ void visit_options(LoopOptions& options, Visitor&& visit) {
         "half side of the largest search window");
   visit("candidates_max", options.candidates_max, Range{1, 1000},
         "older submaps that a new one is compared with");
+  visit("places_max", options.places_max, Range{0, 1000},
+        "where the drift may exceed max_half_xy_m: older submaps tried because they look alike; 0: "
+        "none");
 }
 
 /// Recognises places: compares whole submaps, which are far more distinctive than single scans.
@@ -63,7 +67,7 @@ class LoopCloser {
   void add(FinishedSubmap submap, double travelled_m);
 
   /// Compares the newest submap with older ones within reach at the present poses, nearest first, until those that match
-  /// saw nearly all of it.
+  /// saw nearly all of it; then with those that look like it, where the poses may be wrong by more than the largest window.
   /// Everything tried that scored well enough to be considered is returned, accepted or not; its nodes are submaps.
   [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<const Pose2> map_T_submap);
 
@@ -94,10 +98,13 @@ class LoopCloser {
   template <typename Archive>
   void archive_fields(Archive& a);
   [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer,
-                                                 std::span<const Pose2> map_T_submap) const;
+                                                 std::span<const Pose2> map_T_submap);
+  [[nodiscard]] std::vector<Pair> places_like(std::size_t newer, std::span<const Pair> far);
+  [[nodiscard]] const std::vector<float>& looks_of(std::size_t submap);
   [[nodiscard]] std::vector<double> travel_from(std::size_t from) const;
   [[nodiscard]] bool was_tried(const Pair& pair) const;
   [[nodiscard]] std::vector<LoopClosure> compare(std::span<const Pair> pairs);
+  void refuse_rivals(std::vector<LoopClosure>& closures, std::span<const Pose2> map_T_submap) const;
 
   LoopOptions options_;
   SubmapOptions submap_options_;
@@ -107,6 +114,8 @@ class LoopCloser {
   std::set<std::pair<std::size_t, std::size_t>> standing_;  ///< closures: (newer, older)
   std::map<std::pair<std::size_t, std::size_t>, Pose2>
       tried_;  ///< (older, newer): older_T_newer at the last attempt
+  std::set<std::pair<std::size_t, std::size_t>>
+      tried_places_;  ///< (older, newer): compared for their looks, which no pose changes
   /// (newer, older): which of the newer one's surfaces the older one saw; of closures that stood when they were found.
   std::map<std::pair<std::size_t, std::size_t>, std::vector<bool>> seen_;
   std::set<std::size_t>

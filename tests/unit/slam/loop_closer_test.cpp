@@ -108,6 +108,67 @@ TEST(LoopCloser, LooksNoFartherThanTheDriftExplains) {
   EXPECT_TRUE(closer.close_newest(submap_poses({500.0, 0.0, 0.0})).empty());
 }
 
+TEST(LoopCloser, FindsAPlaceByItsLooksWhereThePoseIsFarOff) {
+  // 2 km of travel: the pose may be 60 m wrong, and the heading anything.
+  const Pose2 far_off = Pose2{37.0, -15.0, 0.0} * kSecondVisit.front() * Pose2{0.0, 0.0, 2.5};
+  auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
+                            submap_seen_from(test::furnished_room(), kSecondVisit, 4), {1}, 500.0);
+  const auto closures = closer.close_newest(submap_poses(far_off));
+  ASSERT_EQ(closures.size(), 1U);
+  EXPECT_TRUE(closures.front().accepted) << closures.front().reason;
+  EXPECT_TRUE(pose_near(closures.front().from_T_to,
+                        kFirstVisit.front().inverse() * kSecondVisit.front(), 0.02, 0.006));
+  EXPECT_TRUE(closer.close_newest(submap_poses(far_off * Pose2{5.0, 0.0, 1.0})).empty())
+      << "whatever the pose, it would say the same again";
+}
+
+TEST(LoopCloser, LooksForPlacesOnlyWhereTheDriftCallsForIt) {
+  const auto found = [](double leg_m, const Pose2& pose, int places_max) {
+    LoopCloser closer({.places_max = places_max}, {}, {}, {1});
+    closer.add(submap_seen_from(test::furnished_room(), kFirstVisit, 0), 0.0);
+    for (std::size_t key = 1; key < 4; ++key)
+      closer.add(empty_submap(key), leg_m * static_cast<double>(key));
+    closer.add(submap_seen_from(test::furnished_room(), kSecondVisit, 4), 4.0 * leg_m);
+    return closer.close_newest(submap_poses(pose)).size();
+  };
+  EXPECT_EQ(found(500.0, {40.0, 0.0, 0.0}, 3), 1U);
+  EXPECT_EQ(found(500.0, {40.0, 0.0, 0.0}, 0), 0U) << "switched off";
+  EXPECT_EQ(found(60.0, {40.0, 0.0, 0.0}, 3), 0U) << "240 m: the window holds what drift explains";
+  EXPECT_EQ(found(500.0, {100.0, 0.0, 0.0}, 3), 0U) << "farther than drift explains";
+}
+
+TEST(LoopCloser, RefusesAnotherPlaceThatIsTriedForItsLooks) {
+  const Walls other = test::together(
+      {test::rectangle({0.0, 0.5}, {5.0, 8.0}), test::rectangle({1.0, 3.5}, {2.2, 4.1}),
+       test::rectangle({3.4, 1.0}, {4.1, 1.4}), test::rectangle({2.0, 6.0}, {4.9, 6.3})});
+  auto closer = closer_with(
+      submap_seen_from(test::furnished_room(), kFirstVisit, 0),
+      submap_seen_from(other, {{3.0, 2.5, 1.7}, {3.0, 3.2, 2.6}, {2.6, 2.4, -1.0}}, 4), {1}, 500.0);
+  for (const auto& closure : closer.close_newest(submap_poses({40.0, 0.0, 0.0})))
+    EXPECT_FALSE(closure.accepted) << closure.score << ' ' << closure.agreement;
+}
+
+TEST(LoopCloser, RefusesAPlaceThatIsThereTwice) {
+  // The same room at two places: nobody can tell which one this is.
+  LoopCloser closer({}, {}, {}, {1});
+  const auto room = submap_seen_from(test::furnished_room(), kFirstVisit, 0);
+  closer.add(room, 0.0);
+  closer.add(empty_submap(1), 200.0);
+  closer.add(room, 400.0);
+  for (std::size_t key = 3; key < 6; ++key)
+    closer.add(empty_submap(key), 400.0 * static_cast<double>(key));
+  closer.add(submap_seen_from(test::furnished_room(), kSecondVisit, 6), 2400.0);
+  const std::vector<Pose2> poses{{0.0, 0.0, 0.0},  {50.0, 0.0, 0.0}, {30.0, 0.0, 0.0},
+                                 {50.0, 9.0, 0.0}, {50.0, 0.0, 0.0}, {50.0, 5.0, 0.0},
+                                 {15.0, 35.0, 0.0}};
+  const auto closures = closer.close_newest(poses);
+  ASSERT_EQ(closures.size(), 2U);
+  for (const auto& closure : closures) {
+    EXPECT_FALSE(closure.accepted);
+    EXPECT_EQ(closure.reason.find("ambiguous"), 0U) << closure.reason;
+  }
+}
+
 TEST(LoopCloser, ThreadsDoNotChangeTheAnswer) {
   const auto run = [](int threads) {
     auto closer = closer_with(submap_seen_from(test::furnished_room(), kFirstVisit, 0),
