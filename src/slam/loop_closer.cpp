@@ -78,7 +78,7 @@ struct LoopCloser::Entry {
   Eigen::Vector2d centre;  // of its surfaces, submap frame
   double radius_m = 0.0;   // rms distance of its surfaces from the centre
   std::vector<std::size_t> closed_with{};
-  std::vector<float> looks{};  // of the place, once somebody asked
+  std::vector<float> looks{};  // of the place, once somebody asked; follows from the submap
   bool dropped = false;
 
   template <typename Archive>
@@ -107,7 +107,7 @@ LoopCloser& LoopCloser::operator=(LoopCloser&&) noexcept = default;
 
 template <typename Archive>
 void LoopCloser::archive_fields(Archive& a) {
-  a(entries_, standing_, tried_, seen_, newly_closed_);
+  a(entries_, standing_, tried_, tried_places_, seen_, newly_closed_);
 }
 void LoopCloser::archive(ByteWriter& a) { archive_fields(a); }
 void LoopCloser::archive(ByteReader& a) { archive_fields(a); }
