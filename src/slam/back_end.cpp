@@ -97,8 +97,8 @@ void BackEnd::accept_lone() {
   bool news = false;
   for (auto& closure : closures_) {
     if (closure.accepted || closure.reason != kWaitsForWitness) continue;
-    closure.accepted = closure.second_score == 0.0 && closure.overlap >= kLoneOverlap &&
-                       closure.agreement >= kLoneAgreement;
+    closure.accepted = !loops_.tried_for_looks(closure) && closure.second_score == 0.0 &&
+                       closure.overlap >= kLoneOverlap && closure.agreement >= kLoneAgreement;
     closure.reason = closure.accepted ? "" : "no second closure asks for the same";
     news = news || closure.accepted;
   }

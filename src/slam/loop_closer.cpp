@@ -301,7 +301,7 @@ void LoopCloser::refuse_rivals(std::vector<LoopClosure>& closures,
   std::vector<std::size_t> refused;
   for (std::size_t i = 0; i < closures.size(); ++i) {
     const LoopClosure& a = closures[i];
-    if (!a.accepted || !tried_places_.contains({a.from_submap, a.to_submap})) continue;
+    if (!a.accepted || !tried_for_looks(a)) continue;
     for (const LoopClosure& b : closures) {
       if (!b.accepted || b.to_submap != a.to_submap) continue;
       const double between_m =
@@ -418,6 +418,10 @@ void LoopCloser::drop_all() {
     entry.dropped = true;
   }
   seen_.clear();
+}
+
+bool LoopCloser::tried_for_looks(const LoopClosure& closure) const {
+  return tried_places_.contains({closure.from_submap, closure.to_submap});
 }
 
 RelativePoseEdge LoopCloser::edge_of(const LoopClosure& closure) const {

@@ -10,8 +10,8 @@ namespace {
 
 /// Pairs among so many evenly spaced pieces of surface.
 constexpr std::size_t kSample = 300;
-/// Fewer are a corner or two, as any place has.
-constexpr std::size_t kLeast = 200;
+/// Fewer describe nothing.
+constexpr std::size_t kLeast = 30;
 constexpr float kStepM = 0.5F;
 constexpr std::size_t kDistances = 20;
 constexpr std::size_t kAngles = 4;

@@ -86,6 +86,9 @@ class LoopCloser {
 
   [[nodiscard]] std::size_t submap_count() const;
 
+  /// Whether a closure's submaps were compared for their looks: no pose vouches for it.
+  [[nodiscard]] bool tried_for_looks(const LoopClosure& closure) const;
+
   /// The edge that a closure adds to the graph.
   [[nodiscard]] RelativePoseEdge edge_of(const LoopClosure& closure) const;
 
