@@ -11,7 +11,7 @@ namespace {
 /// Pairs among so many evenly spaced pieces of surface.
 constexpr std::size_t kSample = 300;
 /// Fewer describe nothing.
-constexpr std::size_t kLeast = 30;
+constexpr std::size_t kLeast = 60;
 constexpr float kStepM = 0.5F;
 constexpr std::size_t kDistances = 20;
 constexpr std::size_t kAngles = 4;
