@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstddef>
+#include <deque>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "loopstone/grid/block_grid.hpp"
@@ -65,6 +67,8 @@ class Finder {
     }
   }
 
+  [[nodiscard]] std::size_t sights() const { return assigned_.size(); }
+
   void append_to(SurfacePatches& result) const {
     std::vector<std::size_t> next(sums_.size());
     std::size_t end = result.sights.size();
@@ -108,7 +112,7 @@ class Finder {
 
   BlockGrid<PatchCell> cells_;
   std::vector<Sum> sums_{};
-  std::vector<Assigned> assigned_{};
+  std::deque<Assigned> assigned_{};  // many: a vector that grows would hold twice as much
 };
 
 }  // namespace
@@ -131,7 +135,10 @@ SurfacePatches find_patches(std::span<const PlacedKey> map_T_key,
     }
   });
   SurfacePatches result;
-  for (const Finder& finder : finders) finder.append_to(result);
+  std::size_t sights = 0;
+  for (const Finder& finder : finders) sights += finder.sights();
+  result.sights.reserve(sights);
+  for (Finder& finder : finders) std::exchange(finder, Finder(patch_m)).append_to(result);
   return result;
 }
 
