@@ -18,7 +18,6 @@ constexpr std::uint32_t kFormatVersion = 1;
 constexpr std::string_view kEnd = "END ";
 constexpr std::size_t kTagBytes = 4;
 constexpr std::uint16_t kOptional = 1;  // of the flags
-constexpr std::size_t kChecksumBytes = 4;
 
 using Sink = std::function<void(std::string_view)>;
 
