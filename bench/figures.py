@@ -13,6 +13,7 @@ import argparse
 import json
 import os
 import pathlib
+import shutil
 import sys
 import time
 
@@ -108,6 +109,9 @@ def main():
             print(f"\n{page}: {block}\n{text}")
         else:
             write_block(ROOT / page, block, text)
+    picture = arguments.work / "map-mit-csail/map.png"
+    if "real" in arguments.only and picture.exists() and not arguments.quick:
+        shutil.copy(picture, ROOT / "docs/images/csail_map.png")
     print(summary(sections))
 
 
