@@ -26,7 +26,7 @@ import targets  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from program import Loopstone, machine, say  # noqa: E402
 
-SECTIONS = ["speed", "laps", "online", "real", "simulated", "demo"]  # the timing first, while nothing else has warmed or filled the machine
+SECTIONS = ["speed", "laps", "online", "peers", "real", "simulated", "demo"]  # the timing first, while nothing else has warmed or filled the machine
 
 
 def measure_section(name, loopstone, data, quick):
@@ -36,6 +36,8 @@ def measure_section(name, loopstone, data, quick):
         return measure.simulated(loopstone, quick)
     if name == "demo":
         return measure.demo(loopstone)
+    if name == "peers":
+        return measure.peers(loopstone, data, 2 if quick else 5)
     if name == "laps":
         return measure.laps(loopstone)
     if name == "online":
@@ -55,6 +57,8 @@ def blocks_of(sections):
         blocks.append(("docs/benchmarks.md", "stages", tables.stage_table(sections["speed"])))
     if "laps" in sections:
         blocks.append(("docs/benchmarks.md", "laps", tables.laps_table(sections["laps"])))
+    if "peers" in sections:
+        blocks.append(("docs/benchmarks.md", "peers", tables.peers_table(sections["peers"])))
     if "online" in sections:
         blocks.append(("docs/benchmarks.md", "online", tables.online_table(sections["online"])))
     if "real" in sections or "simulated" in sections:

@@ -3,6 +3,7 @@ import pathlib
 import shutil
 
 import corrected_logs
+from peers import mrpt_slam
 from program import Failed, median, run, say
 
 UNADJUSTED = ["--set", "adjustment.enabled=false"]
@@ -169,6 +170,29 @@ def online(loopstone, data):
     pace = {key.removesuffix("_latency_s") + "_s": value for key, value in summary["realtime"].items() if key != "speed"}
     say(f"  worst {1e3 * pace['worst_s']:.1f} ms")
     return {"speed": PACE, "duration_s": summary["duration_s"], "scans": summary["scans"], **pace}
+
+
+def peers(loopstone, data, repeats):
+    """Recorded logs, in turn by Loopstone and by MRPT's icp-slam, one processor each."""
+    if not mrpt_slam.is_here():
+        say("  mrpt-apps and mrpt-common are not installed, skipped")
+        return None
+    rows = []
+    for name, title in [("intel", "Intel Research Lab"), ("aces", "ACES building"), ("mit-csail", "MIT CSAIL")]:
+        log = data / "carmen" / f"{name}.clf"
+        if not log.exists():
+            continue
+        icp_slam = mrpt_slam.IcpSlam(log, loopstone.work)
+        ours, theirs = [], []
+        for _ in range(repeats):
+            ours.append(map_row(loopstone, log, "peers", ["--threads", "1"])[2])
+            theirs.append(icp_slam.map())
+        row = {"log": title, "repeats": repeats}
+        for who, costs in [("ours", ours), ("theirs", theirs)]:
+            row[who] = {key: median([cost[key] for cost in costs]) for key in ("wall_s", "cpu_s", "peak_mb")}
+        say(f"  {title}: {row['ours']['cpu_s']:.1f} s CPU, icp-slam {row['theirs']['cpu_s']:.1f} s")
+        rows.append(row)
+    return rows
 
 
 DEMO = [

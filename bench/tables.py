@@ -120,6 +120,19 @@ def laps_table(section):
                       targets_table(targets.of_laps(section["figures"]))])
 
 
+def peers_table(section):
+    rows = []
+    for row in section["figures"]:
+        ours, theirs = row["ours"], row["theirs"]
+        rows.append([row["log"], f"{ours['wall_s']:.1f}", f"{theirs['wall_s']:.1f}", f"{ours['cpu_s']:.1f}",
+                     f"{theirs['cpu_s']:.1f}", f"{theirs['cpu_s'] / ours['cpu_s']:.2f}", f"{ours['peak_mb']:.0f}",
+                     f"{theirs['peak_mb']:.0f}"])
+    return "\n".join([provenance(section), "",
+                      table(["log", "Loopstone, wall [s]>", "icp-slam, wall [s]>", "Loopstone, CPU [s]>",
+                             "icp-slam, CPU [s]>", "CPU, icp-slam / Loopstone>", "Loopstone, peak [MB]>",
+                             "icp-slam, peak [MB]>"], rows)])
+
+
 def online_table(section):
     pace = section["figures"]
     rows = [[f"{pace['scans']}", f"{pace['speed']:.0f} x", f"{1e3 * pace['median_s']:.2f}", f"{1e3 * pace['p99_s']:.1f}",
