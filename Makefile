@@ -1,6 +1,6 @@
 # A thin front door; the build itself is CMake (see CMakePresets.json and CONTRIBUTING.md).
 .DEFAULT_GOAL := build
-.PHONY: help deps deps-all build test demo bench format tidy asan tsan fuzz coverage clean
+.PHONY: help deps deps-all build test demo bench format tidy asan tsan fuzz attack coverage clean
 
 JOBS ?= $(shell nproc)
 export JOBS
@@ -45,6 +45,9 @@ tsan: deps  ## what is threaded, under the thread sanitizer
 
 fuzz: deps-all  ## each fuzz target for FUZZ_SECONDS (20)
 	@scripts/fuzz.sh
+
+attack: deps  ## ATTACK_INPUTS (20000) spoiled files a format; SANITIZE=1: under the sanitizers
+	@scripts/attack.sh
 
 coverage: deps  ## line coverage of the library by the tests
 	@scripts/coverage.sh

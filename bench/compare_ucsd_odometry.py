@@ -55,7 +55,7 @@ def aligned_to_start(poses):
 
 def run(program, log, flags, wheels, folder):
     output = folder / "odometry.tum"
-    command = [program, "odometry", str(log), "-o", str(output), "--quiet", *flags]
+    command = [program, "odometry", str(log), "-o", str(output), "--force", "--quiet", *flags]
     if wheels:
         robot = folder / "robot.toml"
         robot.write_text("[wheels]\n" + "".join(f"{key} = {value}\n" for key, value in wheels.items()))

@@ -30,56 +30,44 @@ SECTIONS = ["speed", "laps", "online", "peers", "real", "simulated", "demo"]  # 
 
 
 def measure_section(name, loopstone, data, quick):
-    if name == "real":
-        return measure.real_logs(loopstone, data)
-    if name == "simulated":
-        return measure.simulated(loopstone, quick)
-    if name == "demo":
-        return measure.demo(loopstone)
-    if name == "peers":
-        return measure.peers(loopstone, data, 2 if quick else 5)
-    if name == "laps":
-        return measure.laps(loopstone)
-    if name == "online":
-        return measure.online(loopstone, data)
-    return measure.speed(loopstone, data, 2 if quick else 5)
+    repeats = 2 if quick else 5
+    measures = {
+        "speed": lambda: measure.speed(loopstone, data, repeats),
+        "laps": lambda: measure.laps(loopstone),
+        "online": lambda: measure.online(loopstone, data),
+        "peers": lambda: measure.peers(loopstone, data, repeats),
+        "real": lambda: measure.real_logs(loopstone, data),
+        "simulated": lambda: measure.simulated(loopstone, quick),
+        "demo": lambda: measure.demo(loopstone),
+    }
+    return measures[name]()
+
+
+# section, page, block, its text
+BLOCKS = [
+    ("real", "docs/accuracy.md", "accuracy-real", tables.real_tables),
+    ("simulated", "docs/accuracy.md", "accuracy-simulated", tables.simulated_tables),
+    ("speed", "docs/benchmarks.md", "speed", tables.speed_tables),
+    ("speed", "docs/benchmarks.md", "stages", tables.stage_table),
+    ("laps", "docs/benchmarks.md", "laps", tables.laps_table),
+    ("peers", "docs/benchmarks.md", "peers", tables.peers_table),
+    ("online", "docs/benchmarks.md", "online", tables.online_table),
+    ("demo", "README.md", "demo", tables.session),
+]
+TARGETS = [("real", targets.of_real), ("simulated", targets.of_simulated), ("speed", targets.of_speed),
+           ("laps", targets.of_laps), ("online", targets.of_online)]
 
 
 def blocks_of(sections):
     """(page, block, text) of everything that the measured sections say."""
-    blocks = []
-    if "real" in sections:
-        blocks.append(("docs/accuracy.md", "accuracy-real", tables.real_tables(sections["real"])))
-    if "simulated" in sections:
-        blocks.append(("docs/accuracy.md", "accuracy-simulated", tables.simulated_tables(sections["simulated"])))
-    if "speed" in sections:
-        blocks.append(("docs/benchmarks.md", "speed", tables.speed_tables(sections["speed"])))
-        blocks.append(("docs/benchmarks.md", "stages", tables.stage_table(sections["speed"])))
-    if "laps" in sections:
-        blocks.append(("docs/benchmarks.md", "laps", tables.laps_table(sections["laps"])))
-    if "peers" in sections:
-        blocks.append(("docs/benchmarks.md", "peers", tables.peers_table(sections["peers"])))
-    if "online" in sections:
-        blocks.append(("docs/benchmarks.md", "online", tables.online_table(sections["online"])))
+    blocks = [(page, block, text_of(sections[name])) for name, page, block, text_of in BLOCKS if name in sections]
     if "real" in sections or "simulated" in sections:
         blocks.append(("README.md", "headline", tables.headline(sections)))
-    if "demo" in sections:
-        blocks.append(("README.md", "demo", tables.session(sections["demo"])))
     return blocks
 
 
 def summary(sections):
-    rows = []
-    if "real" in sections:
-        rows += targets.of_real(sections["real"]["figures"])
-    if "simulated" in sections:
-        rows += targets.of_simulated(sections["simulated"]["figures"])
-    if "speed" in sections:
-        rows += targets.of_speed(sections["speed"]["figures"])
-    if "laps" in sections:
-        rows += targets.of_laps(sections["laps"]["figures"])
-    if "online" in sections:
-        rows += targets.of_online(sections["online"]["figures"])
+    rows = [row for name, targets_of in TARGETS if name in sections for row in targets_of(sections[name]["figures"])]
     return "\n".join(f"{'met    ' if met else 'NOT MET'}  {measured:>10}  {target:<24} {name}"
                      for name, target, measured, met in rows)
 

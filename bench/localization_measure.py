@@ -140,7 +140,7 @@ def recorded(loopstone, data, work, quick):
 def recorded_run(loopstone, log, occupancy, title, seed, work, truth=None, mapped=None):
     estimate = work / f"{log.stem}-{occupancy.stem}-{seed}.tum"
     output, cost = run([loopstone.program, "localize", log, "--map", occupancy, "-o", estimate, "--global", "--seed", seed,
-                        "--json", "--quiet"])
+                        "--force", "--json", "--quiet"])
     summary = json.loads(output)
     row = {"title": title, "seed": seed, "cpu_s": cost["cpu_s"], **{key: summary[key] for key in [
         "scans", "poses", "path_length_m", "duration_s", "tracking_share", "doubtful_share", "lost_share",

@@ -47,7 +47,7 @@ def solve(loopstone, path, work, robust, initial):
     solved = work / f"{path.stem}-{robust}.g2o"
     weights = work / f"{path.stem}-{robust}.csv"
     output, _ = run([loopstone.program, "optimize", path, "--robust", robust, "--initial", initial, "-o", solved, "--edges",
-                     weights, "--json", "--quiet"])
+                     weights, "--force", "--json", "--quiet"])
     poses, _ = starts.read_graph(solved)
     with open(weights, encoding="utf-8", newline="") as file:
         kept = [float(row["weight"]) >= SET_ASIDE_BELOW for row in csv.DictReader(file)]
@@ -63,7 +63,8 @@ class Clean:
         self.name, self.path = name, data / "graphs" / f"{name}.g2o"
         _, self.edges = starts.read_graph(self.path)
         solved = work / f"{name}-clean.g2o"
-        output, _ = run([loopstone.program, "optimize", self.path, "--certify", "-o", solved, "--json", "--quiet"])
+        output, _ = run([loopstone.program, "optimize", self.path, "--certify", "-o", solved, "--force", "--json",
+                         "--quiet"])
         self.result = json.loads(output)
         self.optimum, _ = starts.read_graph(solved)
         self.closures = len(graphs.closures_of(self.edges))

@@ -52,7 +52,7 @@ class Loopstone:
 
     def odometry(self, log):
         path = self.work / "odometry.tum"
-        run([self.program, "odometry", log, "-o", path, "--quiet"])
+        run([self.program, "odometry", log, "-o", path, "--force", "--quiet"])
         return path
 
     def map(self, log, name, flags=()):

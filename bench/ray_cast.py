@@ -9,7 +9,6 @@ is printed. What was measured is kept in build/bench/ray_cast.json.
   bench/ray_cast.py --quick    shorter; to look at, writes nothing into docs/
   bench/ray_cast.py --again    no measurement: writes the tables from ray_cast.json again
 """
-import argparse
 import json
 import os
 import pathlib
@@ -22,6 +21,7 @@ import tables  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
 from program import Loopstone, machine, run  # noqa: E402
+from sections import plain_parser  # noqa: E402
 
 PAGE = ROOT / "docs/ray_casting.md"
 MAP = "maps/basement_hallways_5cm.png"
@@ -111,11 +111,7 @@ def text_of(section):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
-    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
-    parser.add_argument("--quick", action="store_true")
+    parser = plain_parser(__doc__, ROOT, data_folder(ROOT, os.environ))
     parser.add_argument("--again", action="store_true")
     arguments = parser.parse_args()
 

@@ -256,7 +256,7 @@ def real_cases(name, log, loopstone, has_odometry, data):
         guesses.append((WHOLE_MAP, trajectory))
     if has_odometry:
         path = loopstone.work / f"registration-{name}-odometry.tum"
-        run([loopstone.program, "odometry", log, "-o", path, "--quiet"])
+        run([loopstone.program, "odometry", log, "-o", path, "--force", "--quiet"])
         guesses.append(("odometry", path))
     return cases, guesses
 

@@ -6,7 +6,6 @@ Recorded logs are looked for in $LOOPSTONE_DATA, else in ../shared/data; without
   bench/session.py            everything (about five minutes)
   bench/session.py --quick    fewer kills; prints the table, writes nothing into docs/
 """
-import argparse
 import json
 import os
 import pathlib
@@ -24,6 +23,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from doc_blocks import table, write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
 from program import Loopstone, machine, median, say  # noqa: E402
+from sections import plain_parser  # noqa: E402
 from tables import provenance  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/session.md", "session-cost"
@@ -100,11 +100,7 @@ def text_of(circumstances, rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
-    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
-    parser.add_argument("--quick", action="store_true")
+    parser = plain_parser(__doc__, ROOT, data_folder(ROOT, os.environ))
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)

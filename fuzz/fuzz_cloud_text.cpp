@@ -1,18 +1,8 @@
-#include <cstddef>
-#include <cstdint>
-
-#include "loopstone/base/error.hpp"
-#include "loopstone/formats/point_cloud_file.hpp"
+#include "cloud_target.hpp"
+#include "refusal.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    const loopstone::PointCloud cloud =
-        loopstone::decode_cloud_text({reinterpret_cast<const char*>(data), size});
-    // What was read can be written and read again.
-    if (loopstone::decode_ply(loopstone::encode_ply(cloud)).points.size() != cloud.points.size())
-      __builtin_trap();
-  } catch (const loopstone::DataError&) {
-    // Damage is expected to be refused, and nothing worse.
-  }
-  return 0;
+  using namespace loopstone;
+  return fuzz::expect_work_or_refusal(
+      [&] { fuzz::use_cloud(decode_cloud_text(fuzz::text_of(data, size))); });
 }

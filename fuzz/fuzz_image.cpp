@@ -1,17 +1,8 @@
-#include <cstddef>
-#include <cstdint>
-#include <string_view>
-
-#include "loopstone/base/error.hpp"
-#include "loopstone/formats/image.hpp"
-#include "loopstone/formats/ros_map.hpp"
+#include "map_target.hpp"
+#include "refusal.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    const auto image = loopstone::decode_image({reinterpret_cast<const char*>(data), size});
-    (void)loopstone::interpret_map(image, {});
-  } catch (const loopstone::DataError&) {
-    // Damage is expected to be refused, and nothing worse.
-  }
-  return 0;
+  using namespace loopstone;
+  return fuzz::expect_work_or_refusal(
+      [&] { fuzz::use_map(interpret_map(decode_image(fuzz::text_of(data, size)), {})); });
 }

@@ -1,18 +1,11 @@
-#include <cstddef>
-#include <cstdint>
-#include <string_view>
-
-#include "loopstone/base/error.hpp"
 #include "loopstone/formats/localization_csv.hpp"
+#include "refusal.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    const auto estimates =
-        loopstone::parse_localization_csv({reinterpret_cast<const char*>(data), size});
+  using namespace loopstone;
+  return fuzz::expect_work_or_refusal([&] {
     // What was read can be written and read again.
-    (void)loopstone::parse_localization_csv(loopstone::format_localization_csv(estimates));
-  } catch (const loopstone::DataError&) {
-    // Damage is expected to be refused, and nothing worse.
-  }
-  return 0;
+    const auto estimates = parse_localization_csv(fuzz::text_of(data, size));
+    (void)parse_localization_csv(format_localization_csv(estimates));
+  });
 }

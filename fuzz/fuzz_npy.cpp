@@ -1,15 +1,8 @@
-#include <cstddef>
-#include <cstdint>
-
 #include "formats/npy.hpp"
-#include "loopstone/base/error.hpp"
+#include "refusal.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    (void)loopstone::read_npy(
-        loopstone::memory_byte_source({reinterpret_cast<const char*>(data), size}), "fuzz");
-  } catch (const loopstone::DataError&) {
-    // Damage is expected to be refused, and nothing worse.
-  }
-  return 0;
+  using namespace loopstone;
+  return fuzz::expect_work_or_refusal(
+      [&] { (void)read_npy(memory_byte_source(fuzz::text_of(data, size)), "fuzz"); });
 }

@@ -1,15 +1,18 @@
-#include <cstddef>
-#include <cstdint>
-#include <string_view>
-
-#include "loopstone/base/error.hpp"
 #include "loopstone/formats/relations_file.hpp"
+#include "refusal.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    (void)loopstone::parse_relations({reinterpret_cast<const char*>(data), size});
-  } catch (const loopstone::DataError&) {
-    // Damage is expected to be refused, and nothing worse.
-  }
-  return 0;
+  using namespace loopstone;
+  return fuzz::expect_work_or_refusal([&] {
+    const std::vector<Relation> relations = parse_relations(fuzz::text_of(data, size));
+    Trajectory trajectory;
+    for (const Relation& relation : relations) {
+      (void)trajectory.append(relation.from, {});
+      (void)trajectory.append(relation.to, relation.from_T_to);
+    }
+    for (const auto order : {RelationErrorOrder::kMeasuredTimesInverseExpected,
+                             RelationErrorOrder::kInverseExpectedTimesMeasured}) {
+      (void)relations_error(trajectory, relations, order);
+    }
+  });
 }

@@ -1,14 +1,12 @@
-#include <cstddef>
-#include <cstdint>
-
-#include "loopstone/base/error.hpp"
 #include "loopstone/formats/texture_files.hpp"
+#include "refusal.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    (void)loopstone::parse_texture_yaml({reinterpret_cast<const char*>(data), size});
-  } catch (const loopstone::DataError&) {
-    // Damage is expected to be refused, and nothing worse.
-  }
-  return 0;
+  using namespace loopstone;
+  return fuzz::expect_work_or_refusal([&] {
+    const TextureInfo info = parse_texture_yaml(fuzz::text_of(data, size));
+    const GridFrame frame = info.frame(64, 48);
+    (void)parse_texture_yaml(format_texture_yaml(frame, info.image, info.coverage));
+    (void)format_world_file(frame);
+  });
 }

@@ -6,7 +6,7 @@
 set -euo pipefail
 
 packages=(
-  g++ cmake ninja-build make ccache lld pkg-config python3-minimal
+  g++ cmake ninja-build make ccache lld pkg-config python3
   libeigen3-dev libtbb-dev libhwy-dev libfmt-dev
   nlohmann-json3-dev libtomlplusplus-dev libyaml-cpp-dev
   libpng-dev libzip-dev zlib1g-dev libdeflate-dev libbz2-dev libcairo2-dev
@@ -14,7 +14,7 @@ packages=(
   libgtest-dev libgmock-dev librapidcheck-dev
 )
 if [[ ${1:-} == --all ]]; then
-  packages+=(git clang clang-tidy clang-format libclang-rt-14-dev llvm libbenchmark-dev python3)
+  packages+=(git clang clang-tidy clang-format libclang-rt-14-dev llvm libbenchmark-dev)
 elif [[ -n ${1:-} ]]; then
   sed -n '2,5s/^# \?//p' "$0"
   exit 2

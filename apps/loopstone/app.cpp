@@ -2,34 +2,13 @@
 
 #include <spdlog/spdlog.h>
 
-#include <atomic>
-#include <csignal>
-#include <filesystem>
-
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "progress_display.hpp"
+#include "terminal_text.hpp"
 
 namespace loopstone::app {
-
-namespace {
-
-// A signal handler can reach nothing but a global.
-std::atomic<bool> interrupt_requested{false};
-
-extern "C" void on_interrupt(int signal) {
-  if (interrupt_requested.exchange(true)) {
-    std::signal(signal, SIG_DFL);
-    std::raise(signal);
-  }
-}
-
-}  // namespace
-
-void install_interrupt_handler() {
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
-}
 
 void AppContext::set_command_line(int argc, const char* const* argv) {
   command_line_ = "loopstone";
@@ -40,11 +19,15 @@ void AppContext::set_command_line(int argc, const char* const* argv) {
   }
 }
 
-bool AppContext::interrupted() { return interrupt_requested.load(); }
-
 void AppContext::add_common_flags(CLI::App& command) {
   command.add_flag("--json", json_, "print the result as one JSON object on stdout");
   command.add_flag("-q,--quiet", quiet_, "no progress and no notes, warnings and errors only");
+  command
+      .add_option(
+          "--max-memory", max_memory_,
+          "memory that what a file holds may take, such as 2G (default: by the file's size, "
+          "up to three quarters of the machine's)")
+      ->type_name("SIZE");
 }
 
 void AppContext::add_threads_flag(CLI::App& command) {
@@ -79,6 +62,15 @@ void AppContext::on_run(CLI::App& command, std::function<ExitCode()> action) {
   command.callback([this, action = std::move(action)] { action_ = action; });
 }
 
+MemoryBudget AppContext::memory() const {
+  if (max_memory_.empty()) return machine_memory_budget();
+  try {
+    return {.ceiling_bytes = parse_bytes(max_memory_), .by_file_size = false};
+  } catch (const UsageError& error) {
+    throw UsageError(std::string("--max-memory ") + error.what());
+  }
+}
+
 RobotModel AppContext::robot() const {
   return robot_path_.empty() ? RobotModel{} : read_robot_file(robot_path_);
 }
@@ -105,27 +97,12 @@ void override_option(const std::vector<OptionEntry>& options, const std::string&
 void AppContext::note(const std::string& text) const {
   if (quiet_) return;
   ProgressDisplay::clear_line();
-  spdlog::info("{}", text);
+  spdlog::info("{}", terminal_text(text));
 }
 
 void AppContext::warn(const std::string& text) const {
   ProgressDisplay::clear_line();
-  spdlog::warn("{}", text);
-}
-
-void prepare_output_folder(const std::string& path, bool force) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (fs::exists(path, error) && !fs::is_directory(path, error)) {
-    throw UsageError(path + ": is a file; the output needs a folder");
-  }
-  fs::create_directories(path, error);
-  if (error) throw DataError({path}, "cannot make the folder: " + error.message());
-  const bool empty = fs::is_empty(path, error);
-  if (error) throw DataError({path}, "cannot look into the folder: " + error.message());
-  if (!empty && !force) {
-    throw UsageError(path + ": is not empty; choose another folder or add --force to overwrite");
-  }
+  spdlog::warn("{}", terminal_text(text));
 }
 
 }  // namespace loopstone::app

@@ -1,6 +1,6 @@
 #pragma once
 
-// What every subcommand shares: flags, exit codes, option files, interruption, messages to the user.
+// What every subcommand shares: flags, exit codes, option files, messages to the user.
 //
 // A subcommand is one file with one function, listed in commands.hpp and main.cpp:
 //
@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "loopstone/base/memory_budget.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/sensor/robot_model.hpp"
@@ -32,12 +33,12 @@ enum ExitCode : int {
   kExitBadData = 1,
   kExitBadUsage = 2,
   kExitBoundMissed = 3,    ///< a --require bound
-  kExitInterrupted = 130,  ///< by Ctrl-C; what was done by then is written
+  kExitInterrupted = 130,  ///< by Ctrl-C; what is written says that it is incomplete
 };
 
 class AppContext {
  public:
-  /// --json, --quiet.
+  /// --json, --quiet, --max-memory.
   void add_common_flags(CLI::App& command);
   /// --threads.
   void add_threads_flag(CLI::App& command);
@@ -51,6 +52,8 @@ class AppContext {
 
   [[nodiscard]] bool json() const { return json_; }
   [[nodiscard]] bool quiet() const { return quiet_; }
+  /// What each file may take in memory: --max-memory, else by the machine and the file's size.
+  [[nodiscard]] MemoryBudget memory() const;
   [[nodiscard]] Threads threads() const { return Threads{threads_}; }
 
   /// The defaults of an option struct (one with visit_options), overridden by -c, overridden by --set.
@@ -65,13 +68,14 @@ class AppContext {
   [[nodiscard]] RobotModel robot() const;
   /// True when the user named a robot; its file then beats what a log says about itself.
   [[nodiscard]] bool robot_given() const { return !robot_path_.empty(); }
+  /// The files of -c and --robot; empty names where they are not given.
+  [[nodiscard]] std::vector<std::string> option_paths() const {
+    return {options_path_, robot_path_};
+  }
 
   /// What the user typed, for the report.
   [[nodiscard]] const std::string& command_line() const { return command_line_; }
   void set_command_line(int argc, const char* const* argv);
-
-  /// Ctrl-C was pressed. Read it between pieces of work, or let ProgressDisplay do it.
-  [[nodiscard]] static bool interrupted();
 
   /// One line of the log on stderr, not in the way of the progress bar. note() is silent with --quiet.
   void note(const std::string& text) const;
@@ -85,6 +89,7 @@ class AppContext {
   bool json_ = false;
   bool quiet_ = false;
   int threads_ = 0;
+  std::string max_memory_;
   std::string options_path_;
   std::vector<std::string> assignments_;
   std::string robot_path_;
@@ -96,12 +101,5 @@ class AppContext {
 /// the flag's name.
 void override_option(const std::vector<OptionEntry>& options, const std::string& flag,
                      const std::string& assignment, std::vector<OptionProblem>& problems);
-
-/// The first Ctrl-C asks the run to stop, the second ends it.
-void install_interrupt_handler();
-
-/// Refuses an output folder that exists and holds something, unless forced; makes it otherwise. Throws UsageError
-/// (not empty) or DataError (can't be made).
-void prepare_output_folder(const std::string& path, bool force);
 
 }  // namespace loopstone::app

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <sstream>
@@ -14,8 +15,6 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/session_file.hpp"
-#include "loopstone/version.hpp"
-#include "result.hpp"
 
 namespace loopstone::app {
 
@@ -37,36 +36,19 @@ bool exists(const std::string& path) {
   return fs::exists(path, ignored);
 }
 
-/// Files that a run that was killed had not finished: ".map.png.1234-0.partial".
-void remove_partial_files(const std::string& out) {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(out, error)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with('.') || !name.ends_with(".partial")) continue;
-    const std::string stem = name.substr(0, name.rfind(".partial"));
-    const std::string number = stem.substr(stem.rfind('.') + 1);
-    if (number.empty() || number.find_first_not_of("0123456789-") != number.npos) continue;
-    std::error_code ignored;
-    fs::remove(entry.path(), ignored);
-  }
+std::string read_text(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Whether the folder holds all that this very command leads to. A run may have been killed when nothing was left to do but
-/// to say so; who starts it again must not fail for it.
-bool holds_results(const std::string& out, const AppContext& context) {
-  const std::string path = (fs::path(out) / "summary.json").string();
-  if (!exists(path)) return false;
-  std::ifstream stream(path);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const auto summary = nlohmann::json::parse(text, nullptr, false);
-  if (!summary.is_object() || summary.value("complete", false) == false ||
-      summary.value("command", "") != context.command_line() ||
-      summary.value("version", "") != kVersion) {
-    return false;
-  }
-  context.note(out + ": holds the results of this command already; --force makes them anew");
-  if (context.json()) print_to_stdout(text);
-  return true;
+nlohmann::json summary_in(const std::string& out) {
+  return nlohmann::json::parse(read_text((fs::path(out) / "summary.json").string()), nullptr,
+                               false);
+}
+
+/// Null when there is none.
+nlohmann::json field(const nlohmann::json& summary, const char* key) {
+  return summary.is_object() ? summary.value(key, nlohmann::json()) : nlohmann::json();
 }
 
 /// "front_end.points_max = 360" where two texts of the same keys first differ; empty where they don't.
@@ -100,26 +82,47 @@ void add_checkpoint_flags(CLI::App& command, CheckpointFlags& flags) {
                    "from the beginning when there is none yet");
 }
 
-RunStart prepare_session_folder(const std::string& out, const CheckpointFlags& flags, bool force,
-                                const AppContext& context) {
-  const std::string session = session_path(out);
-  if (flags.resume) remove_partial_files(out);
-  if (exists(session)) {
+RunStart find_start(const std::string& out, const CheckpointFlags& flags, bool force) {
+  if (exists(session_path(out))) {
     if (flags.resume) return RunStart::kSession;
-    if (!force) {
-      throw UsageError(out +
-                       ": holds the session of a run that was ended before its time; add "
-                       "--resume to go on with it, or --force to start from the beginning");
-    }
-  } else if (flags.resume && !force) {
-    if (holds_results(out, context)) return RunStart::kOver;
-    context.note(out + ": holds no session yet; from the beginning");
+    if (force) return RunStart::kLog;
+    throw UsageError(out +
+                     ": holds the session of a run that was ended before its time; add "
+                     "--resume to go on with it, or --force to start from the beginning");
   }
-  prepare_output_folder(out, force);
+  if (!flags.resume || force) return RunStart::kLog;
+  return field(summary_in(out), "complete") == true ? RunStart::kResults : RunStart::kLog;
+}
+
+void remove_session(const std::string& out) {
+  const std::string session = session_path(out);
   std::error_code error;
-  fs::remove(session, error);  // it is not of the run that begins
+  fs::remove(session, error);
   if (error) throw DataError({session}, "cannot remove the old session: " + error.message());
-  return RunStart::kLog;
+}
+
+RunInfo::Terms result_terms(const RunTerms& terms, const std::string& colour,
+                            const LogDigest& log) {
+  return {{"log", log.text()},
+          {"start_s", fmt::format("{}", terms.cut.start_s)},
+          {"duration_s", fmt::format("{}", terms.cut.duration_s)},
+          {"max_scans", fmt::format("{}", terms.cut.max_scans)},
+          {"mounts", terms.mounts_from_log ? "log" : "robot"},
+          {"colour", colour},
+          {"robot", terms.robot_toml}};
+}
+
+std::optional<std::string> find_results(const std::string& out, const RunTerms& terms,
+                                        const RunInfo::Terms& result) {
+  const fs::path folder(out);
+  const nlohmann::json summary = summary_in(out);
+  const nlohmann::json expected(std::map<std::string, std::string>(result.begin(), result.end()));
+  if (field(summary, "complete") != true || field(summary, "version") != terms.version ||
+      field(summary, "result_of") != expected ||
+      read_text((folder / "options.toml").string()) != terms.options_toml) {
+    return std::nullopt;
+  }
+  return read_text((folder / "summary.json").string());
 }
 
 std::string difference(const RunTerms& session, const RunTerms& now) {
@@ -154,7 +157,7 @@ double Checkpoint::now_s() const {
   return std::chrono::duration<double>(Clock::now() - started_).count();
 }
 
-bool Checkpoint::resume(Mapper& mapper, CutLog& log, CameraFrames& camera,
+void Checkpoint::resume(Mapper& mapper, CutLog& log, CameraFrames& camera,
                         const std::string& log_path) {
   Run saved;
   try {
@@ -166,7 +169,6 @@ bool Checkpoint::resume(Mapper& mapper, CutLog& log, CameraFrames& camera,
     mapper.restore_state(chunks);
     while (run_.log.messages() < saved.log.messages()) {
       const auto message = log.next();
-      if (log.interrupted()) return false;
       if (!message) break;
       run_.log.add(*message);
       camera.take(*message);
@@ -181,11 +183,9 @@ bool Checkpoint::resume(Mapper& mapper, CutLog& log, CameraFrames& camera,
   }
   run_ = std::move(saved);
   context_.note(fmt::format("goes on after {} scans of the session", mapper.scans()));
-  return true;
 }
 
 void Checkpoint::after(const SensorMessage& message, Mapper& mapper) {
-  if (!flags_.any()) return;
   run_.log.add(message);
   if (flags_.every_s <= 0.0 || now_s() - last_s_ < flags_.every_s) return;
   const bool busy =

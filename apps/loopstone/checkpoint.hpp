@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <future>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,13 +32,15 @@ void add_checkpoint_flags(CLI::App& command, CheckpointFlags& flags);
 enum class RunStart {
   kLog,      ///< with the log
   kSession,  ///< with the session in the output folder
-  kOver,     ///< its results are there
+  kResults,  ///< there are complete results; if they are of this very run, there is nothing to do
 };
 
-/// Makes the output folder, or takes one that --resume can go on with. Throws UsageError when it holds anything else and `force`
-/// is not given, or a session that was not asked for. With `force` and without --resume, an old session goes.
-[[nodiscard]] RunStart prepare_session_folder(const std::string& out, const CheckpointFlags& flags,
-                                              bool force, const AppContext& context);
+/// By what is in the output folder; nothing is changed. Throws UsageError when it holds a session that neither --resume nor `force`
+/// asks for.
+[[nodiscard]] RunStart find_start(const std::string& out, const CheckpointFlags& flags, bool force);
+
+/// An old session is not of the run that begins. Throws DataError when it can't be removed.
+void remove_session(const std::string& out);
 
 /// What a run has in common with the one whose session it goes on with; else it would not lead to the same result.
 struct RunTerms {
@@ -54,6 +57,14 @@ struct RunTerms {
   }
 };
 
+/// What determines the files of a run, with what `colour` says of the camera's part in them.
+[[nodiscard]] RunInfo::Terms result_terms(const RunTerms& terms, const std::string& colour,
+                                          const LogDigest& log);
+
+/// The summary.json of the finished run in a folder when it has the same version, options and terms; else nothing.
+[[nodiscard]] std::optional<std::string> find_results(const std::string& out, const RunTerms& terms,
+                                                      const RunInfo::Terms& result);
+
 /// What differs, in words with both values; empty when nothing does.
 [[nodiscard]] std::string difference(const RunTerms& session, const RunTerms& now);
 
@@ -63,10 +74,9 @@ class Checkpoint {
   Checkpoint(const CheckpointFlags& flags, const std::string& out, RunTerms terms,
              const AppContext& context);
 
-  /// Reads the session, and the log up to where it was saved. False when the user interrupted that.
+  /// Reads the session, and the log up to where it was saved.
   /// Throws when the session is damaged, or not of this log, robot, options and program.
-  [[nodiscard]] bool resume(Mapper& mapper, CutLog& log, CameraFrames& camera,
-                            const std::string& log_path);
+  void resume(Mapper& mapper, CutLog& log, CameraFrames& camera, const std::string& log_path);
 
   /// A message that the mapper has dealt with. Saves when it is time to, and the last time is over and done.
   void after(const SensorMessage& message, Mapper& mapper);
@@ -75,6 +85,9 @@ class Checkpoint {
   /// The results are written. Removes the session when they are complete.
   void end(bool complete);
 
+  [[nodiscard]] const RunTerms& terms() const { return run_.terms; }
+  /// Of all messages that the mapper has dealt with.
+  [[nodiscard]] const LogDigest& log() const { return run_.log; }
   /// What runs before this one took for the same result.
   [[nodiscard]] double earlier_wall_s() const { return run_.wall_s; }
   [[nodiscard]] double earlier_cpu_s() const { return run_.cpu_s; }

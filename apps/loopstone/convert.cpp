@@ -1,10 +1,16 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
+#include "log_run.hpp"
 #include "loopstone/formats/convert_log.hpp"
+#include "loopstone/formats/log_files.hpp"
+#include "loopstone/formats/output_place.hpp"
+#include "output_path.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
 
@@ -66,46 +72,50 @@ Target target_of(const Arguments& arguments) {
   return target;
 }
 
-/// Nothing of the user's is overwritten unless forced, and never the input.
-void check_target(const Target& target, const Arguments& arguments) {
-  std::error_code ignored;
-  const std::string input = arguments.input.substr(0, arguments.input.rfind('#'));
+Outputs outputs_of(const Target& target, const Arguments& arguments, const AppContext& context) {
+  Outputs outputs(context, arguments.force);
+  // Another set may be written into the folder that is read.
+  for (const std::string& path : LogFiles(arguments.input).paths()) outputs.reads(path);
   if (target.format == "carmen") {
-    if (fs::equivalent(input, target.path, ignored)) {
-      throw UsageError("'" + target.path + "' is the log to be read; write to another file");
-    }
-    if (fs::exists(target.path, ignored) && !arguments.force) {
-      throw UsageError("'" + target.path + "' exists; --force overwrites it");
-    }
-    return;
+    outputs.add_file("", target.path);
+    return outputs;
   }
   for (const char* const sensor : {"Encoders", "Imu", "Hokuyo", "Kinect", "Odometry"}) {
-    const fs::path file = fs::path(target.path) / fmt::format("{}{}.npz", sensor, target.set);
-    if (fs::exists(file, ignored) && !arguments.force) {
-      throw UsageError("'" + file.string() + "' exists; --force overwrites it");
-    }
+    outputs.add_file("", fs::path(target.path) / fmt::format("{}{}.npz", sensor, target.set), true);
   }
+  return outputs;
+}
+
+/// What a run that was killed left of a set: its npz files are made of others.
+void remove_unfinished_set(const Target& target) {
+  if (target.format == "carmen") return;
+  remove_partial_files(target.path);
+  remove_partial_files((fs::path(target.path) / "dataRGBD").string());
 }
 
 ExitCode run(const Arguments& arguments, AppContext& context) {
   const Target target = target_of(arguments);
-  check_target(target, arguments);
-  LogOptions options;
-  options.strict = arguments.strict;
-  const auto log = open_log(arguments.input, options);
+  const LogFiles log_files(arguments.input);
+  const Outputs outputs = outputs_of(target, arguments, context);
+  outputs.check(least_bytes_of_results(log_files.bytes()));
+  const auto log = open_log(arguments.input, log_options(arguments.strict, context));
   const RobotModel robot = context.robot_given() ? context.robot() : log->robot(context.robot());
+  const HeldInterrupt held;  // the writer removes what it began
+  outputs.prepare();
+  remove_unfinished_set(target);
   const auto writer = create_log(target.path, target.format, robot, target.set);
   ProgressDisplay display(context);
   const ConvertResult converted = convert_log(
       *log, *writer, robot, {.wheels_to_poses = target.format == "carmen"}, display.callback());
-  if (!converted.complete) return kExitInterrupted;  // the writer removes what it began
-  writer->finish();
   ProgressDisplay::clear_line();
-  for (const std::string& note : writer->notes()) context.warn(note);
-  if (log->records_skipped() > 0) {
-    context.warn(fmt::format("{} records of the log were skipped; `loopstone info {}` says why",
-                             log->records_skipped(), arguments.input));
+  if (!converted.complete) {
+    context.warn("interrupted: nothing was written");
+    return kExitInterrupted;
   }
+  judge_left_out(converted.left_out, arguments.input, context, Severity::kNote);
+  writer->finish();
+  warn_of_changes(log_files, context);
+  for (const std::string& note : writer->notes()) context.warn(note);
   Result result;
   result.add("output", "written", arguments.output)
       .add("format", "format", target.format)

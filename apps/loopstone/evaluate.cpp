@@ -150,9 +150,10 @@ void add_relations_error(Result& result, const Arguments& arguments, const Traje
   }
 }
 
-void add_map_score(Result& result, const Arguments& arguments, const Pose2& truth_T_map) {
-  const Grid<CellState> map = classify_cells(read_ros_map(arguments.map));
-  const Grid<CellState> truth = classify_cells(read_ros_map(arguments.true_map));
+void add_map_score(Result& result, const Arguments& arguments, const Pose2& truth_T_map,
+                   const MemoryBudget& budget) {
+  const Grid<CellState> map = classify_cells(read_ros_map(arguments.map, budget));
+  const Grid<CellState> truth = classify_cells(read_ros_map(arguments.true_map, budget));
   const MapScore score = score_map(map, truth, truth_T_map, arguments.tolerance_m);
   result.add("map.precision", "map: occupied cells that are true", score.precision)
       .add("map.recall", "map: true surfaces that were found", score.recall)
@@ -191,7 +192,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
     }
     if (!arguments.relations.empty()) add_relations_error(result, arguments, estimate, context);
   }
-  if (!arguments.map.empty()) add_map_score(result, arguments, truth_T_map);
+  if (!arguments.map.empty()) add_map_score(result, arguments, truth_T_map, context.memory());
 
   const std::vector<std::string> missed = missed_bounds(bounds, result.json());
   result.print(context);

@@ -8,11 +8,13 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "log_run.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/log_summary.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
+#include "terminal_text.hpp"
 
 namespace loopstone::app {
 
@@ -242,7 +244,7 @@ std::string findings_text(const LogSummary& summary, const Paint& paint) {
     const std::string mark = finding.severity == Severity::kError     ? paint.red("  error    ")
                              : finding.severity == Severity::kWarning ? paint.yellow("  warning  ")
                                                                       : "  note     ";
-    text += mark + finding.text + "\n";
+    text += mark + terminal_text(finding.text) + "\n";
   }
   return text.empty() ? text : "\n" + text;
 }
@@ -250,7 +252,7 @@ std::string findings_text(const LogSummary& summary, const Paint& paint) {
 std::string text_of(const std::string& path, const LogSummary& summary) {
   const Paint paint;
   std::string text =
-      fmt::format("{}  {} log, {}\n", paint.bold(path),
+      fmt::format("{}  {} log, {}\n", paint.bold(terminal_text(path)),
                   summary.format == "carmen" ? "CARMEN" : "UCSD", size_text(summary.bytes));
   if (summary.first) {
     text += fmt::format("{}, from {}\n\n", duration_text(summary.duration_s()),
@@ -349,7 +351,8 @@ void print_json(const std::string& path, const LogSummary& summary, const AppCon
       .add_json("start_s", start.seconds())
       .add_json("duration_s", summary.duration_s())
       .add_json("scans", scans)
-      .add_json("records_skipped", summary.records_skipped)
+      .add_json("records_skipped", summary.left_out.skipped.records)
+      .add_json("left_out", nlohmann::ordered_json::parse(left_out_json(summary.left_out)))
       .add_json("complete", summary.complete)
       .add_json("lidars", nlohmann::ordered_json::array());
   auto lidars = nlohmann::ordered_json::array();
@@ -385,8 +388,7 @@ void print_json(const std::string& path, const LogSummary& summary, const AppCon
 ExitCode run(const Arguments& arguments, AppContext& context) {
   constexpr int kProblemsShown = 10;
   int problems = 0;
-  LogOptions options;
-  options.strict = arguments.strict;
+  LogOptions options = log_options(arguments.strict, context);
   options.on_problem = [&](const Problem& problem) {
     if (++problems <= kProblemsShown) {
       context.warn(to_string(problem.location) + ": " + problem.reason);

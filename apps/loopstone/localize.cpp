@@ -7,15 +7,18 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bounds.hpp"
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/localization/localizer.hpp"
 #include "loopstone/report/localization_outputs.hpp"
+#include "output_path.hpp"
 #include "parse_pose.hpp"
 #include "result.hpp"
 
@@ -102,41 +105,40 @@ LocalizationOptions options_of(const Arguments& arguments, const AppContext& con
   return options;
 }
 
-/// What can't be written is better found out before the work.
-void prepare_outputs(const Arguments& arguments) {
-  const fs::path file(arguments.output);
+/// --map names the file or its folder.
+std::string map_yaml_of(const std::string& path) {
   std::error_code ignored;
-  if (fs::is_directory(file, ignored)) {
-    throw UsageError("-o " + arguments.output + ": is a folder; name the file, such as " +
-                     (file / "where.tum").string());
-  }
-  if (file.has_parent_path() && !fs::is_directory(file.parent_path(), ignored)) {
-    throw DataError({arguments.output}, "there is no folder " + file.parent_path().string());
-  }
+  return fs::is_directory(path, ignored) ? (fs::path(path) / "map.yaml").string() : path;
+}
+
+/// What is read and written, held against each other before the work.
+Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
+  const fs::path file(arguments.output);
   if (file.extension() == ".csv") {
     throw UsageError("-o " + arguments.output +
                      ": the table beside the trajectory takes that name; name this one .tum");
   }
-  if (!arguments.report.empty() && arguments.report == arguments.animation) {
-    throw UsageError("--report and --animation need a folder each");
-  }
-  if (!arguments.report.empty()) prepare_output_folder(arguments.report, arguments.force);
-  if (!arguments.animation.empty()) prepare_output_folder(arguments.animation, arguments.force);
+  Outputs outputs(context, arguments.force);
+  outputs.reads_log(arguments.log);
+  outputs.reads(arguments.map);
+  outputs.reads(map_yaml_of(arguments.map));
+  outputs.add_file("-o", arguments.output);
+  if (!is_stream(arguments.output)) outputs.add_file("", fs::path(file).replace_extension(".csv"));
+  if (!arguments.report.empty()) outputs.add_folder("--report", arguments.report);
+  if (!arguments.animation.empty()) outputs.add_folder("--animation", arguments.animation);
+  return outputs;
 }
 
-LocalizationMap read_map(const std::string& path) {
-  std::string yaml = path;
+LocalizationMap read_map(const std::string& path, const MemoryBudget& budget) {
+  const std::string yaml = map_yaml_of(path);
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
-    yaml = (fs::path(path) / "map.yaml").string();
-    if (!fs::exists(yaml, ignored)) {
-      throw DataError({path},
-                      "there is no map.yaml in this folder; `loopstone map LOG -o FOLDER` leaves "
-                      "one, and --map takes any map_server YAML file");
-    }
+  if (yaml != path && !fs::exists(yaml, ignored)) {
+    throw DataError({path},
+                    "there is no map.yaml in this folder; `loopstone map LOG -o FOLDER` leaves "
+                    "one, and --map takes any map_server YAML file");
   }
   try {
-    return LocalizationMap(read_ros_map(yaml));
+    return LocalizationMap(read_ros_map(yaml, budget, LocalizationMap::kBytesPerCell));
   } catch (const UsageError& error) {  // of the map itself: there is nothing to see on it
     throw DataError({yaml}, error.what());
   }
@@ -224,25 +226,31 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const std::optional<InitialPose> initial = initial_of(arguments);
   LocalizationOptions options = options_of(arguments, context);
 
-  const LocalizationMap map = read_map(arguments.map);
+  const LogFiles log_files(arguments.log);
+  const Outputs outputs = outputs_of(arguments, context);
+  outputs.check(least_bytes_of_results(log_files.bytes()));
+  const LocalizationMap map = read_map(arguments.map, context.memory());
   if (initial) warn_of_initial_pose(*initial, map.occupancy(), context);
   ProblemPrinter print_problem(context);
-  const auto reader = open_log(
-      arguments.log, {.strict = arguments.strict,
-                      .on_problem = [&](const Problem& problem) { print_problem(problem); }});
-  prepare_outputs(arguments);
+  const auto reader =
+      open_log(arguments.log, log_options(arguments.strict, context, &print_problem));
+  const HeldInterrupt held;
+  outputs.prepare();
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "localising", display);
-  const LocalizationResult result =
+  LocalizationResult result =
       localize(log, Localizer(map, robot, options, initial, arguments.seed, context.threads()));
   ProgressDisplay::clear_line();
-  log.require_scans(arguments.log);
+  const LogSummary judged = log.judge(arguments.log);
+  const std::vector<std::string> of_log = warnings_of(judged);
+  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
   require_usable_scans(result, arguments.log);
+  for (std::string& change : log_files.changes()) result.warnings.push_back(std::move(change));
 
   LocalizationRunInfo info;
-  info.run = run_info(arguments.log, *reader, arguments.force, context);
+  info.run = run_info(arguments.log, judged.left_out, arguments.force, context);
   info.run.options_toml = options_to_toml(list_options(options));
   info.run.wall_time_s = std::chrono::duration<double>(Clock::now() - start).count();
   info.map_path = arguments.map;
@@ -321,7 +329,8 @@ void add_localize_command(CLI::App& app, AppContext& context) {
       ->type_name("DIR");
   add_require_flag(*command, arguments->require);
   command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
-  command->add_flag("--force", arguments->force, "write into folders that are not empty");
+  command->add_flag("--force", arguments->force,
+                    "replace files, and write into folders that are not empty");
   context.add_common_flags(*command);
   context.add_threads_flag(*command);
   context.add_option_flags(*command);

@@ -4,6 +4,7 @@
 
 #include <variant>
 
+#include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/version.hpp"
 
@@ -21,6 +22,7 @@ void add_cut_flags(CLI::App& command, LogCut& cut) {
 CutLog::CutLog(LogReader& reader, const LogCut& cut, bool mounts_from_log, std::string_view step,
                ProgressDisplay& display)
     : reader_(reader),
+      analyser_(reader),
       cut_(cut),
       mounts_from_log_(mounts_from_log),
       step_(step),
@@ -30,7 +32,9 @@ std::optional<SensorMessage> CutLog::next() {
   while (!interrupted_) {
     if (cut_.max_scans > 0 && scans_ >= cut_.max_scans) return {};
     auto message = reader_.next();
+    interrupted_ = app::interrupted();
     if (!message) return {};
+    analyser_.add(*message);
     if (!first_) first_ = stamp_of(*message);
     const double time_s = (stamp_of(*message) - *first_).seconds();
     if (cut_.duration_s > 0.0 && time_s > cut_.start_s + cut_.duration_s) return {};
@@ -47,11 +51,47 @@ std::optional<SensorMessage> CutLog::next() {
   return {};
 }
 
-void CutLog::require_scans(const std::string& path) const {
-  if (scans_ > 0 || interrupted_) return;
-  throw DataError({path}, "there is no laser scan in it" +
-                              std::string(cut_.start_s > 0.0 ? " after --start" : "") +
-                              "; `loopstone info` shows what there is");
+LogSummary CutLog::judge(const std::string& path) {
+  LogSummary summary = analyser_.finish();
+  if (interrupted_) return summary;
+  std::string reasons;
+  for (const Finding& finding : summary.findings) {
+    if (finding.severity == Severity::kError)
+      reasons += (reasons.empty() ? "" : "; ") + finding.text;
+  }
+  if (!reasons.empty()) throw DataError({path}, "nothing can be made of this log: " + reasons);
+  if (scans_ == 0) {
+    throw DataError(
+        {path},
+        "there is no laser scan in it after --start; `loopstone info` shows how long it is");
+  }
+  return summary;
+}
+
+LogOptions log_options(bool strict, const AppContext& context, ProblemPrinter* printer) {
+  LogOptions options{.strict = strict, .memory = context.memory(), .stop = app::interrupted};
+  if (printer != nullptr) {
+    options.on_problem = [printer](const LogProblem& problem) { (*printer)(problem); };
+  }
+  return options;
+}
+
+std::vector<std::string> warnings_of(const LogSummary& summary) {
+  std::vector<std::string> warnings;
+  for (const Finding& finding : summary.findings) {
+    if (finding.severity == Severity::kWarning) warnings.push_back(finding.text);
+  }
+  return warnings;
+}
+
+void judge_left_out(const LeftOut& left_out, const std::string& path, const AppContext& context,
+                    Severity told) {
+  const auto finding = loopstone::judge(left_out);
+  if (!finding || finding->severity < told) return;
+  if (finding->severity == Severity::kError) {
+    throw DataError({path}, "nothing can be made of this log: " + finding->text);
+  }
+  context.warn(finding->text);
 }
 
 void ProblemPrinter::operator()(const Problem& problem) {
@@ -61,6 +101,10 @@ void ProblemPrinter::operator()(const Problem& problem) {
   if (count_ == kShown + 1) {
     context_.warn("more records were skipped; `loopstone info` tells what is wrong with a log");
   }
+}
+
+void warn_of_changes(const LogFiles& files, const AppContext& context) {
+  for (const std::string& change : files.changes()) context.warn(change);
 }
 
 double cpu_seconds() {
@@ -78,7 +122,7 @@ std::int64_t peak_memory_bytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-RunInfo run_info(const std::string& log_path, const LogReader& reader, bool force,
+RunInfo run_info(const std::string& log_path, const LeftOut& left_out, bool force,
                  const AppContext& context) {
   RunInfo info;
   info.log_path = log_path;
@@ -86,7 +130,7 @@ RunInfo run_info(const std::string& log_path, const LogReader& reader, bool forc
   info.version = kVersion;
   info.threads = context.threads().resolved();
   info.force = force;
-  info.records_skipped = reader.records_skipped();
+  info.left_out = left_out;
   info.cpu_time_s = cpu_seconds();
   info.peak_memory_bytes = peak_memory_bytes();
   return info;

@@ -4,9 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "app.hpp"
+#include "loopstone/formats/log_files.hpp"
 #include "loopstone/formats/log_reader.hpp"
+#include "loopstone/formats/log_summary.hpp"
 #include "loopstone/report/run_info.hpp"
 #include "progress_display.hpp"
 
@@ -35,11 +38,13 @@ class CutLog {
   [[nodiscard]] std::optional<SensorMessage> next();
   [[nodiscard]] bool interrupted() const { return interrupted_; }
   [[nodiscard]] std::int64_t scans() const { return scans_; }
-  /// Throws DataError when there was no scan, unless the user interrupted.
-  void require_scans(const std::string& path) const;
+  /// What `loopstone info` says of the log, as far as it was read; when all is read. Throws DataError with its reasons when
+  /// nothing can be made of it, unless the user interrupted.
+  [[nodiscard]] LogSummary judge(const std::string& path);
 
  private:
   LogReader& reader_;
+  LogAnalyser analyser_;
   LogCut cut_;
   bool mounts_from_log_;
   std::string_view step_;
@@ -60,12 +65,27 @@ class ProblemPrinter {
   int count_ = 0;
 };
 
+/// Says what became of a log's files while they were read.
+void warn_of_changes(const LogFiles& files, const AppContext& context);
+
+/// How logs are read for this user: problems are warned of by `printer` when there is one, and Ctrl-C ends the reading.
+[[nodiscard]] LogOptions log_options(bool strict, const AppContext& context,
+                                     ProblemPrinter* printer = nullptr);
+
+/// The texts of the findings that are warnings.
+[[nodiscard]] std::vector<std::string> warnings_of(const LogSummary& summary);
+
+/// Of commands that need no map: warns of what was left out of the log when it is as bad as `told` at least. Throws DataError
+/// when hardly anything was used.
+void judge_left_out(const LeftOut& left_out, const std::string& path, const AppContext& context,
+                    Severity told = Severity::kWarning);
+
 /// Of this process, all threads.
 [[nodiscard]] double cpu_seconds();
 [[nodiscard]] std::int64_t peak_memory_bytes();
 
 /// What is known of every run when it is over; its options and wall time are the command's to say.
-[[nodiscard]] RunInfo run_info(const std::string& log_path, const LogReader& reader, bool force,
+[[nodiscard]] RunInfo run_info(const std::string& log_path, const LeftOut& left_out, bool force,
                                const AppContext& context);
 
 }  // namespace loopstone::app

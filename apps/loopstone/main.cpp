@@ -7,9 +7,12 @@
 #include <new>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/log_reader.hpp"
 #include "loopstone/version.hpp"
 #include "progress_display.hpp"
+#include "terminal_text.hpp"
 
 namespace loopstone::app {
 
@@ -59,14 +62,14 @@ void refuse_unknown_command(const CLI::App& app, int argc, char** argv) {
 
 int fail(ExitCode code, const char* reason) {
   ProgressDisplay::clear_line();
-  std::fprintf(stderr, "loopstone: %s\n", reason);
+  std::fprintf(stderr, "loopstone: %s\n", terminal_text(reason).c_str());
   return code;
 }
 
 int run_program(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("loopstone"));
   spdlog::set_pattern("%^%l%$: %v");
-  install_interrupt_handler();
+  listen_for_interrupts();
 
   CLI::App app{"Loopstone turns the log of a robot with a 2D laser scanner into a map.",
                "loopstone"};
@@ -80,13 +83,14 @@ int run_program(int argc, char** argv) {
   try {
     refuse_unknown_command(app, argc, argv);
     app.parse(argc, argv);
-    const ExitCode code = context.run();
-    return code == kExitDone && AppContext::interrupted() ? kExitInterrupted : code;
+    return context.run();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     return fail(kExitBadUsage, error.what());
   } catch (const UsageError& error) {
     return fail(kExitBadUsage, error.what());
+  } catch (const ReadingStopped& stopped) {
+    return fail(kExitInterrupted, stopped.what());
   } catch (const std::bad_alloc&) {
     return fail(kExitBadData, "out of memory");
   } catch (const std::exception& error) {

@@ -5,12 +5,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "app.hpp"
 #include "checkpoint.hpp"
 #include "commands.hpp"
 #include "floor_run.hpp"
+#include "interrupt.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/release_memory.hpp"
@@ -23,6 +27,7 @@
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/scan_to_scan.hpp"
 #include "loopstone/version.hpp"
+#include "output_path.hpp"
 #include "pace.hpp"
 #include "result.hpp"
 
@@ -56,15 +61,17 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   const double free_m2 = nlohmann::json::parse(summary).at("map_free_area_m2").get<double>();
   Result table;
   table.add("scans", "scans", s.scans);
-  if (info.records_skipped > 0)
-    table.add("records_skipped", "records skipped", info.records_skipped);
+  if (info.left_out.skipped.records > 0) {
+    table.add_row("records skipped",
+                  fmt::format("{} of {}", info.left_out.skipped.records, info.left_out.records()));
+  }
   table.add("duration_s", "recording", s.duration_s, "s", 1);
   table.add("path_length_m", "path", s.path_length_m, "m", 1);
   table.add("map_free_area_m2", "free area mapped", free_m2, "m2", 1);
   table.add("submaps", "submaps", s.submaps);
   table.add_row("loop closures", fmt::format("{} accepted, {} rejected", s.loop_closures_accepted,
                                              s.loop_closures_rejected));
-  table.add_row("quality", result.verdict.sentence);
+  if (!result.verdict.sentence.empty()) table.add_row("quality", result.verdict.sentence);
   if (texture != nullptr) add_texture_rows(*texture, table);
   table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", info.wall_time_s,
                                     s.duration_s / std::max(info.wall_time_s, 1e-9)));
@@ -79,40 +86,98 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   table.print(context);
 }
 
-ExitCode run_map(const Arguments& arguments, const AppContext& context) {
-  const auto start = std::chrono::steady_clock::now();
-  const bool textbook = arguments.pipeline == "scan_to_scan";
-  if (textbook && arguments.realtime > 0.0) {
+void check_usage(const Arguments& arguments) {
+  if (arguments.pipeline != "scan_to_scan") return;
+  if (arguments.realtime > 0.0) {
     throw UsageError(
         "--realtime: the textbook pipeline works when the log is over; leave out --pipeline");
   }
-  if (textbook && arguments.checkpoint.any()) {
+  if (arguments.checkpoint.any()) {
     throw UsageError("--checkpoint, --resume: the textbook pipeline can't go on from a session");
   }
-  auto options = textbook ? MapOptions{} : context.load_options<MapOptions>();
-  auto textbook_options =
-      textbook ? context.load_options<ScanToScanOptions>() : ScanToScanOptions{};
-  if (arguments.no_loop_closure) options.loop_closure = false;
-  if (arguments.odometry) options.front_end.odometry = *arguments.odometry;
-
-  if (textbook && arguments.odometry) {
+  if (arguments.odometry) {
     throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
   }
+}
+
+MapOptions options_of(const Arguments& arguments, const AppContext& context) {
+  auto options = context.load_options<MapOptions>();
+  if (arguments.no_loop_closure) options.loop_closure = false;
+  if (arguments.odometry) options.front_end.odometry = *arguments.odometry;
+  return options;
+}
+
+/// What the camera has to do with the files.
+std::string colour_of(const Arguments& arguments) {
+  if (arguments.no_texture) return "none";
+  return arguments.cloud ? "floor, cloud" : "floor";
+}
+
+/// Whether the folder holds the results of this very run: it may have been killed when nothing was left to do but to say so, and
+/// who starts it again must not fail for it. Throws UsageError when they are of another one.
+ExitCode show_results(CutLog& log, const Arguments& arguments, const RunTerms& terms,
+                      const AppContext& context) {
+  LogDigest digest;
+  while (const auto message = log.next()) digest.add(*message);
+  const auto summary =
+      find_results(arguments.out, terms, result_terms(terms, colour_of(arguments), digest));
+  if (!summary) {
+    throw UsageError(arguments.out +
+                     ": is not empty, it holds the results of another run; choose another folder "
+                     "or add --force to overwrite");
+  }
+  context.note(arguments.out + ": holds the results of this run already; --force makes them anew");
+  if (context.json()) print_to_stdout(*summary);
+  return kExitDone;
+}
+
+MapResult map_textbook(CutLog& log, CameraFrames& camera, const RobotModel& robot,
+                       const ScanToScanOptions& options, const AppContext& context,
+                       ProgressDisplay& display) {
+  ScanToScanMapper mapper(robot, options, context.threads());
+  while (const auto message = log.next()) {
+    camera.take(*message);
+    mapper.add(*message);
+  }
+  return mapper.finish(display.callback());
+}
+
+MapResult map_submaps(CutLog& log, CameraFrames& camera, Mapper& mapper, std::optional<Pace>& pace,
+                      Checkpoint& checkpoint) {
+  while (const auto message = log.next()) {
+    if (pace) pace->wait_for(stamp_of(*message), [] { return !interrupted(); });
+    camera.take(*message);
+    const std::int64_t before = mapper.scans();
+    mapper.add(*message);
+    if (pace && mapper.scans() > before) pace->note_done();
+    checkpoint.after(*message, mapper);
+  }
+  checkpoint.after_last(mapper);
+  return mapper.finish([](const Progress&) { return !interrupted(); });
+}
+
+ExitCode run_map(const Arguments& arguments, const AppContext& context) {
+  const auto start = std::chrono::steady_clock::now();
+  check_usage(arguments);
+  const bool textbook = arguments.pipeline == "scan_to_scan";
+  auto options = textbook ? MapOptions{} : options_of(arguments, context);
+  auto textbook_options =
+      textbook ? context.load_options<ScanToScanOptions>() : ScanToScanOptions{};
+
+  const RunStart begin = find_start(arguments.out, arguments.checkpoint, arguments.force);
+  const LogFiles log_files(arguments.log);
+  Outputs outputs(context, arguments.force);
+  outputs.reads_log(arguments.log);
+  outputs.add_folder("-o", arguments.out, begin != RunStart::kLog);
+  outputs.check(least_bytes_of_results(log_files.bytes()));
+
   ProblemPrinter print_problem(context);
   const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
-  const auto reader =
-      open(arguments.log, {.strict = arguments.strict,
-                           .on_problem = [&](const Problem& problem) { print_problem(problem); }});
-  const RunStart begin =
-      prepare_session_folder(arguments.out, arguments.checkpoint, arguments.force, context);
-  if (begin == RunStart::kOver) return kExitDone;
+  const auto reader = open(arguments.log, log_options(arguments.strict, context, &print_problem));
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping", display);
-  CameraFrames camera;
-  std::optional<Pace> pace;
-  if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
   Checkpoint checkpoint(arguments.checkpoint, arguments.out,
                         {.version = std::string(kVersion),
                          .options_toml = options_to_toml(list_options(options)),
@@ -120,59 +185,71 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
                          .mounts_from_log = !context.robot_given(),
                          .cut = arguments.cut},
                         context);
+  if (begin == RunStart::kResults) {
+    return show_results(log, arguments, checkpoint.terms(), context);
+  }
+  if (begin == RunStart::kLog && arguments.checkpoint.resume) {
+    context.note(arguments.out + ": holds no session yet; from the beginning");
+  }
+  outputs.prepare();
+  if (begin == RunStart::kLog) remove_session(arguments.out);
+
+  CameraFrames camera;
+  std::optional<Pace> pace;
+  if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
   MapResult result;
+  std::optional<HeldInterrupt> held;
   if (textbook) {
-    ScanToScanMapper mapper(robot, textbook_options, context.threads());
-    while (const auto message = log.next()) {
-      camera.take(*message);
-      mapper.add(*message);
-    }
-    result = mapper.finish(display.callback());
+    held.emplace();
+    result = map_textbook(log, camera, robot, textbook_options, context, display);
   } else {
     Mapper mapper(robot, options, context.threads());
-    if (begin == RunStart::kSession && !checkpoint.resume(mapper, log, camera, arguments.log)) {
-      context.warn("interrupted before the session was reached: nothing has changed");
-      return kExitInterrupted;
-    }
-    while (const auto message = log.next()) {
-      if (pace) pace->wait_for(stamp_of(*message), [] { return !AppContext::interrupted(); });
-      camera.take(*message);
-      const std::int64_t before = mapper.scans();
-      mapper.add(*message);
-      if (pace && mapper.scans() > before) pace->note_done();
-      checkpoint.after(*message, mapper);
-    }
-    checkpoint.after_last(mapper);
-    result = mapper.finish();
+    if (begin == RunStart::kSession) checkpoint.resume(mapper, log, camera, arguments.log);
+    held.emplace();
+    result = map_submaps(log, camera, mapper, pace, checkpoint);
   }
   ProgressDisplay::clear_line();
-  log.require_scans(arguments.log);
+  const LogSummary judged = log.judge(arguments.log);
+  const std::vector<std::string> of_log = warnings_of(judged);
+  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
+  judge_left_out(result.verdict, judged.left_out.share());
   result.complete = result.complete && !log.interrupted();
+  for (std::string& change : log_files.changes()) result.warnings.push_back(std::move(change));
 
+  RunInfo info = run_info(arguments.log, judged.left_out,
+                          arguments.force || arguments.checkpoint.any(), context);
   std::optional<FloorTexture> texture;
   if (!arguments.no_texture && camera.complete() > 0 && result.complete) {
     TextureOptions texture_options = options.texture;
     if (arguments.cloud) gather_cloud(texture_options);
-    texture = colour_floor(camera, result.trajectory, robot, texture_options, context, display);
-    result.complete = texture->complete;
+    try {
+      texture = colour_floor(camera, result.trajectory, robot, texture_options, context, display);
+      result.complete = texture->complete;
+    } catch (const std::exception& error) {
+      info.failure = std::string("the floor could not be coloured: ") + error.what();
+    }
   }
   const FloorTexture* floor = texture ? &*texture : nullptr;
 
-  RunInfo info =
-      run_info(arguments.log, *reader, arguments.force || arguments.checkpoint.any(), context);
-  info.cpu_time_s += checkpoint.earlier_cpu_s();
+  info.cpu_time_s = cpu_seconds() + checkpoint.earlier_cpu_s();
+  info.peak_memory_bytes = peak_memory_bytes();
   if (pace) info.pace = pace->figures();
   info.options_toml =
       options_to_toml(textbook ? list_options(textbook_options) : list_options(options));
+  if (!textbook)
+    info.terms = result_terms(checkpoint.terms(), colour_of(arguments), checkpoint.log());
   info.wall_time_s =
       checkpoint.earlier_wall_s() +
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
-  checkpoint.end(result.complete);
+  checkpoint.end(result.complete && info.failure.empty());
 
   for (const auto& warning : result.warnings) context.warn(warning);
   print_result(result, floor, info, arguments.out, context);
+  if (!info.failure.empty()) {
+    throw std::runtime_error(info.failure + "; all else is in " + arguments.out);
+  }
   if (!result.complete) {
     context.warn(std::string("interrupted: the map is of what was read until then") +
                  (arguments.checkpoint.any() ? "; --resume goes on from there" : ""));

@@ -8,10 +8,12 @@
 #include "bounds.hpp"
 #include "commands.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/log_scan.hpp"
 #include "loopstone/formats/point_cloud_file.hpp"
 #include "loopstone/report/match_picture.hpp"
 #include "match_plane.hpp"
 #include "match_report.hpp"
+#include "output_path.hpp"
 #include "parse_pose.hpp"
 
 namespace loopstone::app {
@@ -33,6 +35,7 @@ struct Arguments {
   std::string png;
   std::string aligned;
   std::vector<std::string> require;
+  bool force = false;
 };
 
 constexpr const char* kFooter = R"(
@@ -69,6 +72,7 @@ Pose3 parse_pose3(const std::string& flag, const std::string& text) {
 template <int kDimension>
 MatchRequest<kDimension> request_of(const Arguments& arguments, const AppContext& context) {
   MatchRequest<kDimension> request;
+  request.target_name = arguments.target;
   request.method = arguments.method;
   request.search_xy_m = arguments.search_xy_m;
   request.search_yaw_rad = arguments.search_yaw_rad;
@@ -103,6 +107,21 @@ void check_usage(const Arguments& arguments) {
   }
 }
 
+Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
+  Outputs outputs(context, arguments.force);
+  for (const std::string& input : {arguments.source, arguments.target}) {
+    const auto scan = parse_scan_name(input);
+    if (scan) {
+      outputs.reads_log(scan->log);
+    } else {
+      outputs.reads(input);
+    }
+  }
+  if (!arguments.png.empty()) outputs.add_file("--png", arguments.png);
+  if (!arguments.aligned.empty()) outputs.add_file("--aligned", arguments.aligned);
+  return outputs;
+}
+
 void check_pair(const MatchInput& source, const MatchInput& target, const Arguments& arguments) {
   if (source.map) throw UsageError("a map can only be the target: match SCAN " + source.name);
   if (source.planar() != target.planar()) {
@@ -126,8 +145,10 @@ void scale(MatchInput& input, const std::string& flag, double factor) {
 /// Two clouds of very different size hardly show the same thing in the same unit.
 void warn_of_units(const MatchInput& source, const MatchInput& target, const AppContext& context) {
   if (!source.cloud || !target.cloud) return;
-  const double ratio = cloud_extent<3>(target.points3()).radius_m /
-                       std::max(cloud_extent<3>(source.points3()).radius_m, 1e-12);
+  const double target_m = cloud_extent<3>(target.points3()).radius_m;
+  const double source_m = cloud_extent<3>(source.points3()).radius_m;
+  if (!(std::min(target_m, source_m) > 0.0)) return;  // a single point has no size
+  const double ratio = target_m / source_m;
   if (ratio > 50.0) {
     context.warn(
         fmt::format("the target is {:.0f} times larger than the source; if it is in "
@@ -224,6 +245,9 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
     if (text != "converged") (void)parse_bound(text);
   }
   (void)context.load_options<MatchSettings<2>>();
+  const Outputs outputs = outputs_of(arguments, context);
+  outputs.check();
+  outputs.prepare();
   MatchInput source = read_match_input(arguments.source, context);
   MatchInput target = read_match_input(arguments.target, context);
   scale(source, "--source-scale", arguments.source_scale);
@@ -291,6 +315,7 @@ void add_match_command(CLI::App& app, AppContext& context) {
       ->add_option("--aligned", arguments->aligned,
                    "write the source's points in the target's frame")
       ->type_name("FILE.ply|FILE.pcd");
+  add_force_flag(*command, arguments->force);
   add_require_flag(
       *command, arguments->require,
       "converged, or a bound on a figure of --json's result; may be given several times");

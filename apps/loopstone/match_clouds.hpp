@@ -53,6 +53,12 @@ void search_clouds(MatchOutcome<kDimension>& outcome,
                    const MatchRequest<kDimension>& request,
                    const MatchSettings<kDimension>& settings) {
   using Point = Eigen::Matrix<double, kDimension, 1>;
+  const auto usable =
+      std::ranges::count_if(target, [](const Point& point) { return point.allFinite(); });
+  if (usable < 3) {
+    throw DataError({request.target_name},
+                    "has fewer than 3 points with finite coordinates; nothing can be laid on it");
+  }
   const CloudModel<kDimension> model{target};
   outcome.search = search_alignment<kDimension>(std::span<const Point>(source), model,
                                                 settings.cloud_search, request.threads);

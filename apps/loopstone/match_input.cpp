@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/decimal_stamp.hpp"
 #include "loopstone/formats/point_cloud_file.hpp"
@@ -41,7 +42,7 @@ std::vector<Eigen::Vector2d> MatchInput::points2() const {
   if (map) return wall_points(*map);
   std::vector<Eigen::Vector2d> points;
   for (const Eigen::Vector3d& point : cloud->points) {
-    if (point.allFinite()) points.push_back(point.head<2>());
+    if (is_usable_point(point)) points.push_back(point.head<2>());
   }
   return points;
 }
@@ -49,7 +50,7 @@ std::vector<Eigen::Vector2d> MatchInput::points2() const {
 std::vector<Eigen::Vector3d> MatchInput::points3() const {
   std::vector<Eigen::Vector3d> points;
   for (const Eigen::Vector3d& point : cloud->points) {
-    if (point.allFinite()) points.push_back(point);
+    if (is_usable_point(point)) points.push_back(point);
   }
   return points;
 }
@@ -74,11 +75,12 @@ std::string MatchInput::description() const {
 MatchInput read_match_input(const std::string& name, const AppContext& context) {
   MatchInput input{.name = name};
   if (ends_with_any(name, {".yaml", ".yml"})) {
-    input.map = read_ros_map(name);
+    input.map = read_ros_map(name, context.memory(), MapField::kBytesPerCell);
     return input;
   }
   if (const auto scan = parse_scan_name(name)) {
-    input.scan = read_log_scan(*scan, context.robot(), context.robot_given());
+    input.scan = read_log_scan(*scan, context.robot(), context.robot_given(),
+                               {.memory = context.memory(), .stop = interrupted});
     return input;
   }
   std::error_code ignored;
@@ -92,7 +94,7 @@ MatchInput read_match_input(const std::string& name, const AppContext& context) 
   if (mark != std::string::npos && !is_point_cloud_name(name) && !fs::exists(name, ignored)) {
     throw DataError({name.substr(0, mark)}, "there is no such file or folder");
   }
-  input.cloud = read_point_cloud(name);
+  input.cloud = read_point_cloud(name, context.memory());
   return input;
 }
 

@@ -46,6 +46,7 @@ struct MatchRequest {
   using Pose = typename RigidMotion<kDimension>::Pose;
 
   std::string method = "auto";
+  std::string target_name{};      ///< for messages
   std::optional<Pose> initial{};  ///< of target_T_source
   bool from_centroids = false;    ///< --initial centroids
   std::optional<double> search_xy_m{};

@@ -3,9 +3,12 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
+#include "log_run.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/odometry/dead_reckoning.hpp"
+#include "output_path.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
 
@@ -19,6 +22,7 @@ struct Arguments {
   bool euler = false;
   std::string yaw;
   std::string align;
+  bool force = false;
   bool strict = false;
 };
 
@@ -64,27 +68,43 @@ void print(const DeadReckoningResult& dead_reckoning, const LogReader& log, bool
   result.print(context);
 }
 
+/// False when the user interrupted.
+bool read_log(LogReader& log, DeadReckoner& reckoner, LeftOutCounter& counter,
+              ProgressDisplay& display) {
+  std::int64_t messages = 0;
+  while (const auto message = log.next()) {
+    reckoner.add(*message);
+    counter.add(*message);
+    const ReadProgress read = log.progress();
+    if (++messages % 256 == 0 &&
+        !display.show({"dead reckoning", read.bytes_done, read.bytes_total}))
+      return false;
+  }
+  return !interrupted();
+}
+
 ExitCode run(const Arguments& arguments, AppContext& context) {
   const OdometryOptions options = options_of(arguments, context);
-  LogOptions log_options;
-  log_options.strict = arguments.strict;
-  const auto log = open_log(arguments.log, log_options);
+  const LogFiles log_files(arguments.log);
+  Outputs outputs(context, arguments.force);
+  outputs.reads_log(arguments.log);
+  outputs.add_file("-o", arguments.output);
+  outputs.check(least_bytes_of_results(log_files.bytes()));
+  const auto log = open_log(arguments.log, log_options(arguments.strict, context));
   const RobotModel robot = context.robot();
+  outputs.prepare();
 
+  const HeldInterrupt held;
   DeadReckoner reckoner(robot.wheels, options);
   ProgressDisplay display(context);
-  std::int64_t messages = 0;
-  bool go_on = true;
-  while (go_on) {
-    const auto message = log->next();
-    if (!message) break;
-    reckoner.add(*message);
-    if (++messages % 256 == 0) {
-      const ReadProgress read = log->progress();
-      go_on = display.show({"dead reckoning", read.bytes_done, read.bytes_total});
-    }
-  }
+  LeftOutCounter counter(*log);
+  const bool go_on = read_log(*log, reckoner, counter, display);
+  if (go_on) judge_left_out(counter.left_out(), arguments.log, context);
   const DeadReckoningResult dead_reckoning = reckoner.finish();
+  if (dead_reckoning.trajectory.empty() && !go_on) {
+    context.warn("interrupted before the first pose: nothing was written");
+    return kExitInterrupted;
+  }
   if (dead_reckoning.trajectory.empty()) {
     throw DataError({arguments.log},
                     "no odometry: the log has neither wheel counts nor odometry poses near its "
@@ -96,7 +116,9 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
         std::string(dead_reckoning.wheel_readings > 0 ? "the wheels" : "its own odometry"));
   }
   write_tum(arguments.output, dead_reckoning.trajectory);
+  warn_of_changes(log_files, context);
   print(dead_reckoning, *log, !go_on, context);
+  if (!go_on) context.warn("interrupted: the poses are those until then");
   return go_on ? kExitDone : kExitInterrupted;
 }
 
@@ -122,6 +144,7 @@ void add_odometry_command(CLI::App& app, AppContext& context) {
       ->type_name("nearest|interpolate")
       ->check(CLI::IsMember({"nearest", "interpolate"}));
   command->add_flag("--strict", arguments->strict, "damage in the log is an error");
+  add_force_flag(*command, arguments->force);
   context.add_robot_flag(*command);
   context.add_option_flags(*command);
   context.add_common_flags(*command);

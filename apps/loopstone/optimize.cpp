@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <limits>
@@ -11,6 +10,7 @@
 
 #include "bounds.hpp"
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "loopstone/formats/image.hpp"
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/formats/tum.hpp"
@@ -18,6 +18,7 @@
 #include "loopstone/version.hpp"
 #include "optimize_report.hpp"
 #include "optimize_run.hpp"
+#include "output_path.hpp"
 
 namespace loopstone::app {
 
@@ -36,6 +37,7 @@ struct Arguments {
   std::string report;
   std::string edges;
   std::vector<std::string> require;
+  bool force = false;
 };
 
 constexpr const char* kFooter = R"(
@@ -97,15 +99,20 @@ void check_usage(const Arguments& arguments) {
   needs("--picture", arguments.picture, ".png");
   needs("--report", arguments.report, ".html");
   needs("--edges", arguments.edges, ".csv");
-  std::vector<std::string> outputs;
-  for (const std::string& path :
-       {arguments.output, arguments.tum, arguments.picture, arguments.report, arguments.edges}) {
-    if (path.empty() || path == "/dev/null") continue;
-    if (std::find(outputs.begin(), outputs.end(), path) != outputs.end()) {
-      throw UsageError(path + ": is named for two outputs");
-    }
-    outputs.push_back(path);
-  }
+}
+
+Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
+  Outputs outputs(context, arguments.force);
+  outputs.reads(arguments.input);
+  const auto add = [&](const char* flag, const std::string& path) {
+    if (!path.empty()) outputs.add_file(flag, path);
+  };
+  add("-o", arguments.output);
+  add("--tum", arguments.tum);
+  add("--picture", arguments.picture);
+  add("--report", arguments.report);
+  add("--edges", arguments.edges);
+  return outputs;
 }
 
 /// A pose graph has no times: the ids stand for seconds.
@@ -185,6 +192,8 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   request.certify = arguments.certify;
   request.gnc = arguments.robust == "gnc";
   request.settings = settings_of(arguments, context);
+  const Outputs outputs = outputs_of(arguments, context);
+  outputs.check();
 
   const auto begin = Clock::now();
   GraphFile file = read_g2o(arguments.input, order_of(arguments.information_order));
@@ -195,6 +204,8 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   GraphRun run = optimize_file(std::move(file), request);
   run.name = std::filesystem::path(arguments.input).filename().string();
   run.read_s = read_s;
+  outputs.prepare();
+  const HeldInterrupt held;  // all of the outputs, or none
   write_outputs(arguments, request.settings, run, context);
 
   const Result result = report_graph_run(run, request);
@@ -214,6 +225,7 @@ void add_output_flags(CLI::App& command, Arguments& arguments) {
   add("--picture", arguments.picture, "before and after", "FILE.png");
   add("--report", arguments.report, "everything on one page", "FILE.html");
   add("--edges", arguments.edges, "chi2 and final weight of every edge", "FILE.csv");
+  add_force_flag(command, arguments.force);
 }
 
 }  // namespace

@@ -4,8 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
+
+#include "interrupt.hpp"
 
 namespace loopstone::app {
 
@@ -15,7 +18,7 @@ constexpr auto kBarInterval = std::chrono::milliseconds(100);
 constexpr auto kLineInterval = std::chrono::seconds(5);
 constexpr int kBarWidth = 24;
 
-bool bar_on_screen = false;
+std::atomic<bool> bar_on_screen{false};  // also read by who ends the process
 
 std::string clock_text(double seconds) {
   const auto whole = static_cast<long>(std::llround(std::min(seconds, 359999.0)));
@@ -73,7 +76,7 @@ ProgressCallback ProgressDisplay::callback() {
 }
 
 bool ProgressDisplay::show(const Progress& progress) {
-  if (AppContext::interrupted()) return false;
+  if (interrupted()) return false;
   if (!enabled_) return true;
   const auto now = Clock::now();
   if (now < next_) return true;

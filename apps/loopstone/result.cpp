@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "loopstone/base/error.hpp"
+#include "terminal_text.hpp"
 
 namespace loopstone::app {
 
@@ -66,7 +67,8 @@ std::string Result::table() const {
 void Result::print(const AppContext& context) const {
   // Text that is not UTF-8 (a file name) must not end the program.
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
-  print_to_stdout(context.json() ? json_.dump(2, ' ', false, kReplace) + "\n" : table());
+  print_to_stdout(context.json() ? json_.dump(2, ' ', false, kReplace) + "\n"
+                                 : terminal_text(table()));
 }
 
 void print_to_stdout(std::string_view text) {

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include "commands.hpp"
 #include "floor_files.hpp"
+#include "interrupt.hpp"
 #include "loopstone/formats/image.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/ros_map.hpp"
@@ -19,6 +22,7 @@
 #include "loopstone/geometry/roll_pitch_yaw.hpp"
 #include "loopstone/simulation/floor_pattern.hpp"
 #include "loopstone/version.hpp"
+#include "output_path.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
 
@@ -99,23 +103,24 @@ SimulationOptions options_of(const Arguments& arguments, const AppContext& conte
   return options;
 }
 
-std::shared_ptr<const FloorPattern> floor_of(const Arguments& arguments) {
+std::shared_ptr<const FloorPattern> floor_of(const Arguments& arguments,
+                                             const MemoryBudget& budget) {
   const std::string name = arguments.floor.value_or("mixed");
   std::error_code ignored;
   if (!name.ends_with(".png") && !fs::exists(name, ignored)) {
     return std::make_shared<const FloorPattern>(make_floor(name, arguments.seed));
   }
   return std::make_shared<const FloorPattern>(
-      make_floor(as_colours(read_image(name)), arguments.floor_width_m));
+      make_floor(as_colours(read_image(name, budget)), arguments.floor_width_m));
 }
 
-World world_of(const Arguments& arguments, const RobotModel& robot) {
+World world_of(const Arguments& arguments, const RobotModel& robot, const MemoryBudget& budget) {
   const auto& names = world_names();
   std::error_code ignored;
   const bool is_built_in = std::find(names.begin(), names.end(), arguments.world) != names.end();
   const bool is_file = fs::exists(arguments.world, ignored) || arguments.world.ends_with(".yaml");
   if (is_built_in || !is_file) return make_world(arguments.world, arguments.seed);
-  const CellStates cells = read_ros_map(arguments.world);
+  const CellStates cells = read_ros_map(arguments.world, budget);
   return make_world(cells, arguments.world, robot.footprint_radius_m);
 }
 
@@ -199,6 +204,20 @@ Simulated write_log(const World& world, const RobotModel& robot, const Simulatio
   return simulated;
 }
 
+/// An older simulation goes, its description first: whoever ends this run leaves no mixture of both that looks whole.
+void remove_simulation(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::remove(folder / "world.json", error)) return;
+  for (const char* const name : {"truth.tum", "map.yaml", "map.pgm", "log.clf", "Encoders20.npz",
+                                 "Imu20.npz", "Hokuyo20.npz", "Kinect20.npz", "Odometry20.npz",
+                                 "floor.png", "floor.yaml", "floor_letters.csv"}) {
+    fs::remove(folder / name, error);
+  }
+  for (const char* const pictures : {"RGB20", "Disparity20", "Depth20"}) {
+    fs::remove_all(folder / "dataRGBD" / pictures, error);
+  }
+}
+
 ExitCode run(const Arguments& arguments, AppContext& context) {
   const RobotModel robot = context.robot();
   const SimulationOptions options = options_of(arguments, context);
@@ -208,10 +227,17 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   if (arguments.rgbd && arguments.format != "ucsd") {
     throw UsageError("CARMEN text can't hold pictures; --rgbd needs --format ucsd");
   }
-  World world = world_of(arguments, robot);
-  if (arguments.rgbd) world.floor = floor_of(arguments);
-  prepare_output_folder(arguments.output, arguments.force);
+  Outputs outputs(context, arguments.force);
+  outputs.reads(arguments.world);
+  outputs.reads(arguments.floor.value_or(""));
+  outputs.add_folder("-o", arguments.output);
+  outputs.check();
+  World world = world_of(arguments, robot, context.memory());
+  if (arguments.rgbd) world.floor = floor_of(arguments, context.memory());
+  const HeldInterrupt held;
+  outputs.prepare();
   const fs::path folder(arguments.output);
+  remove_simulation(folder);
   const std::string log_path =
       arguments.format == "carmen" ? (folder / "log.clf").string() : arguments.output;
 
@@ -247,6 +273,7 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   description["version"] = std::string(kVersion);
   write_text_file((folder / "world.json").string(), description.dump(2) + "\n");
   result.print(context);
+  if (!summary.complete) context.warn("interrupted: the log is of what was driven until then");
   return summary.complete ? kExitDone : kExitInterrupted;
 }
 

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "floor_run.hpp"
+#include "interrupt.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_reader.hpp"
@@ -15,6 +16,7 @@
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/texture_outputs.hpp"
+#include "output_path.hpp"
 
 namespace loopstone::app {
 
@@ -53,9 +55,9 @@ Examples:
   loopstone texture ucsd#20 --trajectory out/trajectory.tum -o floor --set texture.resolution_m=0.005 --cloud)";
 
 /// The walls, for the picture.
-OccupancyMap walls_of(const std::string& path) {
+OccupancyMap walls_of(const std::string& path, const MemoryBudget& budget) {
   if (path.empty()) return {};
-  const CellStates cells = read_ros_map(path);
+  const CellStates cells = read_ros_map(path, budget, sizeof(float) + 1);
   OccupancyMap map{Grid<float>(cells.frame(), 0.0F), Grid<std::uint8_t>(cells.frame(), 0)};
   for (std::size_t i = 0; i < cells.cells().size(); ++i) {
     const std::int8_t state = cells.cells()[i];
@@ -70,25 +72,41 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   Options options = context.load_options<Options>();
   if (arguments.cloud) gather_cloud(options.texture);
+  const LogFiles log_files(arguments.log);
+  Outputs outputs(context, arguments.force);
+  outputs.reads_log(arguments.log);
+  outputs.reads(arguments.trajectory);
+  outputs.reads(arguments.map);
+  outputs.add_folder("-o", arguments.out);
+  outputs.check(least_bytes_of_results(log_files.bytes()));
   const Trajectory trajectory = read_tum(arguments.trajectory);
-  const OccupancyMap map = walls_of(arguments.map);
+  const OccupancyMap map = walls_of(arguments.map, context.memory());
   ProblemPrinter print_problem(context);
-  const auto reader = open_log(
-      arguments.log, {.strict = arguments.strict,
-                      .on_problem = [&](const Problem& problem) { print_problem(problem); }});
-  prepare_output_folder(arguments.out, arguments.force);
+  const auto reader =
+      open_log(arguments.log, log_options(arguments.strict, context, &print_problem));
+  outputs.prepare();
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
   CameraFrames camera;
-  while (const auto message = reader->next()) camera.take(*message);
+  LeftOutCounter counter(*reader);
+  while (const auto message = reader->next()) {
+    camera.take(*message);
+    counter.add(*message);
+    if (interrupted()) throw ReadingStopped();
+  }
+  judge_left_out(counter.left_out(), arguments.log, context);
   if (camera.complete() == 0) {
     throw DataError({arguments.log},
                     "there are no RGB-D frames with depth and colour in it; `loopstone info` shows "
                     "what there is");
   }
-  const FloorTexture texture =
-      colour_floor(camera, trajectory, robot, options.texture, context, display);
+  const HeldInterrupt held;
+  FloorTexture texture = colour_floor(camera, trajectory, robot, options.texture, context, display);
+  for (const std::string& change : log_files.changes()) {
+    context.warn(change);
+    texture.warnings.push_back(change);
+  }
   if (texture.complete && texture.statistics.frames_without_pose == texture.statistics.frames) {
     throw DataError({arguments.trajectory},
                     "has no pose at the time of any frame; is it of this log, and on its clock?");
@@ -98,7 +116,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
     throw DataError({arguments.log}, "none of its pictures can be used, as the warnings say");
   }
 
-  RunInfo info = run_info(arguments.log, *reader, arguments.force, context);
+  RunInfo info = run_info(arguments.log, counter.left_out(), arguments.force, context);
   info.options_toml = options_to_toml(list_options(options));
   info.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -114,6 +132,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
     table.add_row("picture", arguments.out + "/texture_map.png");
     table.print(context);
   }
+  if (!texture.complete) context.warn("interrupted: the colours are of what was seen until then");
   return texture.complete ? kExitDone : kExitInterrupted;
 }
 

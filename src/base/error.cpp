@@ -1,5 +1,7 @@
 #include "loopstone/base/error.hpp"
 
+#include "loopstone/base/short_text.hpp"
+
 namespace loopstone {
 
 std::string to_string(const Location& location) {
@@ -10,6 +12,7 @@ std::string to_string(const Location& location) {
 }
 
 DataError::DataError(Location location, const std::string& reason)
-    : std::runtime_error(to_string(location) + ": " + reason), location_(std::move(location)) {}
+    : std::runtime_error(to_string(location) + ": " + with_short_numbers(reason)),
+      location_(std::move(location)) {}
 
 }  // namespace loopstone

@@ -14,7 +14,9 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/text_numbers.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/memory_budget.hpp"
 
 namespace loopstone {
 namespace {
@@ -36,6 +38,20 @@ std::string temporary_name_beside(const std::string& target) {
 
 }  // namespace
 
+std::optional<PartialName> parse_partial_name(const std::string& file_name) {
+  constexpr std::string_view kEnd = ".partial";
+  if (!file_name.starts_with('.') || !file_name.ends_with(kEnd)) return std::nullopt;
+  const std::string stem = file_name.substr(1, file_name.size() - 1 - kEnd.size());
+  const std::size_t dot = stem.rfind('.');
+  if (dot == stem.npos || dot == 0) return std::nullopt;
+  const std::string_view numbers = std::string_view(stem).substr(dot + 1);
+  const std::size_t dash = std::min(numbers.find('-'), numbers.size());
+  const auto process = parse_integer(numbers.substr(0, dash));
+  if (!process || *process <= 0) return std::nullopt;
+  if (dash < numbers.size() && !parse_integer(numbers.substr(dash + 1))) return std::nullopt;
+  return PartialName{stem.substr(0, dot), *process};
+}
+
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), final_path_(path_) {
   if (path_.empty()) throw UsageError("the name of an output file is empty");
   std::error_code ignored;
@@ -47,9 +63,12 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), final_path_(p
     throw DataError({path_}, "cannot write here: it is a folder; give a file name");
   }
   straight_through_ = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-  temporary_path_ = straight_through_ ? final_path_ : temporary_name_beside(final_path_);
   const int creation = straight_through_ ? 0 : (O_CREAT | O_EXCL);
-  descriptor_ = ::open(temporary_path_.c_str(), O_WRONLY | O_CLOEXEC | creation, 0666);
+  // In a container every run may have the same process id: the name may be taken by one that was killed.
+  do {
+    temporary_path_ = straight_through_ ? final_path_ : temporary_name_beside(final_path_);
+    descriptor_ = ::open(temporary_path_.c_str(), O_WRONLY | O_CLOEXEC | creation, 0666);
+  } while (descriptor_ < 0 && errno == EEXIST);
   if (descriptor_ < 0) fail(path_, "cannot create this file", errno);
   buffer_.reserve(kBufferBytes);
 }
@@ -129,19 +148,24 @@ std::string read_whole_file(const std::string& path, std::size_t most_bytes, std
   std::string content = std::move(buffer);
   content.clear();
   struct stat status {};
-  if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
-    content.reserve(std::min(static_cast<std::size_t>(status.st_size), most_bytes));
-  }
+  const bool is_regular = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  std::uint64_t most = most_bytes;
+  if (!is_regular) most = std::min(most, MemoryBudget::kSmall);
+  const bool is_too_large = is_regular && static_cast<std::uint64_t>(status.st_size) > most;
+  if (is_regular && !is_too_large) content.reserve(static_cast<std::size_t>(status.st_size));
   std::array<char, 1 << 16> chunk;
   while (true) {
-    const ssize_t count = ::read(descriptor, chunk.data(), chunk.size());
+    const ssize_t count = is_too_large ? 1 : ::read(descriptor, chunk.data(), chunk.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0 || content.size() + static_cast<std::size_t>(count) > most_bytes) {
+    if (count <= 0 || is_too_large || content.size() + static_cast<std::size_t>(count) > most) {
       const int error_number = errno;
       ::close(descriptor);
       if (count < 0) fail(path, "cannot read this file", error_number);
-      if (count > 0)
-        throw DataError({path}, "is larger than " + std::to_string(most_bytes) + " bytes");
+      if (count > 0) {
+        throw DataError({path}, "is larger than " + bytes_text(most) +
+                                    (is_regular ? ", the most that is read of such a file"
+                                                : ", the most that is read of a pipe or a device"));
+      }
       return content;
     }
     content.append(chunk.data(), static_cast<std::size_t>(count));

@@ -1,5 +1,6 @@
 #include "formats/carmen_line.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,6 +10,22 @@ namespace loopstone {
 namespace {
 
 constexpr std::int64_t kMostBeams = 100'000;
+/// Coordinates of the grids in which the earth is surveyed (UTM) are less.
+constexpr double kFarthestPoseM = 1e7;
+
+/// Why a word is no stamp, and what to do. The usual mistake is a unit that makes the number too large.
+std::string reason_against_stamp(std::string_view word) {
+  if (word.empty()) {
+    return "the line ends before the time; every line ends with time [s], host and logger's time";
+  }
+  std::string reason = "the time is '" + std::string(word.substr(0, 24)) + "', expected seconds";
+  const auto value = parse_number(word);
+  if (!value || !(*value >= 1e10) || *value >= 1e20) return reason;
+  const char* const unit = *value < 1e14   ? "milliseconds, divide it by 1000"
+                           : *value < 1e17 ? "microseconds, divide it by 1e6"
+                                           : "nanoseconds, divide it by 1e9";
+  return reason + "; if it is in " + unit;
+}
 
 /// Reads words as numbers and remembers the first that isn't one.
 class Fields {
@@ -42,13 +59,17 @@ class Fields {
   Stamp stamp() {
     const std::string_view word = words_.next();
     const auto value = parse_stamp(word);
-    if (!value) fail("the time", word, "seconds");
+    if (!value && ok()) reason_ = reason_against_stamp(word);
     return value.value_or(Stamp{});
   }
   Pose2 pose(const char* what) {
     const double x = finite(what);
     const double y = finite(what);
-    return {x, y, wrap_angle(finite(what))};
+    const double yaw = finite(what);
+    if (ok() && std::max({std::abs(x), std::abs(y), std::abs(yaw)}) > kFarthestPoseM) {
+      reason_ = std::string(what) + " lies more than 10,000 km away, or turns as often";
+    }
+    return {x, y, wrap_angle(yaw)};
   }
   std::vector<float> ranges(std::int64_t beams) {
     std::vector<float> values;
@@ -63,12 +84,15 @@ class Fields {
       if (words_.next().empty()) reason_ = "the line ends too early";
     }
   }
-  /// The host and the logger's time close every line.
-  void end_of_line() {
-    skip(2);
+  /// The host and the logger's time close every line; the time, if it is one.
+  std::optional<Stamp> end_of_line() {
+    skip(1);
+    const std::string_view word = words_.next();
+    if (ok() && word.empty()) reason_ = "the line ends too early";
     if (ok() && !words_.next().empty()) {
       reason_ = "the line holds more words than its count of beams says";
     }
+    return parse_stamp(word);
   }
   bool ok() const { return reason_.empty(); }
   const std::string& reason() const { return reason_; }
@@ -98,9 +122,9 @@ CarmenLine parse_old_laser(CarmenTag tag, Fields fields) {
   scan.odom_T_robot = fields.pose("the robot's pose");
   scan.has_poses = true;
   scan.stamp = fields.stamp();
-  fields.end_of_line();
-  if (!fields.ok()) return CarmenBroken{fields.reason()};
-  if (beams == 0) return CarmenBroken{"the scan has no beams"};
+  scan.logger_stamp = fields.end_of_line();
+  if (!fields.ok()) return CarmenBroken{fields.reason(), true};
+  if (beams == 0) return CarmenBroken{"the scan has no beams", true};
   return scan;
 }
 
@@ -125,9 +149,9 @@ CarmenLine parse_new_laser(CarmenTag tag, Fields fields) {
     fields.skip(5);  // velocities and safety distances
   }
   scan.stamp = fields.stamp();
-  fields.end_of_line();
-  if (!fields.ok()) return CarmenBroken{fields.reason()};
-  if (count == 0) return CarmenBroken{"the scan has no beams"};
+  scan.logger_stamp = fields.end_of_line();
+  if (!fields.ok()) return CarmenBroken{fields.reason(), true};
+  if (count == 0) return CarmenBroken{"the scan has no beams", true};
   return scan;
 }
 
@@ -136,7 +160,7 @@ CarmenLine parse_odometry(Fields fields) {
   odometry.odom_T_robot = fields.pose("the robot's pose");
   fields.skip(3);  // velocities and acceleration
   odometry.stamp = fields.stamp();
-  fields.end_of_line();
+  odometry.logger_stamp = fields.end_of_line();
   if (!fields.ok()) return CarmenBroken{fields.reason()};
   return odometry;
 }
@@ -187,7 +211,9 @@ CarmenLine parse_carmen_line(std::string_view text) {
   if (tag == "RAWLASER1") return parse_new_laser(CarmenTag::kRawLaser, Fields(words));
   if (tag == "ODOM") return parse_odometry(Fields(words));
   if (tag == "PARAM") return parse_param(words);
-  if (!looks_like_a_tag(tag)) return CarmenBroken{"the line doesn't begin with a CARMEN tag"};
+  if (!looks_like_a_tag(tag)) {
+    return CarmenBroken{"the line doesn't begin with a CARMEN tag", false, false};
+  }
   return CarmenOther{tag};
 }
 

@@ -43,11 +43,13 @@ struct CarmenScan {
   bool has_poses = false;
   Pose2 odom_T_lidar{};  ///< of corrected logs: the corrected pose
   Pose2 odom_T_robot{};
+  std::optional<Stamp> logger_stamp{};  ///< when it was written down, on the logger's own clock
 };
 
 struct CarmenOdometry {
   Stamp stamp;
   Pose2 odom_T_robot;
+  std::optional<Stamp> logger_stamp{};
 };
 
 struct CarmenParam {
@@ -63,6 +65,8 @@ struct CarmenOther {
 /// A line that is not what its tag promises.
 struct CarmenBroken {
   std::string reason;
+  bool is_scan = false;
+  bool has_tag = true;  ///< it begins as a line of a CARMEN log does
 };
 
 using CarmenLine = std::variant<CarmenOther, CarmenParam, CarmenOdometry, CarmenScan, CarmenBroken>;

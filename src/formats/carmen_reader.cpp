@@ -10,6 +10,7 @@
 #include "formats/carmen_scan.hpp"
 #include "formats/carmen_survey.hpp"
 #include "formats/line_reader.hpp"
+#include "formats/skip_tally.hpp"
 #include "formats/stamp_order.hpp"
 
 namespace loopstone {
@@ -32,13 +33,15 @@ class PathLength {
 
 class CarmenReader final : public LogReader {
  public:
-  CarmenReader(std::string path, const CarmenFile& file, LogOptions options)
-      : path_(std::move(path)),
+  CarmenReader(const ReadableBytes& log, LogOptions options)
+      : path_(log.name),
         options_(std::move(options)),
-        survey_(survey_of(file)),
-        lines_(file.open(0)),
+        survey_(survey_of(log)),
+        lines_(log.read()),
         order_(survey_.scans_carry_odometry, survey_.early_stamp,
-               [this](std::int64_t line, const std::string& reason) { skip(line, reason); }) {}
+               [this](const OrderedRecord& record, const std::string& reason) {
+                 skip(record.line, reason, std::holds_alternative<LaserScan>(record.message));
+               }) {}
 
   std::optional<SensorMessage> next() override {
     for (;;) {
@@ -47,12 +50,18 @@ class CarmenReader final : public LogReader {
         return std::move(record->message);
       }
       if (at_end_) return std::nullopt;
-      const auto line = lines_.next();
+      std::optional<LineReader::Line> line;
+      try {
+        line = lines_.next();
+      } catch (const ReadingStopped&) {
+        at_end_ = true;
+        return std::nullopt;
+      }
       if (!line) {
         at_end_ = true;
         order_.close();
       } else if (line->too_long) {
-        skip(line->number, "the line is longer than any scan");
+        skip(line->number, "the line is longer than any scan", false);
       } else {
         take(*line);
       }
@@ -62,7 +71,7 @@ class CarmenReader final : public LogReader {
     return {lines_.source().bytes_done(), lines_.source().bytes_total()};
   }
   std::string format() const override { return "carmen"; }
-  std::int64_t records_skipped() const override { return skipped_; }
+  const SkippedRecords& skipped() const override { return tally_.skipped(); }
 
   RobotModel robot(RobotModel base) const override {
     for (int lidar = 0; lidar < 2; ++lidar) {
@@ -78,10 +87,16 @@ class CarmenReader final : public LogReader {
   }
 
   std::vector<std::string> notes() const override;
+  std::vector<std::string> warnings() const override;
 
  private:
-  CarmenSurvey survey_of(const CarmenFile& file) {
-    CarmenSurvey survey = survey_carmen(file);
+  CarmenSurvey survey_of(const ReadableBytes& log) const {
+    CarmenSurvey survey = survey_carmen(log);
+    if (!survey.any_record && survey.first_refusal) {
+      throw DataError({path_, survey.first_refusal->line},
+                      survey.first_refusal->reason +
+                          " (no line of this CARMEN log can be used; this is the first)");
+    }
     if (!survey.any_record) {
       throw DataError(
           {path_},
@@ -91,21 +106,29 @@ class CarmenReader final : public LogReader {
     return survey;
   }
 
-  void skip(std::int64_t line, const std::string& reason) {
-    const Location where{path_, line};
-    if (options_.strict) throw DataError(where, reason);
-    ++skipped_;
-    if (options_.on_problem) options_.on_problem({where, reason});
+  void skip(std::int64_t line, const std::string& reason, bool is_scan) {
+    const LogProblem problem{{{path_, line}, reason}, is_scan};
+    if (options_.strict) throw DataError(problem.location, reason);
+    tally_.add(problem);
+    if (options_.on_problem) options_.on_problem(problem);
+  }
+
+  /// Puts the logger's time in the place of a stamp that was never set.
+  template <typename Record>
+  void repair_stamp(Record& record) const {
+    if (survey_.stamps_are_the_loggers && record.logger_stamp) record.stamp = *record.logger_stamp;
   }
 
   void take(const LineReader::Line& line) {
     CarmenLine parsed = parse_carmen_line(line.text);
     if (auto* scan = std::get_if<CarmenScan>(&parsed)) {
+      repair_stamp(*scan);
       take_scan(std::move(*scan), line.number);
-    } else if (const auto* odometry = std::get_if<CarmenOdometry>(&parsed)) {
+    } else if (auto* odometry = std::get_if<CarmenOdometry>(&parsed)) {
+      repair_stamp(*odometry);
       order_.push({OdometryPose{odometry->stamp, odometry->odom_T_robot}, line.number});
     } else if (const auto* broken = std::get_if<CarmenBroken>(&parsed)) {
-      skip(line.number, broken->reason);
+      skip(line.number, broken->reason, broken->is_scan);
     } else if (const auto* other = std::get_if<CarmenOther>(&parsed)) {
       if (!other->tag.empty() && (unread_.size() < 50 || unread_.count(std::string(other->tag)))) {
         ++unread_[std::string(other->tag)];
@@ -146,7 +169,7 @@ class CarmenReader final : public LogReader {
   PathLength path_as_recorded_;  ///< of the scans' poses, in the order of the file
   PathLength path_by_stamp_;     ///< and as they come out
   std::map<std::string, std::int64_t> unread_;
-  std::int64_t skipped_ = 0;
+  SkipTally tally_;
   std::int64_t second_reports_ = 0;
   bool at_end_ = false;
   bool front_seen_ = false;
@@ -184,32 +207,38 @@ std::vector<std::string> CarmenReader::notes() const {
   if (survey_.no_return_by_histogram) {
     notes.push_back(text("ranges of %.2f m stand for 'nothing within reach'", survey_.no_return_m));
   }
+  for (int lidar = 0; lidar < 2; ++lidar) {
+    const char* const name = lidar == 0 ? "robot_frontlaser_offset" : "robot_rearlaser_offset";
+    if (survey_.param(name) && !carmen_laser_offset(survey_, lidar)) {
+      notes.push_back("PARAM " + std::string(name) +
+                      text(" is %g m, which can't be; it is not used", *survey_.param(name)));
+    }
+  }
   for (const auto& [tag, count] : unread_) {
     notes.push_back(std::to_string(count) + " lines of " + tag + " are not read");
   }
   return notes;
 }
 
+std::vector<std::string> CarmenReader::warnings() const {
+  std::vector<std::string> warnings;
+  if (survey_.stamps_are_the_loggers) {
+    warnings.emplace_back(
+        "all scans have the same stamp: the times at which the logger wrote them down are used "
+        "instead, which come late and unevenly");
+  }
+  return warnings;
+}
+
 }  // namespace
 
-std::unique_ptr<LogReader> open_carmen_log(const std::string& path, const LogOptions& options) {
-  char magic[4] = {};
-  const std::size_t count = open_byte_source(path)->read(magic);
-  if (count == 0) throw DataError({path}, "the file is empty");
-  CarmenFile file;
-  file.open = [path](std::int64_t offset) { return open_byte_source(path, offset); };
-  file.can_seek = compression_of_file(path) == Compression::kNone;
-  return std::make_unique<CarmenReader>(path, file, options);
+std::unique_ptr<LogReader> open_carmen_log(const ReadableBytes& log, const LogOptions& options) {
+  return std::make_unique<CarmenReader>(log, options);
 }
 
 std::unique_ptr<LogReader> read_carmen_log(std::string_view bytes, const LogOptions& options,
                                            const std::string& name) {
-  CarmenFile file;
-  file.can_seek = compression_of(bytes) == Compression::kNone;
-  file.open = [bytes, name](std::int64_t offset) {
-    return memory_byte_source(bytes.substr(static_cast<std::size_t>(offset)), name);
-  };
-  return std::make_unique<CarmenReader>(name, file, options);
+  return open_carmen_log(readable_memory(bytes, name), options);
 }
 
 }  // namespace loopstone

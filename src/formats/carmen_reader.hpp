@@ -4,12 +4,14 @@
 #include <string>
 #include <string_view>
 
+#include "formats/byte_source.hpp"
 #include "loopstone/formats/log_reader.hpp"
 
 namespace loopstone {
 
-/// Reads a CARMEN log, plain or compressed by gzip or bzip2. Throws DataError when no line of it can be understood.
-[[nodiscard]] std::unique_ptr<LogReader> open_carmen_log(const std::string& path,
+/// Reads a CARMEN log, plain or compressed by gzip or bzip2. Throws DataError when no line of it can be understood, saying why
+/// not the first.
+[[nodiscard]] std::unique_ptr<LogReader> open_carmen_log(const ReadableBytes& log,
                                                          const LogOptions& options);
 
 /// The same over bytes in memory, which must outlive the reader.

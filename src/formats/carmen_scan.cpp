@@ -1,22 +1,24 @@
 #include "formats/carmen_scan.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/sensor/robot_model.hpp"
 
 namespace loopstone {
 namespace {
 
 constexpr float kNoReturn = std::numeric_limits<float>::infinity();
 constexpr float kBad = std::numeric_limits<float>::quiet_NaN();
-constexpr float kBeyondAnyScanner_m = 1000.0F;
+constexpr double kBeyondAnyScanner_m = 1000.0;
 
 void translate_ranges(std::vector<float>& ranges_m, double no_return_m) {
   const auto limit_m = static_cast<float>(no_return_m);
   for (float& range_m : ranges_m) {
-    if (!(range_m > 0.0F) || range_m > kBeyondAnyScanner_m) {
+    if (!(range_m > 0.0F) || range_m > static_cast<float>(kBeyondAnyScanner_m)) {
       range_m = kBad;
     } else if (range_m >= limit_m) {
       range_m = kNoReturn;
@@ -52,9 +54,15 @@ BeamAngles carmen_beam_angles(std::size_t beams, const CarmenSurvey& survey, int
   return {-kPi / 2, kPi / (n - 1.0)};
 }
 
+std::optional<double> carmen_laser_offset(const CarmenSurvey& survey, int lidar) {
+  const auto offset_m =
+      survey.param(lidar == 0 ? "robot_frontlaser_offset" : "robot_rearlaser_offset");
+  return offset_m && std::abs(*offset_m) <= kFarthestMountM ? offset_m : std::nullopt;
+}
+
 std::optional<Pose2> carmen_mount(const CarmenSurvey& survey, int lidar) {
   const bool front = lidar == 0;
-  const auto offset_m = survey.param(front ? "robot_frontlaser_offset" : "robot_rearlaser_offset");
+  const auto offset_m = carmen_laser_offset(survey, lidar);
   const auto& by_poses = front ? survey.front_mount : survey.rear_mount;
   // Poses that are equal say nothing against an offset: many loggers wrote the robot's pose twice.
   const bool poses_tell = by_poses && !(*by_poses == Pose2{});
@@ -77,7 +85,8 @@ LaserScan to_laser_scan(CarmenScan&& scan, const CarmenSurvey& survey) {
   result.angle_increment_rad = angles.angle_increment_rad;
   const bool states_range =
       scan.beams && scan.beams->max_range_m > 0.0 && std::isfinite(scan.beams->max_range_m);
-  result.range_max_m = states_range ? scan.beams->max_range_m : survey.no_return_m;
+  result.range_max_m =
+      states_range ? std::min(scan.beams->max_range_m, kBeyondAnyScanner_m) : survey.no_return_m;
   translate_ranges(result.ranges_m, result.range_max_m);
   return result;
 }

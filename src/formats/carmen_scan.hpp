@@ -24,6 +24,9 @@ struct BeamAngles {
 /// 0, negative and not finite ranges are bad, and so is what lies beyond 1 km: no planar scanner measures that.
 [[nodiscard]] LaserScan to_laser_scan(CarmenScan&& scan, const CarmenSurvey& survey);
 
+/// What the log's PARAM line says of how far ahead a laser is mounted; nothing when it says nothing that can be.
+[[nodiscard]] std::optional<double> carmen_laser_offset(const CarmenSurvey& survey, int lidar);
+
 /// robot_T_lidar by the log's poses or its PARAM lines; nothing when it says nothing.
 [[nodiscard]] std::optional<Pose2> carmen_mount(const CarmenSurvey& survey, int lidar);
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
 #include "formats/carmen_line.hpp"
 #include "formats/line_reader.hpp"
 #include "formats/text_numbers.hpp"
+#include "loopstone/sensor/robot_model.hpp"
 
 namespace loopstone {
 namespace {
@@ -31,6 +33,7 @@ struct Sample {
   std::vector<Pose2> front_mounts{};
   std::vector<Pose2> rear_mounts{};
   std::vector<Stamp> stamps{};
+  std::vector<std::optional<Stamp>> logger_stamps{};
 };
 
 void add_scan(const CarmenScan& scan, Sample& sample, CarmenSurvey& survey) {
@@ -41,6 +44,7 @@ void add_scan(const CarmenScan& scan, Sample& sample, CarmenSurvey& survey) {
     mounts.push_back(scan.odom_T_robot.inverse() * scan.odom_T_lidar);
   }
   sample.stamps.push_back(scan.stamp);
+  sample.logger_stamps.push_back(scan.logger_stamp);
   if (scan.beams) return;
   for (std::size_t i = 0; i < scan.raw_ranges_m.size() && sample.beams.size() < kMostRanges; ++i) {
     const float range_m = scan.raw_ranges_m[i];
@@ -53,13 +57,11 @@ void add_scan(const CarmenScan& scan, Sample& sample, CarmenSurvey& survey) {
 /// Reads until `scans` scans or so many bytes have gone by.
 void add_stretch(std::unique_ptr<ByteSource> source, bool from_middle, int scans, Sample& sample,
                  CarmenSurvey& survey) {
-  LineReader lines(std::move(source));
-  std::int64_t bytes = 0;
+  LineReader lines(first_bytes(std::move(source), kMostBytes));
   int found = 0;
-  for (bool first = true; found < scans && bytes < kMostBytes; first = false) {
+  for (bool first = true; found < scans; first = false) {
     const auto line = lines.next();
     if (!line) return;
-    bytes += static_cast<std::int64_t>(line->text.size()) + 1;
     if (line->too_long || (first && from_middle)) continue;
     CarmenLine parsed = parse_carmen_line(line->text);
     if (const auto* other = std::get_if<CarmenOther>(&parsed)) {
@@ -75,6 +77,9 @@ void add_stretch(std::unique_ptr<ByteSource> source, bool from_middle, int scans
       ++found;
     } else if (std::holds_alternative<CarmenOdometry>(parsed)) {
       survey.any_record = true;
+    } else if (const auto* broken = std::get_if<CarmenBroken>(&parsed)) {
+      const bool is_first = broken->has_tag && !survey.first_refusal && !from_middle;
+      if (is_first) survey.first_refusal = {line->number, broken->reason};
     }
   }
 }
@@ -104,6 +109,8 @@ std::optional<Pose2> common_mount(const std::vector<Pose2>& mounts) {
            std::abs(wrap_angle(mount.yaw - middle.yaw)) > 0.05;
   });
   if (far * 10 > static_cast<std::ptrdiff_t>(mounts.size())) return std::nullopt;
+  // So far from the robot there is no laser: the pose is another one, in another frame.
+  if (std::max(std::abs(middle.x), std::abs(middle.y)) > kFarthestMountM) return std::nullopt;
   // The log prints six decimals; what is below that is rounding.
   const auto rounded = [](double value) { return std::round(value * 1e5) / 1e5; };
   return Pose2{rounded(middle.x), rounded(middle.y), rounded(middle.yaw)};
@@ -139,6 +146,18 @@ std::optional<double> saturation_value(std::vector<Sample::Beam> beams) {
   return static_cast<double>(top_m);
 }
 
+template <typename Value>
+bool all_equal(const std::vector<Value>& values) {
+  return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+}
+
+bool only_the_logger_had_a_clock(const Sample& sample) {
+  const auto& written = sample.logger_stamps;
+  return all_equal(sample.stamps) && !all_equal(written) &&
+         std::all_of(written.begin(), written.end(),
+                     [](const std::optional<Stamp>& stamp) { return stamp.has_value(); });
+}
+
 }  // namespace
 
 std::optional<double> CarmenSurvey::param(const std::string& name) const {
@@ -148,19 +167,22 @@ std::optional<double> CarmenSurvey::param(const std::string& name) const {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-CarmenSurvey survey_carmen(const CarmenFile& file) {
+CarmenSurvey survey_carmen(const ReadableBytes& log) {
   CarmenSurvey survey;
   Sample sample;
-  auto source = file.open(0);
+  auto source = log.look(0);
   const std::int64_t total = source->bytes_total();
-  const bool in_places = file.can_seek && total > kSmallFileBytes;
+  const bool in_places = log.can_seek && total > kSmallFileBytes;
   add_stretch(std::move(source), false, in_places ? kScansPerPlace : kScansInOneStretch, sample,
               survey);
+  const std::vector<std::optional<Stamp>> early_logger_stamps = sample.logger_stamps;
   if (!sample.stamps.empty()) survey.early_stamp = median(sample.stamps);
   for (int place = 1; in_places && place < kPlaces; ++place) {
-    add_stretch(file.open(total / kPlaces * place), true, kScansPerPlace, sample, survey);
+    add_stretch(log.look(total / kPlaces * place), true, kScansPerPlace, sample, survey);
   }
 
+  survey.stamps_are_the_loggers = only_the_logger_had_a_clock(sample);
+  if (survey.stamps_are_the_loggers) survey.early_stamp = median(early_logger_stamps);
   survey.front_mount = common_mount(sample.front_mounts);
   survey.rear_mount = common_mount(sample.rear_mounts);
   survey.pose_is_corrected = (!sample.front_mounts.empty() && !survey.front_mount) ||

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <functional>
+#include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -17,6 +16,14 @@ namespace loopstone {
 struct CarmenSurvey {
   bool any_record = false;  ///< at least one line that this reader understands
   bool any_scan = false;
+  /// When no line was understood: the first that begins as one of a CARMEN log, and what is wrong with it.
+  struct Refusal {
+    std::int64_t line = 0;
+    std::string reason{};
+  };
+  std::optional<Refusal> first_refusal{};
+  /// All scans that were looked at have the same stamp, but were written down at different times: these are their stamps.
+  bool stamps_are_the_loggers = false;
   bool scans_carry_odometry = false;
   std::optional<Stamp>
       early_stamp{};  ///< of a scan near the beginning: the median of the first few
@@ -35,12 +42,6 @@ struct CarmenSurvey {
   [[nodiscard]] std::optional<double> param(const std::string& name) const;
 };
 
-/// Opens the log anew at a byte offset; offsets other than 0 are asked for only when `can_seek`.
-struct CarmenFile {
-  std::function<std::unique_ptr<ByteSource>(std::int64_t offset)> open;
-  bool can_seek = false;
-};
-
-[[nodiscard]] CarmenSurvey survey_carmen(const CarmenFile& file);
+[[nodiscard]] CarmenSurvey survey_carmen(const ReadableBytes& log);
 
 }  // namespace loopstone

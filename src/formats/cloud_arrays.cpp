@@ -75,8 +75,9 @@ const MatMatrix& choose(const MatFile& file, const std::string& path, const std:
 
 }  // namespace
 
-PointCloud decode_npy_cloud(std::string_view bytes, const std::string& path) {
-  const NpyArray array = read_npy(memory_byte_source(bytes, path), path);
+PointCloud decode_npy_cloud(std::string_view bytes, const std::string& path,
+                            const MemoryBudget& budget) {
+  const NpyArray array = read_npy(memory_byte_source(bytes, path), path, budget, bytes.size());
   const auto shape = cloud_shape(array.rows(), array.columns());
   if (!shape || array.shape.size() != 2) {
     throw DataError({path}, fmt::format("is of shape {}; {}",
@@ -85,19 +86,23 @@ PointCloud decode_npy_cloud(std::string_view bytes, const std::string& path) {
                                             : std::to_string(array.rows()),
                                         kExpected));
   }
+  require_points(static_cast<std::uint64_t>(shape->points), array.values.size() * sizeof(double),
+                 bytes.size(), budget, {path});
   return make_cloud(
       *shape, [&](std::int64_t row, std::int64_t column) { return array.at(row, column); }, path);
 }
 
 PointCloud decode_mat_cloud(std::string_view bytes, const std::string& path,
-                            const std::string& variable) {
-  const MatFile file = parse_mat(bytes, path);
+                            const std::string& variable, const MemoryBudget& budget) {
+  const MatFile file = parse_mat(bytes, path, budget);
   const MatMatrix& matrix = choose(file, path, variable);
   const auto shape = cloud_shape(matrix.rows, matrix.columns);
   if (!shape) {
     throw DataError({path}, fmt::format("{} is {} x {}; {}", show_word(matrix.name), matrix.rows,
                                         matrix.columns, kExpected));
   }
+  require_points(static_cast<std::uint64_t>(shape->points), file.held_bytes(), bytes.size(), budget,
+                 {path});
   return make_cloud(
       *shape,
       [&](std::int64_t row, std::int64_t column) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/memory_budget.hpp"
 #include "loopstone/sensor/point_cloud.hpp"
 
 namespace loopstone {
@@ -12,7 +13,12 @@ namespace loopstone {
 /// A word of a damaged file as it can be shown: in quotes, short, printable.
 [[nodiscard]] std::string show_word(std::string_view word);
 
-/// What all readers of clouds do at the end: refuses one without a single finite point, notes whether it is planar.
+/// Asked before so many points are allocated, beside `held_bytes` that the file became on the way. Throws DataError.
+void require_points(std::uint64_t points, std::uint64_t held_bytes, std::uint64_t file_bytes,
+                    const MemoryBudget& budget, const Location& where);
+
+/// What all readers of clouds do at the end: refuses one without a single finite point, or with one that is nowhere
+/// (kFarthestCoordinateM), notes whether it is planar.
 /// \param has_z  the file has a third coordinate
 [[nodiscard]] PointCloud finish_cloud(PointCloud cloud, bool has_z, const std::string& path);
 

@@ -187,13 +187,16 @@ class CloudTextParser {
 
 }  // namespace
 
-PointCloud decode_cloud_text(std::string_view text, const std::string& path) {
+PointCloud decode_cloud_text(std::string_view text, const std::string& path,
+                             const MemoryBudget& budget) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte order mark of UTF-8
   if (text.substr(0, 4096).find('\0') != text.npos) {
     throw DataError({path},
                     "is neither text nor a format of point clouds that is known: PCD, PLY, "
                     "NPY, MAT v5");
   }
+  const auto line_ends = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
+  require_points(line_ends + 1, 0, text.size(), budget, {path});
   CloudTextParser parser(path);
   for_each_line(text,
                 [&](std::string_view line, std::int64_t number) { parser.take(line, number); });

@@ -3,6 +3,7 @@
 #include <deque>
 #include <optional>
 
+#include "loopstone/formats/log_summary.hpp"
 #include "loopstone/odometry/odometer.hpp"
 
 namespace loopstone {
@@ -73,11 +74,20 @@ ConvertResult convert_log(LogReader& log, LogWriter& writer, const RobotModel& r
   ConvertResult result;
   std::optional<PosesFromWheels> from_wheels;
   if (options.wheels_to_poses) from_wheels.emplace(robot.wheels, writer);
+  LeftOutCounter counter(log);
   std::int64_t messages = 0;
   bool log_has_poses = false;
+  const auto go_on = [&] {
+    const ReadProgress read = log.progress();
+    return !progress || progress({"converting", read.bytes_done, read.bytes_total, result.scans});
+  };
   while (result.complete) {
     const auto message = log.next();
-    if (!message) break;
+    if (!message) {
+      result.complete = go_on();  // the log may have ended because it was told to
+      break;
+    }
+    counter.add(*message);
     count(*message, result);
     // Poses that the log itself has are better known than any that can be computed here.
     if (result.odometry_poses > 0 && result.wheel_readings == 0) log_has_poses = true;
@@ -92,11 +102,9 @@ ConvertResult convert_log(LogReader& log, LogWriter& writer, const RobotModel& r
       }
       writer.write(*message);
     }
-    if (progress && ++messages % 256 == 0) {
-      const ReadProgress read = log.progress();
-      result.complete = progress({"converting", read.bytes_done, read.bytes_total, result.scans});
-    }
+    if (++messages % 256 == 0) result.complete = go_on();
   }
+  result.left_out = counter.left_out();
   if (from_wheels) {
     from_wheels->finish();
     result.poses_by_dead_reckoning = from_wheels->poses();

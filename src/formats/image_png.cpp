@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "formats/picture_size.hpp"
 #include "formats/png_guard.hpp"
 #include "formats/png_plain.hpp"
 #include "loopstone/base/error.hpp"
@@ -17,16 +18,18 @@
 namespace loopstone {
 namespace {
 
-constexpr std::size_t kMostPixels = std::size_t{1} << 28;
-
 struct Source {
   std::string_view bytes;
   std::size_t position = 0;
+  bool is_cut_off = false;
 };
 
 void read_bytes(png_structp png, png_bytep to, std::size_t count) {
   auto* source = static_cast<Source*>(png_get_io_ptr(png));
-  if (source->bytes.size() - source->position < count) png_error(png, "the file ends too early");
+  if (source->bytes.size() - source->position < count) {
+    source->is_cut_off = true;
+    png_error(png, "cut off");
+  }
   std::memcpy(to, source->bytes.data() + source->position, count);
   source->position += count;
 }
@@ -34,8 +37,7 @@ void read_bytes(png_structp png, png_bytep to, std::size_t count) {
 class Reader {
  public:
   Reader()
-      : png_(
-            png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, on_png_error, on_png_warning)) {
+      : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, on_png_error, on_png_warning)) {
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
     if (info_ == nullptr) throw std::bad_alloc();
   }
@@ -45,7 +47,6 @@ class Reader {
 
   [[nodiscard]] png_structp png() const { return png_; }
   [[nodiscard]] png_infop info() const { return info_; }
-  PngFailure failure{};
 
  private:
   png_structp png_ = nullptr;
@@ -68,35 +69,39 @@ std::vector<std::uint8_t*> rows_of(Image& image) {
 
 }  // namespace
 
-Image decode_png(std::string_view bytes, const std::string& path_for_errors) {
-  if (auto plain = decode_plain_png(bytes)) return std::move(*plain);
-  return decode_any_png(bytes, path_for_errors);
+Image decode_png(std::string_view bytes, const std::string& path_for_errors,
+                 const MemoryBudget& budget) {
+  if (auto plain = decode_plain_png(bytes, path_for_errors, budget)) return std::move(*plain);
+  return decode_any_png(bytes, path_for_errors, budget);
 }
 
-Image decode_any_png(std::string_view bytes, const std::string& path_for_errors) {
+Image decode_any_png(std::string_view bytes, const std::string& path_for_errors,
+                     const MemoryBudget& budget) {
   Reader reader;
-  const auto fail = [&](const std::string& reason) {
-    throw DataError({path_for_errors}, "is a damaged PNG picture: " + reason);
-  };
   Source source{bytes};
+  const auto fail = [&](const std::string& reason) {
+    throw DataError({path_for_errors, {}, static_cast<std::int64_t>(source.position)},
+                    "is a damaged PNG picture: " +
+                        (source.is_cut_off ? std::string("the file ends too early") : reason));
+  };
   const bool header_read = guarded(reader.png(), [&] {
     png_set_read_fn(reader.png(), &source, read_bytes);
-    png_set_user_limits(reader.png(), 1U << 20, 1U << 20);
+    png_set_user_limits(reader.png(), kMostPictureSide, kMostPictureSide);
     png_set_chunk_malloc_max(reader.png(), 1U << 24);
     png_read_info(reader.png(), reader.info());
     ask_for_plain_samples(reader.png());
     png_read_update_info(reader.png(), reader.info());
   });
-  if (!header_read) fail(reader.failure.reason);
+  if (!header_read) fail("its head makes no sense");
 
   const std::size_t width = png_get_image_width(reader.png(), reader.info());
   const std::size_t height = png_get_image_height(reader.png(), reader.info());
   const std::size_t row_bytes = png_get_rowbytes(reader.png(), reader.info());
-  if (width * height > kMostPixels) fail("it claims more than 2^28 pixels");
   // Deflate shrinks at most 1032 to 1; a header that claims more lies, and is not worth the memory. Packed pixels
   // (one bit each) expand by up to 8 x 4 more.
   if (row_bytes * height / (1032 * 32) > bytes.size())
     fail("it claims more pixels than its data can hold");
+  require_picture(width, height, row_bytes / width, bytes.size(), budget, {path_for_errors});
 
   Image image = make_image(static_cast<int>(width), static_cast<int>(height),
                            png_get_channels(reader.png(), reader.info()),
@@ -106,7 +111,7 @@ Image decode_any_png(std::string_view bytes, const std::string& path_for_errors)
     png_read_image(reader.png(), rows.data());
     png_read_end(reader.png(), nullptr);
   });
-  if (!pixels_read) fail(reader.failure.reason);
+  if (!pixels_read) fail("its pixels don't unpack, or a checksum is wrong");
   return image;
 }
 

@@ -3,13 +3,12 @@
 #include <cstdint>
 #include <string>
 
+#include "formats/picture_size.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/image.hpp"
 
 namespace loopstone {
 namespace {
-
-constexpr std::size_t kMostPixels = std::size_t{1} << 28;
 
 /// Reads whole numbers between white space and comments (# to the end of the line, allowed anywhere before the pixels
 /// of a raw file and everywhere in a plain one).
@@ -74,7 +73,8 @@ void store(Image& image, std::size_t index, int value) {
 
 }  // namespace
 
-Image decode_pnm(std::string_view bytes, const std::string& path_for_errors) {
+Image decode_pnm(std::string_view bytes, const std::string& path_for_errors,
+                 const MemoryBudget& budget) {
   if (bytes.size() < 2 || bytes[0] != 'P' ||
       std::string_view("2356").find(bytes[1]) == std::string_view::npos) {
     throw DataError({path_for_errors},
@@ -82,8 +82,8 @@ Image decode_pnm(std::string_view bytes, const std::string& path_for_errors) {
   }
   const bool plain = bytes[1] == '2' || bytes[1] == '3';
   Tokens tokens(bytes, 2, path_for_errors);
-  const int width = tokens.next_number("the width", 1 << 20);
-  const int height = tokens.next_number("the height", 1 << 20);
+  const int width = tokens.next_number("the width", static_cast<int>(kMostPictureSide));
+  const int height = tokens.next_number("the height", static_cast<int>(kMostPictureSide));
   const int max_value = tokens.next_number("the largest value", 65535);
   if (width == 0 || height == 0 || max_value == 0)
     tokens.fail("width, height and largest value must not be 0");
@@ -96,13 +96,15 @@ Image decode_pnm(std::string_view bytes, const std::string& path_for_errors) {
   // A plain sample takes a digit and a blank, the last one perhaps no blank.
   const std::size_t least_bytes =
       plain ? 2 * samples - 1 : samples * static_cast<std::size_t>(bytes_per_sample);
-  if (pixels > kMostPixels) tokens.fail("the picture has more than 2^28 pixels");
   if (bytes.size() - tokens.position() < least_bytes) {
     tokens.fail("the file ends too early: " + std::to_string(width) + " x " +
                 std::to_string(height) + " pixels need at least " + std::to_string(least_bytes) +
                 " bytes, " + std::to_string(bytes.size() - tokens.position()) + " are left");
   }
 
+  require_picture(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height),
+                  static_cast<std::uint64_t>(channels * bytes_per_sample), bytes.size(), budget,
+                  {path_for_errors});
   Image image = make_image(width, height, channels, bytes_per_sample);
   image.max_value = max_value;
   const auto* const raw = reinterpret_cast<const std::uint8_t*>(bytes.data()) + tokens.position();

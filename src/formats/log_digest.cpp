@@ -1,11 +1,11 @@
 #include "loopstone/formats/log_digest.hpp"
 
-#include <zlib.h>
+#include <fmt/format.h>
 
-#include <string>
 #include <type_traits>
 #include <variant>
 
+#include "formats/crc32.hpp"
 #include "loopstone/base/byte_archive.hpp"
 
 namespace loopstone {
@@ -22,10 +22,12 @@ void LogDigest::add(const SensorMessage& message) {
         }
       },
       message);
-  const std::string bytes = writer.take();
-  checksum_ = static_cast<std::uint32_t>(
-      ::crc32_z(checksum_, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  checksum_ = crc32_of(writer.take(), checksum_);
   ++messages_;
+}
+
+std::string LogDigest::text() const {
+  return fmt::format("{} messages, checksum {:08x}", messages_, checksum_);
 }
 
 }  // namespace loopstone

@@ -14,6 +14,7 @@ class Findings {
  public:
   void note(std::string text) { all_.push_back({Severity::kNote, std::move(text)}); }
   void warn(std::string text) { all_.push_back({Severity::kWarning, std::move(text)}); }
+  void add(Finding finding) { all_.push_back(std::move(finding)); }
   void error(std::string text) { all_.push_back({Severity::kError, std::move(text)}); }
 
   std::vector<Finding> sorted() && {
@@ -206,10 +207,26 @@ void look_at_motion(const LogSummary& summary, Findings& findings) {
 
 }  // namespace
 
+std::optional<Finding> judge(const LeftOut& left_out) {
+  constexpr double kWorthAWarning = 0.05;
+  constexpr double kHardlyAnythingLeft = 0.9;
+  if (left_out.skipped.records == 0) return std::nullopt;
+  // Scans are what a map can't do without; what else is lost makes it worse.
+  const double needed = left_out.scans() > 0 ? left_out.scan_share() : left_out.record_share();
+  const Severity severity = needed > kHardlyAnythingLeft        ? Severity::kError
+                            : left_out.share() > kWorthAWarning ? Severity::kWarning
+                                                                : Severity::kNote;
+  return Finding{severity, left_out.sentence()};
+}
+
 std::vector<Finding> find_suspicious(const LogSummary& summary,
-                                     const std::vector<std::string>& notes) {
+                                     const std::vector<std::string>& notes,
+                                     const std::vector<std::string>& warnings) {
   Findings findings;
-  if (summary.lidars.empty()) {
+  const SkippedRecords& skipped = summary.left_out.skipped;
+  if (summary.lidars.empty() && skipped.scans > 0) {
+    findings.error("no laser scan can be used: this log can't become a map");
+  } else if (summary.lidars.empty()) {
     findings.error("no laser scans: this log can't become a map (odometry can be computed)");
   }
   for (const LidarSummary& lidar : summary.lidars) {
@@ -228,24 +245,8 @@ std::vector<Finding> find_suspicious(const LogSummary& summary,
     look_at_timing(summary.imu->timing, "imu", *summary.first, findings);
   }
   if (summary.camera) look_at_camera(*summary.camera, findings);
-  std::int64_t records = summary.records_skipped;
-  for (const LidarSummary& lidar : summary.lidars) records += lidar.timing.records;
-  if (summary.odometry) records += summary.odometry->timing.records;
-  if (summary.wheels) records += summary.wheels->timing.records;
-  if (summary.imu) records += summary.imu->timing.records;
-  if (summary.camera) records += summary.camera->frames.records;
-  if (summary.records_skipped > 0) {
-    const std::string text =
-        fmt::format("{} of {} records are broken, repeated or out of order and are skipped",
-                    summary.records_skipped, records);
-    if (share(summary.records_skipped, records) > 0.5) {
-      findings.error(text);
-    } else if (share(summary.records_skipped, records) > 0.05) {
-      findings.warn(text);
-    } else {
-      findings.note(text);
-    }
-  }
+  if (auto left_out = judge(summary.left_out)) findings.add(std::move(*left_out));
+  for (const std::string& warning : warnings) findings.warn(warning);
   for (const std::string& note : notes) findings.note(note);
   return std::move(findings).sorted();
 }

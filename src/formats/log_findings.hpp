@@ -7,8 +7,9 @@
 
 namespace loopstone {
 
-/// What is remarkable about a log, worst first. `notes` are those of the reader.
+/// What is remarkable about a log, worst first. `notes` and `warnings` are those of the reader.
 [[nodiscard]] std::vector<Finding> find_suspicious(const LogSummary& summary,
-                                                   const std::vector<std::string>& notes);
+                                                   const std::vector<std::string>& notes,
+                                                   const std::vector<std::string>& warnings);
 
 }  // namespace loopstone

@@ -108,8 +108,9 @@ std::optional<ScanName> parse_scan_name(const std::string& text) {
   return name;
 }
 
-LogScan read_log_scan(const ScanName& name, const RobotModel& robot, bool robot_given) {
-  const auto log = open_log(name.log);
+LogScan read_log_scan(const ScanName& name, const RobotModel& robot, bool robot_given,
+                      const LogOptions& options) {
+  const auto log = open_log(name.log, options);
   ScanQueue queue(robot.wheels);
   ScanPicker picker(name);
   std::optional<LogScan> before;
@@ -142,6 +143,7 @@ LogScan read_log_scan(const ScanName& name, const RobotModel& robot, bool robot_
     }
     if (!message) break;
   }
+  if (!done && options.stop && options.stop()) throw ReadingStopped();
   return std::move(picker).result();
 }
 

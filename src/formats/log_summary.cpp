@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "formats/camera_collector.hpp"
@@ -212,33 +213,84 @@ Severity LogSummary::worst() const {
   return worst;
 }
 
-LogSummary analyse_log(LogReader& log, const ProgressCallback& progress) {
-  LogSummary summary;
-  Collectors collectors;
-  std::int64_t scans = 0;
-  std::int64_t messages = 0;
-  while (summary.complete) {
-    const auto message = log.next();
-    if (!message) break;
-    const Stamp stamp = stamp_of(*message);
-    summary.first = summary.first ? std::min(*summary.first, stamp) : stamp;
-    summary.last = summary.last ? std::max(*summary.last, stamp) : stamp;
-    std::visit([&](const auto& reading) { collectors.add(reading); }, *message);
-    if (std::holds_alternative<LaserScan>(*message)) ++scans;
-    if (progress && ++messages % 256 == 0) {
-      const ReadProgress read = log.progress();
-      summary.complete = progress({"reading", read.bytes_done, read.bytes_total, scans});
-    }
-  }
+void LeftOutCounter::add(const SensorMessage& message) {
+  last_ = stamp_of(message);
+  if (!first_) first_ = last_;
+  ++counts_.records_read;
+  if (std::holds_alternative<LaserScan>(message)) ++counts_.scans_read;
+  if (!counts_.since_s && log_->records_skipped() > 0) counts_.since_s = since_start_s();
+}
+
+double LeftOutCounter::since_start_s() const { return first_ ? (last_ - *first_).seconds() : 0.0; }
+
+LeftOut LeftOutCounter::left_out() const {
+  LeftOut result = counts_;
+  result.skipped = log_->skipped();
+  if (!result.since_s && result.skipped.records > 0) result.since_s = since_start_s();
+  return result;
+}
+
+struct LogAnalyser::Impl {
+  explicit Impl(const LogReader& reader) : log(reader), counter(reader) {}
+
+  const LogReader& log;
+  LogSummary summary{};
+  Collectors collectors{};
+  LeftOutCounter counter;
+};
+
+LogAnalyser::LogAnalyser(const LogReader& log) : impl_(std::make_unique<Impl>(log)) {}
+LogAnalyser::~LogAnalyser() = default;
+LogAnalyser::LogAnalyser(LogAnalyser&&) noexcept = default;
+LogAnalyser& LogAnalyser::operator=(LogAnalyser&&) noexcept = default;
+
+void LogAnalyser::add(const SensorMessage& message) {
+  LogSummary& summary = impl_->summary;
+  const Stamp stamp = stamp_of(message);
+  summary.first = summary.first ? std::min(*summary.first, stamp) : stamp;
+  summary.last = summary.last ? std::max(*summary.last, stamp) : stamp;
+  impl_->counter.add(message);
+  std::visit([&](const auto& reading) { impl_->collectors.add(reading); }, message);
+}
+
+LogSummary LogAnalyser::finish() {
+  LogSummary summary = std::move(impl_->summary);
+  const LogReader& log = impl_->log;
+  Collectors& collectors = impl_->collectors;
+  const ReadProgress read = log.progress();
   summary.format = log.format();
-  summary.bytes = log.progress().bytes_total;
-  summary.records_skipped = log.records_skipped();
+  summary.bytes = std::max(read.bytes_done, read.bytes_total);  // of a pipe no total is known
+  summary.left_out = impl_->counter.left_out();
   for (auto& [lidar, collector] : collectors.lidars) summary.lidars.push_back(collector.finish());
   if (collectors.odometry) summary.odometry = collectors.odometry->finish();
   if (collectors.wheels) summary.wheels = collectors.wheels->finish();
   if (collectors.imu) summary.imu = collectors.imu->finish();
   if (collectors.camera) summary.camera = collectors.camera->finish();
-  summary.findings = find_suspicious(summary, log.notes());
+  summary.findings = find_suspicious(summary, log.notes(), log.warnings());
+  return summary;
+}
+
+LogSummary analyse_log(LogReader& log, const ProgressCallback& progress) {
+  LogAnalyser analyser(log);
+  std::int64_t scans = 0;
+  std::int64_t messages = 0;
+  const auto go_on = [&] {
+    const ReadProgress read = log.progress();
+    return !progress || progress({"reading", read.bytes_done, read.bytes_total, scans});
+  };
+  bool complete = true;
+  while (complete) {
+    const auto message = log.next();
+    if (!message) {
+      complete = go_on();  // the log may have ended because it was told to
+      break;
+    }
+    analyser.add(*message);
+    if (std::holds_alternative<LaserScan>(*message)) ++scans;
+    if (++messages % 256 == 0) complete = go_on();
+  }
+  LogSummary summary = analyser.finish();
+  summary.complete = complete;
   return summary;
 }
 

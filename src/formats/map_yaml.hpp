@@ -46,7 +46,12 @@ class MapYaml {
   [[nodiscard]] double resolution_m() const {
     const YAML::Node node = require("resolution");
     const double value = number(node, "resolution");
-    if (!(value > 0.0)) fail(node, "'resolution' must be more than 0 [m per pixel]");
+    constexpr double kFinest = 1e-4;
+    constexpr double kCoarsest = 1000.0;
+    if (!(value >= kFinest && value <= kCoarsest)) {
+      fail(node,
+           fmt::format("'resolution' must be from {} to {:g} [m per pixel]", kFinest, kCoarsest));
+    }
     return value;
   }
   [[nodiscard]] Pose2 pose(const char* key) const {
@@ -54,7 +59,13 @@ class MapYaml {
     if (!node.IsSequence() || node.size() != 3) {
       fail(node, fmt::format("'{}' must be [x, y, yaw]", key));
     }
-    return {number(node[0], key), number(node[1], key), wrap_angle(number(node[2], key))};
+    constexpr double kFarthest = 1e7;  // what is farther lies beyond any grid of the earth (UTM)
+    constexpr double kMostTurns = 1e4;
+    const Eigen::Vector3d pose(number(node[0], key), number(node[1], key), number(node[2], key));
+    if (pose.head<2>().cwiseAbs().maxCoeff() > kFarthest || std::abs(pose.z()) > kMostTurns) {
+      fail(node, fmt::format("'{}' must lie within {:g} m of 0, 0", key, kFarthest));
+    }
+    return {pose.x(), pose.y(), wrap_angle(pose.z())};
   }
   [[noreturn]] void fail(const YAML::Node& node, const std::string& reason) const {
     throw DataError({path_, node.Mark().line + 1}, reason);
@@ -83,7 +94,8 @@ auto parse_map_like_yaml(std::string_view text, const std::string& path, const R
     }
     return read(MapYaml(root, path));
   } catch (const YAML::Exception& error) {
-    throw DataError({path, error.mark.line + 1}, "is no valid YAML: " + error.msg);
+    throw DataError({path, error.mark.line + 1},
+                    "is no valid YAML from here on; a map's lines read 'resolution: 0.05'");
   }
 }
 

@@ -61,6 +61,17 @@ struct Element {
   std::size_t offset = 0;  ///< of the data
 };
 
+/// What this file may take, and how much of it is taken by what was read before.
+struct Allowance {
+  const MemoryBudget& budget;
+  std::uint64_t file_bytes = 0;
+  std::uint64_t taken_bytes = 0;
+
+  void require(std::uint64_t more_bytes, const Location& where) const {
+    budget.require(taken_bytes + more_bytes, file_bytes, Growth::kNumbers, where);
+  }
+};
+
 /// Cuts bytes into data elements: a tag (type, size), the data, and what fills up to eight bytes.
 class Elements {
  public:
@@ -92,11 +103,12 @@ class Elements {
   }
 
   /// A whole element that must be numbers, as doubles.
-  [[nodiscard]] std::vector<double> numbers() {
+  [[nodiscard]] std::vector<double> numbers(const Allowance& allowance) {
     const Element element = next();
     const auto type = number_type(element.type);
     if (!type) fail("numbers were expected here: the file is damaged");
     const auto size = static_cast<std::size_t>(type->bytes);
+    allowance.require(bytes_.size() + element.data.size() / size * sizeof(double), where_);
     std::vector<double> values(element.data.size() / size);
     for (std::size_t i = 0; i < values.size(); ++i) {
       values[i] = load_scalar(*type, element.data.data() + i * size, order_);
@@ -123,8 +135,8 @@ class Elements {
 };
 
 /// What a compressed element holds; nothing when it is damaged. Grows with what comes out.
-std::optional<std::string> inflate_all(std::string_view packed) {
-  constexpr std::size_t kMost = std::size_t{8} << 30;
+std::optional<std::string> inflate_all(std::string_view packed, const Allowance& allowance,
+                                       const Location& where) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
   const std::unique_ptr<z_stream, void (*)(z_stream*)> end(
@@ -133,9 +145,11 @@ std::optional<std::string> inflate_all(std::string_view packed) {
   // zlib promises not to change its input.
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
   stream.avail_in = static_cast<uInt>(packed.size());
-  while (out.size() < kMost) {
+  while (true) {
     const std::size_t before = out.size();
-    out.resize(before + std::clamp<std::size_t>(before, 4096, std::size_t{1} << 24));
+    const std::size_t more = std::clamp<std::size_t>(before, 4096, std::size_t{1} << 24);
+    allowance.require(before + more, where);
+    out.resize(before + more);
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
     stream.avail_out = static_cast<uInt>(out.size() - before);
     const int status = inflate(&stream, Z_NO_FLUSH);
@@ -143,18 +157,17 @@ std::optional<std::string> inflate_all(std::string_view packed) {
     if (status == Z_STREAM_END) return out;
     if (status != Z_OK || (stream.avail_in == 0 && stream.avail_out != 0)) return std::nullopt;
   }
-  return std::nullopt;
 }
 
-void read_matrix(Elements elements, MatFile& file) {
-  const std::vector<double> flags = elements.numbers();
+void read_matrix(Elements elements, const Allowance& allowance, MatFile& file) {
+  const std::vector<double> flags = elements.numbers(allowance);
   if (flags.empty() || !(flags[0] >= 0.0 && flags[0] < 65536.0)) {
     elements.fail("the flags of an array are missing: the file is damaged");
   }
   const auto word = static_cast<unsigned>(flags[0]);
   const unsigned array_class = word & 0xffU;
   const bool complex = (word & 0x800U) != 0;
-  const std::vector<double> sizes = elements.numbers();
+  const std::vector<double> sizes = elements.numbers(allowance);
   const std::string name(elements.next().data);
   if (array_class < 6 || array_class > 15) {
     file.others.push_back(name + " (" + class_name(array_class) + ")");
@@ -165,7 +178,7 @@ void read_matrix(Elements elements, MatFile& file) {
                           (complex ? " (complex)" : fmt::format(" ({} dimensions)", sizes.size())));
     return;
   }
-  std::vector<double> values = elements.numbers();
+  std::vector<double> values = elements.numbers(allowance);
   const auto possible = [](double size) { return size >= 0.0 && size <= 1e12; };
   if (!possible(sizes[0]) || !possible(sizes[1]) ||
       sizes[0] * sizes[1] != static_cast<double>(values.size())) {
@@ -197,20 +210,22 @@ std::endian byte_order(std::string_view bytes, const std::string& path) {
 
 }  // namespace
 
-MatFile parse_mat(std::string_view bytes, const std::string& path) {
+MatFile parse_mat(std::string_view bytes, const std::string& path, const MemoryBudget& budget) {
   const std::endian order = byte_order(bytes, path);
   MatFile file;
+  Allowance allowance{budget, bytes.size()};
   Elements top(bytes, order, {path}, kHeadBytes);
   while (!top.done()) {
     const Element element = top.next();
     const Location where{path, {}, static_cast<std::int64_t>(element.offset)};
+    allowance.taken_bytes = file.held_bytes();
     if (element.type == kMatrix) {
-      read_matrix(Elements(element.data, order, where), file);
+      read_matrix(Elements(element.data, order, where), allowance, file);
     } else if (element.type == kCompressed) {
-      const auto inflated = inflate_all(element.data);
+      const auto inflated = inflate_all(element.data, allowance, where);
       if (!inflated) throw DataError(where, "a compressed variable is damaged");
       const Element inner = Elements(*inflated, order, where).next();
-      if (inner.type == kMatrix) read_matrix(Elements(inner.data, order, where), file);
+      if (inner.type == kMatrix) read_matrix(Elements(inner.data, order, where), allowance, file);
     }
   }
   return file;

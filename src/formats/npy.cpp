@@ -134,7 +134,10 @@ void NpyReader::read_as(std::span<T> values) {
 void NpyReader::read(std::span<double> values) { read_as(values); }
 void NpyReader::read(std::span<float> values) { read_as(values); }
 
-NpyArray read_npy(std::unique_ptr<ByteSource> source, const std::string& name) {
+NpyArray read_npy(std::unique_ptr<ByteSource> source, const std::string& name,
+                  const MemoryBudget& budget, std::optional<std::uint64_t> file_bytes) {
+  const std::uint64_t stored =
+      file_bytes.value_or(static_cast<std::uint64_t>(source->bytes_total()));
   NpyReader reader(std::move(source), name);
   const NpyHeader& header = reader.header();
   if (header.shape.size() > 2) {
@@ -143,6 +146,8 @@ NpyArray read_npy(std::unique_ptr<ByteSource> source, const std::string& name) {
   }
   NpyArray array{header.shape, header.fortran_order, {}};
   const auto count = static_cast<std::size_t>(header.count());
+  budget.require(saturated_product(count, sizeof(double)), stored, Growth::kNumbers, {name});
+  array.values.reserve(count);
   while (array.values.size() < count) {
     const std::size_t begin = array.values.size();
     array.values.resize(std::min(count, begin + kBlockElements));

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "formats/byte_source.hpp"
+#include "loopstone/base/memory_budget.hpp"
 
 namespace loopstone {
 
@@ -60,8 +62,11 @@ struct NpyArray {
   }
 };
 
-/// Memory grows with what the file really holds, not with what its head promises.
-[[nodiscard]] NpyArray read_npy(std::unique_ptr<ByteSource> source, const std::string& name);
+/// Throws DataError, also when the array would take more memory than a file of that size may.
+/// \param file_bytes  the size of what holds it, as stored; absent: the source's
+[[nodiscard]] NpyArray read_npy(std::unique_ptr<ByteSource> source, const std::string& name,
+                                const MemoryBudget& budget = {},
+                                std::optional<std::uint64_t> file_bytes = {});
 
 /// The head of a version 1 file, padded as numpy does so that the data begins at a multiple of 64 bytes.
 /// \param descr  "<f8" and the like

@@ -20,14 +20,6 @@ struct NpzFile::Archive {
 
 namespace {
 
-std::string message_of(int code) {
-  zip_error_t error;
-  zip_error_init_with_code(&error, code);
-  std::string text = zip_error_strerror(&error);
-  zip_error_fini(&error);
-  return text;
-}
-
 /// One member of the archive, decompressed.
 class MemberSource final : public ByteSource {
  public:
@@ -41,7 +33,7 @@ class MemberSource final : public ByteSource {
     const zip_int64_t count = zip_fread(file_, buffer.data(), buffer.size());
     if (count < 0) {
       throw DataError({name_, {}, done_},
-                      std::string("the archive is damaged: ") + zip_file_strerror(file_));
+                      "the archive is damaged: these bytes don't unpack, or a checksum is wrong");
     }
     done_ += count;
     return static_cast<std::size_t>(count);
@@ -57,13 +49,13 @@ class MemberSource final : public ByteSource {
   std::int64_t done_ = 0;
 };
 
-std::string not_a_zip(const std::string& detail) {
-  return "is no readable .npz file (" + detail + "); was it cut off, or is it another format?";
-}
+constexpr const char* kNotAZip =
+    "is no readable .npz file; was it cut off, or is it another format?";
 
 }  // namespace
 
-NpzFile::NpzFile(const std::string& path) : path_(path) {
+NpzFile::NpzFile(const std::string& path, const MemoryBudget& budget)
+    : path_(path), budget_(budget) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw DataError({path}, "there is no such file");
   if (std::filesystem::is_directory(path, ignored)) {
@@ -71,20 +63,20 @@ NpzFile::NpzFile(const std::string& path) : path_(path) {
   }
   int code = 0;
   zip_t* const zip = zip_open(path.c_str(), ZIP_RDONLY, &code);
-  if (zip == nullptr) throw DataError({path}, not_a_zip(message_of(code)));
+  if (zip == nullptr) throw DataError({path}, kNotAZip);
   archive_ = std::make_shared<Archive>(zip);
 }
 
-NpzFile::NpzFile(std::string_view bytes, const std::string& name) : path_(name) {
+NpzFile::NpzFile(std::string_view bytes, const std::string& name, const MemoryBudget& budget)
+    : path_(name), budget_(budget) {
   zip_error_t error;
   zip_error_init(&error);
   zip_source_t* const source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);
   zip_t* const zip = source == nullptr ? nullptr : zip_open_from_source(source, ZIP_RDONLY, &error);
-  const std::string detail = zip == nullptr ? zip_error_strerror(&error) : "";
   zip_error_fini(&error);
   if (zip == nullptr) {
     if (source != nullptr) zip_source_free(source);
-    throw DataError({name}, not_a_zip(detail));
+    throw DataError({name}, kNotAZip);
   }
   archive_ = std::make_shared<Archive>(zip);
 }
@@ -119,7 +111,9 @@ std::unique_ptr<ByteSource> NpzFile::open_bytes(const std::string& key) const {
   zip_file_t* const file = zip_fopen_index(archive_->zip, static_cast<zip_uint64_t>(index), 0);
   if (file == nullptr) {
     throw DataError({path_},
-                    "the array '" + key + "' can't be opened: " + zip_strerror(archive_->zip));
+                    "the array '" + key +
+                        "' can't be opened: it is packed in a way that is not read, or the "
+                        "archive is damaged");
   }
   return std::make_unique<MemberSource>(archive_, file, static_cast<std::int64_t>(stat.size),
                                         name_of(key));
@@ -130,7 +124,19 @@ NpyReader NpzFile::open(const std::string& key) const {
 }
 
 NpyArray NpzFile::read(const std::string& key) const {
-  return read_npy(open_bytes(key), name_of(key));
+  return read_npy(open_bytes(key), name_of(key), budget_, stored_bytes(key));
+}
+
+std::uint64_t NpzFile::stored_bytes(const std::string& key) const {
+  zip_stat_t stat{};
+  zip_stat_init(&stat);
+  const bool is_known = zip_stat(archive_->zip, (key + ".npy").c_str(), 0, &stat) == 0 &&
+                        (stat.valid & ZIP_STAT_COMP_SIZE) != 0;
+  return is_known ? stat.comp_size : 0;
+}
+
+void NpzFile::require_memory(const std::string& key, std::uint64_t bytes) const {
+  budget_.require(bytes, stored_bytes(key), Growth::kNumbers, {name_of(key)});
 }
 
 }  // namespace loopstone

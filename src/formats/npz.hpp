@@ -15,9 +15,9 @@ namespace loopstone {
 class NpzFile {
  public:
   /// Throws DataError when it is missing or no zip archive.
-  explicit NpzFile(const std::string& path);
+  explicit NpzFile(const std::string& path, const MemoryBudget& budget = {});
   /// Over bytes in memory, which must outlive the object.
-  NpzFile(std::string_view bytes, const std::string& name);
+  NpzFile(std::string_view bytes, const std::string& name, const MemoryBudget& budget = {});
 
   [[nodiscard]] bool has(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> keys() const;
@@ -25,14 +25,18 @@ class NpzFile {
   /// Throws DataError naming the file, the key and the keys that are there.
   [[nodiscard]] NpyReader open(const std::string& key) const;
   [[nodiscard]] NpyArray read(const std::string& key) const;
+  /// Throws DataError when so many bytes are more than what this array's bytes in the archive may take.
+  void require_memory(const std::string& key, std::uint64_t bytes) const;
 
  private:
   struct Archive;
 
   [[nodiscard]] std::unique_ptr<ByteSource> open_bytes(const std::string& key) const;
+  [[nodiscard]] std::uint64_t stored_bytes(const std::string& key) const;
   [[nodiscard]] std::string name_of(const std::string& key) const { return path_ + ":" + key; }
 
   std::string path_;
+  MemoryBudget budget_;
   std::shared_ptr<Archive> archive_;
 };
 

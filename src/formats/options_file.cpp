@@ -4,18 +4,25 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 
 #include "formats/atomic_file.hpp"
 #include "formats/toml_values.hpp"
+#include "loopstone/base/short_text.hpp"
 
 namespace loopstone {
 
 namespace {
 
+/// So many problems are told one by one; who has more has another file in hand than he thinks.
+constexpr std::size_t kTold = 20;
+
 std::string message_of(const std::vector<OptionProblem>& problems) {
   if (problems.size() == 1) return to_string(problems.front());
   std::string text = fmt::format("{} problems with the options:", problems.size());
-  for (const OptionProblem& problem : problems) text += "\n  " + to_string(problem);
+  for (const OptionProblem& problem : std::span(problems).first(std::min(kTold, problems.size())))
+    text += "\n  " + to_string(problem);
+  if (problems.size() > kTold) text += fmt::format("\n  and {} more", problems.size() - kTold);
   return text;
 }
 
@@ -55,7 +62,7 @@ std::string to_string(const OptionProblem& problem) {
   if (!problem.key.empty()) text += problem.key;
   if (!problem.value.empty()) text += " = " + problem.value;
   if (!problem.key.empty()) text += ": ";
-  return text + problem.rule;
+  return with_short_numbers(text + problem.rule);
 }
 
 OptionsError::OptionsError(std::vector<OptionProblem> problems)
@@ -108,7 +115,7 @@ std::vector<OptionProblem> apply_options_file(const std::vector<OptionEntry>& op
                                               const std::string& path) {
   std::string text;
   try {
-    text = read_whole_file(path);
+    text = read_whole_file(path, kMostOptionBytes);
   } catch (const DataError& error) {
     return {{{}, {}, std::string(error.what()).substr(path.size() + 2), {path, {}, {}}}};
   }

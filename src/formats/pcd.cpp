@@ -25,8 +25,10 @@ void require_room(const PcdHead& head, std::size_t bytes, std::size_t bytes_per_
                               bytes, head.points, bytes_per_point));
 }
 
-PointCloud read_ascii(const PcdHead& head, std::string_view text, const std::string& path) {
+PointCloud read_ascii(const PcdHead& head, std::string_view text, const std::string& path,
+                      const MemoryBudget& budget) {
   require_room(head, text.size() + 1, 2 * head.point_words, path);
+  require_points(head.points, 0, text.size(), budget, {path});
   PointCloud cloud;
   cloud.points.reserve(head.points);
   for_each_line(text, [&](std::string_view line, std::int64_t number) {
@@ -78,8 +80,10 @@ PointCloud read_columns(const std::array<std::optional<Column>, 3>& columns, std
   return cloud;
 }
 
-PointCloud read_binary(const PcdHead& head, std::string_view bytes, const std::string& path) {
+PointCloud read_binary(const PcdHead& head, std::string_view bytes, const std::string& path,
+                       const MemoryBudget& budget) {
   require_room(head, bytes.size(), head.point_bytes, path);
+  require_points(head.points, 0, bytes.size(), budget, {path});
   std::array<std::optional<Column>, 3> columns;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (const auto& field = head.xyz[axis]) {
@@ -90,7 +94,8 @@ PointCloud read_binary(const PcdHead& head, std::string_view bytes, const std::s
 }
 
 /// Two sizes, then the packed bytes; unpacked, all values of the first field stand first, then those of the second.
-PointCloud read_compressed(const PcdHead& head, std::string_view bytes, const std::string& path) {
+PointCloud read_compressed(const PcdHead& head, std::string_view bytes, const std::string& path,
+                           const MemoryBudget& budget) {
   const Location where{path, {}, static_cast<std::int64_t>(head.data_offset)};
   if (bytes.size() < 8) throw DataError(where, "the sizes of the packed points are cut off");
   constexpr ScalarType kSize{'u', 4};
@@ -111,6 +116,7 @@ PointCloud read_compressed(const PcdHead& head, std::string_view bytes, const st
                                 "expected",
                                 size, head.points, head.point_bytes));
   }
+  require_points(head.points, size, bytes.size(), budget, {path});
   const auto unpacked = lzf_decompress(bytes.substr(0, packed_size), size);
   if (!unpacked) throw DataError(where, "the packed points are damaged");
   std::array<std::optional<Column>, 3> columns;
@@ -125,13 +131,13 @@ PointCloud read_compressed(const PcdHead& head, std::string_view bytes, const st
 
 }  // namespace
 
-PointCloud decode_pcd(std::string_view bytes, const std::string& path) {
+PointCloud decode_pcd(std::string_view bytes, const std::string& path, const MemoryBudget& budget) {
   const PcdHead head = parse_pcd_head(bytes, path);
   const std::string_view data = bytes.substr(head.data_offset);
   const auto read = head.data == PcdData::kAscii    ? read_ascii
                     : head.data == PcdData::kBinary ? read_binary
                                                     : read_compressed;
-  return finish_cloud(read(head, data, path), head.xyz[2].has_value(), path);
+  return finish_cloud(read(head, data, path, budget), head.xyz[2].has_value(), path);
 }
 
 }  // namespace loopstone

@@ -9,14 +9,14 @@
 #include <string_view>
 
 #include "formats/float_image.hpp"
+#include "formats/picture_size.hpp"
 #include "formats/text_numbers.hpp"
 #include "loopstone/base/error.hpp"
 
 namespace loopstone {
 namespace {
 
-constexpr std::int64_t kMostSide = std::int64_t{1} << 20;
-constexpr std::size_t kMostPixels = std::size_t{1} << 28;
+constexpr auto kMostSide = static_cast<std::int64_t>(kMostPictureSide);
 
 struct PfmHead {
   int width = 0;
@@ -82,13 +82,11 @@ PfmHead parse_head(std::string_view bytes, const std::string& path) {
 
 }  // namespace
 
-FloatImage decode_pfm(std::string_view bytes, const std::string& path_for_errors) {
+FloatImage decode_pfm(std::string_view bytes, const std::string& path_for_errors,
+                      const MemoryBudget& budget) {
   const PfmHead head = parse_head(bytes, path_for_errors);
   const auto width = static_cast<std::size_t>(head.width);
   const auto height = static_cast<std::size_t>(head.height);
-  if (width * height > kMostPixels) {
-    throw DataError({path_for_errors}, "the picture has more than 2^28 pixels");
-  }
   const std::size_t left = bytes.size() - head.size;
   if (left < width * height * sizeof(float)) {
     throw DataError({path_for_errors, {}, static_cast<std::int64_t>(head.size)},
@@ -97,6 +95,7 @@ FloatImage decode_pfm(std::string_view bytes, const std::string& path_for_errors
                         std::to_string(width * height * sizeof(float)) + " bytes, " +
                         std::to_string(left) + " are left");
   }
+  require_picture(width, height, sizeof(float), bytes.size(), budget, {path_for_errors});
   FloatImage image{head.width, head.height, std::vector<float>(width * height)};
   for (std::size_t row = 0; row < height; ++row) {
     // The bottom row comes first.

@@ -103,7 +103,7 @@ class BinaryValues {
       count = static_cast<std::size_t>(length);
     }
     const auto size = static_cast<std::size_t>(property.type.bytes);
-    require(count * size);
+    require(saturated_product(count, size));
     at_ += count * size;
   }
 
@@ -177,7 +177,7 @@ PointCloud read_ascii(const PlyHead& head, std::size_t vertex, const Axes& axes,
 
 }  // namespace
 
-PointCloud decode_ply(std::string_view bytes, const std::string& path) {
+PointCloud decode_ply(std::string_view bytes, const std::string& path, const MemoryBudget& budget) {
   const PlyHead head = parse_ply_head(bytes, path);
   const auto found =
       std::find_if(head.elements.begin(), head.elements.end(),
@@ -185,6 +185,9 @@ PointCloud decode_ply(std::string_view bytes, const std::string& path) {
   if (found == head.elements.end()) throw DataError({path}, "has no element vertex");
   const Axes axes = find_axes(*found, path);
   const auto vertex = static_cast<std::size_t>(found - head.elements.begin());
+  // A vertex takes a byte at least, so a count beyond that is refused for what it is: a promise.
+  require_points(std::min<std::uint64_t>(found->count, bytes.size()), 0, bytes.size(), budget,
+                 {path});
   PointCloud cloud = head.data == PlyData::kAscii
                          ? read_ascii(head, vertex, axes, bytes.substr(head.data_offset), path)
                          : read_binary(head, vertex, axes, bytes, path);

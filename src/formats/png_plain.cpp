@@ -9,13 +9,12 @@
 #include <memory>
 #include <string>
 
+#include "formats/picture_size.hpp"
 #include "formats/png_unfilter.hpp"
 
 namespace loopstone {
 namespace {
 
-constexpr std::size_t kMostSide = std::size_t{1} << 20;
-constexpr std::size_t kMostPixels = std::size_t{1} << 28;
 constexpr std::size_t kMostExpansion = 1032;  // of Deflate
 
 std::uint32_t big_endian_32(std::string_view bytes) {
@@ -45,8 +44,8 @@ std::optional<PlainHead> parse_head(std::string_view data) {
   if (data[9] == 2) head.channels = 3;
   if (data[9] == 4) head.channels = 2;
   if (data[9] == 6) head.channels = 4;
-  const bool sane_size = head.width > 0 && head.height > 0 && head.width <= kMostSide &&
-                         head.height <= kMostSide && head.width * head.height <= kMostPixels;
+  const bool sane_size = head.width > 0 && head.height > 0 && head.width <= kMostPictureSide &&
+                         head.height <= kMostPictureSide;
   if (!plain_depth || !plain_storage || head.channels == 0 || !sane_size) return std::nullopt;
   return head;
 }
@@ -127,13 +126,17 @@ bool unpack(std::string_view packed, std::uint8_t* to, std::size_t size) {
 
 }  // namespace
 
-std::optional<PngRows> unpack_plain_png(std::string_view bytes, PngScratch& scratch) {
+std::optional<PngRows> unpack_plain_png(std::string_view bytes, PngScratch& scratch,
+                                        const std::string& path_for_errors,
+                                        const MemoryBudget& budget) {
   const auto png = split(bytes, scratch.packed);
   if (!png) return std::nullopt;
   const PlainHead& head = png->head;
   const std::size_t stride = head.row_bytes() + 1;  // the first byte of a row names its filter
   const std::size_t size = head.height * stride;
   if (size / kMostExpansion > bytes.size()) return std::nullopt;
+  require_picture(head.width, head.height, head.bytes_per_pixel(), bytes.size(), budget,
+                  {path_for_errors});
   if (scratch.rows.size() < size) scratch.rows.resize(size);
   if (!unpack(png->packed, scratch.rows.data(), size) ||
       !unfilter_png(scratch.rows.data(), head.row_bytes(), head.height, head.bytes_per_pixel())) {
@@ -143,9 +146,10 @@ std::optional<PngRows> unpack_plain_png(std::string_view bytes, PngScratch& scra
                  head.bytes_per_sample,        scratch.rows.data() + 1,       stride};
 }
 
-std::optional<Image> decode_plain_png(std::string_view bytes) {
+std::optional<Image> decode_plain_png(std::string_view bytes, const std::string& path_for_errors,
+                                      const MemoryBudget& budget) {
   PngScratch scratch;
-  const auto rows = unpack_plain_png(bytes, scratch);
+  const auto rows = unpack_plain_png(bytes, scratch, path_for_errors, budget);
   if (!rows) return std::nullopt;
   Image image = make_image(rows->width, rows->height, rows->channels, rows->bytes_per_sample);
   const std::size_t row_bytes = rows->row_bytes();

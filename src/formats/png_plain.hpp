@@ -41,11 +41,18 @@ struct PngRows {
   }
 };
 
-[[nodiscard]] std::optional<PngRows> unpack_plain_png(std::string_view bytes, PngScratch& scratch);
+/// Throws DataError when the picture is more than the budget allows.
+[[nodiscard]] std::optional<PngRows> unpack_plain_png(std::string_view bytes, PngScratch& scratch,
+                                                      const std::string& path_for_errors = "image",
+                                                      const MemoryBudget& budget = {});
 
-[[nodiscard]] std::optional<Image> decode_plain_png(std::string_view bytes);
+/// Throws as the one above.
+[[nodiscard]] std::optional<Image> decode_plain_png(std::string_view bytes,
+                                                    const std::string& path_for_errors = "image",
+                                                    const MemoryBudget& budget = {});
 
 /// Every kind of PNG, by libpng. Throws DataError.
-[[nodiscard]] Image decode_any_png(std::string_view bytes, const std::string& path_for_errors);
+[[nodiscard]] Image decode_any_png(std::string_view bytes, const std::string& path_for_errors,
+                                   const MemoryBudget& budget = {});
 
 }  // namespace loopstone

@@ -22,8 +22,8 @@ namespace {
 class Writer {
  public:
   Writer()
-      : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure, on_png_error,
-                                     on_png_warning)) {
+      : png_(
+            png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_png_error, on_png_warning)) {
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
     if (info_ == nullptr) throw std::bad_alloc();
   }
@@ -33,7 +33,6 @@ class Writer {
 
   [[nodiscard]] png_structp png() const { return png_; }
   [[nodiscard]] png_infop info() const { return info_; }
-  PngFailure failure{};
 
  private:
   png_structp png_ = nullptr;
@@ -70,9 +69,9 @@ bool begin(Writer& writer, std::string& encoded, const Image& head, int compress
   });
 }
 
-[[noreturn]] void fail(const Writer& writer) {
-  throw std::runtime_error(std::string("libpng could not encode a picture: ") +
-                           writer.failure.reason);
+[[noreturn]] void fail(int width, int height) {
+  throw std::runtime_error("a picture of " + std::to_string(width) + " x " +
+                           std::to_string(height) + " pixels could not be encoded as PNG");
 }
 
 }  // namespace
@@ -81,14 +80,14 @@ std::string encode_png(const Image& image, int compression) {
   Writer writer;
   std::string encoded;
   const std::size_t stride = image.bytes.size() / static_cast<std::size_t>(image.height);
-  if (!begin(writer, encoded, image, compression)) fail(writer);
+  if (!begin(writer, encoded, image, compression)) fail(image.width, image.height);
   const bool written = guarded(writer.png(), [&] {
     for (std::size_t first = 0; first < image.bytes.size(); first += stride) {
       png_write_row(writer.png(), image.bytes.data() + first);
     }
     png_write_end(writer.png(), nullptr);
   });
-  if (!written) fail(writer);
+  if (!written) fail(image.width, image.height);
   return encoded;
 }
 
@@ -100,16 +99,17 @@ void write_png_rows(AtomicFile& file, int width, int height, int channels, const
   Writer writer;
   std::string encoded;
   const Image head{width, height, channels, 1, 255, {}};
-  if (!begin(writer, encoded, head, compression)) fail(writer);
+  if (!begin(writer, encoded, head, compression)) fail(width, height);
   std::vector<std::uint8_t> samples(static_cast<std::size_t>(width) *
                                     static_cast<std::size_t>(channels));
   for (int row = 0; row < height; ++row) {
     fill_row(row, samples);
-    if (!guarded(writer.png(), [&] { png_write_row(writer.png(), samples.data()); })) fail(writer);
+    if (!guarded(writer.png(), [&] { png_write_row(writer.png(), samples.data()); }))
+      fail(width, height);
     file.write(encoded);
     encoded.clear();
   }
-  if (!guarded(writer.png(), [&] { png_write_end(writer.png(), nullptr); })) fail(writer);
+  if (!guarded(writer.png(), [&] { png_write_end(writer.png(), nullptr); })) fail(width, height);
   file.write(encoded);
 }
 

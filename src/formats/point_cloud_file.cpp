@@ -75,9 +75,9 @@ bool is_point_cloud_name(std::string_view path) {
   return std::find(kEndings.begin(), kEndings.end(), ending_of(file)) != kEndings.end();
 }
 
-PointCloud read_point_cloud(const std::string& path) {
+PointCloud read_point_cloud(const std::string& path, const MemoryBudget& budget) {
   const CloudPath name = split_variable(path);
-  const std::string bytes = read_whole_file(name.file);
+  const std::string bytes = read_whole_file(name.file, budget.ceiling_bytes);
   if (bytes.empty()) throw DataError({name.file}, "the file is empty");
   const std::string by_content = ending_by_content(bytes);
   const std::string by_name = ending_of(name.file);
@@ -89,11 +89,11 @@ PointCloud read_point_cloud(const std::string& path) {
     throw DataError({name.file}, fmt::format("is named {} and holds {}; give it its right name",
                                              by_name, format));
   }
-  if (format == ".pcd") return decode_pcd(bytes, name.file);
-  if (format == ".ply") return decode_ply(bytes, name.file);
-  if (format == ".npy") return decode_npy_cloud(bytes, name.file);
-  if (format == ".mat") return decode_mat_cloud(bytes, name.file, name.variable);
-  return decode_cloud_text(bytes, name.file);
+  if (format == ".pcd") return decode_pcd(bytes, name.file, budget);
+  if (format == ".ply") return decode_ply(bytes, name.file, budget);
+  if (format == ".npy") return decode_npy_cloud(bytes, name.file, budget);
+  if (format == ".mat") return decode_mat_cloud(bytes, name.file, name.variable, budget);
+  return decode_cloud_text(bytes, name.file, budget);
 }
 
 std::string encode_ply(const PointCloud& cloud) {

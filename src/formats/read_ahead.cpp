@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "formats/skip_tally.hpp"
 #include "loopstone/formats/log_reader.hpp"
 
 namespace loopstone {
@@ -21,9 +22,8 @@ constexpr std::size_t kMostWaiting = 256;
 struct Step {
   std::optional<SensorMessage> message{};
   std::exception_ptr failure{};
-  std::vector<Problem> problems{};
+  std::vector<LogProblem> problems{};
   ReadProgress progress{};
-  std::int64_t skipped = 0;
 
   [[nodiscard]] bool is_last() const { return !message.has_value(); }
 };
@@ -32,7 +32,8 @@ class ReadAhead final : public LogReader {
  public:
   ReadAhead(const std::string& path, const LogOptions& options) : on_problem_(options.on_problem) {
     LogOptions own = options;
-    own.on_problem = [this](const Problem& problem) { found_.push_back(problem); };
+    own.on_problem = [this](const LogProblem& problem) { found_.push_back(problem); };
+    own.stop = [this, asked = options.stop] { return closing_ || (asked && asked()); };
     try {
       reader_ = open_log(path, own);
     } catch (...) {
@@ -40,8 +41,12 @@ class ReadAhead final : public LogReader {
       throw;
     }
     tell(std::exchange(found_, {}));
-    now_ = {.progress = reader_->progress(), .skipped = reader_->records_skipped()};
+    now_ = {.progress = reader_->progress()};
   }
+
+  ~ReadAhead() override { closing_ = true; }  // the thread need not come to the next message
+  ReadAhead(const ReadAhead&) = delete;
+  ReadAhead& operator=(const ReadAhead&) = delete;
 
   [[nodiscard]] std::optional<SensorMessage> next() override {
     if (over_) return {};
@@ -57,7 +62,7 @@ class ReadAhead final : public LogReader {
   }
 
   [[nodiscard]] ReadProgress progress() const override { return now_.progress; }
-  [[nodiscard]] std::int64_t records_skipped() const override { return now_.skipped; }
+  [[nodiscard]] const SkippedRecords& skipped() const override { return tally_.skipped(); }
   [[nodiscard]] std::string format() const override { return reader_->format(); }
   [[nodiscard]] RobotModel robot(RobotModel base) const override {
     const std::scoped_lock lock(reading_);
@@ -67,11 +72,17 @@ class ReadAhead final : public LogReader {
     const std::scoped_lock lock(reading_);
     return reader_->notes();
   }
+  [[nodiscard]] std::vector<std::string> warnings() const override {
+    const std::scoped_lock lock(reading_);
+    return reader_->warnings();
+  }
 
  private:
-  void tell(const std::vector<Problem>& problems) const {
-    if (!on_problem_) return;
-    for (const Problem& problem : problems) on_problem_(problem);
+  void tell(const std::vector<LogProblem>& problems) {
+    for (const LogProblem& problem : problems) {
+      tally_.add(problem);
+      if (on_problem_) on_problem_(problem);
+    }
   }
 
   /// Waits for what was read.
@@ -110,13 +121,13 @@ class ReadAhead final : public LogReader {
     }
     step.problems = std::exchange(found_, {});
     step.progress = reader_->progress();
-    step.skipped = reader_->records_skipped();
     return step;
   }
 
-  std::function<void(const Problem&)> on_problem_;
+  std::function<void(const LogProblem&)> on_problem_;
+  SkipTally tally_{};  ///< of what was told
   std::unique_ptr<LogReader> reader_{};
-  std::vector<Problem> found_{};  // since the last step
+  std::vector<LogProblem> found_{};  // since the last step
   mutable std::mutex reading_{};
 
   Step now_{};
@@ -128,6 +139,7 @@ class ReadAhead final : public LogReader {
   std::condition_variable_any changed_{};
   std::vector<Step> waiting_{};
   std::atomic<bool> hungry_{false};
+  std::atomic<bool> closing_{false};
   std::jthread thread_{};  // last: it stops before what it uses goes
 };
 

@@ -32,7 +32,7 @@ RollPitchYaw roll_pitch_yaw(const Eigen::Quaterniond& rotation) {
 }
 
 const Range kAngle{-2.0 * kPi, 2.0 * kPi};
-const Range kMount{-100.0, 100.0};
+const Range kMount{-kFarthestMountM, kFarthestMountM};
 
 /// The rotations of a robot as angles, which is how people write them.
 struct CameraAngles {
@@ -219,7 +219,7 @@ RobotModel parse_robot(std::string_view toml, const std::string& path) {
 }
 
 RobotModel read_robot_file(const std::string& path) {
-  return parse_robot(read_whole_file(path), path);
+  return parse_robot(read_whole_file(path, kMostOptionBytes), path);
 }
 
 std::string robot_to_toml(const RobotModel& robot) {

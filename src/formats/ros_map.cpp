@@ -48,17 +48,35 @@ class PixelRule {
   const RosMapInfo& info_;
 };
 
-CellStates rotated_to_axes(const CellStates& corner_cells, const Pose2& map_T_corner) {
-  const GridFrame& source = corner_cells.frame();
-  Eigen::Vector2d low = map_T_corner.translation();
+/// The grid along the axes of the map frame that covers a rotated picture.
+GridFrame rotated_frame(const Image& image, const RosMapInfo& info) {
+  Eigen::Vector2d low = info.map_T_corner.translation();
   Eigen::Vector2d high = low;
-  const Eigen::Vector2d size(source.columns * source.resolution, source.rows * source.resolution);
+  const Eigen::Vector2d size(image.width * info.resolution_m, image.height * info.resolution_m);
   for (const auto& corner :
        {Eigen::Vector2d(size.x(), 0.0), Eigen::Vector2d(0.0, size.y()), size}) {
-    low = low.cwiseMin(map_T_corner * corner);
-    high = high.cwiseMax(map_T_corner * corner);
+    low = low.cwiseMin(info.map_T_corner * corner);
+    high = high.cwiseMax(info.map_T_corner * corner);
   }
-  CellStates result(frame_covering(low, high, source.resolution), kUnknownCell);
+  return frame_covering(low, high, info.resolution_m);
+}
+
+/// How many cells a picture becomes. Throws DataError when no grid has so many.
+std::uint64_t cells_of(const Image& image, const RosMapInfo& info, const std::string& path) {
+  const std::uint64_t pixels =
+      static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
+  if (info.map_T_corner.yaw == 0.0) return pixels;
+  try {
+    return pixels + rotated_frame(image, info).cell_count();
+  } catch (const UsageError& error) {
+    throw DataError({path}, error.what());
+  }
+}
+
+CellStates rotated_to_axes(const CellStates& corner_cells, const GridFrame& frame,
+                           const Pose2& map_T_corner) {
+  const GridFrame& source = corner_cells.frame();
+  CellStates result(frame, kUnknownCell);
   const Pose2 corner_T_map = map_T_corner.inverse();
   for (int row = 0; row < result.frame().rows; ++row) {
     for (int column = 0; column < result.frame().columns; ++column) {
@@ -67,6 +85,14 @@ CellStates rotated_to_axes(const CellStates& corner_cells, const Pose2& map_T_co
     }
   }
   return result;
+}
+
+RosMapInfo read_map_yaml(const std::string& path) {
+  return parse_map_yaml(read_whole_file(path, std::size_t{1} << 20), path);
+}
+
+std::string picture_of(const std::string& yaml_path, const RosMapInfo& info) {
+  return (std::filesystem::path(yaml_path).parent_path() / info.image).string();
 }
 
 }  // namespace
@@ -131,16 +157,23 @@ CellStates interpret_map(const Image& image, const RosMapInfo& info) {
       cells[{column, row}] = rule.state_at(frame.rows - 1 - row, column);
     }
   }
-  return along_axes ? cells : rotated_to_axes(cells, info.map_T_corner);
+  return along_axes ? cells : rotated_to_axes(cells, rotated_frame(image, info), info.map_T_corner);
 }
 
-CellStates read_ros_map(const std::string& yaml_path) {
-  const RosMapInfo info =
-      parse_map_yaml(read_whole_file(yaml_path, std::size_t{1} << 20), yaml_path);
-  std::filesystem::path image_path(info.image);
-  if (image_path.is_relative())
-    image_path = std::filesystem::path(yaml_path).parent_path() / image_path;
-  return interpret_map(read_image(image_path.string()), info);
+std::string ros_map_picture(const std::string& yaml_path) {
+  return picture_of(yaml_path, read_map_yaml(yaml_path));
+}
+
+CellStates read_ros_map(const std::string& yaml_path, const MemoryBudget& budget,
+                        std::uint64_t work_bytes_per_cell) {
+  const RosMapInfo info = read_map_yaml(yaml_path);
+  const std::string path = picture_of(yaml_path, info);
+  const std::string bytes = read_whole_file(path, budget.ceiling_bytes);
+  const Image image = decode_image(bytes, path, budget);
+  const std::uint64_t cells = cells_of(image, info, path);
+  budget.require(saturated_product(cells, work_bytes_per_cell + 1) + image.bytes.size(),
+                 bytes.size(), Growth::kMap, {path});
+  return interpret_map(image, info);
 }
 
 }  // namespace loopstone

@@ -1,12 +1,11 @@
 #include "loopstone/formats/session_file.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <set>
 
 #include "formats/atomic_file.hpp"
+#include "formats/crc32.hpp"
 #include "loopstone/base/byte_archive.hpp"
 
 namespace loopstone {
@@ -20,13 +19,6 @@ constexpr std::size_t kTagBytes = 4;
 constexpr std::uint16_t kOptional = 1;  // of the flags
 
 using Sink = std::function<void(std::string_view)>;
-
-/// Source: ISO 3309; the one of zlib and PNG.
-std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0) {
-  if (bytes.empty()) return before;  // zlib takes no bytes for a question after the first value
-  return static_cast<std::uint32_t>(
-      ::crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 template <typename... Values>
 std::string bytes_of(const Values&... values) {
@@ -142,6 +134,7 @@ std::vector<StateChunk> parse_session(std::string_view bytes, const std::string&
   while (true) {
     StateChunk chunk = read_chunk(walk);
     if (chunk.tag == kEnd) {
+      if (chunk.version != 1 || chunk.optional) walk.fail("the end of this session is not known");
       ByteReader reader(chunk.bytes, chunk.origin);
       std::uint32_t count = 0;
       reader(count);
@@ -157,7 +150,9 @@ std::vector<StateChunk> parse_session(std::string_view bytes, const std::string&
 }
 
 std::vector<StateChunk> read_session(const std::string& path) {
-  return parse_session(read_whole_file(path), path);
+  std::vector<StateChunk> chunks = parse_session(read_whole_file(path), path);
+  if (chunks.empty()) throw DataError({path}, "this session holds no parts");
+  return chunks;
 }
 
 }  // namespace loopstone

@@ -32,7 +32,7 @@ std::string seconds_text(double seconds) {
 }  // namespace
 
 StampOrder::StampOrder(bool scans_lead, std::optional<Stamp> early,
-                       std::function<void(std::int64_t, const std::string&)> skip)
+                       std::function<void(const OrderedRecord&, const std::string&)> skip)
     : scans_lead_(scans_lead), early_(early), skip_(std::move(skip)), last_scan_out_(2) {}
 
 bool StampOrder::comes_later(const Waiting& a, const Waiting& b) {
@@ -100,7 +100,7 @@ void StampOrder::refuse_pending() {
                                           seconds_text(seconds_between(stamp, *now_)) +
                                           " ahead of the records around it"
                                     : "the stamp does not fit those of the records after it";
-    if (!record.is_part_of_a_scan) skip_(record.line, reason);
+    if (!record.is_part_of_a_scan) skip_(record, reason);
   }
   pending_.clear();
 }
@@ -109,9 +109,8 @@ void StampOrder::enqueue(OrderedRecord record) {
   const Stamp stamp = stamp_of(record.message);
   if (last_out_ && stamp < *last_out_) {
     if (record.is_part_of_a_scan) return;
-    skip_(record.line, "the stamp goes back by " +
-                           seconds_text(seconds_between(*last_out_, stamp)) +
-                           ", too far to be put in order");
+    skip_(record, "the stamp goes back by " + seconds_text(seconds_between(*last_out_, stamp)) +
+                      ", too far to be put in order");
     return;
   }
   waiting_bytes_ += bytes_of(record);
@@ -131,9 +130,9 @@ void StampOrder::make_room() {
             [](const Waiting& a, const Waiting& b) { return comes_later(b, a); });
   while (heap_.size() > kMostWaiting / 4 * 3) {
     const Waiting& last = heap_.back();
-    skip_(last.record.line, "the stamp of this odometry lies " +
-                                seconds_text(seconds_between(last.stamp, *clock)) +
-                                " ahead of the laser's");
+    skip_(last.record, "the stamp of this odometry lies " +
+                           seconds_text(seconds_between(last.stamp, *clock)) +
+                           " ahead of the laser's");
     waiting_bytes_ -= bytes_of(last.record);
     heap_.pop_back();
   }
@@ -162,10 +161,10 @@ std::optional<OrderedRecord> StampOrder::pop() {
     auto* const scan = std::get_if<LaserScan>(&first.record.message);
     auto& last = scan ? last_scan_out_[static_cast<std::size_t>(scan->lidar)] : last_odometry_out_;
     if (last == first.stamp) {
-      if (scan) skip_(first.record.line, "a scan with the same stamp came before");
+      if (scan) skip_(first.record, "a scan with the same stamp came before");
       // A scan's own odometry and a line of odometry of the same moment say the same.
       if (!scan && !last_odometry_is_of_a_scan_) {
-        skip_(first.record.line, "odometry with the same stamp came before");
+        skip_(first.record, "odometry with the same stamp came before");
       }
       continue;
     }

@@ -37,7 +37,7 @@ class StampOrder {
   /// \param skip        told about every record that can't come out
   /// \param early       a stamp that the scans are known to have near the beginning, if any is known
   StampOrder(bool scans_lead, std::optional<Stamp> early,
-             std::function<void(std::int64_t line, const std::string&)> skip);
+             std::function<void(const OrderedRecord&, const std::string&)> skip);
 
   /// A scan's own odometry is pushed right after the scan.
   void push(OrderedRecord record);
@@ -70,7 +70,7 @@ class StampOrder {
 
   bool scans_lead_;
   std::optional<Stamp> early_;
-  std::function<void(std::int64_t, const std::string&)> skip_;
+  std::function<void(const OrderedRecord&, const std::string&)> skip_;
   std::vector<Waiting> heap_;
   std::vector<OrderedRecord> pending_;
   std::optional<Stamp> now_;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "formats/float_image.hpp"
+#include "formats/picture_size.hpp"
 #include "formats/tiff_head.hpp"
 
 namespace loopstone {
@@ -92,8 +94,13 @@ bool is_tiff(std::string_view bytes) {
 }
 
 std::variant<Image, FloatImage> decode_tiff(std::string_view bytes,
-                                            const std::string& path_for_errors) {
+                                            const std::string& path_for_errors,
+                                            const MemoryBudget& budget) {
   const TiffHead head = parse_tiff_head(bytes, path_for_errors);
+  for (const auto& [across, down] :
+       {std::pair(head.width, head.height), std::pair(head.tile_width, head.tile_height)}) {
+    require_picture(across, down, head.bytes_per_sample(), bytes.size(), budget, {path_for_errors});
+  }
   const auto width = static_cast<int>(head.width);
   const auto height = static_cast<int>(head.height);
   if (head.is_float) {

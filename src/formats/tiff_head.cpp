@@ -5,13 +5,12 @@
 #include <cstddef>
 #include <optional>
 
+#include "formats/picture_size.hpp"
 #include "loopstone/base/error.hpp"
 
 namespace loopstone {
 namespace {
 
-constexpr std::uint32_t kMostSide = 1U << 20;
-constexpr std::size_t kMostPixels = std::size_t{1} << 28;
 /// No packing of TIFF's shrinks more: Deflate 1032 to 1, LZW 1400 to 1.
 constexpr std::size_t kMostShrinking = 2048;
 
@@ -115,7 +114,7 @@ class Directory {
 
 std::size_t side(const Directory& directory, Tag tag, const char* name) {
   const std::uint32_t value = directory.require(tag, name);
-  if (value == 0 || value > kMostSide) {
+  if (value == 0 || value > kMostPictureSide) {
     directory.fail(fmt::format("is a damaged TIFF picture: its {} is {}", name, value));
   }
   return value;
@@ -180,12 +179,10 @@ void read_tiles(const Directory& directory, std::size_t file_size, TiffHead& hea
     head.tile_width = side(directory, kTileWidth, "tiles' width");
     head.tile_height = side(directory, kTileHeight, "tiles' height");
   } else {
-    const std::uint32_t rows = directory.find(kRowsPerStrip).value_or(kMostSide);
+    const std::uint32_t rows =
+        directory.find(kRowsPerStrip).value_or(static_cast<std::uint32_t>(kMostPictureSide));
     head.tile_width = head.width;
     head.tile_height = rows == 0 || rows > head.height ? head.height : rows;
-  }
-  if (head.tile_width * head.tile_height > kMostPixels) {
-    directory.fail("is a damaged TIFF picture: a tile has more than 2^28 pixels");
   }
   const auto offsets = directory.list(head.has_tiles ? kTileOffsets : kStripOffsets);
   const auto sizes = directory.list(head.has_tiles ? kTileByteCounts : kStripByteCounts);
@@ -204,6 +201,10 @@ void read_tiles(const Directory& directory, std::size_t file_size, TiffHead& hea
     head.tiles.push_back({offsets[i], sizes[i]});
     packed_bytes += sizes[i];
   }
+  // Many tiles of the same bytes would make a large picture of a small file.
+  if (packed_bytes > file_size) {
+    directory.fail("is a damaged TIFF picture: its strips or tiles overlap");
+  }
   const std::size_t bytes = tiles * head.tile_width * head.tile_height * head.bytes_per_sample();
   if (bytes / kMostShrinking > packed_bytes) {
     directory.fail("is a damaged TIFF picture: it claims more pixels than its data can hold");
@@ -218,9 +219,6 @@ TiffHead parse_tiff_head(std::string_view bytes, const std::string& path) {
   head.order = directory.order();
   head.width = side(directory, kWidth, "width");
   head.height = side(directory, kHeight, "height");
-  if (head.width * head.height > kMostPixels) {
-    directory.fail("the picture has more than 2^28 pixels");
-  }
   check_samples(directory, head);
   head.packing = packing_of(directory);
   head.predictor = predictor_of(directory, head);

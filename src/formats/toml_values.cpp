@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <sstream>
+#include <string_view>
+
+#include "formats/cloud_parts.hpp"
 
 namespace loopstone {
 
@@ -117,17 +120,98 @@ bool assign(const OptionEntry& entry, const TomlValue& value) {
   return true;
 }
 
+/// What is deeper than this is no option, and would overflow the stack of a parser that follows it down.
+constexpr int kMostDepth = 32;
+
+/// Where the text ends that begins with the quote at `begin`.
+std::size_t end_of_text(std::string_view toml, std::size_t begin) {
+  const char quote = toml[begin];
+  const std::string three(3, quote);
+  const bool is_long = toml.substr(begin, 3) == three;
+  for (std::size_t i = begin + (is_long ? 3 : 1); i < toml.size(); ++i) {
+    if (toml[i] == '\\' && quote == '"') {
+      ++i;
+    } else if (toml[i] == '\n' && !is_long) {
+      return i;
+    } else if (toml[i] == quote && !is_long) {
+      return i + 1;
+    } else if (toml.substr(i, 3) == three) {
+      // A long text may end in up to two quotes of its own.
+      for (i += 3; toml.substr(i, 1) == three.substr(0, 1);) ++i;
+      return i;
+    }
+  }
+  return toml.size();
+}
+
+/// Where there are more brackets open, or more parts in a dotted key, than any options have; npos: nowhere. Knows no more of
+/// TOML than texts, comments, brackets and dots.
+std::size_t where_too_deep(std::string_view toml) {
+  int brackets = 0;
+  int dots = 0;
+  for (std::size_t i = 0; i < toml.size(); ++i) {
+    const char c = toml[i];
+    if (c == '"' || c == '\'') {
+      i = end_of_text(toml, i) - 1;
+    } else if (c == '#') {
+      i = std::min(toml.find('\n', i), toml.size()) - 1;
+    } else if (c == '.') {
+      ++dots;
+    } else if (c == '[' || c == '{') {
+      ++brackets;
+    } else if ((c == ']' || c == '}') && brackets > 0) {
+      --brackets;
+    }
+    if (c == '=' || c == ',' || c == '[' || c == '{' || c == '\n') dots = 0;
+    if (brackets > kMostDepth || dots >= kMostDepth) return i;
+  }
+  return toml.npos;
+}
+
+/// Counted from 1.
+std::int64_t line_at(std::string_view text, std::size_t place) {
+  const std::string_view before = text.substr(0, place);
+  return std::count(before.begin(), before.end(), '\n') + 1;
+}
+
+/// What the parser found wrong, in our words: its own name neither what stands there nor what belongs there.
+std::string syntax_rule(std::string_view toml, const toml::parse_error& error) {
+  const bool twice = error.description().find("redefine") != std::string_view::npos;
+  std::string_view line = toml;
+  for (auto number = error.source().begin.line; number > 1; --number) {
+    line.remove_prefix(std::min(line.find('\n'), line.size() - 1) + 1);
+  }
+  line = line.substr(0, std::min(line.find('\n'), line.size()));
+  return fmt::format(
+      "not valid TOML{} at column {} of {}; write key = 0.5, key = \"word\" or [group]",
+      twice ? ", a key stands there twice," : "",
+      static_cast<std::uint64_t>(error.source().begin.column), show_word(line));
+}
+
 }  // namespace
 
 TomlDocument parse_toml(std::string_view toml, const std::string& path) {
   TomlDocument document;
+  if (toml.size() > kMostOptionBytes) {
+    document.problems.push_back({{}, {}, "longer than a megabyte: no options", {path, {}, {}}});
+    return document;
+  }
+  if (const std::size_t place = where_too_deep(toml); place != toml.npos) {
+    document.problems.push_back(
+        {{},
+         {},
+         fmt::format("more than {} brackets or parts of a key within each other: no options",
+                     kMostDepth),
+         {path, line_at(toml, place), {}}});
+    return document;
+  }
   try {
     const toml::table table = toml::parse(toml, path);
     flatten(table, {}, document);
   } catch (const toml::parse_error& error) {
     document.problems.push_back({{},
                                  {},
-                                 fmt::format("not valid TOML: {}", error.description()),
+                                 syntax_rule(toml, error),
                                  {path, static_cast<std::int64_t>(error.source().begin.line), {}}});
   }
   std::stable_sort(document.values.begin(), document.values.end(),

@@ -7,12 +7,12 @@
 
 #include "formats/ucsd_sensors.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/sensor/robot_model.hpp"
 
 namespace loopstone {
 namespace {
 
 constexpr std::int64_t kMostBeams = 100'000;
-constexpr std::int64_t kMostHeldBytes = std::int64_t{1} << 30;
 
 double read_number(const NpzFile& file, const std::string& path, const std::string& key) {
   const NpyArray array = file.read(key);
@@ -31,14 +31,18 @@ std::optional<Pose2> read_mount(const NpzFile& file, const std::string& path) {
   if (v.size() != 3 || !std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2])) {
     throw DataError({path}, "robot_T_lidar must be three finite numbers: x, y, yaw");
   }
+  if (std::max(std::abs(v[0]), std::abs(v[1])) > kFarthestMountM) {
+    throw DataError({path},
+                    "robot_T_lidar is more than 100 m from the robot's centre: no mount is");
+  }
   return Pose2{v[0], v[1], wrap_angle(v[2])};
 }
 
 /// The ranges of one scan after another.
 class Ranges {
  public:
-  Ranges(NpyReader reader, const std::string& path, std::int64_t scans)
-      : reader_(std::move(reader)) {
+  Ranges(const NpzFile& file, const std::string& path, std::int64_t scans)
+      : reader_(file.open("ranges")) {
     const NpyHeader& header = reader_.header();
     const auto& shape = header.shape;
     const bool columns = shape.size() == 2 && shape[1] == scans;
@@ -55,7 +59,7 @@ class Ranges {
     }
     is_sequential_ = columns == header.fortran_order;
     scans_ = scans;
-    if (!is_sequential_) hold(path);
+    if (!is_sequential_) hold(file);
   }
 
   std::vector<float> scan(std::int64_t index) {
@@ -73,12 +77,10 @@ class Ranges {
 
  private:
   /// The order of the file is beam by beam.
-  void hold(const std::string& path) {
-    if (beams_ * scans_ > kMostHeldBytes / static_cast<std::int64_t>(sizeof(float))) {
-      throw DataError({path},
-                      "ranges is too large to be read in this order; save it with "
-                      "np.asfortranarray(ranges)");
-    }
+  void hold(const NpzFile& file) {
+    const auto count = static_cast<std::uint64_t>(beams_ * scans_);
+    file.require_memory("ranges", count * sizeof(float));
+    held_.reserve(static_cast<std::size_t>(count));
     for (std::int64_t beam = 0; beam < beams_; ++beam) {
       const std::size_t begin = held_.size();
       held_.resize(begin + static_cast<std::size_t>(scans_));
@@ -127,8 +129,8 @@ UcsdChannel open_ucsd_hokuyo(const NpzFile& file, const std::string& path) {
   if (!file.has("range_min") || !file.has("range_max")) {
     channel.notes.emplace_back("the file does not state range_min and range_max: 0.1 and 30 m");
   }
-  const auto ranges = std::make_shared<Ranges>(file.open("ranges"), path,
-                                               static_cast<std::int64_t>(seconds.size()));
+  const auto ranges =
+      std::make_shared<Ranges>(file, path, static_cast<std::int64_t>(seconds.size()));
   channel.kept = keep_increasing(seconds);
   channel.make = [model, ranges](Stamp stamp, std::int64_t index) {
     LaserScan scan = model;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "formats/skip_tally.hpp"
 #include "formats/ucsd_files.hpp"
 #include "formats/ucsd_sensors.hpp"
 
@@ -22,14 +23,15 @@ class UcsdReader final : public LogReader {
     open(files.imu, open_ucsd_imu);
     open(files.kinect,
          [&](const NpzFile& file, const std::string&) { return open_ucsd_kinect(file, files); });
-    open(files.hokuyo, [&](const NpzFile& file, const std::string& path) {
+    const auto open_lidar = [&](const NpzFile& file, const std::string& path) {
       UcsdChannel channel = open_ucsd_hokuyo(file, path);
       if (file.has("robot_T_lidar")) {
         const NpyArray mount = file.read("robot_T_lidar");
         mount_ = Pose2{mount.values[0], mount.values[1], wrap_angle(mount.values[2])};
       }
       return channel;
-    });
+    };
+    open(files.hokuyo, open_lidar, true);
     const std::string set = std::to_string(files.set);
     if (files.hokuyo.empty()) notes_.push_back("no Hokuyo" + set + ".npz: no laser scans");
     if (files.encoders.empty() && files.odometry.empty()) {
@@ -74,12 +76,13 @@ class UcsdReader final : public LogReader {
     base.lidars[0].robot_T_lidar = *mount_;
     return base;
   }
-  std::int64_t records_skipped() const override { return skipped_; }
+  const SkippedRecords& skipped() const override { return tally_.skipped(); }
   std::vector<std::string> notes() const override { return notes_; }
 
  private:
   struct Channel {
     UcsdChannel sensor;
+    bool is_lidar = false;
     std::size_t next = 0;
     std::size_t refused_reported = 0;
 
@@ -87,11 +90,11 @@ class UcsdReader final : public LogReader {
   };
 
   template <typename Open>
-  void open(const fs::path& path, Open&& open_sensor) {
+  void open(const fs::path& path, Open&& open_sensor, bool is_lidar = false) {
     if (path.empty()) return;
     const std::string name = path.string();
-    const NpzFile file(name);
-    Channel channel{open_sensor(file, name)};
+    const NpzFile file(name, options_.memory);
+    Channel channel{open_sensor(file, name), is_lidar};
     for (std::string& note : channel.sensor.notes) {
       notes_.push_back(path.filename().string() + ": " + note);
     }
@@ -117,8 +120,9 @@ class UcsdReader final : public LogReader {
           (name.empty() ? "record " + std::to_string(refused[next].index + 1) : name) + ": " +
           refused[next].reason;
       if (options_.strict) throw DataError({channel.sensor.path}, reason);
-      ++skipped_;
-      if (options_.on_problem) options_.on_problem({{channel.sensor.path}, reason});
+      const LogProblem problem{{{channel.sensor.path}, reason}, channel.is_lidar};
+      tally_.add(problem);
+      if (options_.on_problem) options_.on_problem(problem);
     }
   }
 
@@ -130,7 +134,7 @@ class UcsdReader final : public LogReader {
   std::int64_t bytes_total_ = 0;
   std::int64_t messages_total_ = 0;
   std::int64_t messages_done_ = 0;
-  std::int64_t skipped_ = 0;
+  SkipTally tally_;
 };
 
 }  // namespace

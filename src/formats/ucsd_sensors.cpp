@@ -140,10 +140,12 @@ UcsdChannel open_ucsd_odometry(const NpzFile& file, const std::string& path) {
   const auto poses = std::make_shared<UcsdMatrix>(
       read_ucsd_matrix(file, path, "poses", 3, static_cast<std::int64_t>(seconds.size())));
   channel.kept = keep_increasing(seconds);
-  refuse_bad(channel.kept, "a pose is not finite", [&](std::int64_t i) {
-    return std::isfinite(poses->at(0, i)) && std::isfinite(poses->at(1, i)) &&
-           std::isfinite(poses->at(2, i));
-  });
+  refuse_bad(channel.kept, "a pose is not finite, or more than 10,000 km away",
+             [&](std::int64_t i) {
+               constexpr double kMost = 1e7;  // written so that NaN is more
+               return std::abs(poses->at(0, i)) <= kMost && std::abs(poses->at(1, i)) <= kMost &&
+                      std::abs(poses->at(2, i)) <= kMost;
+             });
   channel.make = [poses](Stamp stamp, std::int64_t i) {
     return OdometryPose{stamp, {poses->at(0, i), poses->at(1, i), wrap_angle(poses->at(2, i))}};
   };

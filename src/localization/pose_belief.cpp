@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/localization/motion_models.hpp"
 #include "loopstone/localization/renewal.hpp"
 #include "loopstone/localization/weighted_moments.hpp"
@@ -37,9 +38,8 @@ class PoseLattice {
 
   [[nodiscard]] PoseCell cell_of(const Pose2& pose) const {
     const double turns = (pose.yaw + kPi) / (2.0 * kPi);
-    const int heading = static_cast<int>(std::floor(turns * headings_));
-    return {static_cast<int>(std::floor(pose.x / cell_m_)),
-            static_cast<int>(std::floor(pose.y / cell_m_)), wrapped(heading)};
+    return {floor_to_int(pose.x / cell_m_), floor_to_int(pose.y / cell_m_),
+            wrapped(floor_to_int(turns * headings_))};
   }
   [[nodiscard]] int wrapped(int heading) const {
     return ((heading % headings_) + headings_) % headings_;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/number_text.hpp"
 #include "loopstone/grid/ray_walk.hpp"
 #include "mapping/grid_beam.hpp"
 #include "mapping/scan_beams.hpp"
@@ -74,9 +75,8 @@ GridFrame frame_of(const Bounds& bounds, double resolution_m) {
   const Eigen::Vector2d size = bounds.high - bounds.low;
   const double cells = (size.x() / resolution_m + 3.0) * (size.y() / resolution_m + 3.0);
   if (!(cells < kMostCells) || !(size.maxCoeff() / resolution_m < 1e6)) {
-    throw UsageError("the map would be " + std::to_string(std::llround(size.x())) + " m x " +
-                     std::to_string(std::llround(size.y())) + " m at " +
-                     std::to_string(resolution_m) +
+    throw UsageError("the map would be " + number_text(size.x(), 4) + " m x " +
+                     number_text(size.y(), 4) + " m at " + number_text(resolution_m) +
                      " m a cell, which is too large; raise resolution_m, or lower max_range_m if "
                      "some ranges are wrong");
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/geometry/angle.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -143,9 +145,22 @@ void Odometer::integrate(Interval interval) {
         (rate->rate_rad_s - bias_.bias_rad_s()) * seconds_between(interval.from, interval.to);
     step(interval.to, {interval.motion.distance_m, turn}, true);
   } else {
+    const double yaw_before = nodes_.back().odom_T_robot.pose.yaw;
     integrate_along_gyro(interval);
+    const double by_wheels = interval.motion.rotation_rad;
+    const double by_gyro = wrap_angle(nodes_.back().odom_T_robot.pose.yaw - yaw_before);
+    turns_.ww += by_wheels * by_wheels;
+    turns_.wg += by_wheels * by_gyro;
+    turns_.gg += by_gyro * by_gyro;
   }
   forget_rates_before(interval.to - kLargestGyroGap);
+}
+
+std::optional<double> Odometer::wheels_with_gyro() const {
+  // A turn of a radian, told in intervals of a twentieth of one.
+  constexpr double kEnough = 0.05;
+  if (turns_.ww < kEnough || turns_.gg < kEnough) return {};
+  return turns_.wg / std::sqrt(turns_.ww * turns_.gg);
 }
 
 void Odometer::integrate_along_gyro(const Interval& interval) {

@@ -26,6 +26,10 @@ constexpr double kStands2 = 0.1 * 0.1;
 /// A factor explains the disagreement when no more than this share is left (root mean square). Squared.
 constexpr double kExplained2 = 0.25 * 0.25;
 constexpr int kPiecesForScale = 20;
+/// A motion is straight when it turns by less than this a metre, and long enough to have a direction.
+constexpr double kStraightRadPerM = 0.2;
+constexpr double kStraightM = 0.01;
+constexpr double kEnoughStraightM = 10.0;
 
 }  // namespace
 
@@ -159,6 +163,8 @@ void OdometryCheck::add(const MotionPair& pair) {
     translation_.add(pair.from, pair.to, pair.odometry.translation(), pair.laser.translation(),
                      0.0);
   }
+  if (pair.sees_translation && pair.sees_rotation && pair.odometry_has_translation)
+    follow_straight(pair);
   if (pair.sees_rotation) {
     rotation_.add(pair.from, pair.to, {pair.odometry.yaw, 0.0}, {pair.laser.yaw, 0.0},
                   kHeadingPerMetre * travelled);
@@ -175,6 +181,22 @@ void OdometryCheck::add(const MotionPair& pair) {
   follow(translation_, OdometryPart::kTranslation, pair.to);
   follow(rotation_, OdometryPart::kRotation, pair.to);
   follow_lag(pair.to);
+}
+
+void OdometryCheck::follow_straight(const MotionPair& pair) {
+  const Eigen::Vector2d odometry = pair.odometry.translation();
+  const Eigen::Vector2d laser = pair.laser.translation();
+  const double length_m = odometry.norm();
+  const double turn = std::max(std::abs(pair.odometry.yaw), std::abs(pair.laser.yaw));
+  if (length_m < kStraightM || turn > kStraightRadPerM * length_m) return;
+  straight_.length_m += length_m;
+  straight_.dot += odometry.dot(laser);
+  straight_.cross += odometry.x() * laser.y() - odometry.y() * laser.x();
+}
+
+std::optional<double> OdometryCheck::laser_heading_offset_rad() const {
+  if (straight_.length_m < kEnoughStraightM) return {};
+  return std::atan2(straight_.cross, straight_.dot);
 }
 
 OdometryEpisode* OdometryCheck::running(OdometryPart part) {

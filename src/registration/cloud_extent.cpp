@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/sensor/point_cloud.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -16,7 +18,7 @@ CloudExtent<kDimension> cloud_extent(std::span<const Eigen::Matrix<double, kDime
   CloudExtent<kDimension> extent;
   double count = 0.0;
   for (const auto& point : points) {
-    if (!point.allFinite()) continue;
+    if (!is_usable_point(point)) continue;
     extent.centre += point;
     count += 1.0;
   }
@@ -24,7 +26,7 @@ CloudExtent<kDimension> cloud_extent(std::span<const Eigen::Matrix<double, kDime
   extent.centre /= count;
   double squares = 0.0;
   for (const auto& point : points) {
-    if (point.allFinite()) squares += (point - extent.centre).squaredNorm();
+    if (is_usable_point(point)) squares += (point - extent.centre).squaredNorm();
   }
   extent.radius_m = std::sqrt(squares / count);
   return extent;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/sensor/point_cloud.hpp"
 #include "registration/cloud_search_judge.hpp"
 #include "registration/cloud_search_refine.hpp"
 #include "registration/cloud_search_sample.hpp"
@@ -55,7 +56,7 @@ PointsOf<kDimension> finite_points(std::span<const Eigen::Matrix<double, kDimens
   PointsOf<kDimension> finite;
   finite.reserve(points.size());
   std::copy_if(points.begin(), points.end(), std::back_inserter(finite),
-               [](const auto& point) { return point.allFinite(); });
+               [](const auto& point) { return is_usable_point(point); });
   return finite;
 }
 

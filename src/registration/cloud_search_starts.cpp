@@ -137,7 +137,9 @@ struct Descent {
       moved[a] = block.arm[a] + pose.translation(axis);
       const Lanes along = (moved[a] - frame.low(axis)) * per_m;
       const auto last = static_cast<float>(frame.counts[a] - 1);
-      voxel = voxel * frame.counts[a] + along.max(0.0F).min(last).template cast<std::int32_t>();
+      // Written so that NaN is in the first voxel.
+      const Lanes inside = (along > 0.0F).select(along.min(last), Lanes::Zero());
+      voxel = voxel * frame.counts[a] + inside.template cast<std::int32_t>();
     }
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const auto l = static_cast<Eigen::Index>(lane);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "loopstone/sensor/point_cloud.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -74,7 +76,7 @@ CellIndex<kDimension>::CellIndex(std::span<const Point> points, double cell_size
     : cell_size_m_(cell_size_m), entry_of_(points.size(), -1) {
   assert(cell_size_m > 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].allFinite()) {
+    if (is_usable_point(points[i])) {
       entries_.push_back({cell_of(points[i]), points[i], static_cast<std::int32_t>(i)});
     }
   }
@@ -130,7 +132,7 @@ template <int kDimension>
 NearestPoint CellIndex<kDimension>::nearest_point(const Point& query, double max_distance_m,
                                                   std::int32_t hint) const {
   Best best(max_distance_m);
-  if (entries_.empty() || !query.allFinite()) return best.answer(max_distance_m);
+  if (entries_.empty() || !is_usable_point(query)) return best.answer(max_distance_m);
   if (hint >= 0) {
     const std::int32_t entry = entry_of_[static_cast<std::size_t>(hint)];
     const double squared =
@@ -210,7 +212,7 @@ BearingIndex::BearingIndex(std::span<const Eigen::Vector2d> points)
     : points_(points.begin(), points.end()) {
   entries_.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite()) continue;
+    if (!is_usable_point(points[i])) continue;
     const auto index = static_cast<std::int32_t>(i);
     const double range = points[i].norm();
     if (range > 0.0) {
@@ -227,7 +229,7 @@ BearingIndex::BearingIndex(std::span<const Eigen::Vector2d> points)
 NearestPoint BearingIndex::nearest_point(const Eigen::Vector2d& query, double max_distance_m,
                                          std::int32_t hint) const {
   Best best(max_distance_m);
-  if (!query.allFinite()) return best.answer(max_distance_m);
+  if (!is_usable_point(query)) return best.answer(max_distance_m);
   if (hint >= 0) {
     const double squared = squared_distance<2>(points_[static_cast<std::size_t>(hint)], query);
     if (squared <= best.squared) best.offer(hint, squared);

@@ -13,6 +13,11 @@ namespace {
 /// Stands for "no site yet": larger than any squared distance in voxels.
 constexpr double kFar = 1e30;
 
+/// The voxel along an axis that is nearest to a place; the first one for NaN.
+std::int32_t clamped_voxel(float along, float last) {
+  return static_cast<std::int32_t>(along > 0.0F ? std::min(along, last) : 0.0F);
+}
+
 /// One line of voxels: squared distances (in voxels) to sites, and the sites' numbers.
 struct Line {
   std::vector<double> squared;
@@ -75,8 +80,11 @@ VoxelFrame<kDimension> voxels_covering(std::span<const Eigen::Matrix<float, kDim
     low = low.cwiseMin(point);
     high = high.cwiseMax(point);
   }
+  // Finer voxels than this can't be told apart, or counted, in single precision; none can be of no size.
+  const float farthest = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff() + margin_m;
   VoxelFrame<kDimension> frame;
-  for (frame.resolution_m = resolution_m;; frame.resolution_m *= 1.25F) {
+  for (frame.resolution_m = std::max({resolution_m, farthest * 1e-6F, 1e-15F});;
+       frame.resolution_m *= 1.25F) {
     double voxels = 1.0;
     for (int axis = 0; axis < kDimension; ++axis) {
       const float first = std::floor((low(axis) - margin_m) / frame.resolution_m);
@@ -167,8 +175,8 @@ typename DistanceField<kDimension>::Nearest DistanceField<kDimension>::nearest_p
     // A little wider than the ball: rounding must not lose a voxel.
     const float from = (query(axis) - radius_m - frame_.low(axis)) * per_m - 1e-3F;
     const float to = (query(axis) + radius_m - frame_.low(axis)) * per_m + 1e-3F;
-    first[a] = static_cast<std::int32_t>(std::clamp(from, 0.0F, end));
-    last[a] = static_cast<std::int32_t>(std::clamp(to, 0.0F, end));
+    first[a] = clamped_voxel(from, end);
+    last[a] = clamped_voxel(to, end);
   }
   const auto scan_row = [&](std::size_t row, float squared_to_row) {
     if (squared_to_row > best.squared_distance_m2) return;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/sensor/point_cloud.hpp"
 
 namespace loopstone {
 
@@ -15,7 +16,7 @@ std::optional<Eigen::Matrix<double, kDimension, 1>> centroid_of(
   Eigen::Matrix<double, kDimension, 1> sum = Eigen::Matrix<double, kDimension, 1>::Zero();
   std::size_t count = 0;
   for (const auto& point : points) {
-    if (!point.allFinite()) continue;
+    if (!is_usable_point(point)) continue;
     sum += point;
     ++count;
   }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/sensor/point_cloud.hpp"
 
 namespace loopstone {
 
@@ -39,7 +40,7 @@ IcpPairFinder<kDimension>::IcpPairFinder(const IcpSource<kDimension>& source,
     : source_(source), target_(target), metric_(metric) {
   queries_.reserve(source.points.size());
   for (std::size_t i = 0; i < source.points.size(); ++i) {
-    if (!source.points[i].allFinite()) continue;
+    if (!is_usable_point(source.points[i])) continue;
     queries_.emplace_back();
     queries_.back().point = source.points[i];
     queries_.back().source = static_cast<std::int32_t>(i);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "loopstone/registration/point_index.hpp"
+#include "loopstone/sensor/point_cloud.hpp"
 
 namespace loopstone {
 
@@ -23,7 +24,7 @@ class KdTree {
   explicit KdTree(const std::vector<Point>& points) {
     entries_.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (points[i].allFinite()) entries_.push_back({points[i], static_cast<std::int32_t>(i)});
+      if (is_usable_point(points[i])) entries_.push_back({points[i], static_cast<std::int32_t>(i)});
     }
     nodes_.reserve(2 * entries_.size() / (kLeafSize / 2) + 1);
     if (!entries_.empty()) build(0, static_cast<std::int32_t>(entries_.size()));
@@ -38,7 +39,7 @@ class KdTree {
                                      std::int32_t hint = -1) const {
     NearestPoint none;
     none.others_m = max_distance_m;
-    if (entries_.empty() || !query.allFinite()) return none;
+    if (entries_.empty() || !is_usable_point(query)) return none;
     NearestSearch search{query, -1, max_distance_m * max_distance_m,
                          std::numeric_limits<double>::infinity()};
     if (hint_point != nullptr) {
@@ -65,7 +66,7 @@ class KdTree {
 
   /// Fills `found` with the nearest points, nearest first; returns how many there are.
   std::size_t nearest_several(const Point& query, std::size_t count, Found* found) const {
-    if (entries_.empty() || count == 0 || !query.allFinite()) return 0;
+    if (entries_.empty() || count == 0 || !is_usable_point(query)) return 0;
     SeveralSearch search{query, found, count, 0, std::numeric_limits<double>::infinity()};
     std::array<double, kDimension> offsets{};
     descend(0, offsets, search);
@@ -75,7 +76,7 @@ class KdTree {
   /// visit(point, index, squared distance) for every point no farther than this, in the tree's order.
   template <typename Visitor>
   void for_each_within(const Point& query, double radius_m, Visitor&& visit) const {
-    if (entries_.empty() || !query.allFinite()) return;
+    if (entries_.empty() || !is_usable_point(query)) return;
     BallSearch<Visitor> search{query, radius_m * radius_m, visit};
     std::array<double, kDimension> offsets{};
     descend(0, offsets, search);

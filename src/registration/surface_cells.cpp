@@ -5,7 +5,9 @@
 #include <string>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/number_text.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "loopstone/sensor/point_cloud.hpp"
 
 namespace loopstone {
 
@@ -15,21 +17,20 @@ Grid<std::uint8_t> surface_cells(std::span<const Eigen::Vector2d> points, double
   Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector2d high = -low;
   for (const Eigen::Vector2d& point : points) {
-    if (!point.allFinite()) continue;
+    if (!is_usable_point(point)) continue;
     low = low.cwiseMin(point);
     high = high.cwiseMax(point);
   }
   if (!(low.x() <= high.x())) throw UsageError("there are no finite points to search on");
   const Eigen::Vector2d size = (high - low) / cell_m;
   if (!((size.x() + 3.0) * (size.y() + 3.0) < kMostCells)) {
-    throw UsageError("cells of " + std::to_string(cell_m) +
-                     " m are too small for points that are " +
-                     std::to_string((high - low).maxCoeff()) + " m apart");
+    throw UsageError("cells of " + number_text(cell_m) + " m are too small for points that are " +
+                     number_text((high - low).maxCoeff(), 4) + " m apart");
   }
   constexpr std::uint8_t kBeside = (kSurface + kUnknown) / 2;
   Grid<std::uint8_t> cells(frame_covering(low, high, cell_m, margin_m + cell_m), kUnknown);
   for (const Eigen::Vector2d& point : points) {
-    if (!point.allFinite()) continue;
+    if (!is_usable_point(point)) continue;
     const Cell centre = cells.frame().cell_of(point);
     for (int row = centre.row - 1; row <= centre.row + 1; ++row) {
       for (int column = centre.column - 1; column <= centre.column + 1; ++column) {

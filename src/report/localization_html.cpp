@@ -119,13 +119,13 @@ std::string key_figures(const LocalizationResult& result, const Grid<std::int8_t
   std::string html = "<div class=\"figures\">\n";
   html += html_key_table("Confidence", confidence_rows(result, figures));
   html += html_key_table("Pose", pose_rows(result, figures));
-  html +=
-      html_key_table("Recording", {{"duration", readable_time(result.duration_s)},
-                                   {"path, by odometry", readable(result.path_length_m) + " m"},
-                                   {"scans", with_thousands(result.scans)},
-                                   {"scans dropped", with_thousands(result.scans_dropped)},
-                                   {"records skipped", with_thousands(info.run.records_skipped)},
-                                   {"odometry", result.had_odometry ? "yes" : "none"}});
+  html += html_key_table("Recording",
+                         {{"duration", readable_time(result.duration_s)},
+                          {"path, by odometry", readable(result.path_length_m) + " m"},
+                          {"scans", with_thousands(result.scans)},
+                          {"scans dropped", with_thousands(result.scans_dropped)},
+                          {"records skipped", with_thousands(info.run.left_out.skipped.records)},
+                          {"odometry", result.had_odometry ? "yes" : "none"}});
   html += html_key_table("Map and start",
                          {{"map", escape_html(info.map_path)},
                           {"extent", readable(frame.columns * frame.resolution) + " × " +

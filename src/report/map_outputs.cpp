@@ -1,7 +1,9 @@
 #include "loopstone/report/map_outputs.hpp"
 
 #include <cstddef>
+#include <exception>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -33,20 +35,25 @@ CellStates states_to_write(const OccupancyMap& map) {
   return CellStates(frame, kUnknownCell);
 }
 
-}  // namespace
+/// What took the run its time and no disk any room: it is kept, whatever becomes of the rest.
+void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, FileSet& files) {
+  files.add("trajectory.tum", "optimised pose of every scan: t x y z qx qy qz qw",
+            format_tum(result.trajectory));
+  files.add("odometry.tum", "the same from odometry alone", format_tum(result.odometry));
+  files.add("graph.g2o", "the final pose graph", format_g2o(result.graph));
+  files.add("loop_closures.csv", "every place that was recognised or looked like it",
+            format_closure_csv(result));
+  files.add("options.toml", "the effective options", info.options_toml);
+}
 
-void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir,
-                       const FloorTexture* texture) {
-  OutputFolder folder(out_dir, info.force);
+void add_map_and_report(const MapResult& result, const RunInfo& info, const FloorTexture* texture,
+                        FileSet& files) {
+  if (!result.map_failure.empty()) throw std::runtime_error(result.map_failure);
   const CellStates cells = states_to_write(result.map);
   std::string picture;
   std::string quality_picture;
   std::string floor_picture;
   std::string pgm;
-  std::string trajectory;
-  std::string odometry;
-  std::string graph;
-  std::string closures;
   // The pictures take longest, so they come first.
   const std::vector<std::function<void()>> makers = {
       [&] { picture = encode_png(draw_map_picture(result), kPngCompression); },
@@ -60,23 +67,14 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
         floor_picture = encode_png(draw_texture_picture(*texture, result.map, result.trajectory),
                                    kPngCompression);
       },
-      [&] { trajectory = format_tum(result.trajectory); },
-      [&] { odometry = format_tum(result.odometry); },
-      [&] { graph = format_g2o(result.graph); },
-      [&] { closures = format_closure_csv(result); },
       [&] { pgm = encode_pgm(map_image(cells)); },
   };
   parallel_for(makers.size(), Threads{info.threads}, [&](std::size_t i) { makers[i](); });
 
-  FileSet files(folder);
   files.add("map.png", "the map, the path and the loop closures, to look at", picture);
   files.add("map.pgm", "occupancy as map_server reads it", pgm);
   files.add("map.yaml", "frame and thresholds of map.pgm",
             format_map_yaml(cells.frame(), "map.pgm"));
-  files.add("trajectory.tum", "optimised pose of every scan: t x y z qx qy qz qw", trajectory);
-  files.add("odometry.tum", "the same from odometry alone", odometry);
-  files.add("graph.g2o", "the final pose graph", graph);
-  files.add("loop_closures.csv", "every place that was recognised or looked like it", closures);
   std::string quality_html;
   if (!quality_picture.empty()) {
     files.add("quality.png", "where visits to the same place agree, and where not",
@@ -91,13 +89,38 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
     }
     floor_html = html_texture(*texture, floor_picture);
   }
-  files.add("options.toml", "the effective options", info.options_toml);
   files.add("summary.json", "every figure of the run, for programs",
             format_summary(result, info, texture));
   files.add("report.html", "this page",
             format_report(result, info, picture, files.listed(), quality_html, floor_html));
+  files.make_safe();
+}
+
+}  // namespace
+
+void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir,
+                       const FloorTexture* texture) {
+  OutputFolder folder(out_dir, info.force);
+  FileSet files(folder);
+  add_trajectory_and_graph(result, info, files);
+  files.make_safe();
+  std::string failure;
+  try {
+    add_map_and_report(result, info, texture, files);
+  } catch (const std::exception& error) {
+    failure = error.what();
+    files.forget_the_rest();
+    RunInfo incomplete = info;
+    incomplete.failure = failure;
+    files.add("summary.json", "every figure of the run, for programs",
+              format_summary(result, incomplete, nullptr));
+  }
   files.commit();
   folder.keep();
+  if (!failure.empty()) {
+    throw std::runtime_error(failure + "; trajectory and graph are in " + out_dir +
+                             ", where summary.json says that the rest is missing");
+  }
 }
 
 }  // namespace loopstone

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
@@ -32,6 +33,7 @@ class OutputFolder {
   ~OutputFolder();
 
   [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
+  [[nodiscard]] bool holds(const std::string& name) const;
   void keep() { kept_ = true; }
 
  private:
@@ -40,7 +42,9 @@ class OutputFolder {
   bool kept_ = false;
 };
 
-/// Files that are all complete on disk before the first appears: commit() makes them safe, all at once, then renames them.
+/// The results of a run. All files are complete on disk before the first appears: commit() makes them safe, all at once, then
+/// renames them, summary.json last. Where an older set is replaced, its summary.json says first that the set is incomplete, and
+/// what the new one lacks goes, so that whoever ends the process leaves no mixture that looks whole.
 class FileSet {
  public:
   explicit FileSet(const OutputFolder& folder) : folder_(folder) {}
@@ -50,12 +54,19 @@ class FileSet {
   void add(const std::string& name, const std::string& content,
            const std::function<void(AtomicFile&)>& write);
   [[nodiscard]] const std::vector<ListedFile>& listed() const { return listed_; }
+  /// What was added so far is on disk, though not under its names; a failure from now on leaves it complete.
+  void make_safe();
+  /// Drops what was added since make_safe().
+  void forget_the_rest();
   void commit();
 
  private:
+  void clear_old_set() const;
+
   const OutputFolder& folder_;
   std::deque<AtomicFile> files_{};
-  std::vector<ListedFile> listed_{};
+  std::vector<ListedFile> listed_{};  ///< of the same order
+  std::size_t safe_ = 0;
 };
 
 }  // namespace loopstone

@@ -46,8 +46,8 @@ std::string reason_of(const MapVerdict& verdict) {
 
 std::string value_of(const QualityMeasure& measure) {
   if (measure.verdict == Verdict::kUnknown) return "–";
-  if (measure.name == "wall_thickness_m" || measure.name == "certified_shift_m")
-    return readable(100.0 * measure.value) + " cm";
+  if (measure.name == "sensor_faults") return fmt::format("{:.0f}", measure.value);
+  if (measure.name.ends_with("_m")) return readable(100.0 * measure.value) + " cm";
   if (measure.name == "entropy_gain_nats") return fmt::format("{:+.2f} nats", measure.value);
   if (measure.name == "reduced_chi2") return fmt::format("{:.2f}", measure.value);
   return fmt::format("{:.1f} %", 100.0 * measure.value);

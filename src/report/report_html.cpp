@@ -53,7 +53,7 @@ std::string key_figures(const MapResult& result, const RunInfo& info) {
                     {"path", readable(s.path_length_m) + " m"},
                     {"scans used", with_thousands(s.scans)},
                     {"scans dropped", with_thousands(s.scans_dropped)},
-                    {"records skipped", with_thousands(info.records_skipped)},
+                    {"records skipped", with_thousands(info.left_out.skipped.records)},
                     {"path with a direction unseen", readable(s.degenerate_travel_m) + " m"}});
   html += html_key_table(
       "Pose graph",

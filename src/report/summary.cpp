@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "loopstone/report/map_outputs.hpp"
+#include "report/fault_summary.hpp"
 #include "report/quality_summary.hpp"
 #include "report/texture_summary.hpp"
 
@@ -22,24 +23,6 @@ MapFigures figures_of(const OccupancyMap& map) {
           frame.columns * frame.resolution, frame.rows * frame.resolution};
 }
 
-/// When odometry was found wrong; times count from the first scan.
-nlohmann::ordered_json odometry_faults(const MapResult& result) {
-  auto list = nlohmann::ordered_json::array();
-  if (result.trajectory.empty()) return list;
-  const Stamp start = result.trajectory.poses().front().stamp;
-  for (const OdometryEpisode& episode : result.odometry_episodes) {
-    list.push_back({{"part", to_string(episode.part)},
-                    {"fault", to_string(episode.fault)},
-                    {"from_s", (episode.from - start).seconds()},
-                    {"noticed_s", (episode.noticed - start).seconds()},
-                    {"to_s", (episode.to - start).seconds()},
-                    {"over", episode.over},
-                    {"ratio", episode.ratio},
-                    {"lag_s", episode.lag_s}});
-  }
-  return list;
-}
-
 std::string format_summary(const MapResult& result, const RunInfo& info,
                            const FloorTexture* texture) {
   const MapStatistics& s = result.statistics;
@@ -49,10 +32,11 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"version", info.version},
       {"log", info.log_path},
       {"command", info.command_line},
-      {"complete", result.complete},
+      {"complete", result.complete && info.failure.empty()},
       {"scans", s.scans},
       {"scans_dropped", s.scans_dropped},
-      {"records_skipped", info.records_skipped},
+      {"records_skipped", info.left_out.skipped.records},
+      {"left_out", nlohmann::ordered_json::parse(left_out_json(info.left_out))},
       {"key_scans", s.key_scans},
       {"key_scans_thinned", s.key_scans_thinned},
       {"submaps", s.submaps},
@@ -90,8 +74,12 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"surface_spread_m", s.surface_spread_m},
       {"quality", quality_json(result)},
       {"odometry_faults", odometry_faults(result)},
+      {"laser_faults", laser_faults(result)},
+      {"path_breaks", path_breaks(result)},
       {"warnings", result.warnings},
   };
+  for (const auto& [name, term] : info.terms) summary["result_of"][name] = term;
+  if (!info.failure.empty()) summary["warnings"].push_back(info.failure);
   if (info.pace) {
     summary["realtime"] = {{"speed", info.pace->speed},
                            {"median_latency_s", info.pace->median_s},

@@ -26,7 +26,8 @@ constexpr int kFinalRounds = 2;
 
 BackEnd::BackEnd(const MapOptions& options, Threads threads)
     : loop_closure_(options.loop_closure),
-      loops_(options.loop, options.submap, options.match, threads) {}
+      loops_(options.loop, options.submap, options.match, threads),
+      chain_(options.loop.drift_per_m) {}
 
 void BackEnd::add_key(const KeyScan& key) {
   chain_.add(key);
@@ -45,7 +46,6 @@ void BackEnd::add_key(const KeyScan& key) {
 void BackEnd::add_submap(FinishedSubmap submap) {
   const Stopwatch watch;
   loops_.add(std::move(submap), chain_.travelled_m()[loops_.submap_count()]);
-  covered_.push_back(false);
   std::vector<LoopClosure> found;
   if (loop_closure_) found = loops_.close_newest(outline_.poses);
   loop_closing_s_ += watch.seconds();
@@ -56,10 +56,9 @@ void BackEnd::add_submap(FinishedSubmap submap) {
 /// A stretch lies in the submap that it starts and in the one before.
 void BackEnd::thin_covered() {
   for (const std::size_t submap : loops_.drop_covered()) {
-    covered_[submap] = true;
     for (const std::size_t stretch : {submap, submap + 1}) {
-      if (stretch == 0 || stretch >= covered_.size()) continue;
-      if (!covered_[stretch - 1] || !covered_[stretch]) continue;
+      if (stretch == 0 || stretch >= loops_.submap_count()) continue;
+      if (!loops_.is_dropped(stretch - 1) || !loops_.is_dropped(stretch)) continue;
       chain_.thin(stretch);
       thinned_.push_back(stretch);
     }

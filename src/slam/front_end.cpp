@@ -14,8 +14,6 @@ namespace {
 
 /// A scan with fewer points says too little to be aligned or mapped.
 constexpr std::size_t kMinPoints = 20;
-constexpr double kSearchMinScore = 0.25;
-constexpr std::size_t kSearchPoints = 200;
 /// Where a robot is looked for that was lost.
 constexpr double kLostM = 2.0;
 /// Scans in a row that contradict the map are left out of it; after so many the place itself must have changed.
@@ -42,19 +40,11 @@ constexpr double kBendRad = 0.005;
 /// Each pass takes away what the sweep is of the time between scans: half of the error or more.
 constexpr int kStraightenings = 3;
 
-/// Squared Mahalanobis distance of a match from its prior.
-double surprise(const MatchResult& match, const PosePrior2& prior) {
-  const Eigen::Vector3d off(match.target_T_source.x - prior.target_T_source.x,
-                            match.target_T_source.y - prior.target_T_source.y,
-                            wrap_angle(match.target_T_source.yaw - prior.target_T_source.yaw));
-  return off.dot(prior.information * off);
-}
-
 /// What speaks for a match: how much of the scan it explains, less how far it is from the nearest guess.
 double merit(const MatchResult& match, std::span<const PosePrior2> priors) {
   if (match.status == MatchStatus::kTooFewPairs) return -1.0;
   double nearest = kMostChi2;
-  for (const PosePrior2& prior : priors) nearest = std::min(nearest, surprise(match, prior));
+  for (const PosePrior2& prior : priors) nearest = std::min(nearest, chi2_from(prior, match));
   return match.score - kScorePerChi2 * nearest;
 }
 
@@ -63,15 +53,6 @@ bool bends(const LaserScan& scan, const Tangent2& velocity_error) {
   const double sweep_s = std::abs(sweep_seconds(scan));
   return velocity_error.head<2>().norm() * sweep_s > kBendM ||
          std::abs(velocity_error.z()) * sweep_s > kBendRad;
-}
-
-std::vector<Eigen::Vector2d> thinned_positions(std::span<const SurfacePoint> surfaces,
-                                               std::size_t count) {
-  const std::size_t stride = std::max<std::size_t>(1, surfaces.size() / count);
-  std::vector<Eigen::Vector2d> points;
-  for (std::size_t i = 0; i < surfaces.size(); i += stride)
-    points.emplace_back(surfaces[i].position.cast<double>());
-  return points;
 }
 
 }  // namespace
@@ -90,51 +71,71 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   const std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
   tracked.local_T_robot = guesses.front().local_T_robot;
 
-  Tangent2 velocity = velocity_to(guesses.front().local_T_robot, scan);
-  auto surfaces = surfaces_of(scan, robot_T_lidar, velocity);
-  tracked.used = surfaces.size() >= kMinPoints;
-  MotionPredictor::Seen seen;
-
-  if (tracked.used && !active_.empty()) {
-    Alignment alignment = align(surfaces, guesses, predictor_.coast_guesses(scan.stamp));
-    for (int pass = 0; pass < kStraightenings && !alignment.lost; ++pass) {
-      // A scan that was straightened by a wrong velocity is straightened anew.
-      if (!has_supported_pose(alignment.match.status)) break;
-      const Tangent2 matched = velocity_to(alignment.match.target_T_source, scan);
-      if (!bends(scan, matched - velocity)) break;
-      velocity = matched;
-      surfaces = surfaces_of(scan, robot_T_lidar, velocity);
-      MotionGuess again = guesses.front();
-      again.local_T_robot = alignment.match.target_T_source;
-      again.information *= kOutvoted;
-      alignment.match = align(surfaces, std::span(&again, 1), {}).match;
-    }
-    tracked.searched = alignment.searched;
-    const MatchResult& match = alignment.match;
-    tracked.local_T_robot = match.target_T_source;
-    tracked.covariance = match.covariance;
-    tracked.status = match.status;
-    tracked.score = match.score;
-    const bool fits = match.status != MatchStatus::kTooFewPairs && !alignment.lost &&
-                      match.score >= options_.trusted_score;
-    lost_in_a_row_ = alignment.lost ? lost_in_a_row_ + 1 : 0;
-    seen = {fits && match.status != MatchStatus::kDegenerate, fits};
-    if (fits) usual_score_ += (match.score - usual_score_) / kScoreMemory;
-  } else if (tracked.used) {
+  const bool believed = laser_check_.add(scan, odometry);
+  auto surfaces =
+      surfaces_of(scan, robot_T_lidar, velocity_to(guesses.front().local_T_robot, scan));
+  tracked.used = believed && surfaces.size() >= kMinPoints;
+  Seen seen;
+  if (!tracked.used) {
+    tracked.covariance = guesses.front().information.inverse();
+  } else if (active_.empty()) {
     tracked.status = MatchStatus::kConverged;
     tracked.score = 1.0;
     seen = {true, true};
+  } else if (const auto blind = blind_motion(scan.stamp, guesses.front(), odometry);
+             is_gap(scan.stamp) && !blind.is_short()) {
+    seen = rejoin(surfaces, blind, scan.stamp, tracked);
   } else {
-    tracked.covariance = guesses.front().information.inverse();
+    seen = follow(scan, robot_T_lidar, guesses, surfaces, tracked);
+    if (is_gap(scan.stamp)) note_gap(blind, scan.stamp, tracked);
+  }
+  if (lost_in_a_row_ > kMostLost) {
+    const BlindMotion blind = blind_motion(scan.stamp, guesses.front(), {});
+    begin_piece(blind, BreakCause::kContradicted, scan.stamp, tracked);
   }
 
   predictor_.settle(scan.stamp, tracked.local_T_robot, odometry, seen);
-  tracked.left_out = lost_in_a_row_ > 0 && lost_in_a_row_ <= kMostLost;
-  if (tracked.used && !tracked.left_out &&
-      (active_.empty() || moved_enough(tracked.local_T_robot))) {
+  tracked.left_out = lost_in_a_row_ > 0;
+  if (!tracked.used || tracked.left_out) return tracked;
+  hold(scan.stamp, tracked.local_T_robot, odometry);
+  if (active_.empty() || moved_enough(tracked.local_T_robot))
     insert(surfaces, scan, robot_T_lidar, tracked);
-  }
   return tracked;
+}
+
+/// The scan of a robot that was seen a moment ago.
+FrontEnd::Seen FrontEnd::follow(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                std::span<const MotionGuess> guesses,
+                                std::vector<SurfacePoint>& surfaces, TrackedScan& tracked) {
+  Alignment alignment = align(surfaces, guesses, others_than_odometry(scan.stamp));
+  Tangent2 velocity = velocity_to(guesses.front().local_T_robot, scan);
+  for (int pass = 0; pass < kStraightenings && !alignment.lost; ++pass) {
+    // A scan that was straightened by a wrong velocity is straightened anew.
+    if (!has_supported_pose(alignment.match.status)) break;
+    const Tangent2 matched = velocity_to(alignment.match.target_T_source, scan);
+    if (!bends(scan, matched - velocity)) break;
+    velocity = matched;
+    surfaces = surfaces_of(scan, robot_T_lidar, velocity);
+    MotionGuess again = guesses.front();
+    again.local_T_robot = alignment.match.target_T_source;
+    again.information *= kOutvoted;
+    alignment.match = align(surfaces, std::span(&again, 1), {}).match;
+  }
+  tracked.searched = alignment.searched;
+  lost_in_a_row_ = alignment.lost ? lost_in_a_row_ + 1 : 0;
+  return take_match(alignment.match, !alignment.lost, tracked);
+}
+
+/// What a match says of its scan. \param is_held  the laser holds the pose
+FrontEnd::Seen FrontEnd::take_match(const MatchResult& match, bool is_held, TrackedScan& tracked) {
+  tracked.local_T_robot = match.target_T_source;
+  tracked.covariance = match.covariance;
+  tracked.status = match.status;
+  tracked.score = match.score;
+  const bool fits =
+      is_held && match.status != MatchStatus::kTooFewPairs && match.score >= options_.trusted_score;
+  if (fits) usual_score_ += (match.score - usual_score_) / kScoreMemory;
+  return {fits && match.status != MatchStatus::kDegenerate, fits};
 }
 
 Tangent2 FrontEnd::velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const {
@@ -155,18 +156,12 @@ std::vector<SurfacePoint> FrontEnd::surfaces_of(const LaserScan& scan, const Pos
 FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
                                     std::span<const MotionGuess> guesses,
                                     std::span<const MotionGuess> others) const {
-  const ActiveSubmap& target = active_.front();
-  const Pose2 submap_T_local = target.local_T_submap.inverse();
-  // Priors turn with the frame.
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = target.local_T_submap.rotation();
-  const auto& grid = target.submap.surfaces();
+  const auto& grid = active_.front().submap.surfaces();
   std::vector<PosePrior2> priors;
   MatchResult best;
   std::size_t best_prior = 0;
   const auto try_guess = [&](const MotionGuess& guess) {
-    priors.push_back({submap_T_local * guess.local_T_robot,
-                      turn.transpose() * guess.information * turn, guess.measured});
+    priors.push_back(in_submap({guess.local_T_robot, guess.information, guess.measured}));
     const PosePrior2& prior = priors.back();
     const MatchResult match =
         match_to_grid(surfaces, grid, prior.target_T_source, prior, match_options_, 1);
@@ -180,7 +175,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
     for (const MotionGuess& guess : others) try_guess(guess);
   }
   // Where the laser pulls far away from the guess, the guess was wrong and must not pull back.
-  if (has_supported_pose(best.status) && surprise(best, priors[best_prior]) > kSurprise) {
+  if (has_supported_pose(best.status) && chi2_from(priors[best_prior], best) > kSurprise) {
     PosePrior2 loose = priors[best_prior];
     loose.information *= kOutvoted;
     const MatchResult freed =
@@ -203,9 +198,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
     best.covariance = priors[best_prior].information.inverse();
     if (result.lost) best.status = MatchStatus::kNotConverged;
   }
-  result.match = best;
-  result.match.target_T_source = target.local_T_submap * best.target_T_source;
-  result.match.covariance = turn * best.covariance * turn.transpose();
+  result.match = in_local(best);
   return result;
 }
 
@@ -215,7 +208,7 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
   const ActiveSubmap& target = active_.front();
   const PosePrior2& likeliest = priors.front();
   const FrozenSubmap frozen = target.submap.freeze();
-  const auto points = thinned_positions(surfaces, kSearchPoints);
+  const auto points = search_points(surfaces);
   const auto best_of = [&](const MatchResult& best, const MaxPyramid& pyramid,
                            const SearchWindow& window, double least_score) {
     const auto found = search_about_robot(points, pyramid, window, kSearchMinScore);
@@ -272,7 +265,7 @@ void FrontEnd::insert(std::span<const SurfacePoint> surfaces, const LaserScan& s
   if (start_next) {
     if (active_.size() == 2) {
       tracked.finished.push_back(
-          {active_.front().submap.freeze(), active_.front().first_key, key_count_ - 1});
+          {active_.front().submap.freeze(), active_.front().first_key, key_count_ - 1, piece_});
       active_.erase(active_.begin());
     }
     active_.push_back({Submap(submap_options_), tracked.local_T_robot, key_count_, 0.0});
@@ -287,12 +280,14 @@ void FrontEnd::insert(std::span<const SurfacePoint> surfaces, const LaserScan& s
   tracked.starts_submap = start_next;
 }
 
-std::vector<FinishedSubmap> FrontEnd::finish() {
+std::vector<FinishedSubmap> FrontEnd::end_piece() {
   std::vector<FinishedSubmap> finished;
   for (const auto& active : active_)
-    finished.push_back({active.submap.freeze(), active.first_key, key_count_ - 1});
+    finished.push_back({active.submap.freeze(), active.first_key, key_count_ - 1, piece_});
   active_.clear();
   return finished;
 }
+
+std::vector<FinishedSubmap> FrontEnd::finish() { return end_piece(); }
 
 }  // namespace loopstone

@@ -1,5 +1,6 @@
 #include "loopstone/slam/key_chain.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "slam/scan_edges.hpp"
@@ -13,17 +14,23 @@ constexpr double kChainRestM = 0.004;
 constexpr double kChainShare = 0.006;
 constexpr double kChainRestRad = 0.0012;
 constexpr double kChainTurnShare = 0.004;
+/// What loop closing searches across a break, in standard deviations.
+constexpr double kWindowSigmas = 2.0;
+constexpr double kLeastDrift = 1e-3;
 
 /// From one key scan to the next.
 PoseWithCovariance2 motion_between(const KeyScan& previous, const KeyScan& next) {
   const Pose2 motion = previous.local_T_robot.inverse() * next.local_T_robot;
-  const double distance = std::hypot(motion.x, motion.y);
+  // What the laser did not follow is known as well as the break says.
+  const double distance = next.across ? 0.0 : std::hypot(motion.x, motion.y);
   const double sigma = kChainRestM + kChainShare * distance;
   const double sigma_yaw = kChainRestRad + kChainTurnShare * std::abs(motion.yaw);
   // From the local frame to that of the previous key scan, in which the motion is told.
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = previous.local_T_robot.rotation().transpose();
-  Eigen::Matrix3d covariance = turn * (previous.covariance + next.covariance) * turn.transpose();
+  Eigen::Matrix3d covariance = previous.covariance + next.covariance;
+  if (next.across) covariance += *next.across;
+  covariance = turn * covariance * turn.transpose();
   covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, sigma_yaw * sigma_yaw);
   return {motion, covariance};
 }
@@ -36,10 +43,14 @@ void KeyChain::add(const KeyScan& key) {
     const PoseWithCovariance2 motion = motion_between(newest_, key);
     open.across = compound(open.across, motion);
     length_m_ += std::hypot(motion.pose.x, motion.pose.y);
+    if (key.across) {
+      const double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));
+      breaks_m_ += kWindowSigmas * sigma_m / std::max(drift_per_m_, kLeastDrift);
+    }
   }
   if (stretches_.empty() || key.starts_submap) {
     stretches_.emplace_back();
-    travelled_m_.push_back(length_m_);
+    travelled_m_.push_back(length_m_ + breaks_m_);
   }
   stretches_.back().keys.push_back(key);
   newest_ = key;

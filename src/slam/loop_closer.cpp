@@ -17,7 +17,7 @@ namespace loopstone {
 namespace {
 
 constexpr std::size_t kProbePoints = 350;
-/// Submaps this close in sequence share scans or are tied tightly already.
+/// Submaps this close in sequence on one piece of the path share scans or are tied tightly already.
 constexpr std::size_t kNeighbours = 2;
 /// Uncertainty where two places are connected directly.
 constexpr double kRestM = 0.35;
@@ -74,6 +74,7 @@ double share_of(const std::vector<bool>& seen) {
 
 struct LoopCloser::Entry {
   FrozenSubmap submap;
+  std::size_t piece = 0;
   double travelled_m = 0.0;
   Eigen::Vector2d centre;  // of its surfaces, submap frame
   double radius_m = 0.0;   // rms distance of its surfaces from the centre
@@ -83,7 +84,7 @@ struct LoopCloser::Entry {
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(submap, travelled_m, centre, radius_m, closed_with, dropped);
+    a(submap, piece, travelled_m, centre, radius_m, closed_with, dropped);
   }
 };
 
@@ -110,12 +111,37 @@ void LoopCloser::archive_fields(Archive& a) {
   a(entries_, standing_, tried_, tried_places_, seen_, newly_closed_);
 }
 void LoopCloser::archive(ByteWriter& a) { archive_fields(a); }
-void LoopCloser::archive(ByteReader& a) { archive_fields(a); }
+void LoopCloser::archive(ByteReader& a) {
+  archive_fields(a);
+  a.check(is_sound(), "closures of submaps that are not there");
+}
+
+/// Whether every submap that is spoken of is there; for what comes from a file.
+bool LoopCloser::is_sound() const {
+  const auto exists = [this](std::size_t submap) { return submap < entries_.size(); };
+  const auto both_exist = [&](const auto& pair) {
+    return exists(pair.first) && exists(pair.second);
+  };
+  const auto fits = [&](const auto& seen) {
+    // Of a submap that was dropped the surfaces are gone.
+    if (!both_exist(seen.first)) return false;
+    const Entry& newer = entries_[seen.first.first];
+    return newer.dropped || seen.second.size() == newer.submap.surfaces.size();
+  };
+  return std::ranges::all_of(standing_, both_exist) &&
+         std::ranges::all_of(tried_, [&](const auto& tried) { return both_exist(tried.first); }) &&
+         std::ranges::all_of(tried_places_, both_exist) && std::ranges::all_of(seen_, fits) &&
+         std::ranges::all_of(newly_closed_, exists) &&
+         std::ranges::all_of(entries_, [&](const Entry& entry) {
+           return std::ranges::all_of(entry.closed_with, exists);
+         });
+}
 
 std::size_t LoopCloser::submap_count() const { return entries_.size(); }
 
 void LoopCloser::add(FinishedSubmap submap, double travelled_m) {
   Entry entry{.submap = std::move(submap.submap),
+              .piece = submap.piece,
               .travelled_m = travelled_m,
               .centre = Eigen::Vector2d::Zero(),
               .radius_m = 0.0,
@@ -185,9 +211,10 @@ std::vector<LoopCloser::Pair> LoopCloser::candidates_for(std::size_t newer,
   const Pose2 map_T_newer = map_T_submap[newer];
   const Eigen::Vector2d centre = map_T_newer * query.centre;
   const auto travel = travel_from(newer);
-  for (std::size_t older = 0; older + kNeighbours < newer; ++older) {
+  for (std::size_t older = 0; older < newer; ++older) {
     const Entry& target = entries_[older];
     if (target.dropped || standing_.contains({newer, older})) continue;
+    if (older + kNeighbours >= newer && target.piece == query.piece) continue;
     const Pose2 map_T_older = map_T_submap[older];
     Pair pair{.older = older,
               .newer = newer,
@@ -285,7 +312,7 @@ std::vector<LoopClosure> LoopCloser::close_newest(std::span<const Pose2> map_T_s
 
 std::vector<LoopClosure> LoopCloser::close_all(std::span<const Pose2> map_T_submap) {
   std::vector<Pair> pairs;
-  for (std::size_t newer = kNeighbours + 1; newer < entries_.size(); ++newer) {
+  for (std::size_t newer = 1; newer < entries_.size(); ++newer) {
     const auto more = candidates_for(newer, map_T_submap);
     pairs.insert(pairs.end(), more.begin(), more.end());
   }
@@ -411,6 +438,8 @@ std::vector<std::size_t> LoopCloser::drop_covered() {
   }
   return dropped;
 }
+
+bool LoopCloser::is_dropped(std::size_t submap) const { return entries_[submap].dropped; }
 
 void LoopCloser::drop_all() {
   for (Entry& entry : entries_) {

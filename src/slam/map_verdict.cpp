@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "loopstone/slam/map_result.hpp"
+#include "slam/run_clock.hpp"
+#include "slam/sensor_faults.hpp"
 
 namespace loopstone {
 namespace {
@@ -27,6 +29,9 @@ constexpr Limits kEntropyGain{0.693, 1.099};
 constexpr Limits kReducedChi2{1.5, 4.0};
 constexpr Limits kRevokedShare{0.05, 0.30};
 constexpr Limits kDegenerateShare{0.05, 0.50};
+/// Two cells of a map of 5 cm; what doubles a corridor.
+constexpr Limits kLeftOutShare{0.05, 0.5};
+constexpr Limits kBreakTieM{0.10, 2.0};
 constexpr double kShortM = 1.0;           ///< of degenerate travel: nothing
 constexpr double kCertifiedNearM = 0.10;  ///< two cells of a map of 5 cm
 
@@ -49,6 +54,8 @@ std::string percent(double share) { return number(100.0 * share, share < 0.0995 
 
 constexpr const char* kSeenOnce =
     "No place was seen in two visits, so there is nothing to compare.";
+
+constexpr const char* kNoTravel = "The robot did not travel.";
 
 /// With nothing to judge by.
 QualityMeasure unknown(QualityMeasure measure, const char* why) {
@@ -146,14 +153,70 @@ QualityMeasure degenerate(const MapStatistics& s) {
   QualityMeasure measure{
       .name = "degenerate_travel_share",
       .title = "Degenerate travel",
-      .value = s.path_length_m > 0.0 ? s.degenerate_travel_m / s.path_length_m : 0.0};
-  if (!(s.path_length_m > kShortM)) return unknown(std::move(measure), "The robot did not travel.");
+      // Travel is counted scan by scan, the path from key scan to key scan: the part may come out longer than the whole.
+      .value =
+          s.path_length_m > 0.0 ? std::min(s.degenerate_travel_m / s.path_length_m, 1.0) : 0.0};
+  if (!(s.path_length_m > kShortM)) return unknown(std::move(measure), kNoTravel);
   measure.verdict =
       s.degenerate_travel_m <= kShortM ? Verdict::kGood : against(kDegenerateShare, measure.value);
   measure.sentence =
       number(s.degenerate_travel_m, 1) + " m of " + number(s.path_length_m, 0) +
       " m ran where the laser leaves one direction open (bare corridors); there the map is as "
       "long as odometry says.";
+  return measure;
+}
+
+QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatistics& s) {
+  QualityMeasure measure{.name = "break_tie_m", .title = "Breaks of the path"};
+  if (path_breaks.empty() && !(s.path_length_m > kShortM))
+    return unknown(std::move(measure), kNoTravel);
+  measure.verdict = Verdict::kGood;
+  std::int64_t untied = 0;
+  std::int64_t count = 0;
+  for (const PathBreak& gap : path_breaks) {
+    if (gap.bridge == BreakBridge::kLaser) continue;
+    ++count;
+    // One closure by itself may be wrong.
+    const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
+    const bool tied = gap.closures > 1 || gap.bridge_sigma_m() <= kBreakTieM.doubtful;
+    if (!tied) ++untied;
+    measure.value = std::max(measure.value, gap.tie_sigma_m);
+    const Verdict alone = guessed ? Verdict::kBad : against(kBreakTieM, gap.tie_sigma_m);
+    measure.verdict =
+        std::max({measure.verdict, alone, tied ? Verdict::kGood : Verdict::kDoubtful});
+  }
+  if (count == 0) {
+    measure.sentence = "The laser saw every part of the path join the one before.";
+    return measure;
+  }
+  measure.sentence =
+      std::to_string(count) + (count == 1 ? " time" : " times") +
+      " the laser lost the path for a while; the sides are tied within " +
+      readable_metres(measure.value) + " by odometry or loop closures" +
+      (untied > 0 ? ", " + std::to_string(untied) + " of them by nothing that was seen twice."
+                  : ".");
+  return measure;
+}
+
+QualityMeasure sensors(const std::vector<std::string>& faults, const MapStatistics& s) {
+  QualityMeasure measure{.name = "sensor_faults",
+                         .title = "Sensors",
+                         .value = static_cast<double>(faults.size()),
+                         .verdict = faults.empty() ? Verdict::kGood : Verdict::kDoubtful};
+  if (faults.empty() && !(s.path_length_m > kShortM)) {
+    measure.verdict = Verdict::kUnknown;
+    measure.sentence = kNoTravel;
+    return measure;
+  }
+  if (faults.empty()) {
+    measure.sentence = "Nothing in the scans or in odometry speaks against the laser.";
+    return measure;
+  }
+  for (const std::string& fault : faults) {
+    std::string sentence = fault;
+    sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(fault.front())));
+    measure.sentence += (measure.sentence.empty() ? "" : " ") + sentence + ".";
+  }
   return measure;
 }
 
@@ -181,6 +244,17 @@ std::string overall_sentence(Verdict overall, bool compared,
                     "drifted.";
 }
 
+/// The worst of what is known.
+void conclude(MapVerdict& verdict) {
+  Verdict worst = Verdict::kUnknown;
+  for (const QualityMeasure& measure : verdict.measures) worst = std::max(worst, measure.verdict);
+  // That the graph agrees with itself is no evidence about the walls: without two visits nothing is called good.
+  const bool compared = verdict.measures[0].verdict != Verdict::kUnknown ||
+                        verdict.measures[2].verdict != Verdict::kUnknown;
+  verdict.overall = worst == Verdict::kGood && !compared ? Verdict::kUnknown : worst;
+  verdict.sentence = overall_sentence(verdict.overall, compared, verdict.measures);
+}
+
 }  // namespace
 
 std::string_view to_string(Verdict verdict) {
@@ -200,18 +274,30 @@ std::string_view to_string(Verdict verdict) {
 MapVerdict judge_map(const MapResult& result) {
   const MapQuality& quality = result.quality;
   MapVerdict verdict;
-  verdict.measures = {wall_thickness(quality),      entropy(quality),
-                      violations(quality),          held_out(quality),
-                      loops(result.graph_quality),  certified(result.graph_quality),
-                      degenerate(result.statistics)};
-  Verdict worst = Verdict::kUnknown;
-  for (const QualityMeasure& measure : verdict.measures) worst = std::max(worst, measure.verdict);
-  // That the graph agrees with itself is no evidence about the walls: without two visits nothing is called good.
-  const bool compared = verdict.measures[0].verdict != Verdict::kUnknown ||
-                        verdict.measures[2].verdict != Verdict::kUnknown;
-  verdict.overall = worst == Verdict::kGood && !compared ? Verdict::kUnknown : worst;
-  verdict.sentence = overall_sentence(verdict.overall, compared, verdict.measures);
+  verdict.measures = {wall_thickness(quality),
+                      entropy(quality),
+                      violations(quality),
+                      held_out(quality),
+                      loops(result.graph_quality),
+                      certified(result.graph_quality),
+                      degenerate(result.statistics),
+                      breaks(result.breaks, result.statistics),
+                      sensors(sensor_faults(result), result.statistics)};
+  conclude(verdict);
   return verdict;
+}
+
+void judge_left_out(MapVerdict& verdict, double share) {
+  if (verdict.measures.empty()) return;
+  QualityMeasure measure{.name = "log_left_out_share",
+                         .title = "Left out of the log",
+                         .value = share,
+                         .verdict = against(kLeftOutShare, share)};
+  measure.sentence = share > 0.0
+                         ? percent(share) + " of the log could not be used, as its warnings say."
+                         : "All of the log was used.";
+  verdict.measures.push_back(std::move(measure));
+  conclude(verdict);
 }
 
 }  // namespace loopstone

@@ -4,16 +4,21 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <exception>
+#include <optional>
 #include <string_view>
 #include <utility>
 
+#include "loopstone/base/error.hpp"
 #include "loopstone/base/release_memory.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/back_end.hpp"
 #include "loopstone/slam/surface_adjustment.hpp"
+#include "slam/break_warnings.hpp"
 #include "slam/drift_correction.hpp"
 #include "slam/odometry_warnings.hpp"
 #include "slam/scan_store.hpp"
+#include "slam/sensor_faults.hpp"
 #include "slam/stopwatch.hpp"
 #include "slam/task_queue.hpp"
 
@@ -26,10 +31,20 @@ constexpr double kStillCells = 1.0;
 constexpr double kStillRad = 0.04;
 
 /// Raised whenever a field list of that part changes.
-constexpr std::uint16_t kScanQueueVersion = 1;
-constexpr std::uint16_t kFrontEndVersion = 1;
-constexpr std::uint16_t kBackEndVersion = 1;
-constexpr std::uint16_t kMapperVersion = 1;
+constexpr std::uint16_t kScanQueueVersion = 2;
+constexpr std::uint16_t kFrontEndVersion = 2;
+constexpr std::uint16_t kBackEndVersion = 2;
+constexpr std::uint16_t kMapperVersion = 2;
+
+/// Who interrupts a run does not wait for the map of all scans; one of these is drawn in half a second and shows every wall.
+constexpr std::size_t kMostScansInterrupted = 4000;
+
+void thin(std::vector<PosedScan>& scans) {
+  const std::size_t step = scans.size() / kMostScansInterrupted + 1;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < scans.size(); i += step) scans[kept++] = scans[i];
+  scans.resize(kept);
+}
 
 /// What the user should know about the run, in plain words.
 std::vector<std::string> warnings_of(const MapResult& result, const MapOptions& options,
@@ -105,6 +120,27 @@ class Mapper::BackEndWorker {
     });
     queue_.wait();
   }
+  /// After restore(): whether the scans are those of the key scans, and all among the first `scans`.
+  [[nodiscard]] bool scans_fit(std::size_t scans) const {
+    if (scans_.stretch_count() != back_end_.stretch_count()) return false;
+    const std::vector<KeyScan> keys = back_end_.keys();
+    std::size_t key = 0;
+    std::optional<std::size_t> last;
+    bool in_order = true;
+    const auto take = [&](std::size_t index) {
+      in_order = in_order && index < scans && (!last || index > *last);
+      last = index;
+    };
+    scans_.for_each([&](const MappedScan& mapped) {
+      take(mapped.index);
+      if (key < keys.size() && keys[key].scan == mapped.index) ++key;
+    });
+    for (const Step& step : waiting_) {
+      take(step.scan.index);
+      in_order = in_order && (!step.key || step.key->scan == step.scan.index);
+    }
+    return in_order && key == keys.size();
+  }
   /// Waits for all that was handed over and ends the back end.
   void finish() {
     auto batch = std::make_shared<Batch>(Batch{std::exchange(waiting_, {}), {}});
@@ -178,6 +214,9 @@ void Mapper::restore_state(std::span<const StateChunk> chunks) {
   load_chunk(chunks, "FRNT", kFrontEndVersion, front_end_);
   load_chunk(chunks, "MAPR", kMapperVersion, *this);
   back_end_->restore(chunks);
+  if (!back_end_->scans_fit(track_.size())) {
+    throw DataError({chunks.front().origin.path}, "damaged: scans that contradict the path");
+  }
 }
 
 void Mapper::add_scan(LaserScan scan) {
@@ -197,6 +236,10 @@ void Mapper::add_scan(LaserScan scan) {
     statistics_.degenerate_travel_m += std::hypot(motion.x, motion.y);
   }
   track_.push_back({scan.stamp, tracked.local_T_robot, odom_T_robot});
+  if (tracked.path_break) {
+    breaks_.push_back(*tracked.path_break);
+    breaks_.back().to_scan = track_.size() - 1;
+  }
   // With one thread the back end works within the call below.
   statistics_.front_end_s += watch.seconds();
   hand_over(std::move(scan), robot_T_lidar, std::move(tracked));
@@ -220,11 +263,9 @@ void Mapper::hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan t
   std::optional<KeyScan> key;
   if (tracked.key) {
     key = {scan.stamp, local_T_robot, tracked.covariance, index, tracked.starts_submap};
-    const Pose2 step = last_key_.inverse() * local_T_robot;
-    // From key scan to key scan: between them the robot only trembles.
-    if (statistics_.key_scans > 0) statistics_.path_length_m += std::hypot(step.x, step.y);
+    if (tracked.path_break && tracked.path_break->bridge != BreakBridge::kLaser)
+      key->across = tracked.path_break->covariance;
     ++statistics_.key_scans;
-    last_key_ = local_T_robot;
   }
   // Standing still adds nothing to the map, and a fast scanner no more than a slow one.
   const Pose2 since = last_mapped_.inverse() * local_T_robot;
@@ -255,8 +296,14 @@ std::vector<std::vector<SurfacePoint>> Mapper::key_surfaces(std::span<const KeyS
   return surfaces;
 }
 
-/// How odometry fared beside the laser.
-void Mapper::report_odometry(MapResult& result) const {
+/// How odometry fared beside the laser, and the laser by itself.
+void Mapper::report_sensors(MapResult& result) const {
+  result.statistics.laser_heading_offset_rad =
+      front_end_.odometry_check().laser_heading_offset_rad();
+  result.statistics.wheels_with_gyro = scan_queue_.odometer().wheels_with_gyro();
+  result.laser_episodes = front_end_.laser_check().episodes();
+  result.statistics.scans_repeated =
+      static_cast<std::int64_t>(front_end_.laser_check().most_repeated());
   const OdometryCheck& check = front_end_.odometry_check();
   MapStatistics& statistics = result.statistics;
   result.odometry_episodes = check.episodes();
@@ -311,7 +358,13 @@ void Mapper::count(MapResult& result) {
   statistics.graph_cost = graph_cost(result.graph);
 }
 
-MapResult Mapper::finish() {
+MapResult Mapper::finish(const ProgressCallback& progress) {
+  constexpr std::int64_t kStages = 4;
+  MapResult result;
+  const auto goes_on_to = [&](std::int64_t stage) {
+    if (progress && !progress({"finishing", stage, kStages})) result.complete = false;
+    return result.complete;
+  };
   scan_queue_.finish();
   while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
   back_end_->add_submaps(front_end_.finish());
@@ -319,42 +372,59 @@ MapResult Mapper::finish() {
   const BackEnd& back_end = back_end_->back_end();
   std::vector<KeyScan> keys = back_end.keys();
 
-  MapResult result;
-  for (const KeyScan& key : keys) result.node_stamps.push_back(key.stamp);
+  std::vector<std::size_t> node_scans;
+  for (const KeyScan& key : keys) {
+    result.node_stamps.push_back(key.stamp);
+    node_scans.push_back(key.scan);
+  }
   result.graph = back_end.graph();
   result.loop_closures = back_end.closures();
   result.statistics = statistics_;
   auto& statistics = result.statistics;
   statistics.scans = scans();
   statistics.key_scans_thinned = statistics.key_scans - static_cast<std::int64_t>(keys.size());
+  statistics.path_length_m = back_end.path_length_m();
   statistics.submaps = static_cast<std::int64_t>(back_end.submap_count());
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
-  report_odometry(result);
+  report_sensors(result);
+  result.breaks = breaks_;
+  find_ties(result.breaks, result.graph, node_scans);
 
   release_unused_memory();
   // The graph's own solution is judged: the adjustment knows more than its edges.
   const Stopwatch judging_graph;
-  result.graph_quality = assess_graph(result);
+  if (goes_on_to(0)) result.graph_quality = assess_graph(result);
   statistics.judging_s = judging_graph.seconds();
-  adjust(keys, result);
-  const std::vector<PosedScan> posed = place_scans(std::move(keys), result);
+  if (goes_on_to(1)) adjust(keys, result);
+  std::vector<PosedScan> posed = place_scans(std::move(keys), result);
   track_ = {};  // it is in the trajectories now
   release_unused_memory();
 
   const Stopwatch rendering;
-  result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
+  if (!goes_on_to(2)) thin(posed);
+  try {
+    result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
+  } catch (const std::exception& error) {
+    result.map_failure = error.what();
+  }
   statistics.rendering_s = rendering.seconds();
   count(result);
 
   release_unused_memory();
   const Stopwatch judging;
-  result.quality = assess_map(posed, threads_);
-  result.verdict = judge_map(result);
+  if (goes_on_to(3) && result.map_failure.empty()) {
+    result.quality = assess_map(posed, threads_);
+    result.verdict = judge_map(result);
+  }
   statistics.judging_s += judging.seconds();
   result.warnings = warnings_of(result, options_, gyro_scans_ > 0);
   const auto of_odometry = odometry_warnings(result);
   result.warnings.insert(result.warnings.begin(), of_odometry.begin(), of_odometry.end());
+  const auto of_sensors = sensor_faults(result);
+  result.warnings.insert(result.warnings.begin(), of_sensors.begin(), of_sensors.end());
+  const auto of_breaks = break_warnings(result);
+  result.warnings.insert(result.warnings.begin(), of_breaks.begin(), of_breaks.end());
   return result;
 }
 

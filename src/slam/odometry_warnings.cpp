@@ -18,6 +18,12 @@ constexpr std::int64_t kScansPerMistake = 1000;
 
 std::string number(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
 
+/// Laser and odometry contradict one another in a way that either may be at fault for.
+bool is_of_laser_or_odometry(const OdometryEpisode& episode) {
+  return (episode.fault == OdometryFault::kMirrored && episode.part == OdometryPart::kRotation) ||
+         (episode.fault == OdometryFault::kSpinning && episode.part == OdometryPart::kTranslation);
+}
+
 std::string what_is_wrong(const OdometryEpisode& episode) {
   const bool turns = episode.part == OdometryPart::kRotation;
   const std::string part = turns ? "heading" : "distance";
@@ -50,6 +56,7 @@ std::vector<std::string> odometry_warnings(const MapResult& result) {
   const Stamp start = result.trajectory.poses().front().stamp;
   const auto since = [&](Stamp stamp) { return number((stamp - start).seconds(), 0); };
   for (const OdometryEpisode& episode : result.odometry_episodes) {
+    if (is_of_laser_or_odometry(episode)) continue;  // sensor_faults tells of it
     const std::string until = episode.over ? "to " + since(episode.to) + " s" : "to the end";
     warnings.push_back("odometry is wrong from " + since(episode.from) + " s " + until + ": " +
                        what_is_wrong(episode) + "; it was not used from " + since(episode.noticed) +

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "loopstone/base/thinned.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -30,14 +32,11 @@ std::size_t quarter_of(float cosine) {
 
 std::vector<float> describe_place(std::span<const SurfacePoint> surfaces) {
   if (surfaces.size() < kLeast) return {};
-  const std::size_t count = std::min(kSample, surfaces.size());
-  std::vector<SurfacePoint> sample;
-  sample.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) sample.push_back(surfaces[i * surfaces.size() / count]);
+  const std::vector<SurfacePoint> sample = thinned(surfaces, kSample);
 
   std::vector<float> shares(kDistances * kAngles * kFacings);
   float total = 0.0F;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < sample.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const Eigen::Vector2f between = sample[i].position - sample[j].position;
       const float distance_m = between.norm();

@@ -10,6 +10,7 @@ namespace loopstone {
 namespace {
 
 constexpr double kSliceRad = 0.15;
+constexpr std::size_t kSearchPoints = 200;
 
 }  // namespace
 
@@ -32,6 +33,27 @@ SearchResult search_about_robot(std::span<const Eigen::Vector2d> points, const M
     best.score = here.score;
   }
   return best;
+}
+
+std::vector<Eigen::Vector2d> search_points(std::span<const SurfacePoint> surfaces) {
+  const std::size_t stride = std::max<std::size_t>(1, surfaces.size() / kSearchPoints);
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t i = 0; i < surfaces.size(); i += stride)
+    points.emplace_back(surfaces[i].position.cast<double>());
+  return points;
+}
+
+double chi2_from(const PosePrior2& prior, const MatchResult& match) {
+  const Eigen::Vector3d off(match.target_T_source.x - prior.target_T_source.x,
+                            match.target_T_source.y - prior.target_T_source.y,
+                            wrap_angle(match.target_T_source.yaw - prior.target_T_source.yaw));
+  return off.dot(prior.information * off);
+}
+
+double position_variance_m2(const Eigen::Matrix3d& covariance) {
+  const double middle = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  return middle + std::hypot(half, covariance(0, 1));
 }
 
 double agreement_at(std::span<const Eigen::Vector2d> points, const MaxPyramid& target,

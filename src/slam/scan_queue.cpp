@@ -1,5 +1,6 @@
 #include "loopstone/slam/scan_queue.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
@@ -9,6 +10,9 @@ namespace loopstone {
 namespace {
 
 constexpr Duration kPatience{250'000'000};
+/// Counts since the last reading are lost with the readings between; poses and counters go on, unless the robot was off.
+constexpr Duration kSilenceOfIncrements{2'000'000'000};
+constexpr Duration kSilenceOfSums{60'000'000'000};
 
 }  // namespace
 
@@ -18,12 +22,29 @@ void ScanQueue::add(const SensorMessage& message) {
     waiting_.push_back(*scan);
   } else if (const auto* ticks = std::get_if<WheelTicks>(&message)) {
     odometer_.add(*ticks);
+    increments_ = !counts_are_cumulative_;
   } else if (const auto* imu = std::get_if<ImuSample>(&message)) {
     odometer_.add(*imu);
     gyro_.add(*imu);
   } else if (const auto* pose = std::get_if<OdometryPose>(&message)) {
     odometer_.add(*pose);
   }
+  follow_odometry();
+}
+
+void ScanQueue::follow_odometry() {
+  const auto newest = odometer_.newest();
+  if (!newest || (travel_.stamp && *newest <= *travel_.stamp)) return;
+  const Pose2 odom_T_robot = odometer_.pose_at(*newest)->pose;
+  if (travel_.stamp) {
+    const Pose2 step = travel_.odom_T_robot.inverse() * odom_T_robot;
+    travel_.path_m += std::hypot(step.x, step.y);
+    travel_.turned_rad += std::abs(step.yaw);
+    const Duration silence = increments_ ? kSilenceOfIncrements : kSilenceOfSums;
+    if (*newest - *travel_.stamp > silence) travel_.silent_until = *newest;
+  }
+  travel_.stamp = newest;
+  travel_.odom_T_robot = odom_T_robot;
 }
 
 void ScanQueue::finish() {
@@ -47,11 +68,15 @@ std::optional<OdometryReading> ScanQueue::reading_at(Stamp stamp) const {
   if (odometer_.newest()) {
     const auto known = odometer_.pose_at(stamp);
     if (!known) return {};
-    return OdometryReading{known->pose};
+    return OdometryReading{.odom_T_robot = known->pose,
+                           .path_m = travel_.path_m,
+                           .turned_rad = travel_.turned_rad,
+                           .silent_until = travel_.silent_until};
   }
   const auto heading = gyro_.heading_at(stamp);
   if (!heading) return {};
-  return OdometryReading{{0.0, 0.0, wrap_angle(*heading)}, false};
+  return OdometryReading{.odom_T_robot = {0.0, 0.0, wrap_angle(*heading)},
+                         .has_translation = false};
 }
 
 }  // namespace loopstone

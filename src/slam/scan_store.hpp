@@ -36,6 +36,7 @@ class ScanStore {
     scans.resize(1);
     scans.shrink_to_fit();
   }
+  [[nodiscard]] std::size_t stretch_count() const { return stretches_.size(); }
   template <typename Visit>
   void for_each(Visit&& visit) const {
     for (const auto& stretch : stretches_) {
@@ -46,6 +47,9 @@ class ScanStore {
   template <typename Archive>
   void archive(Archive& a) {
     a(stretches_);
+    if constexpr (Archive::kReads) {
+      for (const auto& stretch : stretches_) a.check(!stretch.empty(), "a stretch without a scan");
+    }
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "loopstone/sensor/scan_points.hpp"
@@ -218,7 +219,11 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
                      map_T_robot_end * record.robot_T_lidar, map_T_robot});
   }
   const Stopwatch rendering;
-  result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
+  try {
+    result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
+  } catch (const std::exception& error) {
+    result.map_failure = error.what();
+  }
   statistics.rendering_s = rendering.seconds();
   statistics.front_end_s = links.seconds;
   statistics.scans = scans();
@@ -231,9 +236,11 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
   }
   const auto guessed = std::count(links.matched.begin(), links.matched.end(), false) - 1;
   const Stopwatch judging;
-  result.quality = assess_map(posed, threads_);
   result.graph_quality = assess_graph(result);
-  result.verdict = judge_map(result);
+  if (result.map_failure.empty()) {
+    result.quality = assess_map(posed, threads_);
+    result.verdict = judge_map(result);
+  }
   statistics.judging_s = judging.seconds();
   if (links.complete && guessed > 0) {
     result.warnings.push_back(std::to_string(guessed) + " of " + std::to_string(links.nodes - 1) +

@@ -145,7 +145,8 @@ TEST_F(LocalizeCommand, MapOfOurOwnAndCutsOfTheLog) {
 
 TEST_F(LocalizeCommand, RequirementsAreExitCode3) {
   const TempDir out;
-  const std::vector<std::string> arguments{"-o", out / "w.tum", "--initial", initial(), "--quiet"};
+  const std::vector<std::string> arguments{"-o",      out / "w.tum", "--initial",
+                                           initial(), "--quiet",     "--force"};
   const auto with = [&](const std::string& bound) {
     std::vector<std::string> all = arguments;
     all.insert(all.end(), {"--require", bound});
@@ -163,8 +164,8 @@ TEST_F(LocalizeCommand, RequirementsAreExitCode3) {
 TEST_F(LocalizeCommand, OddGuessesAreWarnedOf) {
   const TempDir out;
   const auto warning_of = [&](const std::string& pose) {
-    const ProgramResult result =
-        localize({"-o", out / "w.tum", "--initial", pose, "--max-scans", "2", "--quiet"});
+    const ProgramResult result = localize(
+        {"-o", out / "w.tum", "--initial", pose, "--max-scans", "2", "--quiet", "--force"});
     EXPECT_EQ(result.exit_code, 0) << result.error;
     return result.error;
   };
@@ -232,7 +233,7 @@ TEST_F(LocalizeCommand, BadUsageIsOneLineThatSaysWhatToDo) {
   expect({log_, "--map", map_, "-o", out / "no/where.tum", "--global"}, 1, "there is no folder");
   expect(
       {log_, "--map", map_, "-o", tum, "--global", "--report", out / "r", "--animation", out / "r"},
-      2, "a folder each");
+      2, "each needs its own");
   expect({log_, "--map", map_, "-o", tum, "--global", "--start", "-1"}, 2, "--start");
   expect({log_, "-o", tum, "--global"}, 2, "--map");
   expect({log_, "--map", out / "none.yaml", "-o", tum, "--global"}, 1, "none.yaml");
@@ -240,7 +241,7 @@ TEST_F(LocalizeCommand, BadUsageIsOneLineThatSaysWhatToDo) {
   expect({log_, "--map", blank_map, "-o", tum, "--global"}, 1, "blank.yaml: ");
   expect({out / "none.clf", "--map", map_, "-o", tum, "--global"}, 1, "none.clf");
   expect({empty, "--map", map_, "-o", tum, "--global"}, 1, "empty.clf");
-  expect({no_scan, "--map", map_, "-o", tum, "--global", "-q"}, 1, "there is no laser scan in it");
+  expect({no_scan, "--map", map_, "-o", tum, "--global", "-q"}, 1, "no laser scans");
   expect({log_, "--map", map_, "-o", tum, "--global", "--start", "900", "-q"}, 1,
          "no laser scan in it after --start");
   EXPECT_EQ(out.names().size(), files) << "nothing was left behind";

@@ -209,9 +209,9 @@ TEST(MatchClouds, InSpaceWithAlignedCopyAndPicture) {
   write_point_cloud(folder / "target.pcd", target);
   write_point_cloud(folder / "source.ply", source);
   for (const char* method : {"auto", "icp_point", "icp_plane", "gicp"}) {
-    const ProgramResult result =
-        run_program({"match", folder / "source.ply", folder / "target.pcd", "--method", method,
-                     "--json", "--aligned", folder / "aligned.ply", "--png", folder / "m.png"});
+    const ProgramResult result = run_program(
+        {"match", folder / "source.ply", folder / "target.pcd", "--method", method, "--json",
+         "--aligned", folder / "aligned.ply", "--png", folder / "m.png", "--force"});
     ASSERT_EQ(result.exit_code, 0) << result.error;
     const Json json = Json::parse(result.out);
     EXPECT_EQ(json.at("status"), "converged") << method;

@@ -73,7 +73,7 @@ TEST(OdometryCommand, UnwritableOutputIsAnErrorThatNamesIt) {
   const ProgramResult result = run_program({"odometry", log, "-o", out});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.error, HasSubstr(out));
-  EXPECT_EQ(run_program({"odometry", log, "-o", folder.path().string()}).exit_code, 1);
+  EXPECT_EQ(run_program({"odometry", log, "-o", folder.path().string()}).exit_code, 2);
   EXPECT_THAT(folder.names(), testing::ElementsAre("small.clf"));
 }
 

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <initializer_list>
+#include <string>
+
 #include "loopstone/version.hpp"
 #include "run_program.hpp"
 #include "support/temp_dir.hpp"
@@ -55,6 +58,24 @@ TEST(Program, BadUsageIsOneLineAndExitCodeTwo) {
     EXPECT_EQ(result.out, "");
   }
   EXPECT_THAT(run_program({"odometri"}).error, HasSubstr("did you mean odometry?"));
+}
+
+TEST(Program, SmallFilesThatUnpackToGigabytesAreRefused) {
+  const TempDir folder;
+  const std::string map = folder.write(
+      "m.yaml", std::string("image: ") + LOOPSTONE_SOURCE_DIR +
+                    "/fuzz/corpus/image/one_bit_16384_square.png\nresolution: 0.05\n"
+                    "origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  const ProgramResult refused = run_program({"evaluate", "--map", map, "--true-map", map});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.error, HasSubstr("one_bit_16384_square.png: "));
+  EXPECT_THAT(refused.error, HasSubstr("--max-memory 512M"));
+  for (const char* const amount : {"some", "-1G", "1k"}) {
+    const ProgramResult wrong =
+        run_program({"evaluate", "--map", map, "--true-map", map, "--max-memory", amount});
+    EXPECT_EQ(wrong.exit_code, 2) << amount;
+    EXPECT_THAT(wrong.error, HasSubstr("--max-memory '")) << amount;
+  }
 }
 
 TEST(Program, FullStandardOutputIsAnError) {

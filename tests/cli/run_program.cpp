@@ -78,6 +78,22 @@ ProgramResult interrupt_program(const std::string& when_exists,
   return result;
 }
 
+ProgramResult interrupt_reader(const std::string& pipe, const std::vector<std::string>& arguments) {
+  const TempDir folder;
+  int held_open = -1;
+  ProgramResult result = run(folder / "stdout", arguments, [&](pid_t child) {
+    constexpr int kMostTries = 5'000;
+    for (int i = 0; i < kMostTries && held_open < 0; ++i) {
+      held_open = ::open(pipe.c_str(), O_WRONLY | O_NONBLOCK);  // refused while nobody reads
+      if (held_open < 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    ::kill(child, SIGINT);
+  });
+  if (held_open >= 0) ::close(held_open);
+  result.out = folder.read("stdout");
+  return result;
+}
+
 ProgramResult kill_program(std::chrono::milliseconds after,
                            const std::vector<std::string>& arguments) {
   const TempDir folder;

@@ -24,6 +24,10 @@ struct ProgramResult {
 [[nodiscard]] ProgramResult interrupt_program(const std::string& when_exists,
                                               const std::vector<std::string>& arguments);
 
+/// The same, with Ctrl-C as soon as it has opened this named pipe, out of which nothing ever comes.
+[[nodiscard]] ProgramResult interrupt_reader(const std::string& pipe,
+                                             const std::vector<std::string>& arguments);
+
 /// The same, ended by SIGKILL after so long unless it was faster.
 [[nodiscard]] ProgramResult kill_program(std::chrono::milliseconds after,
                                          const std::vector<std::string>& arguments);

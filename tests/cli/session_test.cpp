@@ -141,6 +141,18 @@ TEST_F(SessionCommand, WithoutASessionItBeginsAtTheBeginning) {
   const ProgramResult again = run_program(map({"--resume"}));
   EXPECT_EQ(again.exit_code, 0) << again.error;
   EXPECT_THAT(again.error, HasSubstr("already"));
+  // Words of the command that lead to no other result don't count, nor do other ways to the log.
+  for (const std::vector<std::string>& flags :
+       std::vector<std::vector<std::string>>{{"--resume", "--threads", "1"},
+                                             {"--resume", "--quiet", "--checkpoint", "3"},
+                                             {"--set", "map.resolution_m=0.05", "--resume"}}) {
+    EXPECT_EQ(run_program(map(flags)).exit_code, 0) << flags.back();
+  }
+  const ProgramResult copy = run_program({"map", log() + "#20", "-o", out(), "--resume", "--json"});
+  EXPECT_EQ(copy.exit_code, 0) << copy.error;
+  EXPECT_EQ(copy.out, folder->read("out/summary.json"));
+  EXPECT_EQ(run_program({"map", other_log(), "-o", out(), "--resume"}).exit_code, 2);
+  EXPECT_EQ(run_program(map({"--resume", "--max-scans", "20"})).exit_code, 2);
   const ProgramResult other = run_program(map({"--resume", "--no-loop-closure"}));
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.error, HasSubstr("--force"));

@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Odometry, RobustTo,
                                          FaultCase{"missing", "no odometry in the log"},
                                          FaultCase{"stuck", "stands still while the robot drives"},
                                          FaultCase{"scaled", "times the true one"},
-                                         FaultCase{"mirrored", "turns the other way"},
+                                         FaultCase{"mirrored", "turn opposite ways"},
                                          FaultCase{"lagging", "s late"},
                                          FaultCase{"jumping", "odometry jumped"}),
                          [](const auto& named) { return named.param.fault; });

@@ -23,11 +23,12 @@ class MemoryLog final : public LogReader {
   }
   std::string format() const override { return "memory"; }
   RobotModel robot(RobotModel base) const override { return base; }
-  std::int64_t records_skipped() const override { return 0; }
+  const SkippedRecords& skipped() const override { return skipped_; }
 
  private:
   std::vector<SensorMessage> messages_;
   std::size_t next_ = 0;
+  SkippedRecords skipped_;
 };
 
 }  // namespace loopstone::test

@@ -21,6 +21,7 @@ struct ConvertResult {
   std::int64_t inertial_readings = 0;
   std::int64_t camera_frames = 0;
   std::int64_t poses_by_dead_reckoning = 0;
+  LeftOut left_out{};
   bool complete = true;  ///< false when it was interrupted
 };
 

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "loopstone/base/memory_budget.hpp"
+
 namespace loopstone {
 
 /// A picture as files hold it: row 0 is the top, samples interleaved (grey; grey, alpha; red, green, blue; ... alpha).
@@ -41,21 +43,22 @@ struct Image {
 [[nodiscard]] Image make_image(int width, int height, int channels, int bytes_per_sample = 1);
 
 /// PNG of every kind: palettes and fewer than 8 bits are expanded to 8, 16 bits stay. Throws DataError.
-[[nodiscard]] Image decode_png(std::string_view bytes,
-                               const std::string& path_for_errors = "image");
+[[nodiscard]] Image decode_png(std::string_view bytes, const std::string& path_for_errors = "image",
+                               const MemoryBudget& budget = {});
 /// \param compression 0 (none) to 9 (smallest). 1 is several times faster than 6 and good enough for maps.
 [[nodiscard]] std::string encode_png(const Image& image, int compression = 3);
 
 /// Portable graymap and pixmap, plain and raw (P2, P3, P5, P6), with comments, maximum up to 65535. Throws DataError.
-[[nodiscard]] Image decode_pnm(std::string_view bytes,
-                               const std::string& path_for_errors = "image");
+[[nodiscard]] Image decode_pnm(std::string_view bytes, const std::string& path_for_errors = "image",
+                               const MemoryBudget& budget = {});
 /// Raw graymap (P5) without a comment; one channel, 8 bits.
 [[nodiscard]] std::string encode_pgm(const Image& image);
 
 /// PNG or PNM, told apart by content. Throws DataError naming the formats that are understood.
 [[nodiscard]] Image decode_image(std::string_view bytes,
-                                 const std::string& path_for_errors = "image");
-[[nodiscard]] Image read_image(const std::string& path);
+                                 const std::string& path_for_errors = "image",
+                                 const MemoryBudget& budget = {});
+[[nodiscard]] Image read_image(const std::string& path, const MemoryBudget& budget = {});
 void write_png(const std::string& path, const Image& image, int compression = 3);
 
 /// Writes a PNG of 8 bits a channel one row at a time, for pictures that do not fit into memory. The file appears whole or

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "loopstone/sensor/messages.hpp"
 
@@ -13,6 +14,8 @@ class LogDigest {
   void add(const SensorMessage& message);
 
   [[nodiscard]] std::int64_t messages() const { return messages_; }
+  /// "37302 messages, checksum 5f0a2b1c".
+  [[nodiscard]] std::string text() const;
   friend bool operator==(const LogDigest&, const LogDigest&) = default;
 
   template <typename Archive>

@@ -4,10 +4,13 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/memory_budget.hpp"
+#include "loopstone/formats/left_out.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 
@@ -18,7 +21,17 @@ struct LogOptions {
   /// Damage (broken, repeated, out-of-order records) is an error instead of being counted and skipped.
   bool strict = false;
   /// Told about every record that is skipped. May be empty.
-  std::function<void(const Problem&)> on_problem{};
+  std::function<void(const LogProblem&)> on_problem{};
+  /// What an archive may take while it is read.
+  MemoryBudget memory{};
+  /// Asked now and then while bytes are read, also by another thread: true ends the log at once. May be empty.
+  std::function<bool()> stop{};
+};
+
+/// LogOptions::stop said so before there was anything to give.
+class ReadingStopped : public std::runtime_error {
+ public:
+  ReadingStopped() : std::runtime_error("interrupted while the log was read") {}
 };
 
 /// How far a reader has come, in bytes of the file as stored.
@@ -32,22 +45,27 @@ class LogReader {
  public:
   virtual ~LogReader() = default;
 
-  /// The next message, or nothing at the end. Throws DataError when the log can't be read any further.
+  /// The next message, or nothing at the end or when LogOptions::stop said so. Throws DataError when the log can't be
+  /// read any further.
   [[nodiscard]] virtual std::optional<SensorMessage> next() = 0;
   [[nodiscard]] virtual ReadProgress progress() const = 0;
   /// Short name of the format: "carmen", "ucsd".
   [[nodiscard]] virtual std::string format() const = 0;
   /// `base` with everything that the log itself states about the robot (mounts) written over it.
   [[nodiscard]] virtual RobotModel robot(RobotModel base) const = 0;
-  /// Records skipped so far because they were broken, repeated or too late.
-  [[nodiscard]] virtual std::int64_t records_skipped() const = 0;
+  /// What was skipped so far because it was broken, repeated or too late.
+  [[nodiscard]] virtual const SkippedRecords& skipped() const = 0;
+  [[nodiscard]] std::int64_t records_skipped() const { return skipped().records; }
   /// What a user should know about this log beside the skipped records, in plain words; complete after the last
   /// message. Nothing here makes the log unusable.
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
+  /// The same for what makes a result worse than the log could give; complete after the last message.
+  [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
 };
 
-/// Opens a file or a folder; finds out the format by its content. "DIR#20" names set 20 of a UCSD folder.
-/// Throws DataError when there is nothing readable, saying what was found and what was expected.
+/// Opens a file, a pipe or a folder; finds out the format by its content. "DIR#20" names set 20 of a UCSD folder, "-" is the
+/// standard input. A pipe is read once, as it comes.
+/// Throws DataError when there is nothing readable, saying what was found and what was expected; ReadingStopped.
 [[nodiscard]] std::unique_ptr<LogReader> open_log(const std::string& path,
                                                   const LogOptions& options = {});
 

@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "loopstone/base/memory_budget.hpp"
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/formats/log_reader.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
 #include "loopstone/sensor/robot_model.hpp"
@@ -37,8 +39,8 @@ struct LogScan {
 /// Reads a log up to a scan. Scans are those of the first laser, in time order.
 /// \param robot        wheels and mounts
 /// \param robot_given  the user named that robot: it beats what the log says about itself
-/// Throws DataError when the log has no such scan, or none within half a second of the time.
+/// Throws DataError when the log has no such scan, or none within half a second of the time; ReadingStopped.
 [[nodiscard]] LogScan read_log_scan(const ScanName& name, const RobotModel& robot,
-                                    bool robot_given = false);
+                                    bool robot_given = false, const LogOptions& options = {});
 
 }  // namespace loopstone

@@ -2,13 +2,14 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "loopstone/base/progress.hpp"
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/formats/left_out.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/geometry/pose2.hpp"
 
@@ -118,7 +119,7 @@ struct Finding {
 struct LogSummary {
   std::string format;
   std::int64_t bytes = 0;
-  std::int64_t records_skipped = 0;
+  LeftOut left_out{};
   std::optional<Stamp> first{};
   std::optional<Stamp> last{};
   std::vector<LidarSummary> lidars{};
@@ -132,6 +133,47 @@ struct LogSummary {
 
   [[nodiscard]] double duration_s() const { return first ? (*last - *first).seconds() : 0.0; }
   [[nodiscard]] Severity worst() const;
+};
+
+/// How bad it is that so much was left out: nothing when all was used. From 5 % on it is a warning, and an error when hardly a
+/// scan is left (or a record, in a log without scans).
+[[nodiscard]] std::optional<Finding> judge(const LeftOut& left_out);
+
+/// Counts what goes by and what the reader skipped meanwhile.
+class LeftOutCounter {
+ public:
+  /// The reader must outlive this.
+  explicit LeftOutCounter(const LogReader& log) : log_(&log) {}
+  /// A message that the reader gave last.
+  void add(const SensorMessage& message);
+  [[nodiscard]] LeftOut left_out() const;
+
+ private:
+  [[nodiscard]] double since_start_s() const;
+
+  const LogReader* log_;
+  LeftOut counts_{};  ///< without what was skipped
+  std::optional<Stamp> first_{};
+  Stamp last_{};
+};
+
+/// Looks at the messages of a log as they go by, on their way to something else.
+class LogAnalyser {
+ public:
+  /// The reader must outlive this.
+  explicit LogAnalyser(const LogReader& log);
+  ~LogAnalyser();
+  LogAnalyser(LogAnalyser&&) noexcept;
+  LogAnalyser& operator=(LogAnalyser&&) noexcept;
+
+  /// A message that the reader gave last.
+  void add(const SensorMessage& message);
+  /// What was in the log as far as it was read; nothing can be added afterwards.
+  [[nodiscard]] LogSummary finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// Reads a log to its end and tells what is in it. One pass; memory grows with 4 bytes a record.

@@ -52,7 +52,12 @@ void write_ros_map(const std::string& yaml_path, const CellStates& cells);
 /// Occupancy of every pixel by map_server's rules. A rotated map (yaw other than 0) is drawn anew on a grid along the
 /// axes of the map frame, nearest cell; what lies outside the picture is unknown.
 [[nodiscard]] CellStates interpret_map(const Image& image, const RosMapInfo& info);
+/// Where the picture of a map is. Throws DataError as read_ros_map() does.
+[[nodiscard]] std::string ros_map_picture(const std::string& yaml_path);
 /// Any map that map_server would read: PGM or PNG. Throws DataError naming the file at fault.
-[[nodiscard]] CellStates read_ros_map(const std::string& yaml_path);
+/// \param budget               what the picture may take
+/// \param work_bytes_per_cell  what the caller will make of each cell, which is asked for at the same time
+[[nodiscard]] CellStates read_ros_map(const std::string& yaml_path, const MemoryBudget& budget = {},
+                                      std::uint64_t work_bytes_per_cell = 0);
 
 }  // namespace loopstone

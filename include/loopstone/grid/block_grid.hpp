@@ -10,12 +10,13 @@
 #include <type_traits>
 #include <vector>
 
+#include "loopstone/base/error.hpp"
 #include "loopstone/grid/grid_frame.hpp"
 
 namespace loopstone {
 
-/// A grid without edges: memory only for the 16 x 16 blocks that were written to. Cell (0, 0) has its lower left corner
-/// at the origin of the plane; cells may be negative.
+/// A grid without edges: memory only for the 16 x 16 blocks that were written to, and 4 bytes for each block of the box around
+/// them. Cell (0, 0) has its lower left corner at the origin of the plane; cells may be negative.
 template <typename T>
 class BlockGrid {
  public:
@@ -49,7 +50,7 @@ class BlockGrid {
     return &cells_[offset_in(block, cell)];
   }
 
-  /// The cell, made if need be.
+  /// The cell, made if need be. Throws UsageError when the box would have more than 2^26 blocks.
   [[nodiscard]] T& at(Cell cell) {
     const Cell block_cell{cell.column >> kBlockBits, cell.row >> kBlockBits};
     if (!covers(block_cell)) grow_to(block_cell);
@@ -118,6 +119,7 @@ class BlockGrid {
 
  private:
   static constexpr int kBlockCells = kBlockSide * kBlockSide;
+  static constexpr std::int64_t kMostBlocks = std::int64_t{1} << 26;
 
   [[nodiscard]] static std::size_t offset_in(std::int32_t block, Cell cell) {
     return static_cast<std::size_t>(block) * kBlockCells +
@@ -167,6 +169,9 @@ class BlockGrid {
                                : std::max(first_block_.row + block_rows_ - 1, block.row + kMargin);
     const int columns = high_column - low_column + 1;
     const int rows = high_row - low_row + 1;
+    if (std::int64_t{columns} * rows > kMostBlocks) {
+      throw UsageError("points lie too far apart for one grid: some coordinates are wrong");
+    }
     std::vector<std::int32_t> directory(
         static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
     for (int row = 0; row < block_rows_; ++row) {

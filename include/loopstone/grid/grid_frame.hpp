@@ -5,10 +5,13 @@
 
 namespace loopstone {
 
-/// The same as std::floor for values that fit, without a call on processors that have no instruction for it.
+/// The same as std::floor for values that fit, without a call on processors that have no instruction for it. Others become the
+/// nearest number that fits, NaN the lowest.
 [[nodiscard]] inline int floor_to_int(double value) {
-  const auto whole = static_cast<int>(value);
-  return whole - static_cast<int>(static_cast<double>(whole) > value);
+  constexpr double kMost = 2147483647.0;
+  const double fitting = value > -kMost ? (value < kMost ? value : kMost) : -kMost;
+  const auto whole = static_cast<int>(fitting);
+  return whole - static_cast<int>(static_cast<double>(whole) > fitting);
 }
 
 /// A cell: column grows with x, row grows with y; (0, 0) is the lower left cell.
@@ -58,7 +61,7 @@ struct GridFrame {
 };
 
 /// The smallest frame with that resolution, corners on whole multiples of it, that covers the box [low, high] and a
-/// margin around it.
+/// margin around it. Throws UsageError when it would have more than 2^30 cells.
 [[nodiscard]] GridFrame frame_covering(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
                                        double resolution, double margin_m = 0.0);
 

@@ -29,10 +29,8 @@ inline constexpr std::int64_t kGridPointsPerCell = std::int64_t{1} << kGridPoint
 /// The point's cell is frame.cell_of(point), always.
 [[nodiscard]] inline GridPoint grid_point_of(const GridFrame& frame, const Eigen::Vector2d& point) {
   constexpr auto kScale = static_cast<double>(kGridPointsPerCell);
-  return {static_cast<std::int32_t>(
-              std::floor((point.x() - frame.origin.x()) / frame.resolution * kScale)),
-          static_cast<std::int32_t>(
-              std::floor((point.y() - frame.origin.y()) / frame.resolution * kScale))};
+  return {floor_to_int((point.x() - frame.origin.x()) / frame.resolution * kScale),
+          floor_to_int((point.y() - frame.origin.y()) / frame.resolution * kScale)};
 }
 
 [[nodiscard]] inline Cell cell_of(GridPoint point) {

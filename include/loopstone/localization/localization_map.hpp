@@ -11,6 +11,9 @@ namespace loopstone {
 /// shared between threads and localizers.
 class LocalizationMap {
  public:
+  /// What making one takes for each cell, about; what it keeps is less.
+  static constexpr std::uint64_t kBytesPerCell = 26;
+
   /// \param occupancy  in percent, -1 unknown, as nav_msgs/OccupancyGrid has it
   /// Throws UsageError when the map shows no wall or nothing free.
   explicit LocalizationMap(Grid<std::int8_t> occupancy);

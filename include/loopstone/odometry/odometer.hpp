@@ -63,13 +63,18 @@ class Odometer {
   /// Wheel readings whose heading came from the gyro, and from the wheels.
   [[nodiscard]] std::int64_t turned_by_gyro() const { return turned_by_gyro_; }
   [[nodiscard]] std::int64_t turned_by_wheels() const { return turned_by_wheels_; }
+  /// Correlation [-1, 1] of the turns that wheels and gyro tell, -1 when one of them has the wrong sign. Nothing before both
+  /// turned by a radian or two.
+  [[nodiscard]] std::optional<double> wheels_with_gyro() const;
 
   template <typename Archive>
   void archive(Archive& a) {
     a(source_, nodes_, forgot_nodes_, last_ticks_, waiting_, rates_, bias_, started_, seen_until_,
-      still_since_, turned_by_gyro_, turned_by_wheels_, last_pose_, odom_T_log_odom_,
-      counted_from_);
+      still_since_, turned_by_gyro_, turned_by_wheels_, last_pose_, odom_T_log_odom_, counted_from_,
+      turns_);
     a.check(waiting_.empty() || (started_ && !nodes_.empty()), "readings that wait for no start");
+    a.check(source_ >= Source::kNone && source_ <= Source::kPoses, "odometry of no known kind");
+    a.check(source_ == Source::kNone || !nodes_.empty(), "odometry that has not begun");
   }
 
  private:
@@ -134,6 +139,19 @@ class Odometer {
   std::optional<Stamp> still_since_{};
   std::int64_t turned_by_gyro_ = 0;
   std::int64_t turned_by_wheels_ = 0;
+
+  /// Sums of products of the turns that wheels (w) and gyro (g) tell.
+  struct Turns {
+    double ww = 0.0;
+    double wg = 0.0;
+    double gg = 0.0;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(ww, wg, gg);
+    }
+  };
+  Turns turns_{};
 
   std::optional<OdometryPose> last_pose_{};
   Pose2 odom_T_log_odom_{};

@@ -149,10 +149,13 @@ class OdometryCheck {
   [[nodiscard]] double distrusted_s() const { return distrusted_s_; }
   [[nodiscard]] const MotionAgreement& translation() const { return translation_; }
   [[nodiscard]] const MotionAgreement& rotation() const { return rotation_; }
+  /// Direction in which the laser sees the robot go while odometry goes straight ahead [rad]: of a laser that looks where its mount
+  /// says, 0. Nothing before 10 m of going straight.
+  [[nodiscard]] std::optional<double> laser_heading_offset_rad() const;
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(translation_, rotation_, lag_, episodes_, distrusted_s_);
+    a(translation_, rotation_, lag_, episodes_, distrusted_s_, straight_);
   }
 
  private:
@@ -160,11 +163,25 @@ class OdometryCheck {
   void follow_lag(Stamp now);
   [[nodiscard]] OdometryEpisode* running(OdometryPart part);
 
+  /// Motions that go nearly straight, odometry's beside the laser's.
+  struct Straight {
+    double length_m = 0.0;
+    double dot = 0.0;
+    double cross = 0.0;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(length_m, dot, cross);
+    }
+  };
+  void follow_straight(const MotionPair& pair);
+
   MotionAgreement translation_{0.25, 0.045};
   MotionAgreement rotation_{0.25, 0.045};
   OdometryLag lag_{};
   std::vector<OdometryEpisode> episodes_{};
   double distrusted_s_ = 0.0;
+  Straight straight_{};
 };
 
 }  // namespace loopstone

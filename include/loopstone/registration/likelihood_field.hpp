@@ -41,6 +41,9 @@ struct FieldSample {
 /// the levels and the interpolation; Thrun, Burgard and Fox 2005, section 6.4, for distances in place of occupancies.
 class MapField {
  public:
+  /// What making one takes for each cell, about; what it keeps is less.
+  static constexpr std::uint64_t kBytesPerCell = 14;
+
   /// \param occupancy  in percent, -1 unknown, as nav_msgs/OccupancyGrid has it
   explicit MapField(const Grid<std::int8_t>& occupancy, const MapFieldOptions& options = {});
 

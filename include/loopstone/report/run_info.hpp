@@ -3,6 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include "loopstone/formats/left_out.hpp"
 
 namespace loopstone {
 
@@ -25,10 +29,15 @@ struct RunInfo {
       0.0;  ///< from opening the log to the finished result, without the writing of these files
   double cpu_time_s = 0.0;  ///< of all threads
   std::int64_t peak_memory_bytes = 0;
-  std::int64_t records_skipped = 0;
+  LeftOut left_out{};  ///< of the log, as far as it was read
   int threads = 0;
   std::optional<PaceFigures> pace{};  ///< of a replay in real time
   bool force = false;                 ///< files of an earlier run may be replaced
+  /// What could not be made of the finished result, and why; it makes the files incomplete.
+  std::string failure{};
+  /// All that determines the result beside version and options, by name: two runs that agree in it have the same files.
+  using Terms = std::vector<std::pair<std::string, std::string>>;
+  Terms terms{};
 };
 
 }  // namespace loopstone

@@ -16,6 +16,9 @@ struct WheelModel {
   int counter_bits = 32;  ///< where cumulative counters wrap
 };
 
+/// No sensor is mounted farther from its robot's centre, along an axis [m].
+inline constexpr double kFarthestMountM = 100.0;
+
 /// Where a planar lidar sits on the robot.
 struct LidarMount {
   std::string name = "front";

@@ -34,18 +34,21 @@ class BackEnd {
   /// After finish().
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] std::vector<KeyScan> keys() const { return chain_.keys(); }  ///< the graph's nodes
+  [[nodiscard]] std::size_t stretch_count() const { return chain_.stretch_count(); }
   [[nodiscard]] const std::vector<LoopClosure>& closures() const { return closures_; }
+  [[nodiscard]] double path_length_m() const { return chain_.length_m(); }
   [[nodiscard]] std::size_t submap_count() const { return loops_.submap_count(); }
   [[nodiscard]] double loop_closing_s() const { return loop_closing_s_; }
   [[nodiscard]] double optimisation_s() const { return optimisation_s_; }
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(loops_, chain_, outline_, graph_, closures_, covered_, thinned_, loop_closing_s_,
-      optimisation_s_);
+    a(loops_, chain_, outline_, graph_, closures_, thinned_, loop_closing_s_, optimisation_s_);
+    if constexpr (Archive::kReads) a.check(is_sound(), "a graph that contradicts itself");
   }
 
  private:
+  [[nodiscard]] bool is_sound() const;
   void take(std::vector<LoopClosure> found);
   void thin_covered();
   void accept_lone();
@@ -54,11 +57,10 @@ class BackEnd {
 
   bool loop_closure_;
   LoopCloser loops_;
-  KeyChain chain_{};
+  KeyChain chain_;
   PoseGraph outline_{};  ///< a node a stretch, and edges along the path; closures live in closures_
   PoseGraph graph_{};    ///< in the end: of all key scans, and with closures
   std::vector<LoopClosure> closures_{};
-  std::vector<bool> covered_{};  ///< by submap
   std::vector<std::size_t> thinned_{};
   double loop_closing_s_ = 0.0;
   double optimisation_s_ = 0.0;

@@ -10,7 +10,9 @@
 #include "loopstone/registration/grid_matcher.hpp"
 #include "loopstone/registration/match_result.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
+#include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/motion_predictor.hpp"
+#include "loopstone/slam/path_break.hpp"
 
 namespace loopstone {
 
@@ -54,6 +56,8 @@ struct FinishedSubmap {
   FrozenSubmap submap;
   std::size_t first_key = 0;  ///< its frame is this key scan's pose
   std::size_t last_key = 0;
+  std::size_t piece =
+      0;  ///< of the path: a new one begins where the laser can't tell how it goes on
 };
 
 /// What the front end says of one scan.
@@ -69,12 +73,31 @@ struct TrackedScan {
       false;  ///< it contradicts the map wherever it was looked for: the pose is a guess
   bool key = false;
   bool starts_submap = false;
-  std::vector<FinishedSubmap> finished;  ///< submaps that this scan filled
+  std::optional<PathBreak> path_break{};  ///< that ends with this scan
+  std::vector<FinishedSubmap> finished;   ///< submaps that this scan filled
+};
+
+/// The last scan whose pose the laser held.
+struct HeldScan {
+  Stamp stamp{};
+  Pose2 local_T_robot{};
+  std::optional<OdometryReading> odometry{};
+  double usual_seconds = 0.0;  ///< to the next one
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stamp, local_T_robot, odometry, usual_seconds);
+  }
 };
 
 /// Aligns each scan to the active submap and keeps the submaps going.
 ///
 /// Frame `local`: that of the first scan; continuous, never corrected by loop closures.
+///
+/// Where the laser has not held the pose for a while, the next scan may show a place that no submap knows. It stands where
+/// odometry says, unless it fits the active submap there; then a new piece of the path begins with a submap of its own, tied to
+/// the piece before by odometry's motion and its covariance alone. Without odometry the robot is looked for around where it was last;
+/// where it isn't found, nothing but loop closures can tie the new piece.
 class FrontEnd {
  public:
   FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match,
@@ -86,6 +109,7 @@ class FrontEnd {
 
   /// How odometry fared beside the laser.
   [[nodiscard]] const OdometryCheck& odometry_check() const { return predictor_.check(); }
+  [[nodiscard]] const LaserCheck& laser_check() const { return laser_check_; }
 
   /// The submaps still open, as they are. Call once, at the end.
   [[nodiscard]] std::vector<FinishedSubmap> finish();
@@ -93,7 +117,7 @@ class FrontEnd {
   template <typename Archive>
   void archive(Archive& a) {
     a.list(active_, [this] { return ActiveSubmap{Submap(submap_options_), {}, 0, 0.0}; });
-    a(key_count_, last_key_, predictor_, lost_in_a_row_, usual_score_);
+    a(key_count_, last_key_, predictor_, lost_in_a_row_, usual_score_, laser_check_, held_, piece_);
   }
 
  private:
@@ -129,6 +153,45 @@ class FrontEnd {
   [[nodiscard]] Searched search(std::span<const SurfacePoint> surfaces,
                                 std::span<const PosePrior2> priors,
                                 const MatchResult& matched) const;
+  /// The motion since the laser last held the pose.
+  struct BlindMotion {
+    PosePrior2 prior{};       ///< local frame
+    double odometry_m = 0.0;  ///< path that odometry tells, where it can be trusted
+    double odometry_rad = 0.0;
+
+    /// Odometry says that the robot hardly moved: the scan is aligned as any other.
+    [[nodiscard]] bool is_short() const;
+  };
+  using Seen = MotionPredictor::Seen;
+
+  void hold(Stamp stamp, const Pose2& local_T_robot,
+            const std::optional<OdometryReading>& odometry);
+  /// The laser has not held the pose for long enough that the motion can't be followed.
+  [[nodiscard]] bool is_gap(Stamp stamp) const;
+  [[nodiscard]] BlindMotion blind_motion(Stamp stamp, const MotionGuess& guess,
+                                         const std::optional<OdometryReading>& odometry) const;
+  /// The scan on the active submap near where odometry says, if that can be told.
+  [[nodiscard]] std::optional<MatchResult> recognise_near(std::span<const SurfacePoint> surfaces,
+                                                          const PosePrior2& prior) const;
+  /// The same without odometry: anywhere around.
+  [[nodiscard]] std::optional<MatchResult> recognise_around(std::span<const SurfacePoint> surfaces,
+                                                            const PosePrior2& prior) const;
+  [[nodiscard]] Seen follow(const LaserScan& scan, const Pose2& robot_T_lidar,
+                            std::span<const MotionGuess> guesses,
+                            std::vector<SurfacePoint>& surfaces, TrackedScan& tracked);
+  [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
+                            Stamp stamp, TrackedScan& tracked);
+  [[nodiscard]] Seen take_match(const MatchResult& match, bool is_held, TrackedScan& tracked);
+  /// The motion goes on as it was: where odometry may be doubted.
+  [[nodiscard]] std::vector<MotionGuess> others_than_odometry(Stamp stamp) const;
+  void note_gap(const BlindMotion& blind, Stamp stamp, TrackedScan& tracked) const;
+  void begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp, TrackedScan& tracked);
+  /// Ends the submaps that are open.
+  [[nodiscard]] std::vector<FinishedSubmap> end_piece();
+  /// What is said in the local frame, as the submap that scans are aligned to has it; and back.
+  [[nodiscard]] PosePrior2 in_submap(const PosePrior2& prior) const;
+  [[nodiscard]] MatchResult in_local(MatchResult match) const;
+
   /// Constant from the last scan's pose to this one [m/s, m/s, rad/s], robot frame.
   [[nodiscard]] Tangent2 velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const;
   [[nodiscard]] bool moved_enough(const Pose2& local_T_robot) const;
@@ -145,6 +208,9 @@ class FrontEnd {
   MotionPredictor predictor_;
   int lost_in_a_row_ = 0;
   double usual_score_ = 1.0;  ///< of the scans so far, mean over some tens
+  LaserCheck laser_check_{};
+  std::optional<HeldScan> held_{};
+  std::size_t piece_ = 0;
 };
 
 }  // namespace loopstone

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,10 +20,12 @@ struct KeyScan {
       Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
   std::size_t scan = 0;         ///< its place among all scans
   bool starts_submap = false;
+  /// Of the motion from the key scan before, where the laser did not hold it: (x, y, yaw), local frame.
+  std::optional<Eigen::Matrix3d> across{};
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(stamp, local_T_robot, covariance, scan, starts_submap);
+    a(stamp, local_T_robot, covariance, scan, starts_submap, across);
   }
 };
 
@@ -32,6 +35,10 @@ struct KeyScan {
 /// What happened between them is one edge, compounded from the motions, until expand() spells it out.
 class KeyChain {
  public:
+  /// \param drift_per_m  position uncertainty gained by a metre of travel: what is uncertain across a break of the path counts as the
+  ///                     travel that would have made it so
+  explicit KeyChain(double drift_per_m) : drift_per_m_(drift_per_m) {}
+
   /// The first key scan begins a stretch in any case.
   void add(const KeyScan& key);
   /// Forgets all key scans of a stretch but the first. It must not be the newest.
@@ -42,7 +49,9 @@ class KeyChain {
   [[nodiscard]] const PoseWithCovariance2& across(std::size_t stretch) const {
     return stretches_[stretch].across;
   }
-  /// Length of the path up to each stretch [m].
+  /// From the first key scan to the newest [m]: between key scans a robot only trembles.
+  [[nodiscard]] double length_m() const { return length_m_; }
+  /// Length of the path up to each stretch [m], and what breaks count for.
   [[nodiscard]] std::span<const double> travelled_m() const { return travelled_m_; }
 
   /// The key scans that are kept, in order.
@@ -54,10 +63,14 @@ class KeyChain {
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(stretches_, travelled_m_, newest_, length_m_);
+    a(stretches_, travelled_m_, newest_, length_m_, breaks_m_);
+    if constexpr (Archive::kReads)
+      a.check(is_sound(), "a chain of key scans that contradicts itself");
   }
 
  private:
+  [[nodiscard]] bool is_sound() const;
+
   struct Stretch {
     std::vector<KeyScan> keys{};
     PoseWithCovariance2 across{};
@@ -67,10 +80,12 @@ class KeyChain {
       a(keys, across);
     }
   };
+  double drift_per_m_;
   std::vector<Stretch> stretches_{};
   std::vector<double> travelled_m_{};
   KeyScan newest_{};
   double length_m_ = 0.0;
+  double breaks_m_ = 0.0;  ///< what breaks count for
 };
 
 }  // namespace loopstone

@@ -78,6 +78,8 @@ class LoopCloser {
   /// their surfaces. They keep their places, but nothing is compared with them any more. Returns which.
   std::vector<std::size_t> drop_covered();
 
+  [[nodiscard]] bool is_dropped(std::size_t submap) const;
+
   /// Nothing will be compared any more: drops what all submaps hold.
   void drop_all();
 
@@ -100,6 +102,7 @@ class LoopCloser {
   struct Pair;
   template <typename Archive>
   void archive_fields(Archive& a);
+  [[nodiscard]] bool is_sound() const;
   [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer,
                                                  std::span<const Pose2> map_T_submap);
   [[nodiscard]] std::vector<Pair> places_like(std::size_t newer, std::span<const Pair> far);

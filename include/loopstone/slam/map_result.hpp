@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,9 @@
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/odometry/odometry_check.hpp"
 #include "loopstone/odometry/trajectory.hpp"
+#include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/map_verdict.hpp"
+#include "loopstone/slam/path_break.hpp"
 
 namespace loopstone {
 
@@ -54,8 +57,13 @@ struct MapStatistics {
   std::int64_t odometry_jumps = 0;  ///< single motions that nothing but a jump explains
   double odometry_translation_scale = 0.0;  ///< odometry's travel / the laser's; 0: unknown
   double odometry_rotation_scale = 0.0;
-  double duration_s = 0.0;   ///< of the recording
-  double front_end_s = 0.0;  ///< wall time of the steps, which overlap
+  /// Direction in which the laser sees the robot go while odometry goes straight.
+  std::optional<double> laser_heading_offset_rad{};
+  /// Correlation of the turns that wheels and gyro tell.
+  std::optional<double> wheels_with_gyro{};
+  std::int64_t scans_repeated = 0;  ///< most in a row the same to the last bit, without odometry
+  double duration_s = 0.0;          ///< of the recording
+  double front_end_s = 0.0;         ///< wall time of the steps, which overlap
   double loop_closing_s = 0.0;
   double optimisation_s = 0.0;
   double adjustment_s = 0.0;
@@ -68,7 +76,7 @@ struct MapStatistics {
   /// What grows during a run; the rest is counted at its end.
   template <typename Archive>
   void archive(Archive& a) {
-    a(scans_dropped, key_scans, searches, degenerate_travel_m, path_length_m, front_end_s);
+    a(scans_dropped, key_scans, searches, degenerate_travel_m, front_end_s);
   }
 };
 
@@ -80,7 +88,10 @@ struct MapResult {
   PoseGraph graph;
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
+  std::string map_failure;  ///< why there is none (too large); empty when there is
   std::vector<OdometryEpisode> odometry_episodes;  ///< when odometry was found wrong, and how
+  std::vector<LaserEpisode> laser_episodes;        ///< when the laser was blocked or frozen
+  std::vector<PathBreak> breaks;                   ///< when the laser did not hold the pose
   MapStatistics statistics;
   MapQuality quality;                 ///< what the scans say about each other
   GraphQuality graph_quality;         ///< what the pose graph says about itself

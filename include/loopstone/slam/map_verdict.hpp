@@ -55,4 +55,8 @@ struct MapVerdict {
 /// spoiled on purpose (bench/quality.py, docs/quality.md). Overall: the worst of what is known.
 [[nodiscard]] MapVerdict judge_map(const MapResult& result);
 
+/// Adds what the map can't know: which share [0, 1] of the log, of its scans or of its records, could not be used. A map of the
+/// rest may be right and still not be the map of that drive. Does nothing when there is no verdict.
+void judge_left_out(MapVerdict& verdict, double share);
+
 }  // namespace loopstone

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
+#include "loopstone/base/progress.hpp"
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/base/state_chunk.hpp"
 #include "loopstone/mapping/occupancy.hpp"
@@ -38,8 +39,11 @@ class Mapper {
   /// Messages come in time order. A scan is worked on once odometry for its time has come, or after a moment's wait.
   void add(const SensorMessage& message);
 
-  /// Ends the recording: last closures, last solution, the final map of all scans. Call once.
-  [[nodiscard]] MapResult finish();
+  /// Ends the recording: last closures, last solution, the final map of all scans. Call once. A map that is too large leaves all
+  /// else and says so in `map_failure`.
+  /// \param progress  told before each stage; once it returns false, what only refines or judges the map is left out, and the
+  ///                  result is marked incomplete
+  [[nodiscard]] MapResult finish(const ProgressCallback& progress = {});
 
   /// Everything that the messages so far have led to. A new mapper of the same robot and options that is given it goes on to
   /// the same bytes. Returns once the front end is saved; the rest follows when the back end has come as far, on its thread.
@@ -50,7 +54,7 @@ class Mapper {
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(track_, last_mapped_, last_key_, statistics_, gyro_scans_);
+    a(track_, last_mapped_, statistics_, gyro_scans_, breaks_);
   }
 
   [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(track_.size()); }
@@ -75,7 +79,7 @@ class Mapper {
   /// Of each key scan, its own frame.
   [[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces(
       std::span<const KeyScan> keys) const;
-  void report_odometry(MapResult& result) const;
+  void report_sensors(MapResult& result) const;
   void adjust(std::span<const KeyScan> keys, MapResult& result) const;
   [[nodiscard]] std::vector<PosedScan> place_scans(std::vector<KeyScan> keys,
                                                    MapResult& result) const;
@@ -89,9 +93,9 @@ class Mapper {
   std::unique_ptr<BackEndWorker> back_end_;
   std::deque<TrackedPose> track_{};
   Pose2 last_mapped_{};
-  Pose2 last_key_{};
   MapStatistics statistics_{};
   std::int64_t gyro_scans_ = 0;  ///< whose heading alone was known
+  std::vector<PathBreak> breaks_{};
 };
 
 }  // namespace loopstone

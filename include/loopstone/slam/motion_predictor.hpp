@@ -7,6 +7,7 @@
 
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/geometry/pose2.hpp"
+#include "loopstone/odometry/odometry_accuracy.hpp"
 #include "loopstone/odometry/odometry_check.hpp"
 
 namespace loopstone {
@@ -15,10 +16,14 @@ namespace loopstone {
 struct OdometryReading {
   Pose2 odom_T_robot;
   bool has_translation = true;  ///< false: a gyro alone, only the heading counts
+  double path_m = 0.0;          ///< travelled since the recording began
+  double turned_rad = 0.0;      ///< turned since then, either way
+  /// When it was last silent for a while, and spoke again: motion across a silence is hearsay.
+  std::optional<Stamp> silent_until{};
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(odom_T_robot, has_translation);
+    a(odom_T_robot, has_translation, path_m, turned_rad, silent_until);
   }
 };
 
@@ -27,6 +32,13 @@ struct MotionGuess {
   Pose2 local_T_robot{};
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), local frame
   bool measured = false;  ///< the translation is odometry's, so it holds what the laser leaves open
+};
+
+/// The motion from one reading to another as odometry tells it, and how far to trust that.
+struct ToldMotion {
+  Pose2 motion{};
+  double sigma_m = 0.0;
+  double sigma_rad = 0.0;
 };
 
 /// Guesses the motion to the next scan: odometry's as long as it can be trusted, else the motion goes on as it was.
@@ -43,8 +55,13 @@ class MotionPredictor {
   [[nodiscard]] std::vector<MotionGuess> guesses(
       Stamp stamp, const std::optional<OdometryReading>& odometry) const;
 
-  /// Without odometry: the motion goes on.
+  /// Without odometry: the motion goes on. Nothing when it is too long ago for that to mean much.
   [[nodiscard]] std::vector<MotionGuess> coast_guesses(Stamp stamp) const;
+
+  /// What odometry says of the motion between two readings, with what is known of its scale. Nothing when it can't be trusted with
+  /// the translation, or was silent in between.
+  [[nodiscard]] std::optional<ToldMotion> told(const OdometryReading& from, Stamp from_stamp,
+                                               const OdometryReading& to) const;
 
   /// What the laser can tell of a scan's pose.
   struct Seen {
@@ -69,8 +86,8 @@ class MotionPredictor {
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(check_, last_stamp_, last_pose_, last_odometry_, last_seen_, steps_, coast_variance_m2_,
-      coast_variance_rad2_);
+    a(check_, accuracy_, last_stamp_, last_pose_, last_odometry_, last_seen_, steps_,
+      coast_variance_m2_, coast_variance_rad2_);
   }
 
  private:
@@ -86,9 +103,13 @@ class MotionPredictor {
 
   /// The motion goes on: as far as the last one, and as fast.
   [[nodiscard]] std::vector<Pose2> coasts(Stamp stamp) const;
+  [[nodiscard]] bool coast_is_over(Stamp stamp) const;
+  /// Odometry's motion between two readings at the scale that was learned.
+  [[nodiscard]] Pose2 scaled_motion(const OdometryReading& from, const OdometryReading& to) const;
 
   bool checks_;
   OdometryCheck check_{};
+  OdometryAccuracy accuracy_{};
   std::optional<Stamp> last_stamp_{};
   Pose2 last_pose_{};
   std::optional<OdometryReading> last_odometry_{};

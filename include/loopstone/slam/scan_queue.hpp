@@ -17,7 +17,8 @@ namespace loopstone {
 ///   while (auto scan = queue.next()) use(*scan, queue.odometer().pose_at(scan->stamp));
 class ScanQueue {
  public:
-  explicit ScanQueue(const WheelModel& wheels) : odometer_(wheels) {}
+  explicit ScanQueue(const WheelModel& wheels)
+      : counts_are_cumulative_(wheels.counts_are_cumulative), odometer_(wheels) {}
 
   /// Messages come in time order.
   void add(const SensorMessage& message);
@@ -33,15 +34,35 @@ class ScanQueue {
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(odometer_, gyro_, waiting_, newest_, finished_);
+    a(odometer_, gyro_, waiting_, newest_, finished_, travel_, increments_);
   }
 
  private:
+  /// What odometry's newest pose adds to the path so far.
+  void follow_odometry();
+
+  /// The path as odometry has it, up to its newest pose.
+  struct Travel {
+    std::optional<Stamp> stamp{};
+    Pose2 odom_T_robot{};
+    double path_m = 0.0;
+    double turned_rad = 0.0;
+    std::optional<Stamp> silent_until{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(stamp, odom_T_robot, path_m, turned_rad, silent_until);
+    }
+  };
+
+  bool counts_are_cumulative_;
+  bool increments_ = false;  ///< odometry is counts since the last reading
   Odometer odometer_;
   GyroHeading gyro_{};
   std::deque<LaserScan> waiting_{};
   Stamp newest_{};
   bool finished_ = false;
+  Travel travel_{};
 };
 
 }  // namespace loopstone

@@ -268,5 +268,22 @@ TEST(CarmenReader, LineEndsOfWindowsAndNoLastEnd) {
   EXPECT_EQ(read(text + last).scans.size(), 2u);
 }
 
+TEST(CarmenReader, LasersAreOnTheirRobotsAndRobotsOnTheEarth) {
+  const LogContent far =
+      read(flaser("1.0") + flaser("2.0", 180, 2.5, "4e9 2 0.5 1 2 0.5") + odom("3.0", "1e300 0 0"));
+  EXPECT_EQ(far.scans.size(), 1u);
+  ASSERT_EQ(far.problems.size(), 2u);
+  EXPECT_NE(far.problems[0].reason.find("the laser's pose lies more than 10,000 km away"),
+            std::string::npos);
+  // A pose in another frame is no mount.
+  const LogContent shifted = read(flaser("1.0", 180, 2.5, "500001 5000002 0.5 1 2 0.5"));
+  ASSERT_EQ(shifted.scans.size(), 1u);
+  EXPECT_TRUE(pose_near(shifted.scans[0].robot_T_lidar.value(), {}, 1e-9, 1e-9));
+  const LogContent stated = read("PARAM robot_frontlaser_offset 4e9 1.0 host 0.0\n" +
+                                 flaser("1.0", 180, 2.5, "1 2 0.5 1 2 0.5"));
+  ASSERT_EQ(stated.scans.size(), 1u);
+  EXPECT_TRUE(pose_near(stated.scans[0].robot_T_lidar.value(), {}, 1e-9, 1e-9));
+}
+
 }  // namespace
 }  // namespace loopstone

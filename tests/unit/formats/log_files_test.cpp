@@ -289,7 +289,7 @@ TEST(RecordedLogs, IntelGivesEveryScan) {
   EXPECT_EQ(summary.lidars.at(0).timing.records, 13631);
   EXPECT_EQ(summary.odometry->timing.records, 13631 + 26915);
   EXPECT_EQ(summary.lidars[0].ranges.no_return, 68313);
-  EXPECT_EQ(summary.records_skipped, 0);
+  EXPECT_EQ(summary.left_out.skipped.records, 0);
   EXPECT_EQ(summary.lidars[0].robot_T_lidar, Pose2{});
 }
 

@@ -7,6 +7,7 @@ namespace loopstone {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 struct Inner {
   double max_range_m = 80.0;
@@ -84,6 +85,44 @@ TEST(OptionsFile, BrokenTomlNamesItsLine) {
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_THAT(to_string(problems[0]), HasSubstr("o.toml:"));
   EXPECT_THAT(to_string(problems[0]), HasSubstr("not valid TOML"));
+}
+
+TEST(OptionsFile, WordsOfTheParserAreNotShown) {
+  Outer options;
+  const auto entries = list_options(options);
+  const auto problems = apply_toml(entries, "fast = true\nfast = yes please\n", "o.toml");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_THAT(to_string(problems[0]), HasSubstr("o.toml:2: not valid TOML"));
+  EXPECT_THAT(to_string(problems[0]), HasSubstr("'fast = yes please'"));
+  EXPECT_THAT(to_string(problems[0]), Not(HasSubstr("Error while parsing")));
+}
+
+TEST(OptionsFile, DepthIsBoundedBeforeItIsParsed) {
+  Outer options;
+  const auto entries = list_options(options);
+  const auto rule = [&](const std::string& toml) {
+    const auto problems = apply_toml(entries, toml, "o.toml");
+    return problems.size() == 1 ? to_string(problems[0]) : std::to_string(problems.size());
+  };
+  std::string dotted = "a";
+  std::string nested;
+  for (int i = 0; i < 100'000; ++i) dotted += ".a";
+  for (int i = 0; i < 200; ++i) nested += "{a = ";
+  EXPECT_THAT(rule("fast = true\n" + dotted + " = 1\n"), HasSubstr("o.toml:2: more than 32"));
+  EXPECT_THAT(rule("[" + dotted + "]\n"), HasSubstr("more than 32"));
+  EXPECT_THAT(rule("[[" + dotted + "]]\n"), HasSubstr("more than 32"));
+  EXPECT_THAT(rule("x = {y = 1, " + dotted + " = 1}\n"), HasSubstr("more than 32"));
+  EXPECT_THAT(rule("x = " + nested), HasSubstr("more than 32"));
+  EXPECT_THAT(rule("x = " + std::string(1000, '[')), HasSubstr("more than 32"));
+  // Texts do not hide what follows them.
+  for (const char* const text :
+       {R"("\\\"" )", R"('\' )", "\"\"\"\n\"\"\"\"", "'''\n\"'''", "\"#\" ", "\"\" "}) {
+    EXPECT_THAT(rule("x = {y = " + std::string(text) + ", " + dotted + " = 1}\n"),
+                HasSubstr("more than 32"))
+        << text;
+  }
+  EXPECT_THAT(rule("# " + dotted + "\nkernel = \"" + dotted + "\"\n"), HasSubstr("must be one of"));
+  EXPECT_THAT(rule(std::string(2'000'000, ' ')), HasSubstr("megabyte"));
 }
 
 TEST(OptionsFile, UnreadableFilesAreProblems) {

@@ -302,7 +302,10 @@ RC_GTEST_PROP(PointCloudFile, PlyKeepsEveryBit,
               (const std::vector<std::array<double, 3>>& values)) {
   PointCloud cloud;
   cloud.points.emplace_back(0.1, -0.2, 1e-300);
-  for (const auto& v : values) cloud.points.emplace_back(v[0], v[1], v[2]);
+  for (const auto& v : values) {
+    const Eigen::Vector3d point(v[0], v[1], v[2]);
+    if (is_usable_point(point)) cloud.points.push_back(point);
+  }
   const PointCloud back = decode_ply(encode_ply(cloud));
   RC_ASSERT(back.points.size() == cloud.points.size());
   for (std::size_t i = 0; i < back.points.size(); ++i) RC_ASSERT(back.points[i] == cloud.points[i]);
@@ -311,7 +314,10 @@ RC_GTEST_PROP(PointCloudFile, PlyKeepsEveryBit,
 RC_GTEST_PROP(PointCloudFile, PcdKeepsFloats, (const std::vector<std::array<float, 3>>& values)) {
   PointCloud cloud;
   cloud.points.emplace_back(0.5, -0.25, 1.0);
-  for (const auto& v : values) cloud.points.emplace_back(v[0], v[1], v[2]);
+  for (const auto& v : values) {
+    const Eigen::Vector3d point(v[0], v[1], v[2]);
+    if (is_usable_point(point)) cloud.points.push_back(point);
+  }
   const PointCloud back = decode_pcd(encode_pcd(cloud));
   RC_ASSERT(back.points.size() == cloud.points.size());
   for (std::size_t i = 0; i < back.points.size(); ++i) RC_ASSERT(back.points[i] == cloud.points[i]);
@@ -357,6 +363,15 @@ TEST(PointCloudFile, RecordedClouds) {
     EXPECT_TRUE(flat.planar) << name;
     EXPECT_GT(flat.points.size(), 300u) << name;
   }
+}
+
+TEST(PointCloudFile, CoordinatesThatAreNoPlaceAreRefusedWithTheirPoint) {
+  EXPECT_THAT(error_of([] { return decode_cloud_text("0 0 0\n1 3.4e38 0\n", "a.xyz"); }),
+              HasSubstr("a.xyz: point 2 has a coordinate of 3.4e+38"));
+  EXPECT_THAT(error_of([] { return decode_cloud_text("0 0 0\n1 -1e300 0\n", "a.xyz"); }),
+              HasSubstr("write nan"));
+  EXPECT_EQ(decode_cloud_text("0 0 0\n1 inf 0\n1 nan 0\n").points.size(), 3u);
+  EXPECT_EQ(decode_cloud_text("0 0 0\n500000.5 5000000.25 0\n").points.size(), 2u);
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <fstream>
+#include <initializer_list>
 #include <string>
 #include <thread>
 #include <variant>
@@ -89,6 +92,31 @@ TEST_F(ParallelReadAhead, AnErrorComesWhereItIs) {
   EXPECT_GT(expected, 490);
   EXPECT_EQ(messages_before_error(open_log_ahead), expected);
   EXPECT_THROW((void)open_log_ahead((folder_.path() / "none").string()), DataError);
+}
+
+/// Two poses, then nothing of use for many blocks.
+std::string mostly_garbage() {
+  std::string text = odom_line(0, 1) + odom_line(1, 2);
+  while (text.size() < (std::size_t{4} << 20)) text += "ODOM 1 2 what is this, please\n";
+  return text;
+}
+
+TEST_F(ParallelReadAhead, InterruptedAmongBrokenRecordsItStopsThere) {
+  const std::string path = file(mostly_garbage());
+  for (const auto open : {open_log, open_log_ahead}) {
+    std::atomic<bool> is_open{false};
+    std::atomic<int> asked{0};
+    const auto reader = open(path, {.stop = [&] { return is_open && ++asked > 3; }});
+    is_open = true;
+    while (reader->next()) {
+    }
+    EXPECT_LT(reader->progress().bytes_done, std::int64_t{2} << 20);
+  }
+}
+
+TEST_F(ParallelReadAhead, InterruptedBeforeItIsOpenIsSaidAtOnce) {
+  const std::string path = file(mostly_garbage());
+  EXPECT_THROW((void)open_log(path, {.stop = [] { return true; }}), ReadingStopped);
 }
 
 }  // namespace

@@ -193,6 +193,13 @@ TEST(RosMap, YamlDamageIsNamedWithItsLine) {
   has(with("image: m.pgm\n", ""), "has no key 'image'");
   has(with("resolution: 0.1", "resolution: 0"), "m.yaml:2: 'resolution'");
   has(with("resolution: 0.1", "resolution: .nan"), "finite");
+  has(with("resolution: 0.1", "resolution: 1e-300"), "m.yaml:2: 'resolution' must be from 0.0001");
+  has(with("resolution: 0.1", "resolution: 1e300"), "m.yaml:2: 'resolution' must be from 0.0001");
+  has(with("[-1.5, 2.25, 0]", "[1e12, 0, 0.3]"), "m.yaml:3: 'origin' must lie within 1e+07 m");
+  has(with("[-1.5, 2.25, 0]", "[0, .inf, 0.3]"), "m.yaml:3: 'origin'");
+  std::string nested = "image: ";
+  for (int i = 0; i < 20'000; ++i) nested += "- ";
+  has(error_of(nested), "no valid YAML");
   has(with("resolution: 0.1", "resolution: fine"),
       "m.yaml:2: 'resolution' must be a finite number");
   has(with("[-1.5, 2.25, 0]", "[-1.5, 2.25]"), "m.yaml:3: 'origin' must be [x, y, yaw]");

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/crc32.hpp"
+#include "loopstone/base/byte_archive.hpp"
 #include "loopstone/formats/log_digest.hpp"
 #include "support/temp_dir.hpp"
 
@@ -82,6 +84,29 @@ TEST(SessionFile, APartThatIsLeftOutComesTwiceOrFollowsTheEndIsNoticed) {
               HasSubstr("lacks parts"));
   EXPECT_THAT(refusal(whole.substr(0, head + first) + whole.substr(head)), HasSubstr("twice"));
   EXPECT_THAT(refusal(whole + '\0'), HasSubstr("follow the end"));
+}
+
+TEST(SessionFile, AnEndOfAnotherVersionIsNoticed) {
+  const std::string bytes = format_session({});
+  const std::string head = bytes.substr(0, 16);
+  for (const std::size_t at : {std::size_t{4}, std::size_t{6}}) {  // of the version, of the flags
+    std::string end = bytes.substr(16, bytes.size() - 16 - 4);
+    end[at] = static_cast<char>(end[at] ^ 1);
+    ByteWriter checksum;
+    checksum(crc32_of(end));
+    EXPECT_THAT(refusal(head + end + checksum.take()), HasSubstr("the end")) << at;
+  }
+}
+
+TEST(SessionFile, AFileWithoutPartsIsRefusedByName) {
+  const test::TempDir folder;
+  write_session(folder / "s", {});
+  try {
+    (void)read_session(folder / "s");
+    FAIL() << "taken";
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(folder / "s"));
+  }
 }
 
 TEST(SessionFile, ErrorsNameTheFileAndTheOffset) {

@@ -41,6 +41,15 @@ TEST(BlockGrid, CellsMayBeNegative) {
   EXPECT_TRUE(grid.centre_of({-3, 3}).isApprox(Eigen::Vector2d(-0.25, 0.35)));
 }
 
+TEST(BlockGrid, CellsAtBothEndsOfTheWorldAreRefused) {
+  BlockGrid<int> grid(0.1);
+  grid.at({0, 0}) = 1;
+  grid.at({1 << 20, 0}) = 2;
+  EXPECT_THROW((void)grid.at(grid.cell_of(4e9, 4e9)), UsageError);
+  EXPECT_THROW((void)grid.at(grid.cell_of(-1e300, 0.0)), UsageError);
+  EXPECT_EQ(contents(grid).size(), 2u) << "nothing changed";
+}
+
 RC_GTEST_PROP(BlockGridLaws, IsAMapFromCellsToValues, ()) {
   // Clusters that force the directory to grow in all directions, and far jumps.
   const auto coordinate = rc::gen::oneOf(rc::gen::inRange(-20, 20), rc::gen::inRange(-600, 600));

@@ -4,8 +4,11 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
+#include <string>
 
+#include "loopstone/base/error.hpp"
 #include "loopstone/grid/grid.hpp"
 #include "support/generators.hpp"
 
@@ -47,6 +50,36 @@ TEST(Grid, ReadsOutsideAsTold) {
   EXPECT_EQ(grid.value_or({0, -1}, -1), -1);
   EXPECT_TRUE(Grid<int>{}.empty());
   EXPECT_EQ(Grid<int>{}.value_or({0, 0}, 3), 3);
+}
+
+TEST(GridFrame, NumbersThatDoNotFitBecomeTheNearestThatDo) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  EXPECT_EQ(floor_to_int(-0.5), -1);
+  EXPECT_EQ(floor_to_int(2147483646.5), kMost - 1);
+  EXPECT_EQ(floor_to_int(1e300), kMost);
+  EXPECT_EQ(floor_to_int(-1e300), -kMost);
+  EXPECT_EQ(floor_to_int(std::numeric_limits<double>::infinity()), kMost);
+  EXPECT_EQ(floor_to_int(std::nan("")), -kMost);
+  const GridFrame frame{.origin = {0.0, 0.0}, .resolution = 0.05, .columns = 4, .rows = 3};
+  EXPECT_FALSE(frame.contains(frame.cell_of({1e12, 0.1})));
+  EXPECT_FALSE(frame.contains(frame.cell_of({std::nan(""), 0.1})));
+}
+
+TEST(GridFrame, GridsThatNoMemoryHoldsAreRefused) {
+  const auto error = [](const Eigen::Vector2d& low, const Eigen::Vector2d& high) -> std::string {
+    try {
+      (void)frame_covering(low, high, 0.05, 0.1);
+    } catch (const UsageError& refused) {
+      return refused.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error({0.0, 0.0}, {1000.0, 1000.0}), "");
+  EXPECT_NE(error({0.0, 0.0}, {4e9, 1.0}).find("4e+09 m x 1.25 m"), std::string::npos);
+  EXPECT_NE(error({0.0, 0.0}, {1e5, 1e5}), "");
+  EXPECT_NE(error({0.0, 0.0}, {1e300, 1e300}), "");
+  EXPECT_LT(error({-1e308, 0.0}, {1e308, 1e308}).size(), 200u);
+  EXPECT_NE(error({0.0, 0.0}, {std::nan(""), 1.0}), "");
 }
 
 RC_GTEST_PROP(GridFrameLaws, CentresAndInnerPointsLieInTheirCell, ()) {

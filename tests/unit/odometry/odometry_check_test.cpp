@@ -221,5 +221,17 @@ TEST(OdometryCheck, AGapInTheRecordingIsNoLag) {
   EXPECT_TRUE(check.episodes().empty());
 }
 
+TEST(OdometryCheck, ALaserThatLooksAsideShowsWhileTheRobotGoesStraight) {
+  for (const double yaw : {0.0, 0.09, -0.09}) {
+    const auto turned = [&](const std::vector<Pose2>& truth, std::size_t i) {
+      return Pose2{0.0, 0.0, -yaw} * truth[i] * Pose2{0.0, 0.0, yaw};
+    };
+    const auto offset = check_drive(motions(3000, 7), turned).laser_heading_offset_rad();
+    ASSERT_TRUE(offset);
+    EXPECT_NEAR(*offset, yaw, 0.01);
+  }
+  EXPECT_FALSE(check_drive(motions(50, 7), scaled(1.0, 1.0)).laser_heading_offset_rad());
+}
+
 }  // namespace
 }  // namespace loopstone

@@ -5,11 +5,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
 #include "cloud_search_shapes.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/geometry/rigid_alignment.hpp"
+#include "loopstone/sensor/point_cloud.hpp"
 #include "support/pose_near.hpp"
 
 namespace loopstone {
@@ -231,6 +233,32 @@ TEST(CloudSearch, PointsThatAreNotFiniteAreIgnored) {
   const auto dirty = search_alignment<3>(source, tool_model()).match;
   EXPECT_EQ(clean.target_T_source.translation, dirty.target_T_source.translation);
   EXPECT_EQ(clean.pairs, dirty.pairs);
+}
+
+TEST(CloudSearch, PointsThatAreNowhereAreIgnored) {
+  Rng rng(15);
+  auto source = tool_seen_from({0.3, 1.0, 0.5}, 400, rng);
+  const auto clean = search_alignment<3>(source, tool_model()).match;
+  for (const double far : {3.4e38, 1e100, -1e300}) source.emplace_back(0.0, far, 0.0);
+  const auto dirty = search_alignment<3>(source, tool_model()).match;
+  EXPECT_EQ(clean.target_T_source.translation, dirty.target_T_source.translation);
+  Points<3> model = source;
+  EXPECT_NO_THROW((void)CloudModel<3>(model)) << "once this never ended";
+}
+
+TEST(CloudSearch, EndsForAnyCoordinatesThatArePlaces) {
+  Rng rng(16);
+  const auto tool = tool_seen_from({0.3, 1.0, 0.5}, 300, rng);
+  for (const double far : {kFarthestCoordinateM, 1e6, 1e-30, 1e-300}) {
+    Points<3> one = tool;
+    one.emplace_back(far, -far, far);
+    Points<3> all = tool;
+    for (Eigen::Vector3d& point : all) point *= far;
+    for (const Points<3>& cloud : {one, all}) {
+      const auto match = search_alignment<3>(cloud, CloudModel<3>(cloud)).match;
+      EXPECT_TRUE(match.target_T_source.translation.allFinite()) << far;
+    }
+  }
 }
 
 TEST(CloudSearch, SurvivesDegenerateClouds) {

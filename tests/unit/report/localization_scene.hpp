@@ -89,7 +89,7 @@ inline LocalizationRunInfo small_run() {
   info.run.wall_time_s = 0.5;
   info.run.cpu_time_s = 0.75;
   info.run.peak_memory_bytes = 123456789;
-  info.run.records_skipped = 4;
+  info.run.left_out.skipped.records = 4;
   info.map_path = "rooms/map.yaml";
   info.seed = 7;
   info.map_free_area_m2 = 96.0;

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/map_picture.hpp"
+#include "report/output_files.hpp"
 #include "support/temp_dir.hpp"
 
 namespace loopstone {
@@ -73,7 +75,8 @@ RunInfo small_info() {
   info.wall_time_s = 0.5;
   info.cpu_time_s = 0.75;
   info.peak_memory_bytes = 123456789;
-  info.records_skipped = 4;
+  info.left_out.skipped = {.records = 4, .scans = 1};
+  info.left_out.scans_read = 3;
   return info;
 }
 
@@ -144,6 +147,7 @@ TEST(MapOutputs, SummaryHasEveryKeyOfTheContract) {
   EXPECT_EQ(summary["scans"], 120);
   EXPECT_EQ(summary["version"], "9.8.7");
   EXPECT_EQ(summary["records_skipped"], 4);
+  EXPECT_EQ(summary["left_out"]["scan_share"], 0.25);
   EXPECT_DOUBLE_EQ(summary["realtime_factor"], 11.9 / 0.5);
   EXPECT_DOUBLE_EQ(summary["scans_per_s"], 240.0);
   EXPECT_NEAR(summary["map_area_m2"], kPi * 4.0 * 4.0, 4.0)
@@ -223,6 +227,72 @@ TEST(MapOutputs, FullDiskLeavesNothing) {
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, old_handler);
   EXPECT_TRUE(dir.names().empty()) << "neither files nor the folder stay";
+}
+
+TEST(MapOutputs, WhereOnlyTheMapDoesNotFitTrajectoryAndGraphAreLeft) {
+  const TempDir dir;
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 16000;  // the trajectory takes 12 kB, the page with the picture more than this
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_THROW(write_map_outputs(small_result(), small_info(), dir / "out"), std::runtime_error);
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(read_tum(dir / "out/trajectory.tum").size(), 120u);
+  EXPECT_EQ(read_g2o(dir / "out/graph.g2o").graph.poses.size(), 6u);
+  EXPECT_FALSE(std::filesystem::exists(dir / "out/report.html"));
+  EXPECT_EQ(nlohmann::json::parse(dir.read("out/summary.json"))["complete"], false);
+}
+
+TEST(MapOutputs, AMapThatCouldNotBeMadeLeavesAllElse) {
+  const TempDir dir;
+  MapResult result = small_result();
+  result.map = {};
+  result.map_failure = "the map would be too large";
+  try {
+    write_map_outputs(result, small_info(), dir / "out");
+    FAIL() << "there is no map";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find("the map would be too large"), 0u);
+  }
+  EXPECT_EQ(read_tum(dir / "out/trajectory.tum").size(), 120u);
+  EXPECT_FALSE(std::filesystem::exists(dir / "out/map.pgm"));
+  const auto summary = nlohmann::json::parse(dir.read("out/summary.json"));
+  EXPECT_EQ(summary["complete"], false);
+  EXPECT_EQ(summary["warnings"].back(), "the map would be too large");
+}
+
+TEST(MapOutputs, AnOlderSetIsReplacedAsAWhole) {
+  const TempDir dir;
+  RunInfo info = small_info();
+  write_map_outputs(small_result(), info, dir / "out");
+  dir.write("out/texture.png", "of the older run");
+  dir.write("out/precious.txt", "x");
+  info.force = true;
+  write_map_outputs(small_result(), info, dir / "out");
+  EXPECT_FALSE(std::filesystem::exists(dir / "out/texture.png"));
+  EXPECT_EQ(dir.read("out/precious.txt"), "x");
+}
+
+TEST(FileSet, EndedAmidTheSwapItIsMarkedIncomplete) {
+  const TempDir dir;
+  std::filesystem::create_directory(dir / "out");
+  dir.write("out/summary.json", R"({"complete": true})");
+  dir.write("out/trajectory.tum", "old");
+  dir.write("out/graph.g2o", "old");
+  const OutputFolder folder(dir / "out", true);
+  FileSet files(folder);
+  files.add("trajectory.tum", "", "new");
+  files.add("graph.g2o", "", "new");
+  files.add("summary.json", "", R"({"complete": true})");
+  // Something that cannot be replaced stands for a kill in the middle.
+  std::filesystem::remove(dir / "out/graph.g2o");
+  std::filesystem::create_directories(dir / "out/graph.g2o/full");
+  EXPECT_THROW(files.commit(), DataError);
+  EXPECT_EQ(dir.read("out/trajectory.tum"), "new");
+  EXPECT_EQ(nlohmann::json::parse(dir.read("out/summary.json"))["complete"], false);
 }
 
 TEST(MapPicture, SizesStayWithinBounds) {

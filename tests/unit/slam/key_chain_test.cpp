@@ -4,8 +4,11 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <string>
 #include <vector>
 
+#include "loopstone/base/byte_archive.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/graph/solver.hpp"
 #include "support/pose_near.hpp"
@@ -34,7 +37,7 @@ std::vector<KeyScan> winding() {
 }
 
 KeyChain chain_of(const std::vector<KeyScan>& keys) {
-  KeyChain chain;
+  KeyChain chain(0.03);
   for (const KeyScan& key : keys) chain.add(key);
   return chain;
 }
@@ -108,6 +111,49 @@ TEST(KeyChain, APullIsSharedOutAlongTheWay) {
     before_m = moved_m;
   }
   EXPECT_NEAR(before_m, 0.5, 1e-12);
+}
+
+TEST(KeyChain, WhatIsUncertainAcrossABreakCountsAsTravel) {
+  std::vector<KeyScan> keys = winding();
+  const KeyChain sound = chain_of(keys);
+  keys[10].across = Eigen::Vector3d(0.09, 0.04, 0.01).asDiagonal();
+  const KeyChain broken = chain_of(keys);
+  EXPECT_EQ(broken.length_m(), sound.length_m()) << "the path is as long as before";
+  EXPECT_EQ(broken.travelled_m()[1], sound.travelled_m()[1]);
+  // Two standard deviations of 0.3 m, at 0.03 m a metre.
+  EXPECT_NEAR(broken.travelled_m()[2], sound.travelled_m()[2] + 20.0, 1e-9);
+  EXPECT_NEAR(broken.across(1).covariance.topLeftCorner(2, 2).trace() -
+                  sound.across(1).covariance.topLeftCorner(2, 2).trace(),
+              0.13, 0.01);
+}
+
+TEST(KeyChain, AStateThatContradictsItselfIsRefused) {
+  const auto refused = [](std::uint64_t first_scan, std::uint64_t second_scan, std::uint64_t keys,
+                          std::uint64_t travelled) {
+    ByteWriter writer;
+    KeyScan first;
+    KeyScan second;
+    first.scan = first_scan;
+    second.scan = second_scan;
+    writer(std::uint64_t{1}, keys);
+    if (keys > 0) writer(first, second);
+    writer(PoseWithCovariance2{}, travelled);
+    for (std::uint64_t i = 0; i < travelled; ++i) writer(0.0);
+    writer(second, 1.0, 0.0);
+    const std::string bytes = writer.take();
+    KeyChain chain(0.03);
+    ByteReader reader(bytes);
+    try {
+      reader(chain);
+    } catch (const DataError&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused(3, 4, 2, 1));
+  EXPECT_TRUE(refused(4, 4, 2, 1)) << "two key scans that are one scan";
+  EXPECT_TRUE(refused(3, 4, 0, 1)) << "a stretch without key scans";
+  EXPECT_TRUE(refused(3, 4, 2, 0)) << "no length of the path";
 }
 
 }  // namespace

@@ -4,10 +4,14 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <cstdint>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "loop_scene.hpp"
+#include "loopstone/base/byte_archive.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "support/pose_near.hpp"
 
@@ -246,6 +250,28 @@ TEST(LoopCloser, EdgeCarriesTheCovarianceIntoTheFrameOfTheGraphsError) {
                   closure.from_T_to.yaw + d.z()};
   EXPECT_NEAR(edge_chi2(edge, from, from * off), d.dot(closure.covariance.inverse() * d), 1e-9);
   EXPECT_NEAR(edge_chi2(edge, from, from * closure.from_T_to), 0.0, 1e-12);
+}
+
+TEST(LoopCloser, ClosuresOfSubmapsThatAreNotThereAreRefused) {
+  using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
+  const auto refused = [](const Pairs& standing, const Pairs& tried,
+                          const std::set<std::size_t>& newly) {
+    ByteWriter writer;
+    writer(std::uint64_t{0}, standing, std::uint64_t{0}, tried, std::uint64_t{0}, newly);
+    const std::string bytes = writer.take();
+    LoopCloser closer({}, {}, {}, {1});
+    ByteReader reader(bytes);
+    try {
+      reader(closer);
+    } catch (const DataError&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused({}, {}, {}));
+  EXPECT_TRUE(refused({{1, 0}}, {}, {}));
+  EXPECT_TRUE(refused({}, {{0, 1}}, {}));
+  EXPECT_TRUE(refused({}, {}, {0}));
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ Verdict verdict_of(const MapVerdict& verdict, const std::string& name) {
 TEST(MapVerdict, IsGoodWhenAllIs) {
   const MapVerdict verdict = judge_map(fine_map());
   EXPECT_EQ(verdict.overall, Verdict::kGood);
-  EXPECT_EQ(verdict.measures.size(), 7U);
+  EXPECT_EQ(verdict.measures.size(), 9U);
   for (const QualityMeasure& measure : verdict.measures) {
     EXPECT_EQ(measure.verdict, Verdict::kGood) << measure.name;
     EXPECT_FALSE(measure.sentence.empty()) << measure.name;
@@ -95,9 +95,51 @@ TEST(MapVerdict, FollowsEachFigureByItself) {
       const auto good =
           std::count_if(verdict.measures.begin(), verdict.measures.end(),
                         [](const auto& measure) { return measure.verdict == Verdict::kGood; });
-      EXPECT_EQ(good, 6) << spoiled.name;
+      EXPECT_EQ(good, 8) << spoiled.name;
     }
   }
+}
+
+TEST(MapVerdict, AMapIsNoBetterThanWhatTiesItsPieces) {
+  PathBreak gap{.bridge = BreakBridge::kOdometry};
+  gap.covariance.diagonal() << 0.25, 0.25, 0.01;
+  const auto judged = [&](BreakBridge bridge, int closures, double tie_sigma_m) {
+    MapResult result = fine_map();
+    gap.bridge = bridge;
+    gap.closures = closures;
+    gap.tie_sigma_m = tie_sigma_m;
+    result.breaks = {gap};
+    return verdict_of(judge_map(result), "break_tie_m");
+  };
+  EXPECT_EQ(judged(BreakBridge::kLaser, 0, 0.5), Verdict::kGood);
+  EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 0.5), Verdict::kDoubtful);
+  EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 3.0), Verdict::kBad);
+  EXPECT_EQ(judged(BreakBridge::kOdometry, 1, 0.05), Verdict::kDoubtful) << "a single closure";
+  EXPECT_EQ(judged(BreakBridge::kOdometry, 3, 0.05), Verdict::kGood);
+  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
+  EXPECT_EQ(judged(BreakBridge::kNothing, 4, 0.05), Verdict::kGood);
+}
+
+TEST(MapVerdict, AMapOfAPartOfTheLogIsNotGood) {
+  for (const auto& [share, expected] :
+       {std::pair{0.01, Verdict::kGood}, {0.2, Verdict::kDoubtful}, {0.8, Verdict::kBad}}) {
+    MapVerdict verdict = judge_map(fine_map());
+    judge_left_out(verdict, share);
+    EXPECT_EQ(verdict.overall, expected) << share;
+    EXPECT_EQ(verdict_of(verdict, "log_left_out_share"), expected) << share;
+  }
+  MapVerdict none;
+  judge_left_out(none, 0.9);
+  EXPECT_TRUE(none.measures.empty()) << "of a map that was not judged";
+}
+
+TEST(MapVerdict, AMapOfASuspectLaserIsNotGood) {
+  MapResult result = fine_map();
+  result.trajectory.append(Stamp{0}, Pose2{});
+  result.statistics.odometry_translation_scale = 0.97;
+  EXPECT_EQ(verdict_of(judge_map(result), "sensor_faults"), Verdict::kGood);
+  result.statistics.odometry_translation_scale = 0.91;
+  EXPECT_EQ(verdict_of(judge_map(result), "sensor_faults"), Verdict::kDoubtful);
 }
 
 TEST(MapVerdict, WhatIsNotProvenIsDoubtfulNotBad) {
@@ -137,6 +179,16 @@ TEST(MapVerdict, WithoutASecondVisitNothingIsKnown) {
       << "no degenerate travel is no evidence for a good map";
   once.statistics.degenerate_travel_m = 20.0;
   EXPECT_EQ(judge_map(once).overall, Verdict::kDoubtful);
+}
+
+TEST(MapVerdict, NoShareIsAboveOne) {
+  MapResult result = fine_map();
+  result.statistics.degenerate_travel_m = 1.2 * result.statistics.path_length_m;
+  for (const QualityMeasure& measure : judge_map(result).measures) {
+    if (measure.name == "degenerate_travel_share") {
+      EXPECT_EQ(measure.value, 1.0);
+    }
+  }
 }
 
 /// A square of four nodes; the last edge closes the loop.

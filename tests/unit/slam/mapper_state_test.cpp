@@ -2,13 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <future>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "loopstone/base/byte_archive.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/rng.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "support/saved_state.hpp"
@@ -183,6 +187,48 @@ TEST_F(MapperStateDamaged, APartThatIsMissingUnknownCutOffOrOfAnotherVersionIsRe
   EXPECT_TRUE(refused());
   chunks.back().optional = true;
   EXPECT_FALSE(refused());
+}
+
+TEST_F(MapperStateDamaged, ScansThatAreNotThoseOfThePathAreRefused) {
+  const auto bytes_of = [](const auto&... values) {
+    ByteWriter writer;
+    writer(values...);
+    return writer.take();
+  };
+  const auto part = std::ranges::find(chunks, "MAPD", &StateChunk::tag);
+  ASSERT_NE(part, chunks.end());
+  const std::string good = part->bytes;
+  part->bytes = bytes_of(std::uint64_t{0});
+  EXPECT_TRUE(refused()) << "no scans";
+  part->bytes = bytes_of(std::uint64_t{1}, std::uint64_t{0});
+  EXPECT_TRUE(refused()) << "a stretch without scans";
+  part->bytes = good;
+  EXPECT_FALSE(refused());
+}
+
+/// A run that goes on from a state with any one number changed is refused or ends like another.
+TEST_F(MapperStateDamaged, WhatIsNotRefusedGoesOn) {
+  Rng rng(1);
+  const std::vector<StateChunk> whole = chunks;
+  int refusals = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    chunks = whole;
+    std::string& bytes = chunks[rng.below(chunks.size())].bytes;
+    for (std::size_t at = rng.below(bytes.size()), i = 0; i < 4 && at + i < bytes.size(); ++i) {
+      bytes[at + i] = static_cast<char>(rng.below(256));
+    }
+    Mapper mapper({}, options(), {1});
+    try {
+      mapper.restore_state(chunks);
+      for (std::size_t i = 100; i < 130; ++i) mapper.add(recording()[i]);
+      (void)mapper.finish();
+    } catch (const DataError&) {
+      ++refusals;
+    } catch (const UsageError&) {
+      ++refusals;  // poses so far apart that there is no map of them
+    }
+  }
+  EXPECT_GT(refusals, 0);
 }
 
 TEST_F(MapperStateDamaged, OtherOptionsOfTheGridsAreRefused) {

@@ -283,5 +283,15 @@ TEST(Mapper, ALogWithoutLoopClosureHasAChainOfEdges) {
   EXPECT_NEAR(result.statistics.graph_cost, 0.0, 1e-12);
 }
 
+TEST(Mapper, InterruptedAtItsEndItLeavesTheMapUnjudgedAndSaysSo) {
+  Mapper mapper({}, {}, {1});
+  for (std::size_t i = 0; i < 60; ++i) mapper.add(recording().messages[i]);
+  const MapResult result = mapper.finish([](const Progress&) { return false; });
+  EXPECT_FALSE(result.complete);
+  EXPECT_FALSE(result.trajectory.empty());
+  EXPECT_FALSE(result.map.log_odds.empty());
+  EXPECT_TRUE(result.verdict.measures.empty());
+}
+
 }  // namespace
 }  // namespace loopstone

@@ -59,5 +59,24 @@ TEST(ScanQueue, GivesOutWhatIsLeftInOrderAtTheEnd) {
   EXPECT_FALSE(queue.next().has_value());
 }
 
+TEST(ScanQueue, TellsThePathAndWhenOdometryWasSilent) {
+  ScanQueue queue(WheelModel{});
+  const auto reading = [&](double seconds) {
+    queue.add(pose_at(seconds));
+    queue.add(scan_at(seconds));
+    return queue.reading_at(queue.next().value().stamp).value();
+  };
+  EXPECT_EQ(reading(0.0).path_m, 0.0);
+  EXPECT_NEAR(reading(0.5).path_m, 0.5, 1e-9);
+  queue.add(OdometryPose{Stamp::from_seconds(1.0), Pose2{0.0, 0.0, 0.5}});
+  const OdometryReading back = reading(1.5);
+  EXPECT_NEAR(back.path_m, 0.5 + 0.5 + 1.5, 1e-9) << "there and back is a way too";
+  EXPECT_NEAR(back.turned_rad, 1.0, 1e-9);
+  EXPECT_FALSE(reading(10.0).silent_until) << "poses go on where they were";
+  const OdometryReading after = reading(200.0);
+  ASSERT_TRUE(after.silent_until);
+  EXPECT_EQ(*after.silent_until, Stamp::from_seconds(200.0));
+}
+
 }  // namespace
 }  // namespace loopstone

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+// Ctrl-C (SIGINT, SIGTERM). While a command only reads and computes it ends the process at once, with exit code 130: there is nothing
+// to be saved, and nothing half written that could stay. Where results are at stake, HeldInterrupt makes the first one a
+// question, which the work answers at its next step by writing what there is; the second one ends the process even there.
+
+namespace loopstone::app {
+
+/// Starts to listen. Before any other thread is there.
+void listen_for_interrupts();
+
+/// Ctrl-C was pressed while it was held.
+[[nodiscard]] bool interrupted();
+
+/// While one lives, the first Ctrl-C is told by interrupted() instead of ending the process.
+class HeldInterrupt {
+ public:
+  HeldInterrupt();
+  ~HeldInterrupt();
+  HeldInterrupt(const HeldInterrupt&) = delete;
+  HeldInterrupt& operator=(const HeldInterrupt&) = delete;
+};
+
+/// What is removed when the process is ended: what it began and did not complete.
+struct UnfinishedOutput {
+  std::string folder;
+  std::string name;       ///< of a file in it; empty: any
+  bool was_made = false;  ///< the folder, by this run: it goes, too, when it is empty
+};
+void clean_up_when_interrupted(UnfinishedOutput output);
+
+}  // namespace loopstone::app

@@ -1,0 +1,76 @@
+#include "report/fault_summary.hpp"
+
+namespace loopstone {
+
+namespace {
+
+std::string_view name_of(BreakCause cause) {
+  return cause == BreakCause::kNoScans ? "no_scans" : "contradicted";
+}
+
+std::string_view name_of(BreakBridge bridge) {
+  switch (bridge) {
+    case BreakBridge::kLaser:
+      return "laser";
+    case BreakBridge::kOdometry:
+      return "odometry";
+    case BreakBridge::kNothing:
+      break;
+  }
+  return "nothing";
+}
+
+Stamp start_of(const MapResult& result) { return result.trajectory.front().stamp; }
+
+}  // namespace
+
+nlohmann::ordered_json odometry_faults(const MapResult& result) {
+  auto list = nlohmann::ordered_json::array();
+  if (result.trajectory.empty()) return list;
+  const Stamp start = start_of(result);
+  for (const OdometryEpisode& episode : result.odometry_episodes) {
+    list.push_back({{"part", to_string(episode.part)},
+                    {"fault", to_string(episode.fault)},
+                    {"from_s", (episode.from - start).seconds()},
+                    {"noticed_s", (episode.noticed - start).seconds()},
+                    {"to_s", (episode.to - start).seconds()},
+                    {"over", episode.over},
+                    {"ratio", episode.ratio},
+                    {"lag_s", episode.lag_s}});
+  }
+  return list;
+}
+
+nlohmann::ordered_json laser_faults(const MapResult& result) {
+  auto list = nlohmann::ordered_json::array();
+  if (result.trajectory.empty()) return list;
+  const Stamp start = start_of(result);
+  for (const LaserEpisode& episode : result.laser_episodes) {
+    list.push_back({{"fault", to_string(episode.fault)},
+                    {"from_s", (episode.from - start).seconds()},
+                    {"to_s", (episode.to - start).seconds()},
+                    {"scans", episode.scans},
+                    {"odometry_m", episode.odometry_m},
+                    {"odometry_rad", episode.odometry_rad}});
+  }
+  return list;
+}
+
+nlohmann::ordered_json path_breaks(const MapResult& result) {
+  auto list = nlohmann::ordered_json::array();
+  if (result.trajectory.empty()) return list;
+  const Stamp start = start_of(result);
+  for (const PathBreak& gap : result.breaks) {
+    list.push_back({{"from_s", (gap.from - start).seconds()},
+                    {"to_s", (gap.to - start).seconds()},
+                    {"cause", name_of(gap.cause)},
+                    {"bridged_by", name_of(gap.bridge)},
+                    {"odometry_m", gap.odometry_m},
+                    {"bridge_sigma_m", gap.bridge_sigma_m()},
+                    {"closures", gap.closures},
+                    {"tie_sigma_m", gap.tie_sigma_m}});
+  }
+  return list;
+}
+
+}  // namespace loopstone

@@ -1,0 +1,91 @@
+#include "slam/break_warnings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include "slam/run_clock.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// So many are told one by one; of the rest their number.
+constexpr std::size_t kTold = 8;
+/// A gap shorter than this, after which the place was recognised, is no news.
+constexpr double kBriefS = 2.0;
+
+std::string what_was_seen(const PathBreak& gap, const RunClock& clock) {
+  const std::string when = clock.span(gap.from, gap.to);
+  if (gap.cause == BreakCause::kContradicted) {
+    return "the scans " + when +
+           " contradict what was seen before: the robot was carried or the laser moved, which "
+           "odometry did not notice, or the surroundings changed";
+  }
+  const std::string gone = gap.odometry_m > 0.0
+                               ? "; odometry went " + readable_metres(gap.odometry_m) + " meanwhile"
+                               : "";
+  return "no usable scans " + when + " (a gap of " +
+         fmt::format("{:.1f}", (gap.to - gap.from).seconds()) + " s" + gone + ")";
+}
+
+std::string what_ties(const PathBreak& gap) {
+  if (gap.bridge == BreakBridge::kLaser) return "; it was found again nearby";
+  const std::string bridge =
+      gap.bridge == BreakBridge::kOdometry
+          ? ": odometry alone carried the path across, within " +
+                readable_metres(gap.bridge_sigma_m())
+          : ": nothing tells how the robot moved, and it was not found where it had been";
+  if (gap.closures == 0) {
+    return bridge + (gap.bridge == BreakBridge::kOdometry
+                         ? "; no loop closure ties both sides"
+                         : "; no loop closure ties both sides, so where they lie to one another "
+                           "on the map is a guess");
+  }
+  return bridge + fmt::format("; {} loop closure{} both sides, within {}", gap.closures,
+                              gap.closures == 1 ? " ties" : "s tie",
+                              readable_metres(gap.tie_sigma_m));
+}
+
+void add_breaks(const MapResult& result, const RunClock& clock,
+                std::vector<std::string>& warnings) {
+  std::vector<const PathBreak*> weakest_first;
+  std::vector<const PathBreak*> recognised;
+  for (const PathBreak& gap : result.breaks) {
+    const bool mere_gap = gap.bridge == BreakBridge::kLaser && gap.cause == BreakCause::kNoScans;
+    (mere_gap ? recognised : weakest_first).push_back(&gap);
+  }
+  std::stable_sort(
+      weakest_first.begin(), weakest_first.end(),
+      [](const PathBreak* a, const PathBreak* b) { return a->tie_sigma_m > b->tie_sigma_m; });
+  const std::size_t left = weakest_first.size() > kTold ? weakest_first.size() - kTold : 0;
+  weakest_first.resize(weakest_first.size() - left);
+  std::sort(weakest_first.begin(), weakest_first.end());  // in time order again
+  for (const PathBreak* gap : weakest_first)
+    warnings.push_back(what_was_seen(*gap, clock) + what_ties(*gap));
+  if (left > 0) warnings.push_back(fmt::format("{} more gaps, tied better than these", left));
+  std::erase_if(recognised,
+                [](const PathBreak* gap) { return (gap->to - gap->from).seconds() < kBriefS; });
+  if (recognised.empty()) return;
+  const PathBreak& longest = **std::max_element(
+      recognised.begin(), recognised.end(),
+      [](const PathBreak* a, const PathBreak* b) { return a->to - a->from < b->to - b->from; });
+  warnings.push_back(what_was_seen(longest, clock) +
+                     (recognised.size() == 1
+                          ? std::string(": the place was recognised right after it")
+                          : fmt::format(" and {} shorter gaps: the place was recognised right "
+                                        "after each of them",
+                                        recognised.size() - 1)));
+}
+
+}  // namespace
+
+std::vector<std::string> break_warnings(const MapResult& result) {
+  std::vector<std::string> warnings;
+  if (result.trajectory.empty()) return warnings;
+  add_breaks(result, RunClock(result.trajectory.front().stamp), warnings);
+  return warnings;
+}
+
+}  // namespace loopstone

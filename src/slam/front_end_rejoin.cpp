@@ -1,0 +1,189 @@
+// How the front end goes on after the laser has not held the pose for a while.
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "loopstone/geometry/angle.hpp"
+#include "loopstone/registration/correlative_search.hpp"
+#include "loopstone/slam/front_end.hpp"
+#include "slam/pose_search.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// Without a scan for so long, and for so many of the usual times between scans, the motion is not followed but bridged.
+constexpr double kBlindS = 1.0;
+constexpr double kBlindSteps = 4.0;
+constexpr double kUsualMemory = 20.0;
+/// A scan that fits within what odometry allows (chi-square, 3 degrees of freedom, 0.01), and leaves the pose no more
+/// uncertain than a submap's cell and a half, goes on in the same submap.
+constexpr double kFitsChi2 = 11.3;
+constexpr double kTightM = 0.15;
+/// Less explained than usual by this: another place.
+constexpr double kScoreDrop = 0.1;
+/// After so little motion a scan shows what the one before showed.
+constexpr double kShortM = 0.5;
+constexpr double kShortRad = 0.5;
+/// Where a robot is looked for that nothing is known of, and what a second place may score beside the best.
+constexpr double kAroundM = 10.0;
+constexpr double kAmbiguous = 0.85;
+constexpr double kElsewhereM = 1.0;
+constexpr double kElsewhereRad = 0.35;
+/// What is uncertain where nothing tells how the robot moved: any heading.
+constexpr double kUnknownM = 10.0;
+constexpr double kUnknownRad = 1.8;
+
+Eigen::Matrix3d diagonal(double sigma_m, double sigma_rad) {
+  return Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal();
+}
+
+PosePrior2 unknown_from(const Pose2& local_T_robot) {
+  return {local_T_robot, diagonal(kUnknownM, kUnknownRad).inverse(), false};
+}
+
+}  // namespace
+
+void FrontEnd::hold(Stamp stamp, const Pose2& local_T_robot,
+                    const std::optional<OdometryReading>& odometry) {
+  double usual = 0.0;
+  if (held_) {
+    const double seconds = std::max(0.0, (stamp - held_->stamp).seconds());
+    usual = held_->usual_seconds > 0.0
+                ? held_->usual_seconds + (seconds - held_->usual_seconds) / kUsualMemory
+                : seconds;
+  }
+  held_ = HeldScan{stamp, local_T_robot, odometry, usual};
+}
+
+bool FrontEnd::is_gap(Stamp stamp) const {
+  if (!held_ || lost_in_a_row_ > 0) return false;
+  const double seconds = (stamp - held_->stamp).seconds();
+  return seconds > std::max(kBlindS, kBlindSteps * held_->usual_seconds);
+}
+
+bool FrontEnd::BlindMotion::is_short() const {
+  return prior.holds_unobserved && odometry_m <= kShortM && odometry_rad <= kShortRad;
+}
+
+FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& guess,
+                                             const std::optional<OdometryReading>& odometry) const {
+  BlindMotion blind{unknown_from(guess.local_T_robot)};
+  if (!held_ || stamp <= held_->stamp || !held_->odometry || !odometry) return blind;
+  const auto told = predictor_.told(*held_->odometry, held_->stamp, *odometry);
+  if (!told) return blind;
+  blind.prior = {held_->local_T_robot * told->motion,
+                 diagonal(told->sigma_m, told->sigma_rad).inverse(), true};
+  blind.odometry_m = std::max(std::hypot(told->motion.x, told->motion.y),
+                              odometry->path_m - held_->odometry->path_m);
+  blind.odometry_rad =
+      std::max(std::abs(told->motion.yaw), odometry->turned_rad - held_->odometry->turned_rad);
+  return blind;
+}
+
+std::optional<MatchResult> FrontEnd::recognise_near(std::span<const SurfacePoint> surfaces,
+                                                    const PosePrior2& prior) const {
+  const PosePrior2 there = in_submap(prior);
+  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
+                                          there.target_T_source, there, match_options_, 1);
+  const bool fits = has_supported_pose(match.status) &&
+                    match.score >= std::max(options_.trusted_score, usual_score_ - kScoreDrop) &&
+                    chi2_from(there, match) <= kFitsChi2 &&
+                    std::sqrt(position_variance_m2(match.covariance)) <= kTightM;
+  if (!fits) return {};
+  return in_local(match);
+}
+
+std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoint> surfaces,
+                                                      const PosePrior2& prior) const {
+  const PosePrior2 there = in_submap(prior);
+  const auto points = search_points(surfaces);
+  const FrozenSubmap frozen = active_.front().submap.freeze();
+  const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, kAroundM);
+  const SearchWindow anywhere{there.target_T_source, kAroundM, kPi};
+  const double least = std::max(options_.trusted_score, usual_score_ - kScoreDrop);
+  const SearchResult best = search_about_robot(points, pyramid, anywhere, kSearchMinScore);
+  if (!best.found) return {};
+  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
+                                          best.target_T_source, there, match_options_, 0);
+  if (!has_supported_pose(match.status) || match.score < least ||
+      std::sqrt(position_variance_m2(match.covariance)) > kTightM) {
+    return {};
+  }
+  const SearchResult second =
+      search_branch_and_bound(points, pyramid, anywhere, kAmbiguous * best.score,
+                              ExcludedPoses{best.target_T_source, kElsewhereM, kElsewhereRad});
+  if (second.found) return {};
+  return in_local(match);
+}
+
+/// With odometry, a scan that does not fit where it says shows a place that the submap does not know: one scan by itself is no reason
+/// to look for the robot elsewhere. A robot that was carried while it stood is noticed by the scans that contradict the map.
+FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
+                                Stamp stamp, TrackedScan& tracked) {
+  const std::optional<MatchResult> match = blind.prior.holds_unobserved
+                                               ? recognise_near(surfaces, blind.prior)
+                                               : recognise_around(surfaces, blind.prior);
+  if (!match) {
+    begin_piece(blind, BreakCause::kNoScans, stamp, tracked);
+    return {};
+  }
+  const Seen seen = take_match(*match, true, tracked);
+  note_gap(blind, stamp, tracked);
+  return seen;
+}
+
+/// The laser holds the pose again, in the submap that it held it before.
+void FrontEnd::note_gap(const BlindMotion& blind, Stamp stamp, TrackedScan& tracked) const {
+  if (lost_in_a_row_ > 0) return;
+  tracked.path_break = PathBreak{.from = held_->stamp,
+                                 .to = stamp,
+                                 .bridge = BreakBridge::kLaser,
+                                 .odometry_m = blind.odometry_m,
+                                 .covariance = tracked.covariance};
+}
+
+void FrontEnd::begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp,
+                           TrackedScan& tracked) {
+  tracked.path_break = {
+      .from = held_->stamp,
+      .to = stamp,
+      .cause = cause,
+      .bridge = blind.prior.holds_unobserved ? BreakBridge::kOdometry : BreakBridge::kNothing,
+      .odometry_m = blind.odometry_m,
+      .covariance = blind.prior.information.inverse()};
+  tracked.local_T_robot = blind.prior.target_T_source;
+  tracked.covariance.setZero();
+  tracked.status = MatchStatus::kConverged;
+  tracked.score = 1.0;
+  tracked.finished = end_piece();
+  ++piece_;
+  lost_in_a_row_ = 0;
+}
+
+PosePrior2 FrontEnd::in_submap(const PosePrior2& prior) const {
+  const Pose2& local_T_submap = active_.front().local_T_submap;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = local_T_submap.rotation();
+  return {local_T_submap.inverse() * prior.target_T_source,
+          turn.transpose() * prior.information * turn, prior.holds_unobserved};
+}
+
+MatchResult FrontEnd::in_local(MatchResult match) const {
+  const Pose2& local_T_submap = active_.front().local_T_submap;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = local_T_submap.rotation();
+  match.target_T_source = local_T_submap * match.target_T_source;
+  match.covariance = turn * match.covariance * turn.transpose();
+  return match;
+}
+
+std::vector<MotionGuess> FrontEnd::others_than_odometry(Stamp stamp) const {
+  if (options_.odometry == "trust") return {};
+  return predictor_.coast_guesses(stamp);
+}
+
+}  // namespace loopstone

@@ -1,0 +1,259 @@
+// Recordings that are broken in the middle: the map may be worse for it, but the run says what broke, when, and whose fault it
+// is as far as the data tell; and it is not called good where it isn't.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "loopstone/base/rng.hpp"
+#include "loopstone/geometry/angle.hpp"
+#include "mapped_drives.hpp"
+
+namespace loopstone::test {
+namespace {
+
+/// 180 beams and the base's own dead reckoning, as old logs have them.
+const SimulatedLog& office() {
+  static const SimulatedLog log = [] {
+    SimulationOptions options{.duration_s = small_scale() ? 120.0 : 200.0, .odometry_poses = true};
+    options.laser.beams = 181;
+    options.laser.fov_rad = kPi;
+    options.laser.rate_hz = 5.0;
+    return simulate_log("office", 31, options);
+  }();
+  return log;
+}
+
+double time_in(const SimulatedLog& log, Stamp stamp) {
+  return (stamp - log.truth.front().stamp).seconds();
+}
+
+/// The log with its scans changed, or left out where nothing is returned.
+SimulatedLog with_scans(const std::function<bool(double time_s, LaserScan&)>& change) {
+  SimulatedLog log = office();
+  std::vector<SensorMessage> kept;
+  for (SensorMessage& message : log.messages) {
+    auto* scan = std::get_if<LaserScan>(&message);
+    if (scan == nullptr || change(time_in(log, scan->stamp), *scan))
+      kept.push_back(std::move(message));
+  }
+  log.messages = std::move(kept);
+  return log;
+}
+
+std::string warning_of(const MapResult& result, const std::string& words) {
+  const auto found = std::find_if(
+      result.warnings.begin(), result.warnings.end(),
+      [&](const std::string& warning) { return warning.find(words) != std::string::npos; });
+  return found == result.warnings.end() ? "" : *found;
+}
+
+std::string all_of(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += "\n  " + warning;
+  return text;
+}
+
+void expect_said(const MapResult& result, const std::string& words) {
+  EXPECT_NE(warning_of(result, words), "") << words << all_of(result.warnings);
+  EXPECT_NE(result.verdict.overall, Verdict::kGood) << result.verdict.sentence;
+}
+
+/// How far the motion between two scans is off the truth [m].
+double off_across_m(const Trajectory& estimate, const SimulatedLog& log, double from_s,
+                    double to_s) {
+  const Stamp start = log.truth.front().stamp;
+  const auto pose = [&](const Trajectory& trajectory, double time_s) {
+    return trajectory.at_clamped(start + Duration::from_seconds(time_s)).value();
+  };
+  const Pose2 seen = pose(estimate, from_s).inverse() * pose(estimate, to_s);
+  const Pose2 truth = pose(log.truth, from_s).inverse() * pose(log.truth, to_s);
+  return std::hypot(seen.x - truth.x, seen.y - truth.y);
+}
+
+class GapOf : public testing::TestWithParam<double> {};
+
+TEST_P(GapOf, SecondsIsNoWorseThanOdometry) {
+  for (const double start_s : {21.0, 47.0, 63.0}) {
+    const double end_s = start_s + GetParam();
+    const SimulatedLog log = with_scans(
+        [&](double time_s, const LaserScan&) { return time_s < start_s || time_s >= end_s; });
+    const MapResult result = map_of(log);
+    const double odometry_m = off_across_m(result.odometry, log, start_s - 0.4, end_s + 0.4);
+    EXPECT_LE(off_across_m(result.trajectory, log, start_s - 0.4, end_s + 0.4),
+              1.5 * odometry_m + 0.05)
+        << start_s << all_of(result.warnings);
+    if (GetParam() >= 3.0) {
+      EXPECT_NE(warning_of(result, "a gap of"), "") << start_s;
+    }
+    for (const PathBreak& gap : result.breaks)
+      EXPECT_NE(gap.bridge, BreakBridge::kNothing) << "odometry was there";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, GapOf, testing::Values(1.0, 3.0, 5.0, 10.0, 20.0),
+                         [](const auto& named) {
+                           return std::to_string(static_cast<int>(named.param)) + "s";
+                         });
+
+TEST(BrokenRecording, AGapThatNothingTiesIsNotCalledGood) {
+  // The drive ends before the robot has come back.
+  SimulatedLog log =
+      with_scans([](double time_s, const LaserScan&) { return time_s < 20.0 || time_s >= 40.0; });
+  std::erase_if(log.messages,
+                [&](const SensorMessage& m) { return time_in(log, stamp_of(m)) > 60.0; });
+  const MapResult result = map_of(log, {.loop_closure = false});
+  expect_said(result, "odometry alone carried the path across");
+  ASSERT_EQ(result.breaks.size(), 1U);
+  EXPECT_EQ(result.breaks[0].closures, 0);
+  EXPECT_NEAR(time_in(log, result.breaks[0].to), 40.0, 0.5);
+}
+
+TEST(BrokenRecording, WithoutOdometryAGapIsANewPiece) {
+  const SimulatedLog log =
+      with_scans([](double time_s, const LaserScan&) { return time_s < 20.0 || time_s >= 40.0; });
+  MapOptions options{.loop_closure = false};
+  options.front_end.odometry = "ignore";
+  expect_said(map_of(log, options), "nothing tells how the robot moved");
+}
+
+TEST(BrokenRecording, ABlockedLaserIsNamedAndOdometryIsNotAccused) {
+  Rng rng(3);
+  const SimulatedLog log = with_scans([&](double time_s, LaserScan& scan) {
+    if (time_s < 30.0 || time_s >= 60.0) return true;
+    for (float& range_m : scan.ranges_m) range_m = static_cast<float>(rng.uniform(0.05, 0.29));
+    return true;
+  });
+  const MapResult result = map_of(log);
+  expect_said(result, "the laser was blocked from 30");
+  EXPECT_TRUE(result.odometry_episodes.empty());
+  const double odometry_m = off_across_m(result.odometry, log, 29.0, 61.0);
+  EXPECT_LE(off_across_m(result.trajectory, log, 29.0, 61.0), 1.5 * odometry_m + 0.05);
+}
+
+TEST(BrokenRecording, AFrozenLaserIsNamed) {
+  std::vector<float> frozen;
+  const SimulatedLog log = with_scans([&](double time_s, LaserScan& scan) {
+    if (time_s >= 30.0 && time_s < 60.0) {
+      if (frozen.empty()) frozen = scan.ranges_m;
+      scan.ranges_m = frozen;
+    }
+    return true;
+  });
+  const MapResult result = map_of(log);
+  expect_said(result, "the laser was frozen from 30");
+  EXPECT_TRUE(result.odometry_episodes.empty());
+}
+
+TEST(BrokenRecording, OneScanForEverIsNamed) {
+  std::vector<float> first;
+  const SimulatedLog log = with_scans([&](double, LaserScan& scan) {
+    if (first.empty()) first = scan.ranges_m;
+    scan.ranges_m = first;
+    return true;
+  });
+  expect_said(map_of(log), "it repeated one scan to the last bit");
+  MapOptions laser_only;
+  laser_only.front_end.odometry = "ignore";
+  expect_said(map_of(log, laser_only), "nothing tells which");
+}
+
+TEST(BrokenRecording, TwoBuildingsInOneFileAreTwoPieces) {
+  SimulatedLog log = office();
+  SimulationOptions options{.duration_s = 60.0, .odometry_poses = true};
+  options.laser.beams = 181;
+  options.laser.fov_rad = kPi;
+  options.laser.rate_hz = 5.0;
+  SimulatedLog other = simulate_log("warehouse", 5, options);
+  const Duration an_hour = Duration::from_seconds(3600.0);
+  const Duration later =
+      (stamp_of(log.messages.back()) + an_hour) - stamp_of(other.messages.front());
+  for (SensorMessage& message : other.messages) {
+    std::visit([&](auto& m) { m.stamp = m.stamp + later; }, message);
+    if (auto* pose = std::get_if<OdometryPose>(&message)) {
+      pose->odom_T_robot = Pose2{50.0, 37.0, 1.0} * pose->odom_T_robot;
+    }
+    log.messages.push_back(message);
+  }
+  const MapResult result = map_of(log);
+  expect_said(result, "nothing tells how the robot moved");
+  EXPECT_TRUE(result.odometry_episodes.empty());
+}
+
+/// The robot is lifted at one time and set down where it will be at another; odometry does not notice.
+SimulatedLog carried(double from_s, double to_s) {
+  SimulatedLog log = office();
+  const Stamp start = log.truth.front().stamp;
+  const Duration cut = Duration::from_seconds(to_s - from_s);
+  std::optional<Pose2> before;
+  std::optional<Pose2> after;
+  std::vector<SensorMessage> kept;
+  for (SensorMessage& message : log.messages) {
+    const double time_s = time_in(log, stamp_of(message));
+    if (time_s >= from_s && time_s < to_s) continue;
+    auto* pose = std::get_if<OdometryPose>(&message);
+    if (pose != nullptr && time_s < from_s) before = pose->odom_T_robot;
+    if (pose != nullptr && time_s >= to_s) {
+      if (!after) after = pose->odom_T_robot;
+      pose->odom_T_robot = *before * after->inverse() * pose->odom_T_robot;
+    }
+    if (time_s >= to_s) std::visit([&](auto& m) { m.stamp = m.stamp - cut; }, message);
+    kept.push_back(std::move(message));
+  }
+  log.messages = std::move(kept);
+  Trajectory truth;
+  for (const auto& [stamp, map_T_robot] : log.truth.poses()) {
+    const double time_s = (stamp - start).seconds();
+    if (time_s < from_s) truth.append(stamp, map_T_robot);
+    if (time_s >= to_s) truth.append(stamp - cut, map_T_robot);
+  }
+  log.truth = truth;
+  return log;
+}
+
+TEST(BrokenRecording, ARobotThatWasCarriedIsNoticed) {
+  const SimulatedLog log = carried(40.0, 56.0);
+  const MapResult result = map_of(log);
+  EXPECT_NE(warning_of(result, "contradict what was seen before"), "") << all_of(result.warnings);
+  EXPECT_TRUE(result.odometry_episodes.empty());
+}
+
+TEST(BrokenRecording, MirroredBeamsAreNotBlamedOnOdometryAlone) {
+  const SimulatedLog log = with_scans([](double, LaserScan& scan) {
+    std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+    return true;
+  });
+  expect_said(map_of(log), "the laser's beams are listed in the wrong order");
+}
+
+TEST(BrokenRecording, RangesThatAreTooLongAreNoticed) {
+  const SimulatedLog log = with_scans([](double, LaserScan& scan) {
+    for (float& range_m : scan.ranges_m) range_m *= 1.1F;
+    return true;
+  });
+  expect_said(map_of(log), "or the laser's ranges are");
+}
+
+TEST(BrokenRecording, ATurnedLaserIsNoticed) {
+  const SimulatedLog log = with_scans([](double, LaserScan& scan) {
+    scan.angle_min_rad += 5.0 / 57.29578;
+    return true;
+  });
+  // Its beams say that they look farther to the left than they do.
+  const std::string said = warning_of(map_of(log), "than its mount says");
+  EXPECT_NE(said.find("farther to the right"), std::string::npos) << said;
+}
+
+TEST(BrokenRecording, NothingIsSaidOfASoundOne) {
+  const MapResult result = map_of(office());
+  EXPECT_TRUE(result.breaks.empty()) << all_of(result.warnings);
+  EXPECT_TRUE(result.laser_episodes.empty());
+  EXPECT_EQ(warning_of(result, "laser"), "") << all_of(result.warnings);
+}
+
+}  // namespace
+}  // namespace loopstone::test
