@@ -37,7 +37,7 @@ void map(std::string_view bytes) {
 // Plain, gzip and bzip2 alike: the reader looks at the first bytes.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace loopstone;
-  return fuzz::expect_work_or_refusal([&] {
+  return fuzz::expect_work_or_refusal(fuzz::text_of(data, size), [&] {
     const std::string_view bytes = fuzz::text_of(data, size);
     const auto log = read_carmen_log(bytes, {});
     (void)analyse_log(*log);

@@ -3,7 +3,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace loopstone;
-  return fuzz::expect_work_or_refusal([&] {
+  return fuzz::expect_work_or_refusal(fuzz::text_of(data, size), [&] {
     const GraphFile file = parse_g2o(fuzz::text_of(data, size));
     // What was read can be written and read again.
     const GraphFile again = parse_g2o(format_g2o(file));

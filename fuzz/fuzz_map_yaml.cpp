@@ -24,6 +24,7 @@ loopstone::Image room() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace loopstone;
   static const Image image = room();
-  return fuzz::expect_work_or_refusal(
-      [&] { fuzz::use_map(interpret_map(image, parse_map_yaml(fuzz::text_of(data, size)))); });
+  return fuzz::expect_work_or_refusal(fuzz::text_of(data, size), [&] {
+    fuzz::use_map(interpret_map(image, parse_map_yaml(fuzz::text_of(data, size))));
+  });
 }

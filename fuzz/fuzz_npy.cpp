@@ -3,6 +3,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace loopstone;
-  return fuzz::expect_work_or_refusal(
-      [&] { (void)read_npy(memory_byte_source(fuzz::text_of(data, size)), "fuzz"); });
+  return fuzz::expect_work_or_refusal(fuzz::text_of(data, size), [&] {
+    (void)read_npy(memory_byte_source(fuzz::text_of(data, size)), "fuzz");
+  });
 }

@@ -3,6 +3,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace loopstone;
-  return fuzz::expect_work_or_refusal(
-      [&] { fuzz::use_cloud(decode_npy_cloud(fuzz::text_of(data, size))); });
+  return fuzz::expect_work_or_refusal(fuzz::text_of(data, size), [&] {
+    fuzz::use_cloud(decode_npy_cloud(fuzz::text_of(data, size)));
+  });
 }

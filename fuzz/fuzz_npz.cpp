@@ -8,8 +8,8 @@ using namespace loopstone;
 
 /// Reads the archive as this sensor, to the last record.
 template <typename Open>
-void read_as(const NpzFile& file, Open&& open) {
-  fuzz::expect_work_or_refusal([&] {
+void read_as(const NpzFile& file, std::string_view bytes, Open&& open) {
+  fuzz::expect_work_or_refusal(bytes, [&] {
     const UcsdChannel channel = open(file, "fuzz");
     for (std::size_t i = 0; i < channel.kept.stamps.size(); ++i) {
       (void)channel.make(channel.kept.stamps[i], channel.kept.indices[i]);
@@ -20,11 +20,12 @@ void read_as(const NpzFile& file, Open&& open) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return fuzz::expect_work_or_refusal([&] {
-    const NpzFile file(fuzz::text_of(data, size), "fuzz");
-    read_as(file, open_ucsd_encoders);
-    read_as(file, open_ucsd_imu);
-    read_as(file, open_ucsd_hokuyo);
-    read_as(file, open_ucsd_odometry);
+  const std::string_view bytes = fuzz::text_of(data, size);
+  return fuzz::expect_work_or_refusal(bytes, [&] {
+    const NpzFile file(bytes, "fuzz");
+    read_as(file, bytes, open_ucsd_encoders);
+    read_as(file, bytes, open_ucsd_imu);
+    read_as(file, bytes, open_ucsd_hokuyo);
+    read_as(file, bytes, open_ucsd_odometry);
   });
 }

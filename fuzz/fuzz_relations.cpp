@@ -3,7 +3,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace loopstone;
-  return fuzz::expect_work_or_refusal([&] {
+  return fuzz::expect_work_or_refusal(fuzz::text_of(data, size), [&] {
     const std::vector<Relation> relations = parse_relations(fuzz::text_of(data, size));
     Trajectory trajectory;
     for (const Relation& relation : relations) {

@@ -57,8 +57,8 @@ std::vector<StateChunk> saved_run() {
 }
 
 /// What a mapper takes in it must be able to give back, and to go on from to a map.
-void restore(std::span<const StateChunk> chunks) {
-  loopstone::fuzz::expect_work_or_refusal([&] {
+void restore(std::span<const StateChunk> chunks, std::string_view bytes) {
+  loopstone::fuzz::expect_work_or_refusal(bytes, [&] {
     Mapper mapper({}, options(), Threads{1});
     mapper.restore_state(chunks);
     (void)mapper.save_state().get();
@@ -83,18 +83,18 @@ void restore_edited(std::string_view edits) {
   }
   if (at < edits.size())
     bytes.resize(bytes.size() - std::min<std::size_t>(bytes.size(), number(at)));
-  restore(chunks);
+  restore(chunks, edits);
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes = loopstone::fuzz::text_of(data, size);
-  loopstone::fuzz::expect_work_or_refusal([&] {
+  loopstone::fuzz::expect_work_or_refusal(bytes, [&] {
     const std::vector<StateChunk> chunks = loopstone::parse_session(bytes, "fuzz");
     if (loopstone::format_session(chunks) != bytes)
       __builtin_trap();  // there is one way only to write it
-    restore(chunks);
+    restore(chunks, bytes);
   });
   restore_edited(bytes);
   return 0;

@@ -4,7 +4,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace loopstone;
-  return fuzz::expect_work_or_refusal([&] {
+  return fuzz::expect_work_or_refusal(fuzz::text_of(data, size), [&] {
     const Trajectory read = parse_tum(fuzz::text_of(data, size));
     const Trajectory again = parse_tum(format_tum(read));
     if (again.size() != read.size() || again.front().stamp != read.front().stamp) __builtin_trap();
