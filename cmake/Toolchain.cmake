@@ -60,11 +60,9 @@ if(LOOPSTONE_SANITIZE)
                                                    -fno-sanitize-recover=all)
   target_link_options(loopstone_build INTERFACE -fsanitize=${LOOPSTONE_SANITIZE})
   if(LOOPSTONE_SANITIZE MATCHES "undefined" AND CMAKE_CXX_COMPILER_ID MATCHES "Clang")
-    if(LOOPSTONE_FLOAT_CASTS)
-      # Numbers of files that no integer holds; not part of "undefined".
-      target_compile_options(loopstone_build INTERFACE -fsanitize=float-cast-overflow)
-      target_link_options(loopstone_build INTERFACE -fsanitize=float-cast-overflow)
-    endif()
+    # Casts of numbers that no integer holds; not part of "undefined".
+    target_compile_options(loopstone_build INTERFACE -fsanitize=float-cast-overflow)
+    target_link_options(loopstone_build INTERFACE -fsanitize=float-cast-overflow)
     # Third-party libraries without type information make this one check fire at their borders.
     target_compile_options(loopstone_build INTERFACE -fno-sanitize=vptr)
   endif()

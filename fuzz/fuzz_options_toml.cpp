@@ -8,7 +8,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text = fuzz::text_of(data, size);
   MapOptions options;
   const auto entries = list_options(options);
-  const auto expect_words = [](std::vector<OptionProblem> problems) {
+  const auto expect_words = [&](std::vector<OptionProblem> problems) {
     if (!problems.empty()) fuzz::expect_own_words(OptionsError(std::move(problems)), text);
   };
   expect_words(apply_toml(entries, text, "options.toml"));

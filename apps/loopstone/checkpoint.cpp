@@ -161,7 +161,7 @@ void Checkpoint::resume(Mapper& mapper, CutLog& log, CameraFrames& camera,
                         const std::string& log_path) {
   Run saved;
   try {
-    std::vector<StateChunk> chunks = read_session(path_);
+    std::vector<StateChunk> chunks = read_session(path_, context_.memory());
     load_chunk(chunks, kRunTag, kRunVersion, saved);
     const std::string differs = difference(saved.terms, run_.terms);
     if (!differs.empty()) throw DataError({path_}, "is of another run: " + differs);

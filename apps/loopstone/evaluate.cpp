@@ -84,9 +84,9 @@ void add_statistics(Result& result, const std::string& key, std::string_view lab
 }
 
 AbsoluteError add_trajectory_errors(Result& result, const Arguments& arguments,
-                                    const Trajectory& estimate) {
+                                    const Trajectory& estimate, const AppContext& context) {
   const Stretch stretch = parse_stretch(arguments.rpe);
-  const Trajectory reference = read_tum(arguments.reference);
+  const Trajectory reference = read_tum(arguments.reference, context.memory());
   const auto alignment = arguments.align == "none" ? Alignment::kNone : Alignment::kSe2;
   const AbsoluteError absolute = absolute_error(estimate, reference, alignment);
   if (absolute.poses == 0) {
@@ -122,7 +122,7 @@ AbsoluteError add_trajectory_errors(Result& result, const Arguments& arguments,
 
 void add_relations_error(Result& result, const Arguments& arguments, const Trajectory& estimate,
                          const AppContext& context) {
-  const std::vector<Relation> relations = read_relations(arguments.relations);
+  const std::vector<Relation> relations = read_relations(arguments.relations, context.memory());
   const auto order = arguments.order == "measured-first"
                          ? RelationErrorOrder::kMeasuredTimesInverseExpected
                          : RelationErrorOrder::kInverseExpectedTimesMeasured;
@@ -185,10 +185,11 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   Result result;
   Pose2 truth_T_map;
   if (!arguments.estimate.empty()) {
-    const Trajectory estimate = read_tum(arguments.estimate);
+    const Trajectory estimate = read_tum(arguments.estimate, context.memory());
     if (!arguments.reference.empty()) {
       // The map stands in the estimate's frame, so what aligns the one aligns the other.
-      truth_T_map = add_trajectory_errors(result, arguments, estimate).reference_T_estimate;
+      truth_T_map =
+          add_trajectory_errors(result, arguments, estimate, context).reference_T_estimate;
     }
     if (!arguments.relations.empty()) add_relations_error(result, arguments, estimate, context);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -107,6 +108,13 @@ MapOptions options_of(const Arguments& arguments, const AppContext& context) {
   return options;
 }
 
+/// A map beyond what the machine or --max-memory allows is drawn with wider cells.
+std::uint64_t most_cells(const AppContext& context) {
+  // A cell takes five bytes, and as many again in what is made of it for the files.
+  constexpr std::uint64_t kBytesPerCell = 10;
+  return std::min(OccupancyOptions{}.most_cells, context.memory().ceiling_bytes / kBytesPerCell);
+}
+
 /// What the camera has to do with the files.
 std::string colour_of(const Arguments& arguments) {
   if (arguments.no_texture) return "none";
@@ -163,6 +171,8 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   auto options = textbook ? MapOptions{} : options_of(arguments, context);
   auto textbook_options =
       textbook ? context.load_options<ScanToScanOptions>() : ScanToScanOptions{};
+
+  options.map.most_cells = textbook_options.map.most_cells = most_cells(context);
 
   const RunStart begin = find_start(arguments.out, arguments.checkpoint, arguments.force);
   const LogFiles log_files(arguments.log);

@@ -196,7 +196,8 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   outputs.check();
 
   const auto begin = Clock::now();
-  GraphFile file = read_g2o(arguments.input, order_of(arguments.information_order));
+  GraphFile file =
+      read_g2o(arguments.input, order_of(arguments.information_order), context.memory());
   const double read_s = std::chrono::duration<double>(Clock::now() - begin).count();
   warn_of_file(file, context);
   require_connected(file, arguments.input);

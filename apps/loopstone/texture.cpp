@@ -79,7 +79,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   outputs.reads(arguments.map);
   outputs.add_folder("-o", arguments.out);
   outputs.check(least_bytes_of_results(log_files.bytes()));
-  const Trajectory trajectory = read_tum(arguments.trajectory);
+  const Trajectory trajectory = read_tum(arguments.trajectory, context.memory());
   const OccupancyMap map = walls_of(arguments.map, context.memory());
   ProblemPrinter print_problem(context);
   const auto reader =

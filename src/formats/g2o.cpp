@@ -73,8 +73,9 @@ GraphFile parse_g2o(std::string_view text, const std::string& path_for_errors,
   return std::move(parser).finish();
 }
 
-GraphFile read_g2o(const std::string& path, InformationOrder edge2_order) {
-  return parse_g2o(read_whole_file(path), path, edge2_order);
+GraphFile read_g2o(const std::string& path, InformationOrder edge2_order,
+                   const MemoryBudget& budget) {
+  return parse_g2o(read_whole_file(path, budget.most_text_bytes()), path, edge2_order);
 }
 
 void require_connected(const GraphFile& file, const std::string& path_for_errors) {

@@ -204,8 +204,9 @@ void write_localization_csv(const std::string& path,
   write_file_atomically(path, format_localization_csv(estimates));
 }
 
-std::vector<LocalizationEstimate> read_localization_csv(const std::string& path) {
-  return parse_localization_csv(read_whole_file(path), path);
+std::vector<LocalizationEstimate> read_localization_csv(const std::string& path,
+                                                        const MemoryBudget& budget) {
+  return parse_localization_csv(read_whole_file(path, budget.most_text_bytes()), path);
 }
 
 }  // namespace loopstone

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/log_reader.hpp"
 
 namespace loopstone {
 
@@ -23,13 +24,19 @@ namespace {
 /// One member of the archive, decompressed.
 class MemberSource final : public ByteSource {
  public:
-  MemberSource(std::shared_ptr<void> archive, zip_file_t* file, std::int64_t size, std::string name)
-      : archive_(std::move(archive)), file_(file), size_(size), name_(std::move(name)) {}
+  MemberSource(std::shared_ptr<void> archive, zip_file_t* file, std::int64_t size, std::string name,
+               std::function<bool()> stop)
+      : archive_(std::move(archive)),
+        file_(file),
+        size_(size),
+        name_(std::move(name)),
+        stop_(std::move(stop)) {}
   ~MemberSource() override { zip_fclose(file_); }
   MemberSource(const MemberSource&) = delete;
   MemberSource& operator=(const MemberSource&) = delete;
 
   std::size_t read(std::span<char> buffer) override {
+    if (stop_ && stop_()) throw ReadingStopped();
     const zip_int64_t count = zip_fread(file_, buffer.data(), buffer.size());
     if (count < 0) {
       throw DataError({name_, {}, done_},
@@ -46,6 +53,7 @@ class MemberSource final : public ByteSource {
   zip_file_t* file_;
   std::int64_t size_;
   std::string name_;
+  std::function<bool()> stop_;
   std::int64_t done_ = 0;
 };
 
@@ -54,8 +62,8 @@ constexpr const char* kNotAZip =
 
 }  // namespace
 
-NpzFile::NpzFile(const std::string& path, const MemoryBudget& budget)
-    : path_(path), budget_(budget) {
+NpzFile::NpzFile(const std::string& path, const MemoryBudget& budget, std::function<bool()> stop)
+    : path_(path), budget_(budget), stop_(std::move(stop)) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw DataError({path}, "there is no such file");
   if (std::filesystem::is_directory(path, ignored)) {
@@ -116,7 +124,7 @@ std::unique_ptr<ByteSource> NpzFile::open_bytes(const std::string& key) const {
                         "archive is damaged");
   }
   return std::make_unique<MemberSource>(archive_, file, static_cast<std::int64_t>(stat.size),
-                                        name_of(key));
+                                        name_of(key), stop_);
 }
 
 NpyReader NpzFile::open(const std::string& key) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,8 +15,10 @@ namespace loopstone {
 /// A .npz file: a zip archive of .npy files, stored or deflated, zip64 included.
 class NpzFile {
  public:
+  /// \param stop  asked while arrays are read; they throw ReadingStopped once it returns true. May be empty.
   /// Throws DataError when it is missing or no zip archive.
-  explicit NpzFile(const std::string& path, const MemoryBudget& budget = {});
+  explicit NpzFile(const std::string& path, const MemoryBudget& budget = {},
+                   std::function<bool()> stop = {});
   /// Over bytes in memory, which must outlive the object.
   NpzFile(std::string_view bytes, const std::string& name, const MemoryBudget& budget = {});
 
@@ -37,6 +40,7 @@ class NpzFile {
 
   std::string path_;
   MemoryBudget budget_;
+  std::function<bool()> stop_{};
   std::shared_ptr<Archive> archive_;
 };
 

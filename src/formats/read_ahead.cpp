@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/skip_tally.hpp"
+#include "loopstone/formats/left_out.hpp"
 #include "loopstone/formats/log_reader.hpp"
 
 namespace loopstone {
@@ -17,12 +17,15 @@ namespace {
 /// Messages are handed over so many at a time: waking a thread costs more than reading a message.
 constexpr std::size_t kBatch = 64;
 constexpr std::size_t kMostWaiting = 256;
+/// Of the broken records between two messages so many are told one by one; the others are counted.
+constexpr std::size_t kMostTold = 1000;
 
 /// One call of next(), with what was known after it.
 struct Step {
   std::optional<SensorMessage> message{};
   std::exception_ptr failure{};
   std::vector<LogProblem> problems{};
+  std::optional<SkippedRecords> skipped{};  ///< when it changed
   ReadProgress progress{};
 
   [[nodiscard]] bool is_last() const { return !message.has_value(); }
@@ -32,7 +35,9 @@ class ReadAhead final : public LogReader {
  public:
   ReadAhead(const std::string& path, const LogOptions& options) : on_problem_(options.on_problem) {
     LogOptions own = options;
-    own.on_problem = [this](const LogProblem& problem) { found_.push_back(problem); };
+    own.on_problem = [this](const LogProblem& problem) {
+      if (found_.size() < kMostTold) found_.push_back(problem);
+    };
     own.stop = [this, asked = options.stop] { return closing_ || (asked && asked()); };
     try {
       reader_ = open_log(path, own);
@@ -41,6 +46,7 @@ class ReadAhead final : public LogReader {
       throw;
     }
     tell(std::exchange(found_, {}));
+    skipped_ = reader_->skipped();
     now_ = {.progress = reader_->progress()};
   }
 
@@ -57,12 +63,13 @@ class ReadAhead final : public LogReader {
     now_ = std::move(taken_[next_taken_++]);
     over_ = now_.is_last();
     tell(now_.problems);
+    if (now_.skipped) skipped_ = std::move(*now_.skipped);
     if (now_.failure) std::rethrow_exception(now_.failure);
     return std::move(now_.message);
   }
 
   [[nodiscard]] ReadProgress progress() const override { return now_.progress; }
-  [[nodiscard]] const SkippedRecords& skipped() const override { return tally_.skipped(); }
+  [[nodiscard]] const SkippedRecords& skipped() const override { return skipped_; }
   [[nodiscard]] std::string format() const override { return reader_->format(); }
   [[nodiscard]] RobotModel robot(RobotModel base) const override {
     const std::scoped_lock lock(reading_);
@@ -78,11 +85,9 @@ class ReadAhead final : public LogReader {
   }
 
  private:
-  void tell(const std::vector<LogProblem>& problems) {
-    for (const LogProblem& problem : problems) {
-      tally_.add(problem);
-      if (on_problem_) on_problem_(problem);
-    }
+  void tell(const std::vector<LogProblem>& problems) const {
+    if (!on_problem_) return;
+    for (const LogProblem& problem : problems) on_problem_(problem);
   }
 
   /// Waits for what was read.
@@ -119,13 +124,14 @@ class ReadAhead final : public LogReader {
     } catch (...) {
       step.failure = std::current_exception();
     }
+    if (!found_.empty()) step.skipped = reader_->skipped();
     step.problems = std::exchange(found_, {});
     step.progress = reader_->progress();
     return step;
   }
 
   std::function<void(const LogProblem&)> on_problem_;
-  SkipTally tally_{};  ///< of what was told
+  SkippedRecords skipped_{};  ///< until the message that was last handed out
   std::unique_ptr<LogReader> reader_{};
   std::vector<LogProblem> found_{};  // since the last step
   mutable std::mutex reading_{};

@@ -44,8 +44,8 @@ std::vector<Relation> parse_relations(std::string_view text, const std::string& 
   return relations;
 }
 
-std::vector<Relation> read_relations(const std::string& path) {
-  return parse_relations(read_whole_file(path), path);
+std::vector<Relation> read_relations(const std::string& path, const MemoryBudget& budget) {
+  return parse_relations(read_whole_file(path, budget.most_text_bytes()), path);
 }
 
 }  // namespace loopstone

@@ -149,8 +149,9 @@ std::vector<StateChunk> parse_session(std::string_view bytes, const std::string&
   return chunks;
 }
 
-std::vector<StateChunk> read_session(const std::string& path) {
-  std::vector<StateChunk> chunks = parse_session(read_whole_file(path), path);
+std::vector<StateChunk> read_session(const std::string& path, const MemoryBudget& budget) {
+  std::vector<StateChunk> chunks =
+      parse_session(read_whole_file(path, budget.most_text_bytes()), path);
   if (chunks.empty()) throw DataError({path}, "this session holds no parts");
   return chunks;
 }

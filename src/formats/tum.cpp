@@ -73,6 +73,8 @@ void write_tum(const std::string& path, const Trajectory& trajectory) {
   write_file_atomically(path, format_tum(trajectory));
 }
 
-Trajectory read_tum(const std::string& path) { return parse_tum(read_whole_file(path), path); }
+Trajectory read_tum(const std::string& path, const MemoryBudget& budget) {
+  return parse_tum(read_whole_file(path, budget.most_text_bytes()), path);
+}
 
 }  // namespace loopstone

@@ -93,7 +93,7 @@ class UcsdReader final : public LogReader {
   void open(const fs::path& path, Open&& open_sensor, bool is_lidar = false) {
     if (path.empty()) return;
     const std::string name = path.string();
-    const NpzFile file(name, options_.memory);
+    const NpzFile file(name, options_.memory, options_.stop);
     Channel channel{open_sensor(file, name), is_lidar};
     for (std::string& note : channel.sensor.notes) {
       notes_.push_back(path.filename().string() + ": " + note);

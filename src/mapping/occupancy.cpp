@@ -22,8 +22,10 @@ constexpr double kMostSweepM = 1.0;
 constexpr std::size_t kBeamsPerBatch = std::size_t{1} << 18;
 /// Scans that one task of the preparation handles.
 constexpr std::size_t kScansPerTask = 64;
-/// 2^28 cells are 820 m x 820 m at 5 cm.
-constexpr double kMostCells = 268435456.0;
+/// A map that is too large is drawn with cells up to so wide.
+constexpr double kWidestCellM = 1.0;
+/// Along one side.
+constexpr double kMostColumns = 1e6;
 
 float log_odds_of(double probability) {
   return static_cast<float>(std::log(probability / (1.0 - probability)));
@@ -68,17 +70,26 @@ Bounds bounds_of(std::span<const PosedScan> scans, double footprint_radius_m,
   return all;
 }
 
-GridFrame frame_of(const Bounds& bounds, double resolution_m) {
+std::string extent_text(double width_m, double height_m, double resolution_m) {
+  return number_text(width_m, 4) + " m x " + number_text(height_m, 4) + " m at " +
+         number_text(resolution_m) + " m a cell";
+}
+
+GridFrame frame_of(const Bounds& bounds, const OccupancyOptions& options) {
+  double resolution_m = options.resolution_m;
   if (!(bounds.low.array() <= bounds.high.array()).all()) {  // nothing was seen: one unknown cell
     return {.origin = {0.0, 0.0}, .resolution = resolution_m, .columns = 1, .rows = 1};
   }
   const Eigen::Vector2d size = bounds.high - bounds.low;
-  const double cells = (size.x() / resolution_m + 3.0) * (size.y() / resolution_m + 3.0);
-  if (!(cells < kMostCells) || !(size.maxCoeff() / resolution_m < 1e6)) {
-    throw UsageError("the map would be " + number_text(size.x(), 4) + " m x " +
-                     number_text(size.y(), 4) + " m at " + number_text(resolution_m) +
-                     " m a cell, which is too large; raise resolution_m, or lower max_range_m if "
-                     "some ranges are wrong");
+  const auto fits = [&] {
+    const double cells = (size.x() / resolution_m + 3.0) * (size.y() / resolution_m + 3.0);
+    return cells < static_cast<double>(options.most_cells) &&
+           size.maxCoeff() / resolution_m < kMostColumns;
+  };
+  while (!fits() && 2.0 * resolution_m <= kWidestCellM) resolution_m *= 2.0;
+  if (!fits()) {
+    throw UsageError("the map would be " + extent_text(size.x(), size.y(), resolution_m) +
+                     ", which is too large; lower max_range_m if some ranges are wrong");
   }
   return frame_covering(bounds.low, bounds.high, resolution_m, resolution_m);
 }
@@ -254,11 +265,22 @@ double OccupancyMap::probability(Cell cell) const {
 OccupancyMap build_occupancy_map(std::span<const PosedScan> scans, double footprint_radius_m,
                                  const OccupancyOptions& options, Threads threads) {
   const Bounds bounds = bounds_of(scans, footprint_radius_m, options, threads);
-  const GridFrame frame = frame_of(bounds, options.resolution_m);
+  const GridFrame frame = frame_of(bounds, options);
   OccupancyMap map{Grid<float>(frame), Grid<std::uint8_t>(frame)};
   insert_all(scans, options, threads, map);
   free_footprints(scans, footprint_radius_m, -log_odds_of(options.clamp_probability), map);
   return map;
+}
+
+std::optional<std::string> coarser_than_asked(const OccupancyMap& map,
+                                              const OccupancyOptions& options) {
+  const GridFrame& frame = map.log_odds.frame();
+  if (map.log_odds.empty() || frame.resolution <= options.resolution_m) return {};
+  return "the map is " +
+         extent_text(frame.columns * frame.resolution, frame.rows * frame.resolution,
+                     frame.resolution) +
+         ", for at " + number_text(options.resolution_m) +
+         " m as asked it would take too much memory; lower max_range_m if some ranges are wrong";
 }
 
 }  // namespace loopstone

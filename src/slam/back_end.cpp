@@ -67,11 +67,11 @@ void BackEnd::thin_covered() {
 
 std::vector<std::size_t> BackEnd::take_thinned() { return std::exchange(thinned_, {}); }
 
-void BackEnd::finish() {
+void BackEnd::finish(const std::function<bool()>& goes_on) {
   if (unsolved_chi2() > 0.0) solve(outline_);
-  for (int round = 0; loop_closure_ && round < kFinalRounds; ++round) {
+  for (int round = 0; loop_closure_ && round < kFinalRounds && (!goes_on || goes_on()); ++round) {
     const Stopwatch watch;
-    auto found = loops_.close_all(outline_.poses);
+    auto found = loops_.close_all(outline_.poses, goes_on);
     loop_closing_s_ += watch.seconds();
     take(std::move(found));
   }

@@ -29,7 +29,7 @@ constexpr double kSurprise = 7.8;
 constexpr double kOutvoted = 0.01;
 /// Scores that differ by less say the same.
 constexpr double kSameScore = 0.02;
-/// Without odometry, a scan that explains so much less than usual is searched for.
+/// A scan that explains so much less than usual is searched for, or shows another place.
 constexpr double kScoreDrop = 0.1;
 constexpr double kScoreMemory = 50.0;
 /// ... and in a window that is so much wider.
@@ -184,9 +184,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
   }
 
   Alignment result;
-  const double least = priors.front().holds_unobserved
-                           ? options_.trusted_score
-                           : std::max(options_.trusted_score, usual_score_ - kScoreDrop);
+  const double least = priors.front().holds_unobserved ? options_.trusted_score : least_score();
   if (best.status == MatchStatus::kTooFewPairs || best.score < least) {
     const Searched searched = search(surfaces, priors, best);
     best = searched.match;
@@ -244,9 +242,13 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
   // many poses only one that explains what scans usually explain is no chance.
   const SearchWindow anywhere{likeliest.target_T_source, std::max(kLostM, window.half_xy_m), kPi};
   result.match = best_of(result.match, frozen.search_pyramid(submap_options_, anywhere.half_xy_m),
-                         anywhere, std::max(options_.trusted_score, usual_score_ - kScoreDrop));
+                         anywhere, least_score());
   result.lost = is_lost();
   return result;
+}
+
+double FrontEnd::least_score() const {
+  return std::max(options_.trusted_score, usual_score_ - kScoreDrop);
 }
 
 bool FrontEnd::moved_enough(const Pose2& local_T_robot) const {

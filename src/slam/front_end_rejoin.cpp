@@ -10,6 +10,7 @@
 #include "loopstone/registration/correlative_search.hpp"
 #include "loopstone/slam/front_end.hpp"
 #include "slam/pose_search.hpp"
+#include "slam/scan_edges.hpp"
 
 namespace loopstone {
 
@@ -23,8 +24,6 @@ constexpr double kUsualMemory = 20.0;
 /// uncertain than a submap's cell and a half, goes on in the same submap.
 constexpr double kFitsChi2 = 11.3;
 constexpr double kTightM = 0.15;
-/// Less explained than usual by this: another place.
-constexpr double kScoreDrop = 0.1;
 /// After so little motion a scan shows what the one before showed.
 constexpr double kShortM = 0.5;
 constexpr double kShortRad = 0.5;
@@ -37,12 +36,8 @@ constexpr double kElsewhereRad = 0.35;
 constexpr double kUnknownM = 10.0;
 constexpr double kUnknownRad = 1.8;
 
-Eigen::Matrix3d diagonal(double sigma_m, double sigma_rad) {
-  return Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal();
-}
-
 PosePrior2 unknown_from(const Pose2& local_T_robot) {
-  return {local_T_robot, diagonal(kUnknownM, kUnknownRad).inverse(), false};
+  return {local_T_robot, planar_covariance(kUnknownM, kUnknownRad).inverse(), false};
 }
 
 }  // namespace
@@ -76,7 +71,7 @@ FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& gue
   const auto told = predictor_.told(*held_->odometry, held_->stamp, *odometry);
   if (!told) return blind;
   blind.prior = {held_->local_T_robot * told->motion,
-                 diagonal(told->sigma_m, told->sigma_rad).inverse(), true};
+                 planar_covariance(told->sigma_m, told->sigma_rad).inverse(), true};
   blind.odometry_m = std::max(std::hypot(told->motion.x, told->motion.y),
                               odometry->path_m - held_->odometry->path_m);
   blind.odometry_rad =
@@ -89,8 +84,7 @@ std::optional<MatchResult> FrontEnd::recognise_near(std::span<const SurfacePoint
   const PosePrior2 there = in_submap(prior);
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           there.target_T_source, there, match_options_, 1);
-  const bool fits = has_supported_pose(match.status) &&
-                    match.score >= std::max(options_.trusted_score, usual_score_ - kScoreDrop) &&
+  const bool fits = has_supported_pose(match.status) && match.score >= least_score() &&
                     chi2_from(there, match) <= kFitsChi2 &&
                     std::sqrt(position_variance_m2(match.covariance)) <= kTightM;
   if (!fits) return {};
@@ -104,12 +98,11 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
   const FrozenSubmap frozen = active_.front().submap.freeze();
   const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, kAroundM);
   const SearchWindow anywhere{there.target_T_source, kAroundM, kPi};
-  const double least = std::max(options_.trusted_score, usual_score_ - kScoreDrop);
   const SearchResult best = search_about_robot(points, pyramid, anywhere, kSearchMinScore);
   if (!best.found) return {};
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           best.target_T_source, there, match_options_, 0);
-  if (!has_supported_pose(match.status) || match.score < least ||
+  if (!has_supported_pose(match.status) || match.score < least_score() ||
       std::sqrt(position_variance_m2(match.covariance)) > kTightM) {
     return {};
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <queue>
@@ -47,6 +48,8 @@ constexpr double kUnlike = 0.8;
 constexpr double kCovered = 0.9;
 /// So many are compared beside each other, whatever the number of threads; the nearest first, until the submap is covered.
 constexpr std::size_t kBeside = 2;
+/// In the end so many, some tenths of a second, before somebody is asked whether to go on.
+constexpr std::size_t kAtOnce = 64;
 
 /// Which of the surfaces fall where a submap was observed.
 std::vector<bool> seen_by(const MaxPyramid& target, const Pose2& target_T_source,
@@ -310,13 +313,19 @@ std::vector<LoopClosure> LoopCloser::close_newest(std::span<const Pose2> map_T_s
   return closures;
 }
 
-std::vector<LoopClosure> LoopCloser::close_all(std::span<const Pose2> map_T_submap) {
+std::vector<LoopClosure> LoopCloser::close_all(std::span<const Pose2> map_T_submap,
+                                               const std::function<bool()>& goes_on) {
   std::vector<Pair> pairs;
   for (std::size_t newer = 1; newer < entries_.size(); ++newer) {
     const auto more = candidates_for(newer, map_T_submap);
     pairs.insert(pairs.end(), more.begin(), more.end());
   }
-  auto closures = compare(pairs);
+  std::vector<LoopClosure> closures;
+  for (std::size_t first = 0; first < pairs.size() && (!goes_on || goes_on()); first += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, pairs.size() - first);
+    auto found = compare(std::span(pairs).subspan(first, count));
+    std::move(found.begin(), found.end(), std::back_inserter(closures));
+  }
   refuse_rivals(closures, map_T_submap);
   return closures;
 }

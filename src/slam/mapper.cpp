@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -79,6 +80,9 @@ std::vector<std::string> warnings_of(const MapResult& result, const MapOptions& 
   if (options.loop_closure && s.loop_closures_accepted == 0 && s.path_length_m > 30.0) {
     warnings.emplace_back("no place was recognised a second time: drift was not corrected");
   }
+  if (auto coarser = coarser_than_asked(result.map, options.map)) {
+    warnings.push_back(std::move(*coarser));
+  }
   return warnings;
 }
 
@@ -142,11 +146,12 @@ class Mapper::BackEndWorker {
     return in_order && key == keys.size();
   }
   /// Waits for all that was handed over and ends the back end.
-  void finish() {
+  /// \param goes_on  asked from the queue's thread
+  void finish(const std::function<bool()>& goes_on) {
     auto batch = std::make_shared<Batch>(Batch{std::exchange(waiting_, {}), {}});
-    queue_.run([this, batch] {
+    queue_.run([this, batch, &goes_on] {
       take(std::move(*batch));
-      back_end_.finish();
+      back_end_.finish(goes_on);
     });
     queue_.wait();
   }
@@ -359,16 +364,17 @@ void Mapper::count(MapResult& result) {
 }
 
 MapResult Mapper::finish(const ProgressCallback& progress) {
-  constexpr std::int64_t kStages = 4;
+  constexpr std::int64_t kStages = 5;
   MapResult result;
   const auto goes_on_to = [&](std::int64_t stage) {
-    if (progress && !progress({"finishing", stage, kStages})) result.complete = false;
+    if (result.complete && progress && !progress({"finishing", stage, kStages}))
+      result.complete = false;
     return result.complete;
   };
   scan_queue_.finish();
   while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
   back_end_->add_submaps(front_end_.finish());
-  back_end_->finish();
+  back_end_->finish([&] { return goes_on_to(0); });
   const BackEnd& back_end = back_end_->back_end();
   std::vector<KeyScan> keys = back_end.keys();
 
@@ -394,15 +400,15 @@ MapResult Mapper::finish(const ProgressCallback& progress) {
   release_unused_memory();
   // The graph's own solution is judged: the adjustment knows more than its edges.
   const Stopwatch judging_graph;
-  if (goes_on_to(0)) result.graph_quality = assess_graph(result);
+  if (goes_on_to(1)) result.graph_quality = assess_graph(result);
   statistics.judging_s = judging_graph.seconds();
-  if (goes_on_to(1)) adjust(keys, result);
+  if (goes_on_to(2)) adjust(keys, result);
   std::vector<PosedScan> posed = place_scans(std::move(keys), result);
   track_ = {};  // it is in the trajectories now
   release_unused_memory();
 
   const Stopwatch rendering;
-  if (!goes_on_to(2)) thin(posed);
+  if (!goes_on_to(3)) thin(posed);
   try {
     result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
   } catch (const std::exception& error) {
@@ -413,18 +419,16 @@ MapResult Mapper::finish(const ProgressCallback& progress) {
 
   release_unused_memory();
   const Stopwatch judging;
-  if (goes_on_to(3) && result.map_failure.empty()) {
+  if (goes_on_to(4) && result.map_failure.empty()) {
     result.quality = assess_map(posed, threads_);
     result.verdict = judge_map(result);
   }
   statistics.judging_s += judging.seconds();
-  result.warnings = warnings_of(result, options_, gyro_scans_ > 0);
-  const auto of_odometry = odometry_warnings(result);
-  result.warnings.insert(result.warnings.begin(), of_odometry.begin(), of_odometry.end());
-  const auto of_sensors = sensor_faults(result);
-  result.warnings.insert(result.warnings.begin(), of_sensors.begin(), of_sensors.end());
-  const auto of_breaks = break_warnings(result);
-  result.warnings.insert(result.warnings.begin(), of_breaks.begin(), of_breaks.end());
+  // What went wrong first, then how the run fared.
+  for (auto& warnings : {break_warnings(result), sensor_faults(result), odometry_warnings(result),
+                         warnings_of(result, options_, gyro_scans_ > 0)}) {
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+  }
   return result;
 }
 

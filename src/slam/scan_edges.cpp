@@ -15,10 +15,6 @@ constexpr double kFloorRad = 0.002;
 constexpr double kGuessedM = 0.3;
 constexpr double kGuessedRad = 0.2;
 
-Eigen::Matrix3d diagonal(double sigma_m, double sigma_rad) {
-  return Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal();
-}
-
 bool near(const Pose2& pose, const Pose2& expected) {
   const Pose2 off = expected.inverse() * pose;
   return std::hypot(off.x, off.y) <= kGateM && std::abs(off.yaw) <= kGateRad;
@@ -26,12 +22,16 @@ bool near(const Pose2& pose, const Pose2& expected) {
 
 }  // namespace
 
+Eigen::Matrix3d planar_covariance(double sigma_m, double sigma_rad) {
+  return Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal();
+}
+
 PoseWithCovariance2 guessed_motion(const Pose2& last_motion) {
-  return {last_motion, diagonal(kGuessedM, kGuessedRad)};
+  return {last_motion, planar_covariance(kGuessedM, kGuessedRad)};
 }
 
 PoseWithCovariance2 with_floor(PoseWithCovariance2 motion) {
-  motion.covariance += diagonal(kFloorM, kFloorRad);
+  motion.covariance += planar_covariance(kFloorM, kFloorRad);
   return motion;
 }
 

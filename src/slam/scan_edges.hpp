@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 
 #include "loopstone/geometry/pose2.hpp"
@@ -10,6 +11,9 @@ namespace loopstone {
 
 /// Closures that disagree by more standard deviations than this pull less than in proportion (Huber).
 inline constexpr double kClosureHuberWidth = 1.5;
+
+/// Of (x, y, yaw), the same along every direction, uncorrelated.
+[[nodiscard]] Eigen::Matrix3d planar_covariance(double sigma_m, double sigma_rad);
 
 /// The motion when nothing measured it: as the last one, with little trust.
 [[nodiscard]] PoseWithCovariance2 guessed_motion(const Pose2& last_motion);

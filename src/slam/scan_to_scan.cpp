@@ -242,6 +242,9 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
     result.verdict = judge_map(result);
   }
   statistics.judging_s = judging.seconds();
+  if (auto coarser = coarser_than_asked(result.map, options_.map)) {
+    result.warnings.push_back(std::move(*coarser));
+  }
   if (links.complete && guessed > 0) {
     result.warnings.push_back(std::to_string(guessed) + " of " + std::to_string(links.nodes - 1) +
                               " consecutive scans did not match; odometry stood in.");

@@ -122,8 +122,8 @@ def refuse_constant(text):
     raise ValueError(text)
 
 
-def wrong_words(code, out, err, named):
-    """What a user would rightly complain about."""
+def wrong_words(code, out, err, named, given):
+    """What a user would rightly complain about. Errors may quote what they were given."""
     said = SANITIZER.search(err)
     if said:
         return "sanitizer: " + said.group().decode("utf-8", "replace")
@@ -138,7 +138,7 @@ def wrong_words(code, out, err, named):
                 return "words: no UTF-8 on %s: %r" % (name, error.object[error.start:error.start + 8])
     for pattern, reason in ((FOREIGN, "another library's sentence"), (DIGITS, "a number of more than 60 digits")):
         found = pattern.search(err)
-        if found:
+        if found and (pattern is DIGITS or found.group() not in given):
             return "words: %s: %r" % (reason, err[max(0, found.start() - 60):found.end() + 40])
     if len(err) > 200_000:
         return "words: %d bytes on stderr" % len(err)
@@ -151,7 +151,7 @@ def wrong_words(code, out, err, named):
     return ""
 
 
-def judge(code, out, err, usage, limits, named, is_json):
+def judge(code, out, err, usage, limits, named, is_json, given=b""):
     kb = usage.ru_maxrss
     if code is None or code in (-24, -9):
         return "hang: no end within %d s" % limits.seconds
@@ -160,7 +160,7 @@ def judge(code, out, err, usage, limits, named, is_json):
         return "exit code %d%s" % (code, ": " + said.group().decode("utf-8", "replace") if said else "")
     if kb > limits.megabytes << 10:
         return "bloat: %d MB" % (kb >> 10)
-    fault = wrong_words(code, out, err, named)
+    fault = wrong_words(code, out, err, named, given)
     if not fault and is_json and code == 0:
         try:
             fault = wrong_figures(json.loads(out, parse_constant=refuse_constant))
@@ -188,7 +188,7 @@ class Program:
         arguments = [word.format(**words) for word in command.split()]
         limits = self.limits.for_file(len(data))
         code, out, err, usage = run_limited([self.program, *arguments], self.folder, limits)
-        fault = judge(code, out, err, usage, limits, b"input", "--json" in command)
+        fault = judge(code, out, err, usage, limits, b"input", "--json" in command, data)
         if not fault:
             fault = self.spoilt_by_it(fmt, given, before)
         spent = int(1000 * (usage.ru_utime + usage.ru_stime))

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -23,11 +24,16 @@ struct MemoryBudget {
   /// Any file may take so much.
   static constexpr std::uint64_t kSmall = std::uint64_t{1} << 27;
 
+  /// A byte of text becomes at most so many: "0 0 0 0 0 0 0 0" a pose, "EDGE_SE2 1 2 ..." an edge.
+  static constexpr std::uint64_t kTextGrowth = 8;
+
   std::uint64_t ceiling_bytes = std::uint64_t{1} << 34;
   bool by_file_size = true;  ///< false: whoever set the ceiling knows better
 
   /// For a file of that size.
   [[nodiscard]] std::uint64_t allowed_bytes(std::uint64_t file_bytes, Growth growth) const;
+  /// The largest text whose tables fit.
+  [[nodiscard]] std::size_t most_text_bytes() const { return ceiling_bytes / kTextGrowth; }
   /// Throws DataError at `where` when that many bytes are more than the file may take; it says how to allow them.
   void require(std::uint64_t needed_bytes, std::uint64_t file_bytes, Growth growth,
                const Location& where) const;

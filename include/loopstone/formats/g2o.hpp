@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "loopstone/base/memory_budget.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
 namespace loopstone {
@@ -41,7 +42,8 @@ struct GraphFile {
                                   const std::string& path_for_errors = "graph",
                                   InformationOrder edge2_order = InformationOrder::kGuess);
 [[nodiscard]] GraphFile read_g2o(const std::string& path,
-                                 InformationOrder edge2_order = InformationOrder::kGuess);
+                                 InformationOrder edge2_order = InformationOrder::kGuess,
+                                 const MemoryBudget& budget = {});
 
 /// Throws DataError that names the parts of a graph that no measurement connects, with the ids of each: where they lie to
 /// one another is unknown. Parts with a held pose or a prior of their own are placed by it and do not count.

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "loopstone/base/memory_budget.hpp"
 #include "loopstone/localization/localization_result.hpp"
 
 namespace loopstone {
@@ -26,6 +27,7 @@ namespace loopstone {
 
 void write_localization_csv(const std::string& path,
                             const std::vector<LocalizationEstimate>& estimates);
-[[nodiscard]] std::vector<LocalizationEstimate> read_localization_csv(const std::string& path);
+[[nodiscard]] std::vector<LocalizationEstimate> read_localization_csv(
+    const std::string& path, const MemoryBudget& budget = {});
 
 }  // namespace loopstone

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "loopstone/base/memory_budget.hpp"
 #include "loopstone/evaluation/relations.hpp"
 
 namespace loopstone {
@@ -14,6 +15,7 @@ namespace loopstone {
 [[nodiscard]] std::vector<Relation> parse_relations(
     std::string_view text, const std::string& path_for_errors = "relations");
 
-[[nodiscard]] std::vector<Relation> read_relations(const std::string& path);
+[[nodiscard]] std::vector<Relation> read_relations(const std::string& path,
+                                                   const MemoryBudget& budget = {});
 
 }  // namespace loopstone

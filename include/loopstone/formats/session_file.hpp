@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "loopstone/base/memory_budget.hpp"
 #include "loopstone/base/state_chunk.hpp"
 
 namespace loopstone {
@@ -26,6 +27,7 @@ void write_session(const std::string& path, std::span<const StateChunk> chunks);
                                                     const std::string& path);
 
 /// Throws DataError, also when the file can't be read.
-[[nodiscard]] std::vector<StateChunk> read_session(const std::string& path);
+[[nodiscard]] std::vector<StateChunk> read_session(const std::string& path,
+                                                   const MemoryBudget& budget = {});
 
 }  // namespace loopstone

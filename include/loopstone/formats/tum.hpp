@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "loopstone/base/memory_budget.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 
 namespace loopstone {
@@ -18,6 +19,6 @@ namespace loopstone {
                                    const std::string& path_for_errors = "trajectory");
 
 void write_tum(const std::string& path, const Trajectory& trajectory);
-[[nodiscard]] Trajectory read_tum(const std::string& path);
+[[nodiscard]] Trajectory read_tum(const std::string& path, const MemoryBudget& budget = {});
 
 }  // namespace loopstone

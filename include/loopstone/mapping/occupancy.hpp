@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -21,6 +23,8 @@ struct OccupancyOptions {
       0.97;                        ///< belief never leaves [1 - p, p], so a map can change its mind
   double no_return_carve_m = 5.0;  ///< a beam without return frees cells up to this far
   double max_range_m = 80.0;       ///< returns beyond are treated as beams without return
+  /// What the machine may hold, no matter of taste. The default is 820 m x 820 m at 5 cm, and takes 2 GB with what is made of it.
+  std::uint64_t most_cells = std::uint64_t{1} << 28U;
 };
 
 template <typename Visitor>
@@ -56,7 +60,8 @@ struct OccupancyMap {
   [[nodiscard]] double probability(Cell cell) const;
 };
 
-/// Builds the map of all scans at their poses; extent grows to what was seen. Cells that the robot's footprint crossed
+/// Builds the map of all scans at their poses; extent grows to what was seen. Where that is more than `most_cells`, the cells
+/// are twice as wide, or four times, up to 1 m; throws UsageError when that does not help either. Cells that the robot's footprint crossed
 /// are free. Within a scan an end point wins over a pass-through, and each cell changes at most once.
 /// The same bytes for any number of threads.
 /// Cost: O(cells that beams cross).
@@ -64,5 +69,9 @@ struct OccupancyMap {
                                                double footprint_radius_m,
                                                const OccupancyOptions& options = {},
                                                Threads threads = {});
+
+/// Says so when the map's cells are wider than asked.
+[[nodiscard]] std::optional<std::string> coarser_than_asked(const OccupancyMap& map,
+                                                            const OccupancyOptions& options);
 
 }  // namespace loopstone

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -26,7 +27,7 @@ class BackEnd {
   /// Submaps come in the order of the key scans that they start with.
   void add_submap(FinishedSubmap submap);
   /// Looks once more for closures everywhere, settles which stand, and makes the graph of all key scans. Call once, at the end.
-  void finish();
+  void finish(const std::function<bool()>& goes_on = {});
 
   /// The stretches thinned since the last call: only their first key scans are still of use.
   [[nodiscard]] std::vector<std::size_t> take_thinned();

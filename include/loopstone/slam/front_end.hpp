@@ -195,6 +195,8 @@ class FrontEnd {
   /// Constant from the last scan's pose to this one [m/s, m/s, rad/s], robot frame.
   [[nodiscard]] Tangent2 velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const;
   [[nodiscard]] bool moved_enough(const Pose2& local_T_robot) const;
+  /// A scan that explains less, by much less than usual, shows another place.
+  [[nodiscard]] double least_score() const;
   void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
               const Pose2& robot_T_lidar, TrackedScan& tracked);
 

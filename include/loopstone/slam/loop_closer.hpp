@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -72,7 +73,9 @@ class LoopCloser {
   [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<const Pose2> map_T_submap);
 
   /// Compares all pairs within reach that have not been closed yet; for the end of a run, when poses are good.
-  [[nodiscard]] std::vector<LoopClosure> close_all(std::span<const Pose2> map_T_submap);
+  /// \param goes_on  asked now and then; once it returns false, what was found until then is returned. May be empty.
+  [[nodiscard]] std::vector<LoopClosure> close_all(std::span<const Pose2> map_T_submap,
+                                                   const std::function<bool()>& goes_on = {});
 
   /// Drops what submaps hold that saw nothing new: standing closures tie them to older ones, and those saw nearly all of
   /// their surfaces. They keep their places, but nothing is compared with them any more. Returns which.

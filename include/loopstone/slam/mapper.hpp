@@ -41,7 +41,8 @@ class Mapper {
 
   /// Ends the recording: last closures, last solution, the final map of all scans. Call once. A map that is too large leaves all
   /// else and says so in `map_failure`.
-  /// \param progress  told before each stage; once it returns false, what only refines or judges the map is left out, and the
+  /// \param progress  told before each stage and while loops are closed, maybe from another thread but never from two at once; once
+  ///                  it returns false, the last search for loops ends, what only refines or judges the map is left out, and the
   ///                  result is marked incomplete
   [[nodiscard]] MapResult finish(const ProgressCallback& progress = {});
 

@@ -155,6 +155,25 @@ TEST(OccupancyMap, NothingSeenIsOneUnknownCell) {
   EXPECT_EQ(map.observed.cells().front(), 0);
 }
 
+TEST(OccupancyMap, TooManyCellsBecomeWiderOnesAndThatIsSaid) {
+  const LaserScan scan = scan_of({1.0F});
+  const std::vector<PosedScan> scans{at(scan, {0, 0, 0}), at(scan, {100.0, 60.0, 0})};
+  OccupancyOptions options;
+  const OccupancyMap fine = build_occupancy_map(scans, 0.25, options);
+  EXPECT_FALSE(coarser_than_asked(fine, options).has_value());
+  options.most_cells = fine.log_odds.cells().size() / 10;
+  const OccupancyMap coarse = build_occupancy_map(scans, 0.25, options);
+  EXPECT_DOUBLE_EQ(coarse.log_odds.frame().resolution, 0.2);
+  EXPECT_LE(coarse.log_odds.cells().size(), options.most_cells);
+  EXPECT_TRUE(observed_at(coarse, 100.5, 60.0));
+  const auto said = coarser_than_asked(coarse, options);
+  ASSERT_TRUE(said.has_value());
+  EXPECT_NE(said->find("at 0.2 m a cell"), std::string::npos) << *said;
+  EXPECT_NE(said->find("0.05 m as asked"), std::string::npos) << *said;
+  options.most_cells = 100;
+  EXPECT_THROW((void)build_occupancy_map(scans, 0.25, options), UsageError);
+}
+
 TEST(OccupancyMap, AbsurdExtentIsRefusedWithAdvice) {
   const LaserScan scan = scan_of({1.0F});
   const std::vector<PosedScan> scans{at(scan, {0, 0, 0}), at(scan, {1e7, 1e7, 0})};
