@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 
 #include "interrupt.hpp"
@@ -76,6 +78,12 @@ MatchInput read_match_input(const std::string& name, const AppContext& context) 
   MatchInput input{.name = name};
   if (ends_with_any(name, {".yaml", ".yml"})) {
     input.map = read_ros_map(name, context.memory(), MapField::kBytesPerCell);
+    if (std::none_of(input.map->cells().begin(), input.map->cells().end(), [](std::int8_t percent) {
+          return percent >= MapFieldOptions{}.occupied_percent;
+        })) {
+      throw DataError({name},
+                      "shows no wall, so nothing can be aligned with it; check its thresholds");
+    }
     return input;
   }
   if (const auto scan = parse_scan_name(name)) {

@@ -70,9 +70,8 @@ Bounds bounds_of(std::span<const PosedScan> scans, double footprint_radius_m,
   return all;
 }
 
-std::string extent_text(double width_m, double height_m, double resolution_m) {
-  return number_text(width_m, 4) + " m x " + number_text(height_m, 4) + " m at " +
-         number_text(resolution_m) + " m a cell";
+std::string extent_text(double width_m, double height_m) {
+  return number_text(width_m, 4) + " m x " + number_text(height_m, 4) + " m";
 }
 
 GridFrame frame_of(const Bounds& bounds, const OccupancyOptions& options) {
@@ -88,8 +87,9 @@ GridFrame frame_of(const Bounds& bounds, const OccupancyOptions& options) {
   };
   while (!fits() && 2.0 * resolution_m <= kWidestCellM) resolution_m *= 2.0;
   if (!fits()) {
-    throw UsageError("the map would be " + extent_text(size.x(), size.y(), resolution_m) +
-                     ", which is too large; lower max_range_m if some ranges are wrong");
+    throw UsageError("the map would be " + extent_text(size.x(), size.y()) + " at " +
+                     number_text(resolution_m) +
+                     " m a cell, which is too large; lower max_range_m if some ranges are wrong");
   }
   return frame_covering(bounds.low, bounds.high, resolution_m, resolution_m);
 }
@@ -276,11 +276,10 @@ std::optional<std::string> coarser_than_asked(const OccupancyMap& map,
                                               const OccupancyOptions& options) {
   const GridFrame& frame = map.log_odds.frame();
   if (map.log_odds.empty() || frame.resolution <= options.resolution_m) return {};
-  return "the map is " +
-         extent_text(frame.columns * frame.resolution, frame.rows * frame.resolution,
-                     frame.resolution) +
-         ", for at " + number_text(options.resolution_m) +
-         " m as asked it would take too much memory; lower max_range_m if some ranges are wrong";
+  return "the map's cells are " + number_text(frame.resolution) + " m wide, not " +
+         number_text(options.resolution_m) + " m as asked: so many for " +
+         extent_text(frame.columns * frame.resolution, frame.rows * frame.resolution) +
+         " would take too much memory; lower max_range_m if some ranges are wrong";
 }
 
 }  // namespace loopstone

@@ -12,6 +12,8 @@ constexpr double kStrayShare = 0.003;
 /// Room around the content for markers and their labels.
 constexpr double kMarginShare = 0.035;
 constexpr int kLeastMarginCells = 6;
+/// Paths are shown up to here; what broken odometry says may lie beyond any picture.
+constexpr int kFarthestCell = 100'000'000;
 
 /// The first and last index that stay when at most `most` counts are cut from each end.
 struct Kept {
@@ -87,7 +89,9 @@ MapView view_of_known(const GridFrame& frame, const IsKnown& is_known, const Tra
   view.low = {kept_columns.first, kept_rows.first};
   view.high = {kept_columns.last, kept_rows.last};
   for (const StampedPose2& stamped : trajectory.poses()) {
-    const Cell cell = view.frame.cell_of(stamped.pose.translation());
+    Cell cell = view.frame.cell_of(stamped.pose.translation());
+    cell = {std::clamp(cell.column, -kFarthestCell, kFarthestCell),
+            std::clamp(cell.row, -kFarthestCell, kFarthestCell)};
     view.low = {std::min(view.low.column, cell.column), std::min(view.low.row, cell.row)};
     view.high = {std::max(view.high.column, cell.column), std::max(view.high.row, cell.row)};
   }
@@ -108,6 +112,17 @@ MapView view_of_known(const GridFrame& frame, const IsKnown& is_known, const Tra
   view.width_px = pixels(shown_columns);
   view.height_px = pixels(shown_rows);
   return view;
+}
+
+/// Calls visit(cell) for the cells of a square block that lie on the map; a path may lead far beyond it.
+template <typename Visit>
+void for_each_on_map(const GridFrame& frame, Cell low, int side, Visit&& visit) {
+  const int end_row = std::min(low.row + side, frame.rows);
+  const int end_column = std::min(low.column + side, frame.columns);
+  for (int row = std::max(low.row, 0); row < end_row; ++row) {
+    for (int column = std::max(low.column, 0); column < end_column; ++column)
+      visit(Cell{column, row});
+  }
 }
 
 /// \param colour_of  what stands for a square block of cells, given its lowest cell and its side
@@ -173,13 +188,11 @@ Image shade_map(const OccupancyMap& map, const MapView& view) {
   return shade(view, [&](Cell low, int side) {
     bool observed = false;
     float most = -100.0F;
-    for (int row = low.row; row < low.row + side; ++row) {
-      for (int column = low.column; column < low.column + side; ++column) {
-        if (map.observed.value_or({column, row}, 0) == 0) continue;
-        observed = true;
-        most = std::max(most, map.log_odds[{column, row}]);
-      }
-    }
+    for_each_on_map(view.frame, low, side, [&](Cell cell) {
+      if (map.observed[cell] == 0) return;
+      observed = true;
+      most = std::max(most, map.log_odds[cell]);
+    });
     return observed ? palette(most) : kUnknown;
   });
 }
@@ -187,11 +200,7 @@ Image shade_map(const OccupancyMap& map, const MapView& view) {
 Image shade_map(const CellStates& map, const MapView& view) {
   return shade(view, [&](Cell low, int side) {
     std::int8_t most = kUnknownCell;
-    for (int row = low.row; row < low.row + side; ++row) {
-      for (int column = low.column; column < low.column + side; ++column) {
-        most = std::max(most, map.value_or({column, row}, kUnknownCell));
-      }
-    }
+    for_each_on_map(view.frame, low, side, [&](Cell cell) { most = std::max(most, map[cell]); });
     return cell_rgb(most);
   });
 }

@@ -29,6 +29,8 @@ from tries import Limits, Program, Target
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 #: One of so many inputs is given to the program, too: a process costs as much as fifty tries in a target.
 PROGRAM_SHARE = 20
+#: An attack with so many inputs has the time for every command.
+THOROUGH = 5000
 SLICE = 250
 #: Of processor time and of memory, for an input.
 SECONDS, MEGABYTES = 10, 1024
@@ -81,7 +83,7 @@ class Attack:
                 in_target.append((number, trial))
                 if trial.fault:
                     self.keep(fmt, number, data, trial.fault)
-                for command in commands_for(fmt, number, len(fixed)):
+                for command in commands_for(fmt, number, len(fixed), self.options.inputs >= THOROUGH):
                     trial = program.attack(fmt, command, data, made_of)
                     in_program.append((number, trial))
                     if trial.fault:
@@ -109,10 +111,13 @@ class Attack:
         return any(trial.fault for _, trial in trials)
 
 
-def commands_for(fmt, number, fixed):
-    """Some of what is tried goes to the program, each time to another of the commands; what is fixed does more often."""
+def commands_for(fmt, number, fixed, thorough):
+    """Some of what is tried goes to the program, each time to another of the commands; what is fixed always does, of a long attack to
+    every command."""
     if not fmt.commands:
         return []
+    if number < fixed and thorough:
+        return fmt.commands
     if number < fixed:
         return [fmt.commands[number % len(fmt.commands)]]
     if number % PROGRAM_SHARE != 0:

@@ -38,6 +38,9 @@ def carmen():
     yield b"".join(b"FLASER 4 1.0 1.1 1.2 1.3 0 0 0 0 0 0 %d r %d\n" % (2000 - i, 2000 - i) for i in range(200))
     yield b"".join(b"FLASER 4 1.0 1.1 1.2 1.3 0 0 0 0 0 0 %d r %d\n" % (1000000 * i, 1000 * i) for i in range(1, 50))
     yield b"".join(b"FLASER 4 1.0 1.1 1.2 1.3 %d 0 0 %d 0 0 %d r %d\n" % (10**i, 10**i, 1000 + i, i) for i in range(1, 30))
+    frozen = b"FLASER 60 " + b"".join(b"%d.5 " % (70 + i % 7) for i in range(60))
+    for step in (3000, 10**7):
+        yield b"".join(frozen + b"%d %d 0 %d %d 0 %d r %d\n" % (step * i, step * i, step * i, step * i, 1000 + i, i) for i in range(10))
     yield b"".join(b"FLASER 4 1 1 1 1 0 0 0 0 0 0 %d r %d\n" % (10**i, 10**i) for i in range(1, 22))
 
 

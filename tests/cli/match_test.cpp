@@ -167,6 +167,12 @@ TEST_F(MatchCommand, BadUsageIsOneLineThatSaysWhatToDo) {
   };
   expect({log_, map_}, 2, "is a whole log; name one scan of it");
   expect({map_, scan(0)}, 2, "a map can only be the target");
+  (void)folder_->write("blank.pgm", "P5 40 40 255\n" + std::string(1600, '\xfe'));
+  const std::string blank = folder_->write(
+      "blank.yaml",
+      "image: blank.pgm\nresolution: 0.05\norigin: [0, 0, 0]\noccupied_thresh: 0.65\n"
+      "free_thresh: 0.196\nnegate: 0\n");
+  expect({scan(0), blank, "--global"}, 1, "shows no wall");
   expect({flat, deep}, 2, "have no common motion");
   expect({scan(100000), map_}, 1, "has no scan 100000");
   expect({log_ + "/none#3", map_}, 1, "there is no such file or folder");

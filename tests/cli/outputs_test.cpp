@@ -189,19 +189,36 @@ TEST_F(OutputFiles, AnOlderSimulationLeavesNoMixture) {
   EXPECT_FALSE(fs::exists(dir / "sim/Hokuyo20.npz"));
 }
 
-TEST_F(OutputFiles, AMapThatIsTooLargeLeavesTrajectoryAndGraph) {
-  const TempDir dir;
-  // Half a hall of 70 m: at half a centimetre it has more cells than a map may have.
+/// Ten scans in half a hall of 70 m. Odometry goes on by so much along both axes from scan to scan.
+std::string hall_log(double step_m) {
   std::string text;
   for (int scan = 0; scan < 10; ++scan) {
     text += "FLASER 180";
-    for (int i = 0; i < 180; ++i) text += " " + std::to_string(70.0 + 0.01 * (i % 50));
+    for (int i = 0; i < 180; ++i) text += " " + std::to_string(70.0 + 0.01 * ((i + scan) % 50));
     const std::string stamp = std::to_string(100.0 + 0.2 * scan);
-    text += " 0 0 0 0 0 0 " + stamp + " host " + stamp + "\n";
+    const std::string place = std::to_string(scan * step_m);
+    text += " " + place + " " + place + " 0 " + place + " " + place + " 0 ";
+    text += stamp + " host " + stamp + "\n";
   }
-  const std::string hall = dir.write("hall.clf", text);
+  return text;
+}
+
+TEST_F(OutputFiles, AMapThatIsTooLargeIsDrawnWithWiderCells) {
+  const TempDir dir;
+  const std::string hall = dir.write("hall.clf", hall_log(0.0));
   const ProgramResult result =
       run_program({"map", hall, "-o", dir / "out", "--set", "map.resolution_m=0.005", "--set",
+                   "map.max_range_m=80", "--set", "front_end.range_max_m=80", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_THAT(result.error, HasSubstr("0.01 m wide, not 0.005 m as asked"));
+  EXPECT_THAT(dir.read("out/map.yaml"), HasSubstr("resolution: 0.01\n"));
+}
+
+TEST_F(OutputFiles, AMapThatIsTooLargeHoweverWideItsCellsLeavesTrajectoryAndGraph) {
+  const TempDir dir;
+  const std::string hall = dir.write("hall.clf", hall_log(3000.0));
+  const ProgramResult result =
+      run_program({"map", hall, "-o", dir / "out", "--odometry", "trust", "--set",
                    "map.max_range_m=80", "--set", "front_end.range_max_m=80", "--quiet"});
   EXPECT_EQ(result.exit_code, 1) << result.out;
   EXPECT_THAT(result.error, HasSubstr("the map would be"));

@@ -168,8 +168,8 @@ TEST(OccupancyMap, TooManyCellsBecomeWiderOnesAndThatIsSaid) {
   EXPECT_TRUE(observed_at(coarse, 100.5, 60.0));
   const auto said = coarser_than_asked(coarse, options);
   ASSERT_TRUE(said.has_value());
-  EXPECT_NE(said->find("at 0.2 m a cell"), std::string::npos) << *said;
-  EXPECT_NE(said->find("0.05 m as asked"), std::string::npos) << *said;
+  EXPECT_NE(said->find("0.2 m wide"), std::string::npos) << *said;
+  EXPECT_NE(said->find("not 0.05 m as asked"), std::string::npos) << *said;
   options.most_cells = 100;
   EXPECT_THROW((void)build_occupancy_map(scans, 0.25, options), UsageError);
 }

@@ -307,6 +307,16 @@ TEST(MapPicture, SizesStayWithinBounds) {
   EXPECT_GT(large.width, 2000);
 }
 
+TEST(MapPicture, APathThatLeadsFarOffTheMapIsDrawnAllTheSame) {
+  for (const double far_m : {4e4, 1e9, 1e18}) {
+    MapResult result = small_result();
+    result.trajectory.append(Stamp{1500000100000000000}, {far_m, -far_m, 0.0});
+    const Image picture = draw_map_picture(result);
+    EXPECT_LE(std::max(picture.width, picture.height), 4200);
+    EXPECT_GT(std::min(picture.width, picture.height), 1000);
+  }
+}
+
 TEST(MapPicture, WallsKeepTheirPlace) {
   // One occupied cell in free space, no path: the only dark pixels of the map lie where the cell is, y upwards.
   MapResult result;
