@@ -8,6 +8,7 @@
 #include "formats/atomic_file.hpp"
 #include "formats/map_yaml.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/short_text.hpp"
 
 namespace loopstone {
 namespace {
@@ -25,7 +26,8 @@ TextureInfo info_of(const MapYaml& yaml) {
 
 GridFrame TextureInfo::frame(int width_px, int height_px) const {
   if (map_T_corner.yaw != 0.0) {
-    throw UsageError("the picture '" + image + "' is turned against the map's axes");
+    throw UsageError("the picture '" + with_short_numbers(image) +
+                     "' is turned against the map's axes");
   }
   return {.origin = map_T_corner.translation(),
           .resolution = resolution_m,

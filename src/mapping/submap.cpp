@@ -184,6 +184,7 @@ MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options, double hal
   for (const SurfacePoint& surface : surfaces) {
     const Eigen::Vector2d point = surface.position.cast<double>();
     const Cell middle = frame.cell_of(point);
+    if (!frame.contains(middle)) continue;  // of a damaged session: no number
     const int first = std::max(middle.column - reach, 0);
     const int last = std::min(middle.column + reach, frame.columns - 1);
     for (int column = first; column <= last; ++column) {
