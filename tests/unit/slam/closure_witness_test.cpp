@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kSteps = 200;
 constexpr double kStepM = 0.5;
+constexpr int kStepsPerSubmap = 4;
 
 /// Twice around a circle of 50 m; the map has every step turned a bit too far, so the second lap lies off the first.
 struct Laps {
@@ -34,6 +35,8 @@ struct Laps {
     LoopClosure c;
     c.from = NodeId{from};
     c.to = NodeId{to};
+    c.from_submap = static_cast<std::size_t>(from / kStepsPerSubmap);
+    c.to_submap = static_cast<std::size_t>(to / kStepsPerSubmap);
     c.from_T_to =
         truth[static_cast<std::size_t>(from)].inverse() * truth[static_cast<std::size_t>(to)] * off;
     c.covariance = Eigen::Vector3d(1e-3, 1e-3, 3e-5).asDiagonal();
@@ -49,6 +52,16 @@ TEST(ClosureWitness, TwoTrueClosuresBearWitness) {
   EXPECT_FALSE(bends_nothing(a, laps.map()));
   EXPECT_TRUE(bear_witness(a, b, laps.map()));
   EXPECT_TRUE(bear_witness(b, a, laps.map()));
+}
+
+TEST(ClosureWitness, SubmapsThatShareScansAreOneWitness) {
+  const Laps laps;
+  const LoopClosure a = laps.closure(10, 110);
+  EXPECT_FALSE(bear_witness(a, laps.closure(10, 114), laps.map()));
+  EXPECT_FALSE(bear_witness(a, laps.closure(14, 114), laps.map()));
+  // Another place on one side is enough.
+  EXPECT_TRUE(bear_witness(a, laps.closure(10, 118), laps.map()));
+  EXPECT_TRUE(bear_witness(a, laps.closure(18, 110), laps.map()));
 }
 
 TEST(ClosureWitness, AFalseClosureIsNotBackedByATrueOneOrByAnotherFalseOne) {
