@@ -171,6 +171,8 @@ std::string options_to_toml(const std::vector<OptionEntry>& options) {
 
 std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
   std::string nearest;
+  constexpr std::size_t kLongestWord = 200;
+  if (word.size() > kLongestWord) return {};  // no slip of the fingers
   std::size_t best = 1 + std::max<std::size_t>(2, last_part(word).size() / 2);
   for (const std::string& key : known) {
     const std::size_t distance =

@@ -73,7 +73,8 @@ template <int kDimension>
 VoxelFrame<kDimension> voxels_covering(std::span<const Eigen::Matrix<float, kDimension, 1>> points,
                                        float resolution_m, float margin_m, std::size_t max_voxels) {
   using Point = Eigen::Matrix<float, kDimension, 1>;
-  assert(!points.empty() && resolution_m > 0.0F);
+  assert(!points.empty() &&
+         resolution_m >= 0.0F);  // a radius of 1e-50 m is none in single precision
   Point low = points.front();
   Point high = points.front();
   for (const Point& point : points) {
