@@ -8,6 +8,7 @@
 #include "bounds.hpp"
 #include "commands.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/number_text.hpp"
 #include "loopstone/formats/log_scan.hpp"
 #include "loopstone/formats/point_cloud_file.hpp"
 #include "loopstone/report/match_picture.hpp"
@@ -151,14 +152,14 @@ void warn_of_units(const MatchInput& source, const MatchInput& target, const App
   const double ratio = target_m / source_m;
   if (ratio > 50.0) {
     context.warn(
-        fmt::format("the target is {:.0f} times larger than the source; if it is in "
+        fmt::format("the target is {} times larger than the source; if it is in "
                     "millimetres: --target-scale 0.001",
-                    ratio));
+                    number_text(ratio, 3)));
   } else if (ratio < 1.0 / 50.0) {
     context.warn(
-        fmt::format("the source is {:.0f} times larger than the target; if it is in "
+        fmt::format("the source is {} times larger than the target; if it is in "
                     "millimetres: --source-scale 0.001",
-                    1.0 / ratio));
+                    number_text(1.0 / ratio, 3)));
   }
 }
 

@@ -37,6 +37,25 @@ std::vector<Eigen::Vector2d> wall_points(const CellStates& map) {
   return points;
 }
 
+/// Throws DataError for a map that is all free or all wall: nothing can be aligned with it.
+void require_walls(const CellStates& map, const std::string& name) {
+  constexpr double kMostWallShare = 0.9;
+  const auto& cells = map.cells();
+  const auto walls = std::count_if(cells.begin(), cells.end(), [](std::int8_t percent) {
+    return percent >= MapFieldOptions{}.occupied_percent;
+  });
+  if (walls == 0) {
+    throw DataError({name},
+                    "shows no wall, so nothing can be aligned with it; check its thresholds");
+  }
+  const double share = static_cast<double>(walls) / static_cast<double>(cells.size());
+  if (share > kMostWallShare) {
+    throw DataError({name}, fmt::format("is wall to {:.0f} %, so nothing can be aligned with it; "
+                                        "check its thresholds and 'negate'",
+                                        100.0 * share));
+  }
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector2d> MatchInput::points2() const {
@@ -78,12 +97,7 @@ MatchInput read_match_input(const std::string& name, const AppContext& context) 
   MatchInput input{.name = name};
   if (ends_with_any(name, {".yaml", ".yml"})) {
     input.map = read_ros_map(name, context.memory(), MapField::kBytesPerCell);
-    if (std::none_of(input.map->cells().begin(), input.map->cells().end(), [](std::int8_t percent) {
-          return percent >= MapFieldOptions{}.occupied_percent;
-        })) {
-      throw DataError({name},
-                      "shows no wall, so nothing can be aligned with it; check its thresholds");
-    }
+    require_walls(*input.map, name);
     return input;
   }
   if (const auto scan = parse_scan_name(name)) {

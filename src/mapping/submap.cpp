@@ -146,6 +146,20 @@ SurfaceGrid FrozenSubmap::surface_grid(const SubmapOptions& options) const {
   return grid;
 }
 
+bool FrozenSubmap::lies_within(double reach_m) const {
+  // Written so that NaN does not.
+  const auto near = [&](const Eigen::Vector2d& point) {
+    return (point.array().abs() <= reach_m).all();
+  };
+  const GridFrame& frame = free.frame();
+  return std::ranges::all_of(
+             surfaces,
+             [&](const SurfacePoint& surface) { return near(surface.position.cast<double>()); }) &&
+         (free.empty() ||
+          (near(frame.origin) &&
+           near(frame.origin + frame.resolution * Eigen::Vector2d(frame.columns, frame.rows))));
+}
+
 MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options, double half_window_m) const {
   int levels = 1;
   while (levels < 8 && (1 << levels) * options.search_cell_m <= half_window_m) ++levels;
@@ -184,7 +198,6 @@ MaxPyramid FrozenSubmap::search_pyramid(const SubmapOptions& options, double hal
   for (const SurfacePoint& surface : surfaces) {
     const Eigen::Vector2d point = surface.position.cast<double>();
     const Cell middle = frame.cell_of(point);
-    if (!frame.contains(middle)) continue;  // of a damaged session: no number
     const int first = std::max(middle.column - reach, 0);
     const int last = std::min(middle.column + reach, frame.columns - 1);
     for (int column = first; column <= last; ++column) {

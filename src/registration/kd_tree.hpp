@@ -99,6 +99,10 @@ class KdTree {
 
  private:
   static constexpr std::int32_t kLeafSize = 12;
+  /// In place of the axis that divides a node.
+  static constexpr std::int32_t kLeaf = -1;
+  static constexpr std::int32_t kOnePlace =
+      -2;  ///< a leaf of any size whose points are all the same
 
   struct Entry {
     Point point;
@@ -107,8 +111,8 @@ class KdTree {
   struct Node {
     double left_end = 0.0;     ///< greatest coordinate of the left half
     double right_start = 0.0;  ///< least coordinate of the right half
-    std::int32_t axis = -1;    ///< -1: a leaf
-    std::int32_t begin = 0;    ///< leaf: its entries
+    std::int32_t axis = kLeaf;
+    std::int32_t begin = 0;  ///< leaf: its entries
     std::int32_t end = 0;
     std::int32_t right = 0;  ///< the left half follows its parent
   };
@@ -120,6 +124,7 @@ class KdTree {
     double others;  ///< squared
 
     [[nodiscard]] double bound() const { return best; }
+    [[nodiscard]] static std::int32_t equals_matter() { return 2; }
     void pruned(double squared) { others = std::min(others, squared); }
     void offer(const Entry& entry, double squared) {
       if (entry.index == index) return;
@@ -141,6 +146,7 @@ class KdTree {
     double worst;
 
     [[nodiscard]] double bound() const { return worst; }
+    [[nodiscard]] std::int32_t equals_matter() const { return static_cast<std::int32_t>(capacity); }
     void pruned(double) {}
     void offer(const Entry& entry, double squared) {
       const Found candidate{squared, entry.index};
@@ -163,6 +169,9 @@ class KdTree {
     Visitor& visit;
 
     [[nodiscard]] double bound() const { return squared_radius; }
+    [[nodiscard]] static std::int32_t equals_matter() {
+      return std::numeric_limits<std::int32_t>::max();
+    }
     void pruned(double) {}
     void offer(const Entry& entry, double squared) {
       if (squared <= squared_radius) visit(entry.point, entry.index, squared);
@@ -174,7 +183,12 @@ class KdTree {
   void descend(std::int32_t index, std::array<double, kDimension>& offsets, Search& search) const {
     const Node& node = nodes_[static_cast<std::size_t>(index)];
     if (node.axis < 0) {
-      for (std::int32_t i = node.begin; i < node.end; ++i) {
+      // Of points at one place the first ones say it all: the nearest of equals is the one of least index.
+      const std::int32_t end =
+          node.axis == kOnePlace
+              ? node.begin + std::min(node.end - node.begin, search.equals_matter())
+              : node.end;
+      for (std::int32_t i = node.begin; i < end; ++i) {
         const Entry& entry = entries_[static_cast<std::size_t>(i)];
         search.offer(entry, squared_distance(entry.point, search.query));
       }
@@ -210,20 +224,20 @@ class KdTree {
     nodes_.emplace_back();
     const auto first = entries_.begin() + begin;
     const auto last = entries_.begin() + end;
-    if (end - begin <= kLeafSize) {
+    const auto make_leaf = [&](std::int32_t axis) {
       // The order within a leaf then does not depend on how the standard library partitions.
       std::sort(first, last, [](const Entry& a, const Entry& b) { return a.index < b.index; });
-      Node& leaf = nodes_.back();
-      leaf.begin = begin;
-      leaf.end = end;
+      nodes_.back() = {.axis = axis, .begin = begin, .end = end};
       return number;
-    }
+    };
+    if (end - begin <= kLeafSize) return make_leaf(kLeaf);
     Point low = first->point;
     Point high = first->point;
     for (auto it = first; it != last; ++it) {
       low = low.cwiseMin(it->point);
       high = high.cwiseMax(it->point);
     }
+    if (low == high) return make_leaf(kOnePlace);
     int axis = 0;
     (high - low).maxCoeff(&axis);
     const std::int32_t middle = begin + (end - begin) / 2;

@@ -98,7 +98,14 @@ std::vector<SurfacePatch<kDimension>> surface_patches(const PointIndex<kDimensio
   const auto count = std::min(static_cast<std::size_t>(options.neighbours), kMostNeighbours);
   const double squared_reach = options.reach_m * options.reach_m;
   std::array<typename Tree::Found, kMostNeighbours> found;
+  std::int32_t before = -1;
   tree.for_each([&](const Vector& point, std::int32_t number) {
+    // Points at one place have one patch; a cloud of nothing else would take the square of their number.
+    if (before >= 0 && index.points()[static_cast<std::size_t>(before)] == point) {
+      patches[static_cast<std::size_t>(number)] = patches[static_cast<std::size_t>(before)];
+      return;
+    }
+    before = number;
     Moments<kDimension> moments;
     if (options.dense_radius_m > 0.0) {
       tree.for_each_within(point, std::min(options.dense_radius_m, options.reach_m),

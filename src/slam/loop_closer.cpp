@@ -140,6 +140,11 @@ bool LoopCloser::is_sound() const {
          });
 }
 
+bool LoopCloser::submaps_lie_within(double reach_m) const {
+  return std::ranges::all_of(entries_,
+                             [&](const Entry& entry) { return entry.submap.lies_within(reach_m); });
+}
+
 std::size_t LoopCloser::submap_count() const { return entries_.size(); }
 
 void LoopCloser::add(FinishedSubmap submap, double travelled_m) {

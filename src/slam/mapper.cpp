@@ -31,6 +31,9 @@ namespace {
 constexpr double kStillCells = 1.0;
 constexpr double kStillRad = 0.04;
 
+/// From a submap's origin its robot is never farther.
+constexpr double kMostSubmapTravelM = 300.0;
+
 /// Raised whenever a field list of that part changes.
 constexpr std::uint16_t kScanQueueVersion = 2;
 constexpr std::uint16_t kFrontEndVersion = 2;
@@ -221,6 +224,12 @@ void Mapper::restore_state(std::span<const StateChunk> chunks) {
   back_end_->restore(chunks);
   if (!back_end_->scans_fit(track_.size())) {
     throw DataError({chunks.front().origin.path}, "damaged: scans that contradict the path");
+  }
+  const double reach_m = options_.front_end.range_max_m + kMostSubmapTravelM;
+  if (!front_end_.submaps_lie_within(reach_m) ||
+      !back_end_->back_end().submaps_lie_within(reach_m)) {
+    throw DataError({chunks.front().origin.path},
+                    "damaged: a submap larger than the laser reaches");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "loopstone/slam/back_end.hpp"
+#include "loopstone/slam/front_end.hpp"
 #include "loopstone/slam/key_chain.hpp"
 
 namespace loopstone {
@@ -48,6 +49,12 @@ bool BackEnd::is_sound() const {
                                return closure.from_submap < submaps && closure.to_submap < submaps;
                              }) &&
          std::ranges::all_of(thinned_, [&](std::size_t stretch) { return stretch < stretches; });
+}
+
+bool FrontEnd::submaps_lie_within(double reach_m) const {
+  return std::ranges::all_of(active_, [&](const ActiveSubmap& active) {
+    return active.submap.freeze().lies_within(reach_m);
+  });
 }
 
 }  // namespace loopstone

@@ -173,6 +173,8 @@ TEST_F(MatchCommand, BadUsageIsOneLineThatSaysWhatToDo) {
       "image: blank.pgm\nresolution: 0.05\norigin: [0, 0, 0]\noccupied_thresh: 0.65\n"
       "free_thresh: 0.196\nnegate: 0\n");
   expect({scan(0), blank, "--global"}, 1, "shows no wall");
+  (void)folder_->write("blank.pgm", "P5 40 40 255\n" + std::string(1600, '\0'));
+  expect({scan(0), blank, "--global"}, 1, "is wall to 100 %");
   expect({flat, deep}, 2, "have no common motion");
   expect({scan(100000), map_}, 1, "has no scan 100000");
   expect({log_ + "/none#3", map_}, 1, "there is no such file or folder");

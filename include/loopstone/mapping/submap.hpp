@@ -43,6 +43,8 @@ struct FrozenSubmap {
   [[nodiscard]] SurfaceGrid surface_grid(const SubmapOptions& options) const;
   /// With as many levels as a window of that half side can use.
   [[nodiscard]] MaxPyramid search_pyramid(const SubmapOptions& options, double half_window_m) const;
+  /// Whether nothing of it lies farther than this from its origin along either axis, or is no number; for what comes from a file.
+  [[nodiscard]] bool lies_within(double reach_m) const;
   /// About `count` positions of its surfaces, evenly spaced, to search other submaps with.
   [[nodiscard]] std::vector<Eigen::Vector2d> probe(std::size_t count) const;
 

@@ -39,6 +39,9 @@ class BackEnd {
   [[nodiscard]] const std::vector<LoopClosure>& closures() const { return closures_; }
   [[nodiscard]] double path_length_m() const { return chain_.length_m(); }
   [[nodiscard]] std::size_t submap_count() const { return loops_.submap_count(); }
+  [[nodiscard]] bool submaps_lie_within(double reach_m) const {
+    return loops_.submaps_lie_within(reach_m);
+  }
   [[nodiscard]] double loop_closing_s() const { return loop_closing_s_; }
   [[nodiscard]] double optimisation_s() const { return optimisation_s_; }
 

@@ -111,6 +111,9 @@ class FrontEnd {
   [[nodiscard]] const OdometryCheck& odometry_check() const { return predictor_.check(); }
   [[nodiscard]] const LaserCheck& laser_check() const { return laser_check_; }
 
+  /// FrozenSubmap::lies_within() of the submaps still open.
+  [[nodiscard]] bool submaps_lie_within(double reach_m) const;
+
   /// The submaps still open, as they are. Call once, at the end.
   [[nodiscard]] std::vector<FinishedSubmap> finish();
 

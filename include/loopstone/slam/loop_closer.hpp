@@ -83,6 +83,9 @@ class LoopCloser {
 
   [[nodiscard]] bool is_dropped(std::size_t submap) const;
 
+  /// FrozenSubmap::lies_within() of every submap.
+  [[nodiscard]] bool submaps_lie_within(double reach_m) const;
+
   /// Nothing will be compared any more: drops what all submaps hold.
   void drop_all();
 
