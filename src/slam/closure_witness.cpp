@@ -70,8 +70,15 @@ double chi2(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   return error.dot(covariance.ldlt().solve(error));
 }
 
-/// Neighbours along the path hold scans of each other: what deceives the one deceives the other. Between submaps of which both
-/// pairs are neighbours, two closures are one.
+/// Neighbours along the path hold scans of each other: what deceives the one deceives the other. Closures between submaps of
+/// which both pairs are neighbours are hardly two, and must each be this good.
+constexpr double kSharedOverlap = 0.5;
+constexpr double kSharedAgreement = 0.85;
+
+bool is_good(const LoopClosure& closure) {
+  return closure.overlap >= kSharedOverlap && closure.agreement >= kSharedAgreement;
+}
+
 bool share_scans(const LoopClosure& a, const LoopClosure& b) {
   const auto neighbours = [](std::size_t i, std::size_t j) { return i <= j + 1 && j <= i + 1; };
   return neighbours(a.from_submap, b.from_submap) && neighbours(a.to_submap, b.to_submap);
@@ -86,7 +93,8 @@ bool bends_nothing(const LoopClosure& closure, const MapSoFar& map) {
 
 bool bear_witness(const LoopClosure& a, const LoopClosure& b, const MapSoFar& map) {
   const double travel_m = travel_between(map, a.from, b.from) + travel_between(map, a.to, b.to);
-  if (travel_m > kMostTravelM || share_scans(a, b)) return false;
+  if (travel_m > kMostTravelM) return false;
+  if (share_scans(a, b) && !(is_good(a) && is_good(b))) return false;
   // What b says of a's ends: a.from -> b.from -> b.to -> a.to.
   const Pose2 from_T_from = present(map, a.from, b.from);
   const Pose2 to_T_to = present(map, b.to, a.to);

@@ -54,11 +54,18 @@ TEST(ClosureWitness, TwoTrueClosuresBearWitness) {
   EXPECT_TRUE(bear_witness(b, a, laps.map()));
 }
 
-TEST(ClosureWitness, SubmapsThatShareScansAreOneWitness) {
+TEST(ClosureWitness, SubmapsThatShareScansAreOneWitnessUnlessBothAreGood) {
   const Laps laps;
-  const LoopClosure a = laps.closure(10, 110);
-  EXPECT_FALSE(bear_witness(a, laps.closure(10, 114), laps.map()));
+  LoopClosure a = laps.closure(10, 110);
+  LoopClosure b = laps.closure(10, 114);
+  EXPECT_FALSE(bear_witness(a, b, laps.map()));
   EXPECT_FALSE(bear_witness(a, laps.closure(14, 114), laps.map()));
+  a.overlap = b.overlap = 0.6;
+  a.agreement = b.agreement = 0.9;
+  EXPECT_TRUE(bear_witness(a, b, laps.map()));
+  b.agreement = 0.8;
+  EXPECT_FALSE(bear_witness(a, b, laps.map()));
+  EXPECT_FALSE(bear_witness(b, a, laps.map()));
   // Another place on one side is enough.
   EXPECT_TRUE(bear_witness(a, laps.closure(10, 118), laps.map()));
   EXPECT_TRUE(bear_witness(a, laps.closure(18, 110), laps.map()));
