@@ -131,7 +131,14 @@ bool LoopCloser::is_sound() const {
     const Entry& newer = entries_[seen.first.first];
     return newer.dropped || seen.second.size() == newer.submap.surfaces.size();
   };
-  return std::ranges::all_of(standing_, both_exist) &&
+  // Who walks back gets nowhere else: the path's length only grows. Written so that NaN does not pass.
+  double length_m = 0.0;
+  const auto goes_on = [&](const Entry& entry) {
+    const bool grows = entry.travelled_m >= length_m && std::isfinite(entry.travelled_m);
+    length_m = entry.travelled_m;
+    return grows;
+  };
+  return std::ranges::all_of(entries_, goes_on) && std::ranges::all_of(standing_, both_exist) &&
          std::ranges::all_of(tried_, [&](const auto& tried) { return both_exist(tried.first); }) &&
          std::ranges::all_of(tried_places_, both_exist) && std::ranges::all_of(seen_, fits) &&
          std::ranges::all_of(newly_closed_, exists) &&

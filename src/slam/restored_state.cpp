@@ -2,6 +2,7 @@
 // where one does not would read what is not there.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "loopstone/slam/back_end.hpp"
@@ -27,7 +28,13 @@ bool edges_stay_inside(const PoseGraph& graph) {
 }  // namespace
 
 bool KeyChain::is_sound() const {
-  if (travelled_m_.size() != stretches_.size()) return false;
+  if (travelled_m_.size() != stretches_.size() || !std::isfinite(length_m_ + breaks_m_))
+    return false;
+  double length_m = 0.0;
+  for (const double travelled_m : travelled_m_) {
+    if (!(travelled_m >= length_m && std::isfinite(travelled_m))) return false;
+    length_m = travelled_m;
+  }
   const KeyScan* before = nullptr;
   for (const Stretch& stretch : stretches_) {
     if (stretch.keys.empty()) return false;
