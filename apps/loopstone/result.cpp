@@ -71,7 +71,8 @@ void Result::print(const AppContext& context) const {
                                  : terminal_text(table()));
 }
 
-void print_to_stdout(std::string_view text) {
+void print_to_stdout(std::string_view document) {
+  const std::string text = with_escaped_controls(document);
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (!written || std::fflush(stdout) != 0) {
     throw DataError({"standard output"}, std::string("cannot write: ") + std::strerror(errno));

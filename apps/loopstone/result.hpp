@@ -56,7 +56,8 @@ class Result {
   nlohmann::ordered_json json_ = nlohmann::ordered_json::object();
 };
 
-/// Writes to stdout and makes sure that it arrived. Throws DataError when it did not (disk full, closed pipe).
-void print_to_stdout(std::string_view text);
+/// Writes to stdout, with_escaped_controls(), and makes sure that it arrived. Throws DataError when it did not (disk full, closed
+/// pipe).
+void print_to_stdout(std::string_view document);
 
 }  // namespace loopstone::app

@@ -35,4 +35,22 @@ std::string terminal_text(std::string_view text) {
   return result;
 }
 
+std::string with_escaped_controls(std::string_view document) {
+  std::string escaped;
+  escaped.reserve(document.size());
+  for (std::size_t i = 0; i < document.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(document[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < document.size() ? document[i + 1] : 0);
+    if (byte == 0x7f) {
+      escaped += "\\u007f";
+    } else if (byte == 0xc2 && next >= 0x80 && next <= 0x9f) {
+      escaped += fmt::format("\\u{:04x}", next);
+      ++i;
+    } else {
+      escaped += document[i];
+    }
+  }
+  return escaped;
+}
+
 }  // namespace loopstone::app
