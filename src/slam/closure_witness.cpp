@@ -72,7 +72,7 @@ double chi2(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
 
 /// Neighbours along the path hold scans of each other: what deceives the one deceives the other. Closures between submaps of
 /// which both pairs are neighbours are hardly two, and must each be this good.
-constexpr double kSharedOverlap = 0.5;
+constexpr double kSharedOverlap = 0.75;
 constexpr double kSharedAgreement = 0.85;
 
 bool is_good(const LoopClosure& closure) {

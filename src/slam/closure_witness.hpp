@@ -19,7 +19,7 @@ struct MapSoFar {
 
 /// Whether two closures between the same stretches of the path ask for the same correction: the loop of both and of the
 /// path between their ends closes, and would not without the correction. Two false closures seldom err alike, unless they are of the
-/// same scans: closures of submaps that are neighbours on both sides bear witness only where each overlaps by half and agrees
+/// same scans: closures of submaps that are neighbours on both sides bear witness only where each overlaps by three quarters and agrees
 /// to 85 %.
 /// Source: Mangelson et al. 2018, "Pairwise consistent measurement set maximization for robust multi-robot map merging".
 [[nodiscard]] bool bear_witness(const LoopClosure& a, const LoopClosure& b, const MapSoFar& map);

@@ -60,7 +60,7 @@ TEST(ClosureWitness, SubmapsThatShareScansAreOneWitnessUnlessBothAreGood) {
   LoopClosure b = laps.closure(10, 114);
   EXPECT_FALSE(bear_witness(a, b, laps.map()));
   EXPECT_FALSE(bear_witness(a, laps.closure(14, 114), laps.map()));
-  a.overlap = b.overlap = 0.6;
+  a.overlap = b.overlap = 0.8;
   a.agreement = b.agreement = 0.9;
   EXPECT_TRUE(bear_witness(a, b, laps.map()));
   b.agreement = 0.8;
