@@ -60,11 +60,13 @@ std::string bytes_text(std::uint64_t bytes) {
 }
 
 std::uint64_t parse_bytes(std::string_view text) {
-  const UsageError wrong("'" + std::string(text.substr(0, 40)) +
-                         "' is no amount of memory; write 512M or 2G, at least 16M");
+  const auto wrong = [text] {
+    return UsageError("'" + std::string(text.substr(0, 40)) +
+                      "' is no amount of memory; write 512M or 2G, at least 16M");
+  };
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{}) throw wrong;
+  if (error != std::errc{}) throw wrong();
   std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
   if (!unit.empty()) {
     const char letter =
@@ -75,10 +77,10 @@ std::uint64_t parse_bytes(std::string_view text) {
       unit.remove_prefix(1);
     }
     if (power != kPrefixes.npos && unit.starts_with('i')) unit.remove_prefix(1);
-    if (!unit.empty() && unit != "B" && unit != "b") throw wrong;
+    if (!unit.empty() && unit != "B" && unit != "b") throw wrong();
   }
   // Written so that NaN is wrong.
-  if (!(value >= 16777216.0 && value < 9e18)) throw wrong;
+  if (!(value >= 16777216.0 && value < 9e18)) throw wrong();
   return static_cast<std::uint64_t>(value);
 }
 
