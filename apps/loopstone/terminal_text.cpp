@@ -16,9 +16,9 @@ bool is_control(std::string_view character) {
   return first == 0xC2 && static_cast<unsigned char>(character[1]) < 0xA0;
 }
 
-}  // namespace
-
-std::string terminal_text(std::string_view text) {
+/// \param escaped  what stands for a control character, or for a byte that is no UTF-8 (`is_utf8` false)
+template <typename Escaped>
+std::string without_controls(std::string_view text, Escaped&& escaped) {
   std::string result;
   result.reserve(text.size());
   while (!text.empty()) {
@@ -27,30 +27,30 @@ std::string terminal_text(std::string_view text) {
     if (length > 0 && !is_control(character)) {
       result += character;
     } else {
-      for (const char byte : character)
-        result += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
+      result += escaped(character, length > 0);
     }
     text.remove_prefix(character.size());
   }
   return result;
 }
 
+}  // namespace
+
+std::string terminal_text(std::string_view text) {
+  return without_controls(text, [](std::string_view character, bool /*is_utf8*/) {
+    std::string bytes;
+    for (const char byte : character)
+      bytes += fmt::format("\\x{:02x}", static_cast<unsigned char>(byte));
+    return bytes;
+  });
+}
+
 std::string with_escaped_controls(std::string_view document) {
-  std::string escaped;
-  escaped.reserve(document.size());
-  for (std::size_t i = 0; i < document.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(document[i]);
-    const auto next = static_cast<unsigned char>(i + 1 < document.size() ? document[i + 1] : 0);
-    if (byte == 0x7f) {
-      escaped += "\\u007f";
-    } else if (byte == 0xc2 && next >= 0x80 && next <= 0x9f) {
-      escaped += fmt::format("\\u{:04x}", next);
-      ++i;
-    } else {
-      escaped += document[i];
-    }
-  }
-  return escaped;
+  return without_controls(document, [](std::string_view character, bool is_utf8) {
+    // The last byte of U+0080 to U+009F is the character's number.
+    return is_utf8 ? fmt::format("\\u{:04x}", static_cast<unsigned char>(character.back()))
+                   : std::string(character);
+  });
 }
 
 }  // namespace loopstone::app

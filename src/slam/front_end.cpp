@@ -75,6 +75,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   auto surfaces =
       surfaces_of(scan, robot_T_lidar, velocity_to(guesses.front().local_T_robot, scan));
   tracked.used = believed && surfaces.size() >= kMinPoints;
+  const auto blind = [&] { return blind_motion(scan.stamp, guesses.front(), odometry); };
   Seen seen;
   if (!tracked.used) {
     tracked.covariance = guesses.front().information.inverse();
@@ -82,16 +83,15 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
     tracked.status = MatchStatus::kConverged;
     tracked.score = 1.0;
     seen = {true, true};
-  } else if (const auto blind = blind_motion(scan.stamp, guesses.front(), odometry);
-             is_gap(scan.stamp) && !blind.is_short()) {
-    seen = rejoin(surfaces, blind, scan.stamp, tracked);
+  } else if (is_gap(scan.stamp) && !blind().is_short()) {
+    seen = rejoin(surfaces, blind(), scan.stamp, tracked);
   } else {
     seen = follow(scan, robot_T_lidar, guesses, surfaces, tracked);
-    if (is_gap(scan.stamp)) note_gap(blind, scan.stamp, tracked);
+    if (is_gap(scan.stamp)) note_gap(blind(), scan.stamp, tracked);
   }
   if (lost_in_a_row_ > kMostLost) {
-    const BlindMotion blind = blind_motion(scan.stamp, guesses.front(), {});
-    begin_piece(blind, BreakCause::kContradicted, scan.stamp, tracked);
+    begin_piece(blind_motion(scan.stamp, guesses.front(), {}), BreakCause::kContradicted,
+                scan.stamp, tracked);
   }
 
   predictor_.settle(scan.stamp, tracked.local_T_robot, odometry, seen);

@@ -10,6 +10,7 @@
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "loopstone/slam/key_chain.hpp"
 #include "slam/place_descriptor.hpp"
 #include "slam/scan_edges.hpp"
 
@@ -131,14 +132,9 @@ bool LoopCloser::is_sound() const {
     const Entry& newer = entries_[seen.first.first];
     return newer.dropped || seen.second.size() == newer.submap.surfaces.size();
   };
-  // Who walks back gets nowhere else: the path's length only grows. Written so that NaN does not pass.
-  double length_m = 0.0;
-  const auto goes_on = [&](const Entry& entry) {
-    const bool grows = entry.travelled_m >= length_m && std::isfinite(entry.travelled_m);
-    length_m = entry.travelled_m;
-    return grows;
-  };
-  return std::ranges::all_of(entries_, goes_on) && std::ranges::all_of(standing_, both_exist) &&
+  std::vector<double> travelled_m;
+  for (const Entry& entry : entries_) travelled_m.push_back(entry.travelled_m);
+  return only_grows(travelled_m) && std::ranges::all_of(standing_, both_exist) &&
          std::ranges::all_of(tried_, [&](const auto& tried) { return both_exist(tried.first); }) &&
          std::ranges::all_of(tried_places_, both_exist) && std::ranges::all_of(seen_, fits) &&
          std::ranges::all_of(newly_closed_, exists) &&

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "loopstone/slam/back_end.hpp"
 #include "loopstone/slam/front_end.hpp"
@@ -27,14 +28,15 @@ bool edges_stay_inside(const PoseGraph& graph) {
 
 }  // namespace
 
+bool only_grows(std::span<const double> travelled_m) {
+  return std::ranges::all_of(travelled_m, [](double m) { return m >= 0.0 && std::isfinite(m); }) &&
+         std::ranges::is_sorted(travelled_m);
+}
+
 bool KeyChain::is_sound() const {
-  if (travelled_m_.size() != stretches_.size() || !std::isfinite(length_m_ + breaks_m_))
+  if (travelled_m_.size() != stretches_.size() || !only_grows(travelled_m_) ||
+      !std::isfinite(length_m_ + breaks_m_))
     return false;
-  double length_m = 0.0;
-  for (const double travelled_m : travelled_m_) {
-    if (!(travelled_m >= length_m && std::isfinite(travelled_m))) return false;
-    length_m = travelled_m;
-  }
   const KeyScan* before = nullptr;
   for (const Stretch& stretch : stretches_) {
     if (stretch.keys.empty()) return false;

@@ -29,6 +29,10 @@ struct KeyScan {
   }
 };
 
+/// Whether the lengths of a path at places along it are what they can be: finite, and nowhere less than before. For what comes from
+/// a file.
+[[nodiscard]] bool only_grows(std::span<const double> travelled_m);
+
 /// The path as key scans, cut into stretches: a stretch begins with the key scan that a submap begins with.
 ///
 /// Loop closing needs the stretches' first poses alone, so that is what it solves for: some hundred nodes instead of some thousand.
