@@ -10,7 +10,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/decimal_stamp.hpp"
 #include "loopstone/formats/log_reader.hpp"
-#include "loopstone/slam/scan_queue.hpp"
+#include "loopstone/odometry/scan_queue.hpp"
 
 namespace loopstone {
 namespace {

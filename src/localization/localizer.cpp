@@ -20,7 +20,7 @@
 #include "loopstone/geometry/pose_distance.hpp"
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/pose_belief.hpp"
-#include "loopstone/slam/scan_queue.hpp"
+#include "loopstone/odometry/scan_queue.hpp"
 
 namespace loopstone {
 

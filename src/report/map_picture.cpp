@@ -24,11 +24,11 @@ void draw_loop_closures(const MapResult& result, const MapView& view, const Pict
   };
   // Hundreds of them must not hide the map.
   const auto count = std::count_if(result.loop_closures.begin(), result.loop_closures.end(),
-                                   [](const LoopClosure& closure) { return closure.accepted; });
+                                   [](const LoopClosure& closure) { return closure.stands(); });
   const double alpha = std::clamp(
       0.55 * std::sqrt(50.0 / static_cast<double>(std::max<std::int64_t>(count, 1))), 0.1, 0.55);
   for (const LoopClosure& closure : result.loop_closures) {
-    if (!closure.accepted || !exists(closure.from) || !exists(closure.to)) continue;
+    if (!closure.stands() || !exists(closure.from) || !exists(closure.to)) continue;
     const Point from =
         view.pixel_of(poses[static_cast<std::size_t>(closure.from.index)].translation());
     const Point to = view.pixel_of(poses[static_cast<std::size_t>(closure.to.index)].translation());
@@ -77,7 +77,7 @@ Image draw_map_picture(const MapResult& result, const MapPictureOptions& options
   footer.add_axes();
   if (options.trajectory) add_time_ramp(footer, sizes, result.statistics.duration_s);
   const auto accepted = std::count_if(result.loop_closures.begin(), result.loop_closures.end(),
-                                      [](const LoopClosure& closure) { return closure.accepted; });
+                                      [](const LoopClosure& closure) { return closure.stands(); });
   if (options.loop_closures && accepted > 0) add_loop_closures(footer, sizes, accepted);
 
   Canvas canvas(width, view.height_px + static_cast<int>(footer.height()), kUnseenGround);

@@ -122,12 +122,12 @@ class ClosureTable {
  public:
   explicit ClosureTable(const MapResult& result) : result_(result) {}
 
-  [[nodiscard]] std::string rows(bool accepted) const {
+  [[nodiscard]] std::string rows(bool stand) const {
     std::string html;
     std::size_t shown = 0;
     std::size_t left_out = 0;
     for (const LoopClosure& closure : result_.loop_closures) {
-      if (closure.accepted != accepted) continue;
+      if (closure.stands() != stand) continue;
       if (shown == kMostClosureRows) {
         ++left_out;
         continue;
@@ -146,7 +146,7 @@ class ClosureTable {
                "<th class=\"n\">score</th><th class=\"n\">second</th><th "
                "class=\"n\">overlap</th><th class=\"n\">agreement</th>"
                "<th class=\"n\">χ²</th><th>") +
-           (accepted ? "" : "reason") + "</th></tr></thead><tbody>\n" + html +
+           (stand ? "" : "reason") + "</th></tr></thead><tbody>\n" + html +
            "</tbody></table></div>\n";
   }
 
@@ -163,12 +163,14 @@ class ClosureTable {
   [[nodiscard]] std::string row(const LoopClosure& closure) const {
     return fmt::format(
         "<tr><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{:.2f}</td><td "
-        "class=\"n\">{:.2f}</td>"
+        "class=\"n\">{}</td>"
         "<td class=\"n\">{:.2f}</td><td class=\"n\">{:.2f}</td><td "
         "class=\"n\">{}</td><td>{}</td></tr>\n",
-        when(closure.from), when(closure.to), closure.score, closure.second_score, closure.overlap,
-        closure.agreement, readable(closure.chi2),
-        closure.accepted ? "<span class=\"good\">accepted</span>" : escape_html(closure.reason));
+        when(closure.from), when(closure.to), closure.score,
+        closure.second_score ? fmt::format("{:.2f}", *closure.second_score) : "", closure.overlap,
+        closure.agreement, closure.chi2 ? readable(*closure.chi2) : "",
+        closure.stands() ? "<span class=\"good\">accepted</span>"
+                         : escape_html(std::string(to_string(closure.reason))));
   }
 
   const MapResult& result_;
@@ -189,7 +191,7 @@ std::string loop_closures(const MapResult& result) {
   html += table.rows(true);
   if (const std::string rejected = table.rows(false); !rejected.empty()) {
     const auto count = std::count_if(result.loop_closures.begin(), result.loop_closures.end(),
-                                     [](const LoopClosure& closure) { return !closure.accepted; });
+                                     [](const LoopClosure& closure) { return !closure.stands(); });
     html += "<details><summary>" + count_of(count, "rejected candidate", "rejected candidates") +
             "</summary>\n" + rejected + "</details>\n";
   }

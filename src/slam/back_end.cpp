@@ -22,6 +22,11 @@ constexpr double kNewsChi2 = 6.0;
 /// Rounds of looking everywhere with ever better poses.
 constexpr int kFinalRounds = 2;
 
+double chi2_at(const LoopClosure& closure, std::span<const Pose2> poses) {
+  const auto pose = [&](NodeId node) { return poses[static_cast<std::size_t>(node.index)]; };
+  return edge_chi2(edge_of(closure), pose(closure.from), pose(closure.to));
+}
+
 }  // namespace
 
 BackEnd::BackEnd(const MapOptions& options, Threads threads)
@@ -55,10 +60,10 @@ void BackEnd::add_submap(FinishedSubmap submap) {
 
 /// A stretch lies in the submap that it starts and in the one before.
 void BackEnd::thin_covered() {
-  for (const std::size_t submap : loops_.drop_covered()) {
-    for (const std::size_t stretch : {submap, submap + 1}) {
+  for (const SubmapId submap : loops_.drop_covered()) {
+    for (const std::size_t stretch : {submap.index, submap.index + 1}) {
       if (stretch == 0 || stretch >= loops_.submap_count()) continue;
-      if (!loops_.is_dropped(stretch - 1) || !loops_.is_dropped(stretch)) continue;
+      if (!loops_.is_dropped({stretch - 1}) || !loops_.is_dropped({stretch})) continue;
       chain_.thin(stretch);
       thinned_.push_back(stretch);
     }
@@ -81,13 +86,12 @@ void BackEnd::finish(const std::function<bool()>& goes_on) {
   graph_ = chain_.expand(outline_.poses);
   const auto nodes = chain_.first_nodes();
   for (auto& closure : closures_) {
-    closure.from = nodes[closure.from_submap];
-    closure.to = nodes[closure.to_submap];
+    closure.from = nodes[closure.from_submap.index];
+    closure.to = nodes[closure.to_submap.index];
   }
-  if (std::any_of(closures_.begin(), closures_.end(), [](const auto& c) { return c.accepted; }))
-    solve(graph_);
+  if (std::ranges::any_of(closures_, &LoopClosure::stands)) solve(graph_);
   for (const auto& closure : closures_) {
-    if (closure.accepted) graph_.edges.push_back(loops_.edge_of(closure));
+    if (closure.stands()) graph_.edges.push_back(edge_of(closure));
   }
 }
 
@@ -95,11 +99,12 @@ void BackEnd::finish(const std::function<bool()>& goes_on) {
 void BackEnd::accept_lone() {
   bool news = false;
   for (auto& closure : closures_) {
-    if (closure.accepted || closure.reason != kWaitsForWitness) continue;
-    closure.accepted = !loops_.tried_for_looks(closure) && closure.second_score == 0.0 &&
-                       closure.overlap >= kLoneOverlap && closure.agreement >= kLoneAgreement;
-    closure.reason = closure.accepted ? "" : "no second closure asks for the same";
-    news = news || closure.accepted;
+    if (closure.state != ClosureState::kWaiting) continue;
+    const bool strong = !closure.by_appearance && !closure.second_score &&
+                        closure.overlap >= kLoneOverlap && closure.agreement >= kLoneAgreement;
+    closure.state = strong ? ClosureState::kStanding : ClosureState::kRejected;
+    closure.reason = strong ? ClosureReason::kNone : ClosureReason::kNoSecond;
+    news = news || strong;
   }
   if (news) solve(outline_);
 }
@@ -108,13 +113,9 @@ void BackEnd::take(std::vector<LoopClosure> found) {
   for (auto& closure : found) {
     // What was tried before and failed is replaced by the newer attempt.
     std::erase_if(closures_, [&](const LoopClosure& old) {
-      return !old.accepted && old.from_submap == closure.from_submap &&
+      return !old.stands() && old.from_submap == closure.from_submap &&
              old.to_submap == closure.to_submap;
     });
-    if (closure.accepted) {
-      closure.accepted = false;
-      closure.reason = kWaitsForWitness;
-    }
     closures_.push_back(std::move(closure));
   }
   // Each solution brings the map nearer to the truth, so that more of those that wait may agree with it.
@@ -131,9 +132,9 @@ void BackEnd::take(std::vector<LoopClosure> found) {
 double BackEnd::unsolved_chi2() const {
   double sum = 0.0;
   for (const auto& closure : closures_) {
-    if (!closure.accepted || closure.chi2 > 0.0) continue;
-    sum += edge_chi2(loops_.edge_of(closure), outline_.poses[closure.from_submap],
-                     outline_.poses[closure.to_submap]);
+    if (!closure.stands() || closure.chi2) continue;
+    sum += edge_chi2(edge_of(closure), outline_.poses[closure.from_submap.index],
+                     outline_.poses[closure.to_submap.index]);
   }
   return sum;
 }
@@ -145,24 +146,20 @@ void BackEnd::solve(PoseGraph& graph) {
   while (true) {
     PoseGraph whole = graph;
     for (const auto& closure : closures_) {
-      if (closure.accepted) whole.edges.push_back(loops_.edge_of(closure));
+      if (closure.stands()) whole.edges.push_back(edge_of(closure));
     }
     graph.poses = optimize(whole, solver).poses;
     // The worst closure that can't be reconciled goes; then the rest is solved again.
     LoopClosure* worst = nullptr;
     for (auto& closure : closures_) {
-      if (!closure.accepted) continue;
-      const auto edge = loops_.edge_of(closure);
-      const Eigen::Vector3d error =
-          edge_error(edge, graph.poses[static_cast<std::size_t>(edge.from.index)],
-                     graph.poses[static_cast<std::size_t>(edge.to.index)]);
-      closure.chi2 = error.dot(edge.information * error);
-      if (closure.chi2 > kRevokeChi2 && (worst == nullptr || closure.chi2 > worst->chi2))
+      if (!closure.stands()) continue;
+      closure.chi2 = chi2_at(closure, graph.poses);
+      if (*closure.chi2 > kRevokeChi2 && (worst == nullptr || closure.chi2 > worst->chi2))
         worst = &closure;
     }
     if (worst == nullptr) break;
-    worst->accepted = false;
-    worst->reason = "revoked: contradicts the rest of the graph";
+    worst->state = ClosureState::kRevoked;
+    worst->reason = ClosureReason::kContradictsGraph;
   }
   optimisation_s_ += watch.seconds();
 }

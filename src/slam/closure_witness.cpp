@@ -80,7 +80,9 @@ bool is_good(const LoopClosure& closure) {
 }
 
 bool share_scans(const LoopClosure& a, const LoopClosure& b) {
-  const auto neighbours = [](std::size_t i, std::size_t j) { return i <= j + 1 && j <= i + 1; };
+  const auto neighbours = [](SubmapId i, SubmapId j) {
+    return i.index <= j.index + 1 && j.index <= i.index + 1;
+  };
   return neighbours(a.from_submap, b.from_submap) && neighbours(a.to_submap, b.to_submap);
 }
 
@@ -118,9 +120,7 @@ bool bear_witness(const LoopClosure& a, const LoopClosure& b, const MapSoFar& ma
 }
 
 bool accept_witnessed(std::vector<LoopClosure>& closures, const MapSoFar& map) {
-  const auto waits = [](const LoopClosure& c) {
-    return !c.accepted && c.reason == kWaitsForWitness;
-  };
+  const auto waits = [](const LoopClosure& c) { return c.state == ClosureState::kWaiting; };
   std::vector<std::size_t> accepted;
   for (std::size_t i = 0; i < closures.size(); ++i) {
     const LoopClosure& closure = closures[i];
@@ -128,14 +128,14 @@ bool accept_witnessed(std::vector<LoopClosure>& closures, const MapSoFar& map) {
     const bool stands =
         bends_nothing(closure, map) ||
         std::any_of(closures.begin(), closures.end(), [&](const LoopClosure& other) {
-          return &other != &closure && (other.accepted || waits(other)) &&
+          return &other != &closure && (other.stands() || waits(other)) &&
                  bear_witness(closure, other, map);
         });
     if (stands) accepted.push_back(i);
   }
   for (const std::size_t i : accepted) {
-    closures[i].accepted = true;
-    closures[i].reason.clear();
+    closures[i].state = ClosureState::kStanding;
+    closures[i].reason = ClosureReason::kNone;
   }
   return !accepted.empty();
 }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "loopstone/geometry/pose2.hpp"
-#include "loopstone/slam/map_result.hpp"
+#include "loopstone/slam/loop_closure.hpp"
 
 namespace loopstone {
 
@@ -27,8 +27,5 @@ struct MapSoFar {
 /// Settles which of the closures that wait may stand: those that bend nothing, and those that another one, standing or
 /// waiting, bears witness for. Returns whether any was accepted.
 bool accept_witnessed(std::vector<LoopClosure>& closures, const MapSoFar& map);
-
-/// The reason of closures that wait.
-inline constexpr const char* kWaitsForWitness = "waits for a second closure that asks for the same";
 
 }  // namespace loopstone

@@ -50,10 +50,9 @@ int independent_loops(const PoseGraph& graph) {
 GraphQuality assess_graph(const MapResult& result) {
   GraphQuality quality;
   for (const LoopClosure& closure : result.loop_closures) {
-    // Of those that do not stand, only what was once in the graph has a chi2.
-    const bool revoked = !closure.accepted && closure.chi2 > 0.0;
+    const bool revoked = closure.state == ClosureState::kRevoked;
     if (revoked) ++quality.closures_revoked;
-    if (revoked || closure.accepted) ++quality.closures;
+    if (revoked || closure.stands()) ++quality.closures;
   }
   const PoseGraph& graph = result.graph;
   if (graph.poses.size() < 2) return quality;

@@ -37,7 +37,7 @@ constexpr double kMostSubmapTravelM = 300.0;
 /// Raised whenever a field list of that part changes.
 constexpr std::uint16_t kScanQueueVersion = 2;
 constexpr std::uint16_t kFrontEndVersion = 2;
-constexpr std::uint16_t kBackEndVersion = 2;
+constexpr std::uint16_t kBackEndVersion = 3;
 constexpr std::uint16_t kMapperVersion = 2;
 
 /// Who interrupts a run does not wait for the map of all scans; one of these is drawn in half a second and shows every wall.
@@ -363,7 +363,7 @@ std::vector<PosedScan> Mapper::place_scans(std::vector<KeyScan> keys, MapResult&
 void Mapper::count(MapResult& result) {
   auto& statistics = result.statistics;
   for (const auto& closure : result.loop_closures) {
-    ++(closure.accepted ? statistics.loop_closures_accepted : statistics.loop_closures_rejected);
+    ++(closure.stands() ? statistics.loop_closures_accepted : statistics.loop_closures_rejected);
   }
   if (!result.trajectory.empty()) {
     statistics.duration_s =

@@ -55,7 +55,10 @@ bool BackEnd::is_sound() const {
          edges_stay_inside(outline_) && edges_stay_inside(graph_) &&
          std::ranges::all_of(closures_,
                              [&](const LoopClosure& closure) {
-                               return closure.from_submap < submaps && closure.to_submap < submaps;
+                               return closure.from_submap.index < submaps &&
+                                      closure.to_submap.index < submaps &&
+                                      closure.state <= ClosureState::kRevoked &&
+                                      closure.reason <= ClosureReason::kContradictsGraph;
                              }) &&
          std::ranges::all_of(thinned_, [&](std::size_t stretch) { return stretch < stretches; });
 }

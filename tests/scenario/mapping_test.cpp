@@ -19,7 +19,7 @@ namespace {
 int false_closures(const MapResult& result, const SimulatedLog& log) {
   int wrong = 0;
   for (const LoopClosure& closure : result.loop_closures) {
-    if (!closure.accepted) continue;
+    if (!closure.stands()) continue;
     const auto truth_at = [&](NodeId node) {
       return *log.truth.at_clamped(result.node_stamps[static_cast<std::size_t>(node.index)]);
     };

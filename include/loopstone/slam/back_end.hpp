@@ -7,10 +7,11 @@
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/slam/finished_submap.hpp"
 #include "loopstone/slam/key_chain.hpp"
 #include "loopstone/slam/loop_closer.hpp"
+#include "loopstone/slam/loop_closure.hpp"
 #include "loopstone/slam/map_options.hpp"
-#include "loopstone/slam/map_result.hpp"
 
 namespace loopstone {
 

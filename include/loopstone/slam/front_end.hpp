@@ -10,6 +10,7 @@
 #include "loopstone/registration/grid_matcher.hpp"
 #include "loopstone/registration/match_result.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
+#include "loopstone/slam/finished_submap.hpp"
 #include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/motion_predictor.hpp"
 #include "loopstone/slam/path_break.hpp"
@@ -50,15 +51,6 @@ void visit_options(FrontEndOptions& options, Visitor&& visit) {
   visit("odometry", options.odometry, OneOf{{"check", "trust", "ignore"}},
         "used while it agrees with the laser, used always, or not at all");
 }
-
-/// A submap that is full, and the key scans that are in it.
-struct FinishedSubmap {
-  FrozenSubmap submap;
-  std::size_t first_key = 0;  ///< its frame is this key scan's pose
-  std::size_t last_key = 0;
-  std::size_t piece =
-      0;  ///< of the path: a new one begins where the laser can't tell how it goes on
-};
 
 /// What the front end says of one scan.
 struct TrackedScan {

@@ -1,21 +1,20 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <functional>
 #include <map>
 #include <set>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "loopstone/base/byte_archive.hpp"
 #include "loopstone/base/options.hpp"
 #include "loopstone/base/parallel_for.hpp"
-#include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/mapping/submap.hpp"
 #include "loopstone/registration/grid_matcher.hpp"
-#include "loopstone/slam/front_end.hpp"
-#include "loopstone/slam/map_result.hpp"
+#include "loopstone/slam/finished_submap.hpp"
+#include "loopstone/slam/loop_closure.hpp"
 
 namespace loopstone {
 
@@ -55,6 +54,21 @@ void visit_options(LoopOptions& options, Visitor&& visit) {
         "none");
 }
 
+struct LoopSubmap;
+struct LoopCandidate;
+
+/// Two submaps, in the order in which maps of pairs keep them.
+struct SubmapPair {
+  SubmapId newer{};
+  SubmapId older{};
+  friend constexpr auto operator<=>(const SubmapPair&, const SubmapPair&) = default;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(newer, older);
+  }
+};
+
 /// Recognises places: compares whole submaps, which are far more distinctive than single scans.
 class LoopCloser {
  public:
@@ -67,21 +81,25 @@ class LoopCloser {
   /// \param travelled_m  along the path, at the submap's first key scan
   void add(FinishedSubmap submap, double travelled_m);
 
-  /// Compares the newest submap with older ones within reach at the present poses, nearest first, until those that match
-  /// saw nearly all of it; then with those that look like it, where the poses may be wrong by more than the largest window.
-  /// Everything tried that scored well enough to be considered is returned, accepted or not; its nodes are submaps.
+  /// Compares the newest submap with older ones within reach at the present poses, nearest first,
+  /// until those that match saw nearly all of it; then with those that look like it, where the poses
+  /// may be wrong by more than the largest window. Everything tried that scored well enough to be
+  /// considered is returned, waiting or rejected; its nodes are submaps.
   [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<const Pose2> map_T_submap);
 
-  /// Compares all pairs within reach that have not been closed yet; for the end of a run, when poses are good.
-  /// \param goes_on  asked now and then; once it returns false, what was found until then is returned. May be empty.
+  /// Compares all pairs within reach that have not been closed yet; for the end of a run, when poses
+  /// are good.
+  /// \param goes_on  asked now and then; once it returns false, what was found until then is
+  ///                 returned. May be empty.
   [[nodiscard]] std::vector<LoopClosure> close_all(std::span<const Pose2> map_T_submap,
                                                    const std::function<bool()>& goes_on = {});
 
-  /// Drops what submaps hold that saw nothing new: standing closures tie them to older ones, and those saw nearly all of
-  /// their surfaces. They keep their places, but nothing is compared with them any more. Returns which.
-  std::vector<std::size_t> drop_covered();
+  /// Drops what submaps hold that saw nothing new: standing closures tie them to older ones, and
+  /// those saw nearly all of their surfaces. They keep their places, but nothing is compared with
+  /// them any more. Returns which.
+  std::vector<SubmapId> drop_covered();
 
-  [[nodiscard]] bool is_dropped(std::size_t submap) const;
+  [[nodiscard]] bool is_dropped(SubmapId submap) const;
 
   /// FrozenSubmap::lies_within() of every submap.
   [[nodiscard]] bool submaps_lie_within(double reach_m) const;
@@ -94,44 +112,32 @@ class LoopCloser {
 
   [[nodiscard]] std::size_t submap_count() const;
 
-  /// Whether a closure's submaps were compared for their looks: no pose vouches for it.
-  [[nodiscard]] bool tried_for_looks(const LoopClosure& closure) const;
-
-  /// The edge that a closure adds to the graph.
-  [[nodiscard]] RelativePoseEdge edge_of(const LoopClosure& closure) const;
-
   void archive(ByteWriter& a);
   void archive(ByteReader& a);
 
  private:
-  struct Entry;
-  struct Pair;
   template <typename Archive>
   void archive_fields(Archive& a);
   [[nodiscard]] bool is_sound() const;
-  [[nodiscard]] std::vector<Pair> candidates_for(std::size_t newer,
-                                                 std::span<const Pose2> map_T_submap);
-  [[nodiscard]] std::vector<Pair> places_like(std::size_t newer, std::span<const Pair> far);
-  [[nodiscard]] const std::vector<float>& looks_of(std::size_t submap);
-  [[nodiscard]] std::vector<double> travel_from(std::size_t from) const;
-  [[nodiscard]] bool was_tried(const Pair& pair) const;
-  [[nodiscard]] std::vector<LoopClosure> compare(std::span<const Pair> pairs);
-  void refuse_rivals(std::vector<LoopClosure>& closures, std::span<const Pose2> map_T_submap) const;
+  [[nodiscard]] std::vector<LoopCandidate> untried_for(SubmapId newer,
+                                                       std::span<const Pose2> map_T_submap);
+  [[nodiscard]] bool was_tried(const LoopCandidate& candidate) const;
+  void note_tried(const LoopCandidate& candidate);
+  [[nodiscard]] std::vector<LoopClosure> compare(std::span<const LoopCandidate> candidates);
+  void reject_rivals(std::vector<LoopClosure>& closures, std::span<const Pose2> map_T_submap) const;
 
   LoopOptions options_;
   SubmapOptions submap_options_;
   GridMatchOptions match_options_;
   Threads threads_;
-  std::vector<Entry> entries_;
-  std::set<std::pair<std::size_t, std::size_t>> standing_;  ///< closures: (newer, older)
-  std::map<std::pair<std::size_t, std::size_t>, Pose2>
-      tried_;  ///< (older, newer): older_T_newer at the last attempt
-  std::set<std::pair<std::size_t, std::size_t>>
-      tried_places_;  ///< (older, newer): compared for their looks, which no pose changes
-  /// (newer, older): which of the newer one's surfaces the older one saw; of closures that stood when they were found.
-  std::map<std::pair<std::size_t, std::size_t>, std::vector<bool>> seen_;
-  std::set<std::size_t>
-      newly_closed_;  ///< newer submaps of closures that came to stand since drop_covered()
+  std::vector<LoopSubmap> submaps_;
+  std::set<SubmapPair> standing_;
+  std::map<SubmapPair, Pose2> tried_;  ///< older_T_newer at the last attempt
+  /// Compared by appearance, which no pose changes.
+  std::set<SubmapPair> tried_by_appearance_;
+  /// Which of the newer one's surfaces the older one saw; of closures that waited when found.
+  std::map<SubmapPair, std::vector<bool>> seen_;
+  std::set<SubmapId> newly_closed_;  ///< the newer ones of closures since drop_covered()
 };
 
 }  // namespace loopstone

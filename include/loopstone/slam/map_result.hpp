@@ -11,33 +11,11 @@
 #include "loopstone/odometry/odometry_check.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 #include "loopstone/slam/laser_check.hpp"
+#include "loopstone/slam/loop_closure.hpp"
 #include "loopstone/slam/map_verdict.hpp"
 #include "loopstone/slam/path_break.hpp"
 
 namespace loopstone {
-
-/// A place that was recognised, or looked like it.
-struct LoopClosure {
-  NodeId from;  ///< anchor of the older submap
-  NodeId to;    ///< anchor of the newer submap (or a key scan)
-  std::size_t from_submap = 0;
-  std::size_t to_submap = 0;
-  Pose2 from_T_to;                                       ///< as measured by registration
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of from_T_to, (x, y, yaw)
-  double score = 0.0;                                    ///< [0, 1], share of points explained
-  double second_score = 0.0;  ///< best score elsewhere in the window; near `score` means ambiguous
-  double overlap = 0.0;  ///< [0, 1], share of points that fall where the older submap was observed
-  double agreement = 0.0;  ///< [0, 1], of those, share that lies on a surface facing the same way
-  double chi2 = 0.0;       ///< at the final poses
-  bool accepted = false;
-  std::string reason;  ///< why it was rejected or revoked; empty when accepted
-
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(from, to, from_submap, to_submap, from_T_to, covariance, score, second_score, overlap,
-      agreement, chi2, accepted, reason);
-  }
-};
 
 /// The figures of a run.
 struct MapStatistics {

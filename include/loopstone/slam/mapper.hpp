@@ -13,6 +13,7 @@
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/base/state_chunk.hpp"
 #include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/odometry/scan_queue.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/sensor/scan_points.hpp"
@@ -20,7 +21,6 @@
 #include "loopstone/slam/key_chain.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
-#include "loopstone/slam/scan_queue.hpp"
 
 namespace loopstone {
 

@@ -9,11 +9,11 @@
 #include "loopstone/base/progress.hpp"
 #include "loopstone/graph/solver.hpp"
 #include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/odometry/scan_queue.hpp"
 #include "loopstone/registration/icp.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/map_result.hpp"
-#include "loopstone/slam/scan_queue.hpp"
 
 namespace loopstone {
 

@@ -51,9 +51,9 @@ MapResult small_result() {
   for (int i = 1; i < 6; ++i)
     result.graph.edges.push_back({NodeId{i - 1}, NodeId{i}, Pose2{1.0, 0.0, 1.0}});
   LoopClosure accepted{.from = NodeId{0}, .to = NodeId{5}, .score = 0.81, .second_score = 0.4};
-  accepted.accepted = true;
+  accepted.state = ClosureState::kStanding;
   LoopClosure rejected{.from = NodeId{1}, .to = NodeId{4}, .score = 0.5, .second_score = 0.49};
-  rejected.reason = "ambiguous <score>";
+  rejected.reason = ClosureReason::kAmbiguousPose;
   result.loop_closures = {accepted, rejected};
   result.statistics.scans = 120;
   result.statistics.key_scans = 6;
@@ -113,11 +113,11 @@ TEST(MapOutputs, EveryClosureIsListedWithItsEvidence) {
   EXPECT_EQ(dir.read("out/loop_closures.csv"),
             "from_t_s,to_t_s,from_node,to_node,from_submap,to_submap,x_m,y_m,yaw_rad,"
             "xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2,"
-            "score,second_score,overlap,agreement,chi2,accepted,reason\n"
+            "score,second_score,overlap,agreement,chi2,by_appearance,accepted,state,reason\n"
             "1500000000.000000000,1500000010.000000000,0,5,0,0,1.5,-2,0.25,0,0.125,0,0,0,0,"
-            "0.81,0.4,0,0,0,1,\n"
+            "0.81,0.4,0,0,,0,1,standing,\n"
             "1500000002.000000000,1500000008.000000000,1,4,0,0,0,0,0,0,0,0,0,0,0,"
-            "0.5,0.49,0,0,0,0,ambiguous <score>\n");
+            "0.5,0.49,0,0,,0,0,rejected,ambiguous: another pose scores nearly as well\n");
 }
 
 TEST(MapOutputs, SummaryHasEveryKeyOfTheContract) {
@@ -172,7 +172,7 @@ TEST(MapOutputs, ReportNeedsNothingElse) {
   EXPECT_NE(html.find("data:image/png;base64,iVBORw0KGgo"), std::string::npos);
   EXPECT_NE(html.find("a&amp;b.clf"), std::string::npos);
   EXPECT_NE(html.find("stamps &lt;went&gt; back &amp; forth"), std::string::npos);
-  EXPECT_NE(html.find("ambiguous &lt;score&gt;"), std::string::npos);
+  EXPECT_NE(html.find("ambiguous: another pose scores nearly as well"), std::string::npos);
   EXPECT_NE(html.find("# &lt;m&gt;"), std::string::npos);
   test::expect_self_contained(html);
 }

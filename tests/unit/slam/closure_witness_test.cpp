@@ -35,12 +35,13 @@ struct Laps {
     LoopClosure c;
     c.from = NodeId{from};
     c.to = NodeId{to};
-    c.from_submap = static_cast<std::size_t>(from / kStepsPerSubmap);
-    c.to_submap = static_cast<std::size_t>(to / kStepsPerSubmap);
+    c.from_submap = {static_cast<std::size_t>(from / kStepsPerSubmap)};
+    c.to_submap = {static_cast<std::size_t>(to / kStepsPerSubmap)};
     c.from_T_to =
         truth[static_cast<std::size_t>(from)].inverse() * truth[static_cast<std::size_t>(to)] * off;
     c.covariance = Eigen::Vector3d(1e-3, 1e-3, 3e-5).asDiagonal();
-    c.reason = kWaitsForWitness;
+    c.state = ClosureState::kWaiting;
+    c.reason = ClosureReason::kWaitsForSecond;
     return c;
   }
 };
@@ -117,19 +118,20 @@ TEST(ClosureWitness, OnlyThoseThatAgreeAreAccepted) {
   EXPECT_FALSE(accept_witnessed(closures, laps.map()));
   closures.push_back(laps.closure(18, 118));
   EXPECT_TRUE(accept_witnessed(closures, laps.map()));
-  EXPECT_TRUE(closures[0].accepted);
-  EXPECT_TRUE(closures[0].reason.empty());
-  EXPECT_FALSE(closures[1].accepted);
-  EXPECT_TRUE(closures[2].accepted);
+  EXPECT_TRUE(closures[0].stands());
+  EXPECT_EQ(closures[0].reason, ClosureReason::kNone);
+  EXPECT_EQ(closures[1].state, ClosureState::kWaiting);
+  EXPECT_TRUE(closures[2].stands());
   EXPECT_FALSE(accept_witnessed(closures, laps.map()));
 }
 
 TEST(ClosureWitness, WhatWasRejectedForAReasonIsNeitherAcceptedNorHeard) {
   const Laps laps;
   std::vector<LoopClosure> closures{laps.closure(10, 110), laps.closure(18, 118)};
-  closures[1].reason = "surfaces disagree";
+  closures[1].state = ClosureState::kRejected;
+  closures[1].reason = ClosureReason::kSurfacesDisagree;
   EXPECT_FALSE(accept_witnessed(closures, laps.map()));
-  EXPECT_FALSE(closures[1].accepted);
+  EXPECT_EQ(closures[1].state, ClosureState::kRejected);
 }
 
 }  // namespace

@@ -236,10 +236,11 @@ TEST(GraphQuality, CertifiesTheSolutionAndTellsHowFarTheMapIsFromIt) {
 TEST(GraphQuality, AClosureThatWasInTheGraphAndIsNoMoreWasRevoked) {
   MapResult result;
   LoopClosure accepted;
-  accepted.accepted = true;
+  accepted.state = ClosureState::kStanding;
   accepted.chi2 = 2.0;
   LoopClosure rejected;
   LoopClosure revoked;
+  revoked.state = ClosureState::kRevoked;
   revoked.chi2 = 40.0;
   result.loop_closures = {accepted, rejected, revoked, accepted};
   const GraphQuality quality = assess_graph(result);

@@ -5,9 +5,9 @@
 
 #include "loopstone/odometry/gyro_heading.hpp"
 #include "loopstone/odometry/odometer.hpp"
+#include "loopstone/odometry/odometry_reading.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
-#include "loopstone/slam/motion_predictor.hpp"
 
 namespace loopstone {
 

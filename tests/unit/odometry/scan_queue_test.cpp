@@ -1,4 +1,4 @@
-#include "loopstone/slam/scan_queue.hpp"
+#include "loopstone/odometry/scan_queue.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <compare>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+#include "loopstone/geometry/pose2.hpp"
+#include "loopstone/graph/pose_graph.hpp"
+
+namespace loopstone {
+
+/// A submap's place in the order in which they begin.
+struct SubmapId {
+  std::size_t index = 0;
+  friend constexpr auto operator<=>(const SubmapId&, const SubmapId&) = default;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(index);
+  }
+};
+
+/// What became of a pair of submaps that looked like one place.
+enum class ClosureState {
+  kWaiting,   ///< it may be right; a second closure that asks for the same would settle it
+  kStanding,  ///< an edge of the graph
+  kRejected,  ///< it was never in the graph
+  kRevoked,   ///< it was, and contradicted the rest
+};
+[[nodiscard]] std::string_view to_string(ClosureState state);
+
+/// Why a closure does not stand.
+enum class ClosureReason {
+  kNone,              ///< it stands
+  kTooFewPairs,       ///< registration found too little to align
+  kAmbiguousPose,     ///< another pose in the window scores nearly as well
+  kAmbiguousPlace,    ///< another submap matches as well
+  kTooLittleOverlap,  ///< too small a part falls where the older submap was observed
+  kSurfacesDisagree,  ///< of that part, too little lies on surfaces that face the same way
+  kWaitsForSecond,    ///< no second closure has asked for the same yet
+  kNoSecond,          ///< and none came until the end
+  kContradictsGraph,  ///< its residual is too large to be chance
+};
+/// In plain words, without comma or quote; empty for kNone.
+[[nodiscard]] std::string_view to_string(ClosureReason reason);
+
+/// A place that was recognised, or looked like it, with the evidence.
+struct LoopClosure {
+  /// Nodes of the graph: of its submaps while the robot drives, of its key scans in a finished map.
+  NodeId from{};
+  NodeId to{};
+  SubmapId from_submap{};                                ///< the older one
+  SubmapId to_submap{};                                  ///< the newer one
+  Pose2 from_T_to{};                                     ///< as measured by registration
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of from_T_to, (x, y, yaw)
+  bool by_appearance = false;  ///< its window was laid by what both look like: no pose vouches
+  double score = 0.0;          ///< [0, 1], share of points explained
+  /// Best score elsewhere in the window, where one came near `score`.
+  std::optional<double> second_score{};
+  double overlap = 0.0;    ///< [0, 1], share of points that fall where the older one was observed
+  double agreement = 0.0;  ///< [0, 1], of those, share on a surface facing the same way
+  /// Disagreement with the graph's poses; of what was never in the graph, nothing.
+  std::optional<double> chi2{};
+  ClosureState state = ClosureState::kRejected;
+  ClosureReason reason = ClosureReason::kNone;
+
+  [[nodiscard]] bool stands() const { return state == ClosureState::kStanding; }
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(from, to, from_submap, to_submap, from_T_to, covariance, by_appearance, score, second_score,
+      overlap, agreement, chi2, state, reason);
+  }
+};
+
+/// The edge that a closure adds to a graph: its nodes are `from` and `to`.
+[[nodiscard]] RelativePoseEdge edge_of(const LoopClosure& closure);
+
+}  // namespace loopstone

@@ -1,0 +1,66 @@
+// Places that may be one because they look alike, where poses say little.
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "loopstone/geometry/angle.hpp"
+#include "slam/loop_candidates.hpp"
+#include "slam/place_descriptor.hpp"
+
+namespace loopstone {
+
+namespace {
+
+/// Two places that look alike are laid centre on centre, give or take what each one saw more of on
+/// one side.
+constexpr double kPlaceHalfM = 5.0;
+/// Less alike than this share of the middle one of all that come into question: another place. Of
+/// true ones 19 in 20 are more alike.
+constexpr double kUnlike = 0.8;
+
+const std::vector<float>& descriptor_of(LoopSubmap& submap) {
+  if (submap.descriptor.empty()) submap.descriptor = describe_place(submap.submap.surfaces);
+  return submap.descriptor;
+}
+
+/// Centre on centre, any heading.
+LoopCandidate centred(LoopCandidate candidate, const LoopSubmap& older, const LoopSubmap& newer) {
+  const double yaw = candidate.older_T_newer.yaw;
+  const Eigen::Vector2d shift = older.centre - Pose2{0.0, 0.0, yaw}.rotation() * newer.centre;
+  candidate.older_T_newer = {shift.x(), shift.y(), yaw};
+  candidate.half_xy_m = kPlaceHalfM;
+  candidate.half_yaw_rad = kPi;
+  candidate.by_appearance = true;
+  return candidate;
+}
+
+}  // namespace
+
+std::vector<LoopCandidate> most_alike(std::vector<LoopSubmap>& submaps, SubmapId newer,
+                                      std::span<const LoopCandidate> far, int most) {
+  if (most <= 0 || far.empty()) return {};
+  const auto& descriptor = descriptor_of(submaps[newer.index]);
+  if (descriptor.empty()) return {};
+  std::vector<std::pair<double, LoopCandidate>> ranked;
+  for (const LoopCandidate& candidate : far) {
+    const auto& other = descriptor_of(submaps[candidate.older.index]);
+    if (!other.empty()) ranked.emplace_back(place_distance(descriptor, other), candidate);
+  }
+  std::ranges::stable_sort(ranked, {}, [](const auto& entry) { return entry.first; });
+  const auto count = static_cast<std::size_t>(most);
+  double unlike = std::numeric_limits<double>::infinity();
+  if (ranked.size() > count) {
+    unlike = kUnlike * ranked[ranked.size() / 2].first;
+    ranked.erase(ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end());
+  }
+  std::vector<LoopCandidate> alike;
+  for (const auto& [distance, candidate] : ranked) {
+    if (distance > unlike) continue;
+    alike.push_back(
+        centred(candidate, submaps[candidate.older.index], submaps[candidate.newer.index]));
+  }
+  return alike;
+}
+
+}  // namespace loopstone

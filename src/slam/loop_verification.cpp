@@ -1,0 +1,98 @@
+#include "slam/loop_verification.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "loopstone/registration/correlative_search.hpp"
+#include "slam/loop_coverage.hpp"
+
+namespace loopstone {
+
+namespace {
+
+constexpr std::size_t kProbePoints = 350;
+/// What a whole submap's own bending adds to the uncertainty of a closure.
+constexpr double kBendM = 0.03;
+constexpr double kBendRad = 0.005;
+/// A pose this far from the best one is another place.
+constexpr double kElsewhereM = 1.0;
+constexpr double kElsewhereRad = 0.35;
+
+/// What a closure must reach.
+struct Bar {
+  double score;
+  double overlap;
+  double agreement;
+};
+/// What was found without a pose's help must reach at least this.
+constexpr Bar kBarByAppearance{.score = 0.5, .overlap = 0.5, .agreement = 0.85};
+
+Bar bar_for(const LoopCandidate& candidate, const LoopOptions& options) {
+  const Bar asked{options.min_score, options.min_overlap, options.min_agreement};
+  if (!candidate.by_appearance) return asked;
+  return {std::max(asked.score, kBarByAppearance.score),
+          std::max(asked.overlap, kBarByAppearance.overlap),
+          std::max(asked.agreement, kBarByAppearance.agreement)};
+}
+
+/// The score of a pose elsewhere in the window, if one comes near the best.
+std::optional<double> rival_score(std::span<const Eigen::Vector2d> probe, const MaxPyramid& pyramid,
+                                  const SearchWindow& window, const SearchResult& best,
+                                  double max_ambiguity) {
+  // In a small window there is no elsewhere.
+  const bool wide =
+      window.half_xy_m > 0.5 * kElsewhereM || window.half_yaw_rad > 0.5 * kElsewhereRad;
+  if (!wide) return {};
+  const SearchResult second =
+      search_branch_and_bound(probe, pyramid, window, max_ambiguity * best.score,
+                              ExcludedPoses{best.target_T_source, kElsewhereM, kElsewhereRad});
+  if (!second.found) return {};
+  return second.score;
+}
+
+ClosureReason judge(const LoopClosure& closure, const MatchResult& match, const Bar& bar) {
+  if (match.status == MatchStatus::kTooFewPairs) return ClosureReason::kTooFewPairs;
+  if (closure.second_score) return ClosureReason::kAmbiguousPose;
+  if (closure.overlap < bar.overlap) return ClosureReason::kTooLittleOverlap;
+  if (closure.agreement < bar.agreement) return ClosureReason::kSurfacesDisagree;
+  return ClosureReason::kWaitsForSecond;
+}
+
+}  // namespace
+
+std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const FrozenSubmap& older,
+                                      const FrozenSubmap& newer, const LoopOptions& options,
+                                      const SubmapOptions& submap_options,
+                                      const GridMatchOptions& match_options) {
+  const auto probe = newer.probe(kProbePoints);
+  if (probe.empty() || older.surfaces.empty()) return {};
+  const Bar bar = bar_for(candidate, options);
+  const MaxPyramid pyramid = older.search_pyramid(submap_options, candidate.half_xy_m);
+  const SearchWindow window{candidate.older_T_newer, candidate.half_xy_m, candidate.half_yaw_rad};
+  const SearchResult best = search_branch_and_bound(probe, pyramid, window, bar.score);
+  if (!best.found) return {};
+  const MatchResult match = match_to_grid(newer.surfaces, older.surface_grid(submap_options),
+                                          best.target_T_source, {}, match_options, 0);
+
+  VerifiedClosure verified{.closure = {},
+                           .seen = seen_by(pyramid, match.target_T_source, newer.surfaces)};
+  LoopClosure& closure = verified.closure;
+  closure.from = NodeId{static_cast<int>(candidate.older.index)};
+  closure.to = NodeId{static_cast<int>(candidate.newer.index)};
+  closure.from_submap = candidate.older;
+  closure.to_submap = candidate.newer;
+  closure.from_T_to = match.target_T_source;
+  closure.covariance = match.covariance;
+  closure.covariance.diagonal() +=
+      Eigen::Vector3d(kBendM * kBendM, kBendM * kBendM, kBendRad * kBendRad);
+  closure.by_appearance = candidate.by_appearance;
+  closure.score = best.score;
+  closure.second_score = rival_score(probe, pyramid, window, best, options.max_ambiguity);
+  closure.overlap = share_of(verified.seen);
+  closure.agreement = closure.overlap > 0.0 ? std::min(1.0, match.score / closure.overlap) : 0.0;
+  closure.reason = judge(closure, match, bar);
+  if (closure.reason == ClosureReason::kWaitsForSecond) closure.state = ClosureState::kWaiting;
+  return verified;
+}
+
+}  // namespace loopstone
