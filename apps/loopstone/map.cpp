@@ -77,9 +77,13 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", info.wall_time_s,
                                     s.duration_s / std::max(info.wall_time_s, 1e-9)));
   if (info.pace) {
-    table.add_row("pose after", fmt::format("{:.2f} ms, 99 % within {:.1f} ms, worst {:.1f} ms",
-                                            1e3 * info.pace->median_s, 1e3 * info.pace->p99_s,
-                                            1e3 * info.pace->worst_s));
+    const auto row = [&](const char* title, const LatencyFigures& figures) {
+      table.add_row(
+          title, fmt::format("{:.2f} ms, 99 % within {:.1f} ms, worst {:.1f} ms",
+                             1e3 * figures.median_s, 1e3 * figures.p99_s, 1e3 * figures.worst_s));
+    };
+    row("pose after", info.pace->arrival);
+    row("of it computing", info.pace->computing);
   }
   table.add_row("peak memory",
                 fmt::format("{:.0f}", static_cast<double>(info.peak_memory_bytes) * 1e-6), "MB");
@@ -155,9 +159,11 @@ MapResult map_submaps(CutLog& log, CameraFrames& camera, Mapper& mapper, std::op
   while (const auto message = log.next()) {
     if (pace) pace->wait_for(stamp_of(*message), [] { return !interrupted(); });
     camera.take(*message);
-    const std::int64_t before = mapper.scans();
+    if (pace && std::holds_alternative<LaserScan>(*message)) pace->note_scan();
     mapper.add(*message);
-    if (pace && mapper.scans() > before) pace->note_done();
+    while (mapper.next_update()) {
+      if (pace) pace->note_pose();
+    }
     checkpoint.after(*message, mapper);
   }
   checkpoint.after_last(mapper);

@@ -11,6 +11,15 @@ namespace {
 /// Ctrl-C is heard within this time.
 constexpr std::chrono::milliseconds kPatience{50};
 
+LatencyFigures figures_of(std::vector<double> seconds) {
+  if (seconds.empty()) return {};
+  std::sort(seconds.begin(), seconds.end());
+  const auto at = [&](double share) {
+    return seconds[static_cast<std::size_t>(share * static_cast<double>(seconds.size() - 1))];
+  };
+  return {.median_s = at(0.5), .p99_s = at(0.99), .worst_s = seconds.back()};
+}
+
 }  // namespace
 
 void Pace::wait_for(Stamp stamp, const std::function<bool()>& go_on) {
@@ -25,22 +34,21 @@ void Pace::wait_for(Stamp stamp, const std::function<bool()>& go_on) {
   }
 }
 
-void Pace::note_done() {
-  latencies_s_.push_back(std::chrono::duration<double>(Clock::now() - due_).count());
+void Pace::note_pose() {
+  const Clock::time_point now = Clock::now();
+  const auto seconds_since = [&](Clock::time_point then) {
+    return std::chrono::duration<double>(now - then).count();
+  };
+  if (scans_.empty()) return;
+  after_arrival_s_.push_back(seconds_since(scans_.front()));
+  computing_s_.push_back(seconds_since(due_));
+  scans_.pop_front();
 }
 
 PaceFigures Pace::figures() const {
-  PaceFigures figures{.speed = speed_};
-  if (latencies_s_.empty()) return figures;
-  std::vector<double> sorted = latencies_s_;
-  std::sort(sorted.begin(), sorted.end());
-  const auto at = [&](double share) {
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-  };
-  figures.median_s = at(0.5);
-  figures.p99_s = at(0.99);
-  figures.worst_s = sorted.back();
-  return figures;
+  return {.speed = speed_,
+          .arrival = figures_of(after_arrival_s_),
+          .computing = figures_of(computing_s_)};
 }
 
 }  // namespace loopstone::app

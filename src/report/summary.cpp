@@ -81,10 +81,14 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
   for (const auto& [name, term] : info.terms) summary["result_of"][name] = term;
   if (!info.failure.empty()) summary["warnings"].push_back(info.failure);
   if (info.pace) {
-    summary["realtime"] = {{"speed", info.pace->speed},
-                           {"median_latency_s", info.pace->median_s},
-                           {"p99_latency_s", info.pace->p99_s},
-                           {"worst_latency_s", info.pace->worst_s}};
+    const PaceFigures& pace = *info.pace;
+    summary["realtime"] = {{"speed", pace.speed},
+                           {"median_latency_s", pace.arrival.median_s},
+                           {"p99_latency_s", pace.arrival.p99_s},
+                           {"worst_latency_s", pace.arrival.worst_s},
+                           {"median_computing_s", pace.computing.median_s},
+                           {"p99_computing_s", pace.computing.p99_s},
+                           {"worst_computing_s", pace.computing.worst_s}};
   }
   if (texture != nullptr) summary["texture"] = texture_json(*texture);
   // Paths need not be UTF-8; JSON must.

@@ -1,10 +1,12 @@
 #include "loopstone/slam/back_end.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/graph/solver.hpp"
-#include "slam/closure_witness.hpp"
+#include "slam/pairwise_consistency.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
 
@@ -14,7 +16,7 @@ namespace {
 
 /// A closure whose residual is less likely than this (chi-square, 3 degrees of freedom, 1e-5) does not stand.
 constexpr double kRevokeChi2 = 26.0;
-/// A closure that would bend the map and that no other one bears witness for needs at least this.
+/// A closure that would bend the map and that is consistent with no other one needs at least this.
 constexpr double kLoneOverlap = 0.5;
 constexpr double kLoneAgreement = 0.9;
 /// As long as closures say together no more than this that the map does not, solving it can wait.
@@ -61,6 +63,7 @@ void BackEnd::add_submap(FinishedSubmap submap) {
 /// A stretch lies in the submap that it starts and in the one before.
 void BackEnd::thin_covered() {
   for (const SubmapId submap : loops_.drop_covered()) {
+    events_.emplace_back(SubmapDropped{submap});
     for (const std::size_t stretch : {submap.index, submap.index + 1}) {
       if (stretch == 0 || stretch >= loops_.submap_count()) continue;
       if (!loops_.is_dropped({stretch - 1}) || !loops_.is_dropped({stretch})) continue;
@@ -73,7 +76,7 @@ void BackEnd::thin_covered() {
 std::vector<std::size_t> BackEnd::take_thinned() { return std::exchange(thinned_, {}); }
 
 void BackEnd::finish(const std::function<bool()>& goes_on) {
-  if (unsolved_chi2() > 0.0) solve(outline_);
+  if (unsolved_chi2() > 0.0) solve_outline();
   for (int round = 0; loop_closure_ && round < kFinalRounds && (!goes_on || goes_on()); ++round) {
     const Stopwatch watch;
     auto found = loops_.close_all(outline_.poses, goes_on);
@@ -105,8 +108,9 @@ void BackEnd::accept_lone() {
     closure.state = strong ? ClosureState::kStanding : ClosureState::kRejected;
     closure.reason = strong ? ClosureReason::kNone : ClosureReason::kNoSecond;
     news = news || strong;
+    events_.emplace_back(ClosureChanged{closure});
   }
-  if (news) solve(outline_);
+  if (news) solve_outline();
 }
 
 void BackEnd::take(std::vector<LoopClosure> found) {
@@ -116,14 +120,19 @@ void BackEnd::take(std::vector<LoopClosure> found) {
       return !old.stands() && old.from_submap == closure.from_submap &&
              old.to_submap == closure.to_submap;
     });
-    closures_.push_back(std::move(closure));
+    events_.emplace_back(ClosureChanged{closure});
+    closures_.push_back(closure);
   }
   // Each solution brings the map nearer to the truth, so that more of those that wait may agree with it.
+  const auto settle = [this] {
+    return accept_consistent(closures_, {outline_.poses, chain_.travelled_m()});
+  };
   bool news = false;
-  while (accept_witnessed(closures_, {outline_.poses, chain_.travelled_m()})) {
+  for (auto accepted = settle(); !accepted.empty(); accepted = settle()) {
+    for (const std::size_t i : accepted) events_.emplace_back(ClosureChanged{closures_[i]});
     news = true;
     if (unsolved_chi2() < kNewsChi2) break;
-    solve(outline_);
+    solve_outline();
   }
   if (news) loops_.set_closures(closures_);
 }
@@ -139,16 +148,38 @@ double BackEnd::unsolved_chi2() const {
   return sum;
 }
 
+/// Of the stretches' first poses, and tells how far they moved.
+void BackEnd::solve_outline() {
+  const std::vector<Pose2> before = outline_.poses;
+  solve(outline_);
+  GraphSolved solved{.submaps = before.size()};
+  solved.closures =
+      static_cast<std::size_t>(std::ranges::count_if(closures_, &LoopClosure::stands));
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const Pose2& now = outline_.poses[i];
+    const double shift_m = (now.translation() - before[i].translation()).norm();
+    solved.mean_shift_m += shift_m / static_cast<double>(before.size());
+    solved.largest_shift_m = std::max(solved.largest_shift_m, shift_m);
+    solved.largest_turn_rad =
+        std::max(solved.largest_turn_rad, std::abs(wrap_angle(now.yaw - before[i].yaw)));
+  }
+  events_.emplace_back(solved);
+}
+
+SubmapState BackEnd::state_of(SubmapId submap) const {
+  if (submap.index >= loops_.submap_count()) return SubmapState::kOpen;
+  return loops_.is_dropped(submap) ? SubmapState::kDropped : SubmapState::kFrozen;
+}
+
 /// \param graph  of the closures' nodes; without them
 void BackEnd::solve(PoseGraph& graph) {
   const Stopwatch watch;
-  const SolverOptions solver{.robust_kernel = "huber", .robust_width = kClosureHuberWidth};
   while (true) {
     PoseGraph whole = graph;
     for (const auto& closure : closures_) {
       if (closure.stands()) whole.edges.push_back(edge_of(closure));
     }
-    graph.poses = optimize(whole, solver).poses;
+    graph.poses = optimize(whole, closure_solver()).poses;
     // The worst closure that can't be reconciled goes; then the rest is solved again.
     LoopClosure* worst = nullptr;
     for (auto& closure : closures_) {
@@ -160,6 +191,7 @@ void BackEnd::solve(PoseGraph& graph) {
     if (worst == nullptr) break;
     worst->state = ClosureState::kRevoked;
     worst->reason = ClosureReason::kContradictsGraph;
+    events_.emplace_back(ClosureChanged{*worst});
   }
   optimisation_s_ += watch.seconds();
 }

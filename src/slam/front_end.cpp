@@ -69,7 +69,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   if (options_.odometry == "ignore") odometry.reset();
   TrackedScan tracked;
   const std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
-  tracked.local_T_robot = guesses.front().local_T_robot;
+  tracked.local_T_robot = tracked.guess_local_T_robot = guesses.front().local_T_robot;
 
   const bool believed = laser_check_.add(scan, odometry);
   auto surfaces =
@@ -96,6 +96,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
 
   predictor_.settle(scan.stamp, tracked.local_T_robot, odometry, seen);
   tracked.left_out = lost_in_a_row_ > 0;
+  tracked.tracking = tracking_of(tracked, guesses.front().measured, scan.stamp);
   if (!tracked.used || tracked.left_out) return tracked;
   hold(scan.stamp, tracked.local_T_robot, odometry);
   if (active_.empty() || moved_enough(tracked.local_T_robot))

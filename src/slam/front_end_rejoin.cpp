@@ -129,6 +129,22 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, const Bl
   return seen;
 }
 
+/// \param odometry_guides  the guess was odometry's
+TrackingStatus FrontEnd::tracking_of(const TrackedScan& tracked, bool odometry_guides,
+                                     Stamp stamp) const {
+  if (tracked.left_out) return TrackingStatus::kLost;
+  if (tracked.path_break && tracked.path_break->bridge == BreakBridge::kNothing)
+    return TrackingStatus::kLost;
+  if (tracked.path_break && tracked.path_break->bridge == BreakBridge::kOdometry)
+    return TrackingStatus::kBridged;
+  if (!tracked.used || tracked.status == MatchStatus::kTooFewPairs) {
+    const bool coasts = held_ && (stamp - held_->stamp).seconds() <= kBlindS;
+    return odometry_guides || coasts ? TrackingStatus::kBridged : TrackingStatus::kLost;
+  }
+  return tracked.status == MatchStatus::kDegenerate ? TrackingStatus::kDegenerate
+                                                    : TrackingStatus::kTracked;
+}
+
 /// The laser holds the pose again, in the submap that it held it before.
 void FrontEnd::note_gap(const BlindMotion& blind, Stamp stamp, TrackedScan& tracked) const {
   if (lost_in_a_row_ > 0) return;

@@ -2,14 +2,16 @@
 #include <algorithm>
 #include <cstddef>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "loopstone/geometry/rigid_alignment.hpp"
 #include "loopstone/graph/certificate.hpp"
 #include "loopstone/graph/pose_graph.hpp"
-#include "loopstone/slam/map_result.hpp"
+#include "loopstone/graph/solver.hpp"
 #include "loopstone/slam/map_verdict.hpp"
+#include "slam/scan_edges.hpp"
 
 namespace loopstone {
 namespace {
@@ -18,11 +20,11 @@ namespace {
 constexpr std::size_t kMostNodes = 20000;
 
 /// Largest distance between two sets of positions after the best alignment.
-double largest_shift_m(const std::vector<Pose2>& poses, const std::vector<Pose2>& proven) {
+double largest_shift_m(std::span<const Pose2> poses, std::span<const Pose2> others) {
   std::vector<Eigen::Vector2d> source;
   std::vector<Eigen::Vector2d> target;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    source.push_back(proven[i].translation());
+    source.push_back(others[i].translation());
     target.push_back(poses[i].translation());
   }
   const auto alignment = align_rigidly<2>(source, target);
@@ -32,6 +34,14 @@ double largest_shift_m(const std::vector<Pose2>& poses, const std::vector<Pose2>
     largest = std::max(largest, (moved - target[i]).norm());
   }
   return largest;
+}
+
+/// Where the solver arrives from the optimum that was proven. That one is of another objective, of
+/// isotropic edges: corridors, which edges hold across and not along, come out differently there, though
+/// both have their minimum in one valley.
+std::vector<Pose2> solved_from(PoseGraph graph, const std::vector<Pose2>& proven) {
+  graph.poses = proven;
+  return optimize(graph, closure_solver()).poses;
 }
 
 /// Edges less nodes plus components; pairs that are joined more than once count once.
@@ -47,24 +57,24 @@ int independent_loops(const PoseGraph& graph) {
 
 }  // namespace
 
-GraphQuality assess_graph(const MapResult& result) {
+GraphQuality assess_graph(const PoseGraph& solved, std::span<const Pose2> delivered,
+                          std::span<const LoopClosure> closures) {
   GraphQuality quality;
-  for (const LoopClosure& closure : result.loop_closures) {
+  for (const LoopClosure& closure : closures) {
     const bool revoked = closure.state == ClosureState::kRevoked;
     if (revoked) ++quality.closures_revoked;
     if (revoked || closure.stands()) ++quality.closures;
   }
-  const PoseGraph& graph = result.graph;
-  if (graph.poses.size() < 2) return quality;
-  quality.loops = independent_loops(graph);
+  if (solved.poses.size() < 2) return quality;
+  quality.loops = independent_loops(solved);
   if (quality.loops < 1) return quality;
   // Each loop closes with three numbers.
-  quality.reduced_chi2 = graph_cost(graph) / (3.0 * quality.loops);
-  if (graph.poses.size() > kMostNodes) return quality;
-  const CertifiedSolution solution = optimize_certified(graph, {.max_rank = 2});
-  quality.certificate = solution.certificate;
-  if (solution.certificate.certified())
-    quality.certified_shift_m = largest_shift_m(graph.poses, solution.poses);
+  quality.reduced_chi2 = graph_cost(solved) / (3.0 * quality.loops);
+  if (solved.poses.size() > kMostNodes) return quality;
+  const CertifiedSolution proven = optimize_certified(solved, {.max_rank = 2});
+  quality.certificate = proven.certificate;
+  if (proven.certificate.certified())
+    quality.certified_shift_m = largest_shift_m(delivered, solved_from(solved, proven.poses));
   return quality;
 }
 

@@ -143,9 +143,9 @@ QualityMeasure certified(const GraphQuality& g) {
   const bool near = g.certified_shift_m <= kCertifiedNearM;
   measure.verdict = near ? Verdict::kGood : Verdict::kDoubtful;
   measure.sentence =
-      "The best solution of the graph is known and proven; no pose of the map lies "
-      "farther than " +
-      centimetres(g.certified_shift_m) + " from it.";
+      "The graph's best solution is known and proven; from there the solver arrives at the map, "
+      "no pose farther off than " +
+      centimetres(g.certified_shift_m) + ".";
   return measure;
 }
 

@@ -5,12 +5,18 @@
 
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/graph/solver.hpp"
 #include "loopstone/registration/match_result.hpp"
 
 namespace loopstone {
 
 /// Closures that disagree by more standard deviations than this pull less than in proportion (Huber).
 inline constexpr double kClosureHuberWidth = 1.5;
+
+/// How graphs with closures are solved.
+[[nodiscard]] inline SolverOptions closure_solver() {
+  return {.robust_kernel = "huber", .robust_width = kClosureHuberWidth};
+}
 
 /// Of (x, y, yaw), the same along every direction, uncorrelated.
 [[nodiscard]] Eigen::Matrix3d planar_covariance(double sigma_m, double sigma_rad);

@@ -1,59 +1,77 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "loopstone/geometry/pose2.hpp"
-#include "loopstone/sensor/laser_scan.hpp"
+#include "loopstone/slam/map_snapshot.hpp"
 
 namespace loopstone {
 
-/// A scan that the final map is drawn from.
-struct MappedScan {
-  LaserScan scan{};
-  std::size_t index = 0;  ///< among all scans
-  Pose2 robot_T_lidar{};
-  Pose2 local_T_robot{};
-  Pose2 local_T_robot_end{};  ///< at the end of its sweep
-
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(scan, index, robot_T_lidar, local_T_robot, local_T_robot_end);
-  }
-};
-
-/// Mapped scans, in stretches as KeyChain has them.
+/// Mapped scans, in stretches as KeyChain has them: a stretch begins with the first scan of a submap.
+/// What share() handed out never changes.
 class ScanStore {
  public:
-  void add(MappedScan scan, bool starts_stretch) {
-    if (starts_stretch || stretches_.empty()) stretches_.emplace_back();
-    stretches_.back().push_back(std::move(scan));
+  void add(std::shared_ptr<const MappedScan> scan, bool starts_stretch) {
+    if (starts_stretch || stretches_.empty()) {
+      stretches_.push_back(std::make_shared<MappedScans>());
+      last_is_shared_ = false;
+    } else if (last_is_shared_) {
+      stretches_.back() = std::make_shared<MappedScans>(*stretches_.back());
+      last_is_shared_ = false;
+    }
+    stretches_.back()->push_back(std::move(scan));
+    ++added_;
   }
   /// Only the first scan of the stretch stays.
   void thin(std::size_t stretch) {
-    auto& scans = stretches_[stretch];
-    scans.resize(1);
-    scans.shrink_to_fit();
+    stretches_[stretch] = std::make_shared<MappedScans>(1, stretches_[stretch]->front());
   }
   [[nodiscard]] std::size_t stretch_count() const { return stretches_.size(); }
+  /// How many were ever added.
+  [[nodiscard]] std::size_t added() const { return added_; }
+  [[nodiscard]] std::vector<std::shared_ptr<const MappedScans>> share() {
+    last_is_shared_ = true;
+    return {stretches_.begin(), stretches_.end()};
+  }
   template <typename Visit>
   void for_each(Visit&& visit) const {
     for (const auto& stretch : stretches_) {
-      for (const MappedScan& scan : stretch) visit(scan);
+      for (const auto& scan : *stretch) visit(*scan);
     }
   }
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(stretches_);
     if constexpr (Archive::kReads) {
-      for (const auto& stretch : stretches_) a.check(!stretch.empty(), "a stretch without a scan");
+      std::vector<std::vector<MappedScan>> plain;
+      a(plain);
+      stretches_.clear();
+      added_ = 0;
+      for (auto& scans : plain) {
+        a.check(!scans.empty(), "a stretch without a scan");
+        auto stretch = std::make_shared<MappedScans>();
+        for (MappedScan& scan : scans)
+          stretch->push_back(std::make_shared<const MappedScan>(std::move(scan)));
+        added_ += stretch->size();
+        stretches_.push_back(std::move(stretch));
+      }
+    } else {
+      a(static_cast<std::uint64_t>(stretches_.size()));
+      for (const auto& stretch : stretches_) {
+        a(static_cast<std::uint64_t>(stretch->size()));
+        for (const auto& scan : *stretch) a(*scan);
+      }
     }
   }
 
  private:
-  std::vector<std::vector<MappedScan>> stretches_{};
+  std::vector<std::shared_ptr<MappedScans>> stretches_{};
+  bool last_is_shared_ = false;
+  std::size_t added_ = 0;
 };
 
 }  // namespace loopstone

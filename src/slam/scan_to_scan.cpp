@@ -236,7 +236,7 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
   }
   const auto guessed = std::count(links.matched.begin(), links.matched.end(), false) - 1;
   const Stopwatch judging;
-  result.graph_quality = assess_graph(result);
+  result.graph_quality = assess_graph(result.graph, result.graph.poses, result.loop_closures);
   if (result.map_failure.empty()) {
     result.quality = assess_map(posed, threads_);
     result.verdict = judge_map(result);

@@ -11,29 +11,16 @@
 
 namespace loopstone {
 
-/// Runs tasks one after the other, in the order given: on a thread of its own, or at once when not asked for one.
+/// Runs tasks one after the other, in the order given, on a thread of its own.
 /// After an exception nothing more is run until wait() has thrown it.
 class TaskQueue {
  public:
   /// Whoever gives more tasks than are run waits: what tasks hold is memory.
   static constexpr std::size_t kMostWaiting = 8;
 
-  explicit TaskQueue(bool own_thread) {
-    if (own_thread) {
-      thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
-    }
-  }
+  TaskQueue() : thread_([this](const std::stop_token& stop) { work(stop); }) {}
 
   void run(std::function<void()> task) {
-    if (!thread_.joinable()) {
-      if (failure_) return;
-      try {
-        task();
-      } catch (...) {
-        failure_ = std::current_exception();
-      }
-      return;
-    }
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return tasks_.size() < kMostWaiting || failure_; });
@@ -79,7 +66,7 @@ class TaskQueue {
   std::deque<std::function<void()>> tasks_{};
   bool busy_ = false;
   std::exception_ptr failure_{};
-  std::jthread thread_{};  // last: it stops before what it uses goes
+  std::jthread thread_;  // last: it stops before what it uses goes
 };
 
 }  // namespace loopstone

@@ -108,6 +108,9 @@ TEST_F(LogCommands, AMapAtTheLogsOwnPaceIsTheSameAndTellsHowLongPosesTook) {
   EXPECT_GE(figures["median_latency_s"], 0.0);
   EXPECT_GE(figures["p99_latency_s"], figures["median_latency_s"]);
   EXPECT_GE(figures["worst_latency_s"], figures["p99_latency_s"]);
+  EXPECT_GE(figures["worst_computing_s"], figures["p99_computing_s"]);
+  EXPECT_GE(figures["median_latency_s"], figures["median_computing_s"])
+      << "waiting for odometry is part of it";
   // Five seconds at ten times their pace.
   EXPECT_GE(paced["wall_time_s"], 0.45);
 }

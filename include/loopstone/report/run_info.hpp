@@ -11,12 +11,18 @@
 namespace loopstone {
 
 /// How long poses were waited for in a replay at a log's own pace.
-struct PaceFigures {
-  double speed = 1.0;  ///< of the replay; 1: as recorded
-  double median_s =
-      0.0;             ///< from when the message was due that a scan waited for, to the scan's pose
+struct LatencyFigures {
+  double median_s = 0.0;
   double p99_s = 0.0;  ///< 99 of 100 came sooner
   double worst_s = 0.0;
+};
+
+/// How long after it a scan's pose was known.
+struct PaceFigures {
+  double speed = 1.0;        ///< of the replay; 1: as recorded
+  LatencyFigures arrival{};  ///< the scan arrived
+  LatencyFigures
+      computing{};  ///< the message arrived that the scan waited for: odometry of its time
 };
 
 /// What the program knows about a run that the result does not.

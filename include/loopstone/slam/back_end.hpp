@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
@@ -12,6 +13,8 @@
 #include "loopstone/slam/loop_closer.hpp"
 #include "loopstone/slam/loop_closure.hpp"
 #include "loopstone/slam/map_options.hpp"
+#include "loopstone/slam/map_snapshot.hpp"
+#include "loopstone/slam/map_update.hpp"
 
 namespace loopstone {
 
@@ -32,6 +35,12 @@ class BackEnd {
 
   /// The stretches thinned since the last call: only their first key scans are still of use.
   [[nodiscard]] std::vector<std::size_t> take_thinned();
+
+  /// What happened since the last call, in order: submaps dropped, closures, solutions.
+  [[nodiscard]] std::vector<MapEvent> take_events() { return std::exchange(events_, {}); }
+  /// Of each stretch, the pose of its first key scan.
+  [[nodiscard]] std::span<const Pose2> map_T_submap() const { return outline_.poses; }
+  [[nodiscard]] SubmapState state_of(SubmapId submap) const;
 
   /// After finish().
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
@@ -59,6 +68,7 @@ class BackEnd {
   void accept_lone();
   [[nodiscard]] double unsolved_chi2() const;
   void solve(PoseGraph& graph);
+  void solve_outline();
 
   bool loop_closure_;
   LoopCloser loops_;
@@ -67,6 +77,7 @@ class BackEnd {
   PoseGraph graph_{};    ///< in the end: of all key scans, and with closures
   std::vector<LoopClosure> closures_{};
   std::vector<std::size_t> thinned_{};
+  std::vector<MapEvent> events_{};
   double loop_closing_s_ = 0.0;
   double optimisation_s_ = 0.0;
 };

@@ -14,6 +14,7 @@
 #include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/motion_predictor.hpp"
 #include "loopstone/slam/path_break.hpp"
+#include "loopstone/slam/tracking_status.hpp"
 
 namespace loopstone {
 
@@ -59,6 +60,8 @@ struct TrackedScan {
   Eigen::Matrix3d covariance =
       Eigen::Matrix3d::Zero();  ///< of the match, (x, y, yaw) in the local frame
   MatchStatus status = MatchStatus::kTooFewPairs;
+  TrackingStatus tracking = TrackingStatus::kLost;
+  Pose2 guess_local_T_robot;  ///< before the laser was asked
   double score = 0.0;
   bool searched = false;
   bool left_out =
@@ -179,6 +182,8 @@ class FrontEnd {
   [[nodiscard]] Seen take_match(const MatchResult& match, bool is_held, TrackedScan& tracked);
   /// The motion goes on as it was: where odometry may be doubted.
   [[nodiscard]] std::vector<MotionGuess> others_than_odometry(Stamp stamp) const;
+  [[nodiscard]] TrackingStatus tracking_of(const TrackedScan& tracked, bool odometry_guides,
+                                           Stamp stamp) const;
   void note_gap(const BlindMotion& blind, Stamp stamp, TrackedScan& tracked) const;
   void begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp, TrackedScan& tracked);
   /// Ends the submaps that are open.

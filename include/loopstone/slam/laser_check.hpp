@@ -45,6 +45,8 @@ class LaserCheck {
   [[nodiscard]] bool add(const LaserScan& scan, const std::optional<OdometryReading>& odometry);
 
   [[nodiscard]] const std::vector<LaserEpisode>& episodes() const { return episodes_; }
+  /// Whether the last episode goes on.
+  [[nodiscard]] bool is_faulty() const { return open_; }
   /// Most scans in a row that were the same to the last bit while no odometry told whether the robot stood, the first one not
   /// counted.
   [[nodiscard]] std::size_t most_repeated() const { return most_repeated_; }

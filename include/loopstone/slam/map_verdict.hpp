@@ -1,11 +1,14 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "loopstone/graph/certificate.hpp"
+#include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/slam/loop_closure.hpp"
 
 namespace loopstone {
 
@@ -26,14 +29,19 @@ struct GraphQuality {
       0.0;  ///< sum of e^T Omega e a degree of freedom (3 a loop); 1 is what the covariances promise
   int closures_revoked = 0;  ///< that had been accepted and contradicted the rest
   int closures = 0;          ///< accepted or revoked
-  /// Of the isotropic objective (certificate.hpp), from the map's poses; nothing when the graph has no loop or is too large.
+  /// Of the isotropic objective (certificate.hpp), from the graph's poses; nothing when the graph has
+  /// no loop or is too large.
   std::optional<Certificate> certificate{};
-  double certified_shift_m =
-      0.0;  ///< largest distance of a node of the map from the proven optimum, best aligned
+  /// Largest distance of a node of the delivered map, best aligned, from where the solver arrives when
+  /// it begins at the proven optimum.
+  double certified_shift_m = 0.0;
 };
 
-/// Reads graph and loop_closures. Cost: a few sparse factorisations of the graph.
-[[nodiscard]] GraphQuality assess_graph(const MapResult& result);
+/// \param solved     all edges, closures that stand among them, at the graph's own solution
+/// \param delivered  the poses of the map: the solution, or what an adjustment made of it
+/// Cost: a few sparse factorisations of the graph.
+[[nodiscard]] GraphQuality assess_graph(const PoseGraph& solved, std::span<const Pose2> delivered,
+                                        std::span<const LoopClosure> closures);
 
 /// One figure and what it means.
 struct QualityMeasure {

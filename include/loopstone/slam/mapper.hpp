@@ -1,102 +1,93 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <future>
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
+#include <stop_token>
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/base/progress.hpp"
-#include "loopstone/base/stamp.hpp"
 #include "loopstone/base/state_chunk.hpp"
-#include "loopstone/mapping/occupancy.hpp"
-#include "loopstone/odometry/scan_queue.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
-#include "loopstone/sensor/scan_points.hpp"
-#include "loopstone/slam/front_end.hpp"
-#include "loopstone/slam/key_chain.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
+#include "loopstone/slam/map_snapshot.hpp"
+#include "loopstone/slam/map_update.hpp"
 
 namespace loopstone {
 
-/// Turns a stream of sensor messages into a trajectory, a pose graph and a map.
+/// Turns a stream of sensor messages into a trajectory, a pose graph and a map, and tells where the
+/// robot is while it drives.
 ///
 ///   Mapper mapper(robot, options, threads);
-///   while (auto message = log.next()) mapper.add(*message);
+///   while (auto message = source.next()) {                        // a log, or sensors
+///     mapper.add(*message);
+///     while (auto update = mapper.next_update()) drive(update->map_T_robot());
+///   }
 ///   MapResult result = mapper.finish();
 ///
-/// The result is the same bytes for any number of threads.
+/// Messages may come live. The clock is that of their stamps:
+///   - A scan waits until odometry of its time or later has come, so that the motion up to it is known;
+///     at most 0.25 s, counted by the newest stamp of any message. Without odometry and gyro in the
+///     stream every scan is worked on as soon as a message 0.25 s younger comes, or at finish().
+///   - Scans that come late are worked on in the order in which they come. Odometry is remembered for
+///     10 s: a scan that is up to so late gets the motion of its own time.
+///   - Odometry that is not newer than the last of its kind is ignored. What comes for a scan that was
+///     worked on without it no longer changes that scan.
+///   - A sensor that stops is bridged by the others, and said so: status, events, breaks.
+///
+/// Threads: add(), next_update(), finish(), save_state() and restore_state() are called from one thread
+/// at a time; snapshot() from any, at any time. The front end works inside add(), a fraction of a
+/// millisecond a scan (some tens where a lost robot is looked for). Search for loops, the graph and
+/// what follows from them live on a thread of their own, so add() waits for them only when they have
+/// fallen behind by eight submaps.
+///
+/// The result is the same bytes for any number of threads, and whether or not anybody asks for updates
+/// and snapshots. When a correction of the map shows in updates depends on how fast the machine is.
 class Mapper {
  public:
+  /// \param threads  that search for loops and draw the final map, beside the front end's
   Mapper(const RobotModel& robot, const MapOptions& options, Threads threads = {});
   ~Mapper();
 
-  /// Messages come in time order. A scan is worked on once odometry for its time has come, or after a moment's wait.
+  /// Throws nothing for what a sensor may send; memory may run out.
   void add(const SensorMessage& message);
 
-  /// Ends the recording: last closures, last solution, the final map of all scans. Call once. A map that is too large leaves all
-  /// else and says so in `map_failure`.
-  /// \param progress  told before each stage and while loops are closed, maybe from another thread but never from two at once; once
-  ///                  it returns false, the last search for loops ends, what only refines or judges the map is left out, and the
-  ///                  result is marked incomplete
-  [[nodiscard]] MapResult finish(const ProgressCallback& progress = {});
+  /// The oldest update that was not handed out yet: one a scan, in their order. Of updates that nobody
+  /// takes the newest thousand are kept.
+  [[nodiscard]] std::optional<MapUpdate> next_update();
 
-  /// Everything that the messages so far have led to. A new mapper of the same robot and options that is given it goes on to
-  /// the same bytes. Returns once the front end is saved; the rest follows when the back end has come as far, on its thread.
+  /// The map as it is now: submaps and key scans at their present poses, closures, faults so far.
+  /// Consistent: all of it is of one moment. Cost: microseconds a submap; the scans are shared.
+  [[nodiscard]] MapSnapshot snapshot() const;
+
+  /// Ends the recording: last closures, last solution, the final map of all scans. Call once. A map that
+  /// is too large leaves all else and says so in `map_failure`.
+  /// \param progress  told before each stage and while loops are closed, maybe from another thread but
+  ///                  never from two at once; once it returns false the run is cancelled
+  /// \param cancel    asked whenever progress is told. Cancelled, the last search for loops ends, what
+  ///                  only refines or judges the map is left out, and the result is marked incomplete
+  [[nodiscard]] MapResult finish(const ProgressCallback& progress = {},
+                                 const std::stop_token& cancel = {});
+
+  /// Everything that the messages so far have led to. A new mapper of the same robot and options that
+  /// is given it goes on to the same bytes. Returns once the front end is saved; the rest follows when
+  /// the back end has come as far, on its thread. Updates that wait are not part of it.
   [[nodiscard]] std::future<std::vector<StateChunk>> save_state();
-  /// Before the first message. Throws DataError when a part is missing, of another version or damaged; this mapper is of no
-  /// use then.
+  /// Before the first message. Throws DataError when a part is missing, of another version or damaged;
+  /// this mapper is of no use then.
   void restore_state(std::span<const StateChunk> chunks);
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(track_, last_mapped_, statistics_, gyro_scans_, breaks_);
-  }
-
-  [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(track_.size()); }
+  [[nodiscard]] std::int64_t scans() const;
 
  private:
-  /// What is kept of every scan.
-  struct TrackedPose {
-    Stamp stamp{};
-    Pose2 local_T_robot{};
-    std::optional<Pose2> odom_T_robot{};
-
-    template <typename Archive>
-    void archive(Archive& a) {
-      a(stamp, local_T_robot, odom_T_robot);
-    }
-  };
-  class BackEndWorker;
-
-  void add_scan(LaserScan scan);
-  [[nodiscard]] Pose2 end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const;
-  void hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan tracked);
-  /// Of each key scan, its own frame.
-  [[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces(
-      std::span<const KeyScan> keys) const;
-  void report_sensors(MapResult& result) const;
-  void adjust(std::span<const KeyScan> keys, MapResult& result) const;
-  [[nodiscard]] std::vector<PosedScan> place_scans(std::vector<KeyScan> keys,
-                                                   MapResult& result) const;
-  static void count(MapResult& result);
-
-  RobotModel robot_;
-  MapOptions options_;
-  Threads threads_;
-  ScanQueue scan_queue_;
-  FrontEnd front_end_;
-  std::unique_ptr<BackEndWorker> back_end_;
-  std::deque<TrackedPose> track_{};
-  Pose2 last_mapped_{};
-  MapStatistics statistics_{};
-  std::int64_t gyro_scans_ = 0;  ///< whose heading alone was known
-  std::vector<PathBreak> breaks_{};
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace loopstone

@@ -12,12 +12,8 @@
 namespace loopstone {
 namespace {
 
-class TaskQueueOnBothKinds : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(TaskQueue, TaskQueueOnBothKinds, testing::Values(false, true),
-                         [](const auto& run) { return run.param ? "own_thread" : "at_once"; });
-
-TEST_P(TaskQueueOnBothKinds, RunsEveryTaskOnceAndInOrder) {
-  TaskQueue queue(GetParam());
+TEST(TaskQueue, RunsEveryTaskOnceAndInOrder) {
+  TaskQueue queue;
   std::vector<int> order;
   for (int i = 0; i < 200; ++i) queue.run([&order, i] { order.push_back(i); });
   queue.wait();
@@ -29,8 +25,8 @@ TEST_P(TaskQueueOnBothKinds, RunsEveryTaskOnceAndInOrder) {
   EXPECT_EQ(order.back(), -1);
 }
 
-TEST_P(TaskQueueOnBothKinds, AnExceptionComesOutOfWaitAndEndsWhatWasQueued) {
-  TaskQueue queue(GetParam());
+TEST(TaskQueue, AnExceptionComesOutOfWaitAndEndsWhatWasQueued) {
+  TaskQueue queue;
   std::atomic<int> after{0};
   EXPECT_NO_THROW(queue.run([] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the others are queued by then
@@ -47,10 +43,10 @@ TEST_P(TaskQueueOnBothKinds, AnExceptionComesOutOfWaitAndEndsWhatWasQueued) {
   EXPECT_NO_THROW(queue.wait()) << "thrown once";
 }
 
-TEST_P(TaskQueueOnBothKinds, GoesWithoutBeingWaitedFor) {
+TEST(TaskQueue, GoesWithoutBeingWaitedFor) {
   std::atomic<bool> done{false};
   {
-    TaskQueue queue(GetParam());
+    TaskQueue queue;
     queue.run([&done] {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
       done = true;
@@ -60,14 +56,11 @@ TEST_P(TaskQueueOnBothKinds, GoesWithoutBeingWaitedFor) {
   EXPECT_TRUE(done) << "what a task uses must outlive it";
 }
 
-TEST(TaskQueue, OwnThreadMeansAnotherOne) {
-  std::thread::id at_once;
+TEST(TaskQueue, RunsOnAnotherThread) {
   std::thread::id own;
-  TaskQueue(false).run([&] { at_once = std::this_thread::get_id(); });
-  TaskQueue queue(true);
+  TaskQueue queue;
   queue.run([&] { own = std::this_thread::get_id(); });
   queue.wait();
-  EXPECT_EQ(at_once, std::this_thread::get_id());
   EXPECT_NE(own, std::this_thread::get_id());
 }
 

@@ -1,4 +1,4 @@
-#include "slam/closure_witness.hpp"
+#include "slam/pairwise_consistency.hpp"
 
 #include <gtest/gtest.h>
 
@@ -46,56 +46,56 @@ struct Laps {
   }
 };
 
-TEST(ClosureWitness, TwoTrueClosuresBearWitness) {
+TEST(PairwiseConsistency, TwoTrueClosuresAreConsistent) {
   const Laps laps;
   const LoopClosure a = laps.closure(10, 110);
   const LoopClosure b = laps.closure(18, 118);
   EXPECT_FALSE(bends_nothing(a, laps.map()));
-  EXPECT_TRUE(bear_witness(a, b, laps.map()));
-  EXPECT_TRUE(bear_witness(b, a, laps.map()));
+  EXPECT_TRUE(are_consistent(a, b, laps.map()));
+  EXPECT_TRUE(are_consistent(b, a, laps.map()));
 }
 
-TEST(ClosureWitness, SubmapsThatShareScansAreOneWitnessUnlessBothAreGood) {
+TEST(PairwiseConsistency, SubmapsThatShareScansCountOnceUnlessBothAreGood) {
   const Laps laps;
   LoopClosure a = laps.closure(10, 110);
   LoopClosure b = laps.closure(10, 114);
-  EXPECT_FALSE(bear_witness(a, b, laps.map()));
-  EXPECT_FALSE(bear_witness(a, laps.closure(14, 114), laps.map()));
+  EXPECT_FALSE(are_consistent(a, b, laps.map()));
+  EXPECT_FALSE(are_consistent(a, laps.closure(14, 114), laps.map()));
   a.overlap = b.overlap = 0.8;
   a.agreement = b.agreement = 0.9;
-  EXPECT_TRUE(bear_witness(a, b, laps.map()));
+  EXPECT_TRUE(are_consistent(a, b, laps.map()));
   b.agreement = 0.8;
-  EXPECT_FALSE(bear_witness(a, b, laps.map()));
-  EXPECT_FALSE(bear_witness(b, a, laps.map()));
+  EXPECT_FALSE(are_consistent(a, b, laps.map()));
+  EXPECT_FALSE(are_consistent(b, a, laps.map()));
   // Another place on one side is enough.
-  EXPECT_TRUE(bear_witness(a, laps.closure(10, 118), laps.map()));
-  EXPECT_TRUE(bear_witness(a, laps.closure(18, 110), laps.map()));
+  EXPECT_TRUE(are_consistent(a, laps.closure(10, 118), laps.map()));
+  EXPECT_TRUE(are_consistent(a, laps.closure(18, 110), laps.map()));
 }
 
-TEST(ClosureWitness, AFalseClosureIsNotBackedByATrueOneOrByAnotherFalseOne) {
+TEST(PairwiseConsistency, AFalseClosureIsNotBackedByATrueOneOrByAnotherFalseOne) {
   const Laps laps;
   const LoopClosure truth = laps.closure(10, 110);
   const LoopClosure next_room = laps.closure(18, 118, {3.0, 0.0, 0.0});
   const LoopClosure other_room = laps.closure(26, 126, {0.0, -2.0, 0.0});
-  EXPECT_FALSE(bear_witness(next_room, truth, laps.map()));
-  EXPECT_FALSE(bear_witness(truth, next_room, laps.map()));
-  EXPECT_FALSE(bear_witness(next_room, other_room, laps.map()));
+  EXPECT_FALSE(are_consistent(next_room, truth, laps.map()));
+  EXPECT_FALSE(are_consistent(truth, next_room, laps.map()));
+  EXPECT_FALSE(are_consistent(next_room, other_room, laps.map()));
 }
 
-TEST(ClosureWitness, FarAwayNobodyIsAWitness) {
+TEST(PairwiseConsistency, FarAwayNothingIsConsistent) {
   const Laps laps;
-  EXPECT_FALSE(bear_witness(laps.closure(0, 100), laps.closure(90, 190), laps.map()));
+  EXPECT_FALSE(are_consistent(laps.closure(0, 100), laps.closure(90, 190), laps.map()));
 }
 
-TEST(ClosureWitness, ACorridorIsNoWitnessForTheWayAlongIt) {
+TEST(PairwiseConsistency, ACorridorSaysNothingOfTheWayAlongIt) {
   Laps laps;
   const LoopClosure a = laps.closure(10, 110, {2.0, 0.0, 0.0});
   LoopClosure corridor = laps.closure(14, 114);
   corridor.covariance = Eigen::Vector3d(1e3, 1e3, 3e-5).asDiagonal();
-  EXPECT_FALSE(bear_witness(a, corridor, laps.map()));
+  EXPECT_FALSE(are_consistent(a, corridor, laps.map()));
 }
 
-TEST(ClosureWitness, WhatTheMapSaysAlreadyStandsAlone) {
+TEST(PairwiseConsistency, WhatTheMapSaysAlreadyStandsAlone) {
   Laps laps;
   laps.poses = laps.truth;
   EXPECT_TRUE(bends_nothing(laps.closure(10, 110), laps.map()));
@@ -110,27 +110,27 @@ TEST(ClosureWitness, WhatTheMapSaysAlreadyStandsAlone) {
   EXPECT_TRUE(bends_nothing(open, laps.map()));
 }
 
-TEST(ClosureWitness, OnlyThoseThatAgreeAreAccepted) {
+TEST(PairwiseConsistency, OnlyThoseThatAgreeAreAccepted) {
   const Laps laps;
   std::vector<LoopClosure> closures{laps.closure(10, 110)};
-  EXPECT_FALSE(accept_witnessed(closures, laps.map()));
+  EXPECT_TRUE(accept_consistent(closures, laps.map()).empty());
   closures.push_back(laps.closure(30, 130, {4.0, 1.0, 0.0}));
-  EXPECT_FALSE(accept_witnessed(closures, laps.map()));
+  EXPECT_TRUE(accept_consistent(closures, laps.map()).empty());
   closures.push_back(laps.closure(18, 118));
-  EXPECT_TRUE(accept_witnessed(closures, laps.map()));
+  EXPECT_FALSE(accept_consistent(closures, laps.map()).empty());
   EXPECT_TRUE(closures[0].stands());
   EXPECT_EQ(closures[0].reason, ClosureReason::kNone);
   EXPECT_EQ(closures[1].state, ClosureState::kWaiting);
   EXPECT_TRUE(closures[2].stands());
-  EXPECT_FALSE(accept_witnessed(closures, laps.map()));
+  EXPECT_TRUE(accept_consistent(closures, laps.map()).empty());
 }
 
-TEST(ClosureWitness, WhatWasRejectedForAReasonIsNeitherAcceptedNorHeard) {
+TEST(PairwiseConsistency, WhatWasRejectedForAReasonIsNeitherAcceptedNorHeard) {
   const Laps laps;
   std::vector<LoopClosure> closures{laps.closure(10, 110), laps.closure(18, 118)};
   closures[1].state = ClosureState::kRejected;
   closures[1].reason = ClosureReason::kSurfacesDisagree;
-  EXPECT_FALSE(accept_witnessed(closures, laps.map()));
+  EXPECT_TRUE(accept_consistent(closures, laps.map()).empty());
   EXPECT_EQ(closures[1].state, ClosureState::kRejected);
 }
 

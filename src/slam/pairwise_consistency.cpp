@@ -1,4 +1,4 @@
-#include "slam/closure_witness.hpp"
+#include "slam/pairwise_consistency.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ constexpr double kHarmlessM = 0.25;
 constexpr double kHarmlessRad = 0.04;
 /// One in a hundred, chi-square of 3 degrees of freedom.
 constexpr double kAgreesChi2 = 11.345;
-/// A witness must tell the correction from none by three standard deviations.
+/// A second closure must tell the correction from none by three standard deviations.
 constexpr double kNoticesChi2 = 9.0;
 /// What the path between the closures' ends adds: standard deviations at rest and a metre of travel.
 constexpr double kPathRestM = 0.05;
@@ -93,7 +93,7 @@ bool bends_nothing(const LoopClosure& closure, const MapSoFar& map) {
   return !pulls_far(pull) && !turns_far(pull);
 }
 
-bool bear_witness(const LoopClosure& a, const LoopClosure& b, const MapSoFar& map) {
+bool are_consistent(const LoopClosure& a, const LoopClosure& b, const MapSoFar& map) {
   const double travel_m = travel_between(map, a.from, b.from) + travel_between(map, a.to, b.to);
   if (travel_m > kMostTravelM) return false;
   if (share_scans(a, b) && !(is_good(a) && is_good(b))) return false;
@@ -119,7 +119,8 @@ bool bear_witness(const LoopClosure& a, const LoopClosure& b, const MapSoFar& ma
   return chi2(open, covariance) <= kAgreesChi2 && notices(pull_of(a, map), covariance);
 }
 
-bool accept_witnessed(std::vector<LoopClosure>& closures, const MapSoFar& map) {
+std::vector<std::size_t> accept_consistent(std::vector<LoopClosure>& closures,
+                                           const MapSoFar& map) {
   const auto waits = [](const LoopClosure& c) { return c.state == ClosureState::kWaiting; };
   std::vector<std::size_t> accepted;
   for (std::size_t i = 0; i < closures.size(); ++i) {
@@ -129,7 +130,7 @@ bool accept_witnessed(std::vector<LoopClosure>& closures, const MapSoFar& map) {
         bends_nothing(closure, map) ||
         std::any_of(closures.begin(), closures.end(), [&](const LoopClosure& other) {
           return &other != &closure && (other.stands() || waits(other)) &&
-                 bear_witness(closure, other, map);
+                 are_consistent(closure, other, map);
         });
     if (stands) accepted.push_back(i);
   }
@@ -137,7 +138,7 @@ bool accept_witnessed(std::vector<LoopClosure>& closures, const MapSoFar& map) {
     closures[i].state = ClosureState::kStanding;
     closures[i].reason = ClosureReason::kNone;
   }
-  return !accepted.empty();
+  return accepted;
 }
 
 }  // namespace loopstone

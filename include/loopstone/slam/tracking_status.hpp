@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string_view>
+
+namespace loopstone {
+
+/// What holds the robot's pose at a scan.
+enum class TrackingStatus {
+  kTracked,     ///< the laser, in every direction
+  kDegenerate,  ///< the laser, but for one direction (a corridor); odometry holds that one
+  kBridged,     ///< odometry, or for a second the motion as it was: the laser says nothing
+  kLost,        ///< nothing: the scan contradicts the map, or there is neither scan nor odometry
+};
+[[nodiscard]] std::string_view to_string(TrackingStatus status);
+
+}  // namespace loopstone

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <deque>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/odometry/trajectory.hpp"
+#include "loopstone/slam/key_chain.hpp"
+#include "loopstone/slam/map_options.hpp"
+#include "loopstone/slam/map_result.hpp"
+#include "slam/scan_store.hpp"
+
+// The steps that end a run: each takes what it needs and returns what it made.
+
+namespace loopstone {
+
+/// What is kept of every scan.
+struct TrackedPose {
+  Stamp stamp{};
+  Pose2 local_T_robot{};
+  std::optional<Pose2> odom_T_robot{};  ///< dead reckoning alone
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(stamp, local_T_robot, odom_T_robot);
+  }
+};
+
+/// The surfaces of each key scan, in its own frame, straightened by the motion during its sweep.
+[[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces(const ScanStore& scans,
+                                                                  const SurfaceOptions& options);
+
+struct PlacedScans {
+  Trajectory trajectory{};          ///< map_T_robot at every scan
+  Trajectory odometry{};            ///< odom_T_robot at every scan
+  std::vector<PosedScan> on_map{};  ///< those that the map is drawn from; they point into `scans`
+};
+/// Puts every scan on the map: between key scans their corrections are blended.
+/// \param map_T_key  of each key scan
+[[nodiscard]] PlacedScans place_scans(const std::deque<TrackedPose>& track,
+                                      std::vector<KeyScan> keys, std::span<const Pose2> map_T_key,
+                                      const ScanStore& scans);
+
+/// A few of the scans, evenly: who interrupts a run does not wait for the map of all.
+[[nodiscard]] std::vector<PosedScan> some_of(std::span<const PosedScan> scans);
+
+/// The closures with their disagreement at the graph's poses.
+[[nodiscard]] std::vector<LoopClosure> at_poses_of(const PoseGraph& graph,
+                                                   std::vector<LoopClosure> closures);
+
+/// What the user should know about the run, in plain words: what went wrong first, then how it fared.
+[[nodiscard]] std::vector<std::string> warnings_of(const MapResult& result,
+                                                   const MapOptions& options, bool has_gyro);
+
+}  // namespace loopstone
