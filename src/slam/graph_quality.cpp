@@ -70,11 +70,12 @@ GraphQuality assess_graph(const PoseGraph& solved, std::span<const Pose2> delive
   if (quality.loops < 1) return quality;
   // Each loop closes with three numbers.
   quality.reduced_chi2 = graph_cost(solved) / (3.0 * quality.loops);
+  quality.adjusted_shift_m = largest_shift_m(delivered, solved.poses);
   if (solved.poses.size() > kMostNodes) return quality;
   const CertifiedSolution proven = optimize_certified(solved, {.max_rank = 2});
   quality.certificate = proven.certificate;
   if (proven.certificate.certified())
-    quality.certified_shift_m = largest_shift_m(delivered, solved_from(solved, proven.poses));
+    quality.certified_shift_m = largest_shift_m(solved.poses, solved_from(solved, proven.poses));
   return quality;
 }
 

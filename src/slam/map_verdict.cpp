@@ -143,9 +143,9 @@ QualityMeasure certified(const GraphQuality& g) {
   const bool near = g.certified_shift_m <= kCertifiedNearM;
   measure.verdict = near ? Verdict::kGood : Verdict::kDoubtful;
   measure.sentence =
-      "The graph's best solution is known and proven; from there the solver arrives at the map, "
-      "no pose farther off than " +
-      centimetres(g.certified_shift_m) + ".";
+      "The graph's best solution is known and proven; the solver that begins there arrives within " +
+      centimetres(g.certified_shift_m) + " of the one that was found. Surfaces that scans share " +
+      "moved it by another " + centimetres(g.adjusted_shift_m) + " at most.";
   return measure;
 }
 

@@ -32,9 +32,11 @@ struct GraphQuality {
   /// Of the isotropic objective (certificate.hpp), from the graph's poses; nothing when the graph has
   /// no loop or is too large.
   std::optional<Certificate> certificate{};
-  /// Largest distance of a node of the delivered map, best aligned, from where the solver arrives when
-  /// it begins at the proven optimum.
+  /// Largest distance of a node, best aligned, of the graph's solution from where the solver arrives
+  /// when it begins at the proven optimum.
   double certified_shift_m = 0.0;
+  /// Of the delivered map from the graph's solution: what the adjustment to surfaces made of it.
+  double adjusted_shift_m = 0.0;
 };
 
 /// \param solved     all edges, closures that stand among them, at the graph's own solution
