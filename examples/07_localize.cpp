@@ -28,7 +28,7 @@ int main() {
   int scans = 0;
   for (const SensorMessage& message : log) {
     localizer.add(message);
-    while (const auto estimate = localizer.next()) {
+    while (const auto estimate = localizer.next_update()) {
       if (scans++ % 50 != 0) continue;
       std::printf("(%6.2f, %6.2f) m, right to %3.0f %%: %s\n", estimate->map_T_robot.x,
                   estimate->map_T_robot.y, 100.0 * estimate->probability,

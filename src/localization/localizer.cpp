@@ -71,7 +71,7 @@ class Localizer::Impl {
     process_ready();
   }
 
-  std::optional<LocalizationEstimate> next() {
+  std::optional<LocalizationEstimate> next_update() {
     if (handed_out_ == result_.estimates.size()) return {};
     return result_.estimates[handed_out_++];
   }
@@ -112,6 +112,7 @@ class Localizer::Impl {
     if (motion_.last_stamp() && scan.stamp <= *motion_.last_stamp()) return;
     ++result_.scans;
     const PoseWithCovariance2 motion = motion_.step_to(scan.stamp, queue_.odometer());
+    odom_T_robot_ = odom_T_robot_ * motion.pose;
     if (track_) track_->advance(motion);
     const LocalizationScan view =
         view_for_localization(scan, mount_of(scan, robot_), motion_.velocity(), options_.beams);
@@ -223,6 +224,7 @@ class Localizer::Impl {
     LocalizationEstimate estimate;
     estimate.stamp = *motion_.last_stamp();
     estimate.map_T_robot = track_->map_T_robot().pose;
+    estimate.odom_T_robot = odom_T_robot_;
     estimate.covariance = track_->map_T_robot().covariance;
     estimate.refined = refined;
     estimate.hypotheses = static_cast<int>(belief_.places().size());
@@ -373,6 +375,7 @@ class Localizer::Impl {
   RobotMotion motion_;
   PoseBelief belief_;
 
+  Pose2 odom_T_robot_{};
   std::optional<PoseTrack> track_{};  // of the most probable place
   RangeOffset offset_{};
   int best_id_ = -1;
@@ -396,7 +399,7 @@ Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
 void Localizer::add(const SensorMessage& message) { impl_->add(message); }
-std::optional<LocalizationEstimate> Localizer::next() { return impl_->next(); }
+std::optional<LocalizationEstimate> Localizer::next_update() { return impl_->next_update(); }
 LocalizationResult Localizer::finish() { return impl_->finish(); }
 
 }  // namespace loopstone

@@ -134,7 +134,7 @@ QualityMeasure certified(const GraphQuality& g) {
     return unknown(std::move(measure),
                    g.loops < 1 ? "Without loops the graph has one solution: nothing to prove."
                                : "The graph is too large to be certified in passing.");
-  if (!g.certificate->certified()) {
+  if (!g.is_proven()) {
     measure.verdict = Verdict::kDoubtful;
     measure.sentence = "It was not proven that the graph's solution is the best one there is (" +
                        std::string(to_string(g.certificate->status)) + ").";
@@ -142,8 +142,14 @@ QualityMeasure certified(const GraphQuality& g) {
   }
   const bool near = g.certified_shift_m <= kCertifiedNearM;
   measure.verdict = near ? Verdict::kGood : Verdict::kDoubtful;
+  const double open = g.certificate->optimality_gap / std::max(g.certificate->cost, 1e-12);
+  const std::string best =
+      g.certificate->certified()
+          ? "The graph's best solution is known and proven"
+          : "No solution of the graph is better by more than " + number(100.0 * open, 2) +
+                " % than one that is known, which is proven";
   measure.sentence =
-      "The graph's best solution is known and proven; the solver that begins there arrives within " +
+      best + "; the solver that begins there arrives within " +
       centimetres(g.certified_shift_m) + " of the one that was found. Surfaces that scans share " +
       "moved it by another " + centimetres(g.adjusted_shift_m) + " at most.";
   return measure;

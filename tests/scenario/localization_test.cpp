@@ -130,13 +130,19 @@ TEST(LocalizationSimulated, EstimatesComeOneByOneAndAreAllInTheResult) {
   const LocalizationMap map(drive.map);
   Localizer localizer(map, drive.robot, {}, guess_of(drive), 1, {1});
   std::size_t handed_out = 0;
+  std::optional<LocalizationEstimate> last;
   for (const SensorMessage& message : drive.messages) {
     localizer.add(message);
-    while (const auto estimate = localizer.next()) {
+    while (const auto estimate = localizer.next_update()) {
       ++handed_out;
       EXPECT_TRUE(estimate->covariance.allFinite());
       EXPECT_GE(estimate->probability, 0.0);
       EXPECT_LE(estimate->probability, 1.0);
+      if (last) {
+        const Pose2 step = last->odom_T_robot.inverse() * estimate->odom_T_robot;
+        EXPECT_LT(std::hypot(step.x, step.y), 0.15) << "odometry does not jump";
+      }
+      last = estimate;
     }
   }
   const LocalizationResult result = localizer.finish();

@@ -53,8 +53,9 @@ struct PoseEvidence {
 struct LocalizationEstimate {
   Stamp stamp;
   Pose2 map_T_robot;
+  Pose2 odom_T_robot;  ///< by odometry since the first scan: smooth, drifts
   Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Zero();  ///< of (x, y, yaw), map axes [m^2, m rad, rad^2]
+      Eigen::Matrix3d::Zero();  ///< of map_T_robot, (x, y, yaw), map axes [m^2, m rad, rad^2]
   LocalizationState state = LocalizationState::kLost;
   double probability = 0.0;  ///< that the pose is within 0.2 m and 5 deg of the truth
   bool refined = false;      ///< by registration to the map; else the particles' mean
@@ -62,6 +63,9 @@ struct LocalizationEstimate {
   int particles = 0;
   double travelled_m = 0.0;  ///< path since the first scan, by odometry
   PoseEvidence evidence{};
+
+  /// As REP-105 has it: moves when the pose is corrected.
+  [[nodiscard]] Pose2 map_T_odom() const { return map_T_robot * odom_T_robot.inverse(); }
 };
 
 /// Another place where the robot may be.

@@ -27,7 +27,7 @@ struct InitialPose {
 ///   Localizer localizer(map, robot, options, {}, seed, threads);          // from nowhere
 ///   while (auto message = log.next()) {
 ///     localizer.add(*message);
-///     while (const auto estimate = localizer.next()) use(*estimate);
+///     while (const auto estimate = localizer.next_update()) drive(estimate->map_T_robot);
 ///   }
 ///   LocalizationResult result = localizer.finish();
 ///
@@ -40,11 +40,13 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// Messages come in time order. A scan is worked on once odometry for its time has come.
+  /// Messages may come live, as Mapper::add() takes them: a scan waits for odometry of its time, at
+  /// most 0.25 s; one that is not newer than the last is left out.
   void add(const SensorMessage& message);
 
-  /// The oldest estimate that was not handed out yet. All of them are in the result too.
-  [[nodiscard]] std::optional<LocalizationEstimate> next();
+  /// The oldest estimate that was not handed out yet: one a scan, in their order, from the first pose
+  /// on. All of them are in the result too.
+  [[nodiscard]] std::optional<LocalizationEstimate> next_update();
 
   /// Ends the recording. Call once.
   [[nodiscard]] LocalizationResult finish();

@@ -32,6 +32,9 @@ struct GraphQuality {
   /// Of the isotropic objective (certificate.hpp), from the graph's poses; nothing when the graph has
   /// no loop or is too large.
   std::optional<Certificate> certificate{};
+  /// Whether it is proven that no solution is cheaper by more than a hundredth. In large graphs rounding
+  /// keeps the bound from closing; a solution of another shape costs many times as much.
+  [[nodiscard]] bool is_proven() const;
   /// Largest distance of a node, best aligned, of the graph's solution from where the solver arrives
   /// when it begins at the proven optimum.
   double certified_shift_m = 0.0;

@@ -210,6 +210,22 @@ GraphQuality assess_square(const MapResult& result) {
   return assess_graph(result.graph, result.graph.poses, result.loop_closures);
 }
 
+TEST(GraphQuality, ABoundThatRoundingKeepsOpenIsAProof) {
+  MapResult result = fine_map();
+  Certificate open{.status = CertificateStatus::kGapOpen, .cost = 7.0, .optimality_gap = 0.0007};
+  result.graph_quality.certificate = open;
+  EXPECT_TRUE(result.graph_quality.is_proven());
+  EXPECT_EQ(verdict_of(judge_map(result), "certified_shift_m"), Verdict::kGood);
+  open.optimality_gap = 0.7;
+  result.graph_quality.certificate = open;
+  EXPECT_FALSE(result.graph_quality.is_proven());
+  EXPECT_EQ(verdict_of(judge_map(result), "certified_shift_m"), Verdict::kDoubtful);
+  open.status = CertificateStatus::kNotOptimal;
+  open.optimality_gap = 0.0;
+  result.graph_quality.certificate = open;
+  EXPECT_FALSE(result.graph_quality.is_proven());
+}
+
 TEST(GraphQuality, CountsLoopsAndTheirError) {
   MapResult result = square(0.3);
   const GraphQuality quality = assess_square(result);
