@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,7 +18,7 @@
 #include "loopstone/report/graph_picture.hpp"
 #include "loopstone/version.hpp"
 #include "optimize_report.hpp"
-#include "optimize_run.hpp"
+#include "optimize_request.hpp"
 #include "output_path.hpp"
 
 namespace loopstone::app {
@@ -136,7 +137,7 @@ RunInfo info_of(const Arguments& arguments, OptimizeSettings settings, const Gra
   info.command_line = context.command_line();
   info.version = kVersion;
   info.options_toml = options_to_toml(list_options(settings));
-  info.wall_time_s = run.read_s + run.optimisation_s();
+  info.wall_time_s = run.read_s + run.found.times.wall_s();
   return info;
 }
 
@@ -178,6 +179,27 @@ void warn_of_file(const GraphFile& file, const AppContext& context) {
   }
 }
 
+std::optional<Initialisation> start_named(const std::string& name) {
+  for (const Initialisation start : {Initialisation::kAsGiven, Initialisation::kOdometryChain,
+                                     Initialisation::kSpanningTree, Initialisation::kChordal}) {
+    if (name == to_string(start)) return start;
+  }
+  return {};  // best
+}
+
+GraphOptimisationOptions options_for(const OptimizeRequest& request, const GraphFile& file) {
+  GraphOptimisationOptions options;
+  options.start = start_named(request.initial);
+  options.poses_given = file.has_poses;
+  if (options.start == Initialisation::kAsGiven && !file.has_poses) {
+    throw UsageError("--initial file: the file has no VERTEX lines; use best, or chordal");
+  }
+  options.solver = request.settings.solver;
+  if (request.gnc) options.gnc = request.settings.gnc;
+  if (request.certify) options.certificate = request.settings.certificate;
+  return options;
+}
+
 ExitCode run(const Arguments& arguments, const AppContext& context) {
   using Clock = std::chrono::steady_clock;
   check_usage(arguments);
@@ -202,8 +224,9 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   warn_of_file(file, context);
   require_connected(file, arguments.input);
 
-  GraphRun run = optimize_file(std::move(file), request);
-  run.name = std::filesystem::path(arguments.input).filename().string();
+  GraphOptimisation found = optimize_graph(file.graph, options_for(request, file));
+  GraphRun run = make_graph_run(std::filesystem::path(arguments.input).filename().string(),
+                                std::move(file), std::move(found));
   run.read_s = read_s;
   outputs.prepare();
   const HeldInterrupt held;  // all of the outputs, or none

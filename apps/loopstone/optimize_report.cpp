@@ -41,14 +41,15 @@ void add_file(Result& result, const GraphRun& run) {
 }
 
 void add_certificate(Result& result, const GraphRun& run) {
-  if (!run.certified) {
+  const GraphOptimisation& found = run.found;
+  if (!found.certified) {
     result.add_json("certified", false)
         .add_json("min_eigenvalue", nullptr)
         .add_json("optimality_gap", nullptr)
         .add_json("certificate", {{"status", "not_asked"}});
     return;
   }
-  const CertifiedSolution& solution = *run.certified;
+  const CertifiedSolution& solution = *found.certified;
   const Certificate& certificate = solution.certificate;
   result.add_json("certified", certificate.certified())
       .add_json("min_eigenvalue", certificate.min_eigenvalue)
@@ -58,7 +59,7 @@ void add_certificate(Result& result, const GraphRun& run) {
       .add_json("certificate.objective",
                 "sum of kappa |R_to - R_from R|_F^2 + tau |t_to - t_from - R_from t|^2, "
                 "kappa = I33, tau = 2 / tr(I_tt^-1)")
-      .add_json("certificate.edges", run.certified_edges)
+      .add_json("certificate.edges", found.certified_edges)
       .add_json("certificate.cost", certificate.cost)
       .add_json("certificate.lower_bound", certificate.lower_bound)
       .add_json("certificate.eigenvalue_tolerance", certificate.eigenvalue_tolerance)
@@ -79,43 +80,44 @@ void add_certificate(Result& result, const GraphRun& run) {
 }  // namespace
 
 Result report_graph_run(const GraphRun& run, const OptimizeRequest& request) {
-  const std::size_t aside = edges_set_aside(run);
-  const int iterations = run.solve.iterations + (run.certified ? run.certified->iterations : 0);
+  const GraphOptimisation& found = run.found;
+  const std::size_t aside = edges_set_aside(found.solved);
+  const int iterations = found.iterations();
   Result result;
   result.add_row("", graph_summary_line(run));
   add_file(result, run);
-  result.add_json("initial", to_string(run.start))
+  result.add_json("initial", to_string(found.start.initialisation))
       .add_json("cost_file", run.file.has_poses ? Json(run.before_cost) : Json(nullptr))
-      .add_json("cost_initial", run.start_cost)
-      .add_json("cost", run.solve.cost)
-      .add_json("status", to_string(run.solve.status))
+      .add_json("cost_initial", found.start.cost)
+      .add_json("cost", found.solved.cost)
+      .add_json("status", to_string(found.solved.status))
       .add_json("iterations", iterations)
       .add_json("method", request.settings.solver.method)
       .add_json("robust", request.robust())
-      .add_json("robust_cost", run.solve.robust_cost)
+      .add_json("robust_cost", found.solved.robust_cost)
       .add_json("edges_set_aside", aside)
       .add_row("start",
-               fmt::format("{}{}, cost {:.9g}", to_string(run.start),
+               fmt::format("{}{}, cost {:.9g}", to_string(found.start.initialisation),
                            request.initial == "best" && !request.gnc ? " (the cheapest)" : "",
-                           run.start_cost))
-      .add_row("cost", fmt::format("{:.9g}", run.solve.cost), "sum of e^T Omega e")
-      .add_row("status", std::string(to_string(run.solve.status)))
+                           found.start.cost))
+      .add_row("cost", fmt::format("{:.9g}", found.solved.cost), "sum of e^T Omega e")
+      .add_row("status", std::string(to_string(found.solved.status)))
       .add_row("steps", fmt::format("{}", iterations));
   if (request.robust() != "none") {
     result.add_row("robust", fmt::format("{}: cost {:.9g}, {} edges set aside", request.robust(),
-                                         run.solve.robust_cost, aside));
+                                         found.solved.robust_cost, aside));
   }
   add_certificate(result, run);
-  result.add_json("wall_time_s", run.optimisation_s())
-      .add_json("cpu_time_s", run.cpu_s)
+  result.add_json("wall_time_s", found.times.wall_s())
+      .add_json("cpu_time_s", found.times.cpu_s)
       .add_json("read_s", run.read_s)
-      .add_json("start_s", run.start_s)
-      .add_json("certify_s", run.certify_s)
-      .add_json("solve_s", run.solve_s)
+      .add_json("start_s", found.times.start_s)
+      .add_json("certify_s", found.times.certify_s)
+      .add_json("solve_s", found.times.solve_s)
       .add_row("time",
                fmt::format("{:.2f} = start {:.2f} + certified minimum {:.2f} + solution {:.2f}",
-                           1e3 * run.optimisation_s(), 1e3 * run.start_s, 1e3 * run.certify_s,
-                           1e3 * run.solve_s),
+                           1e3 * found.times.wall_s(), 1e3 * found.times.start_s,
+                           1e3 * found.times.certify_s, 1e3 * found.times.solve_s),
                "ms");
   return result;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "loopstone/report/graph_report.hpp"
-#include "optimize_run.hpp"
+#include "optimize_request.hpp"
 #include "result.hpp"
 
 namespace loopstone::app {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <iterator>
 #include <string_view>
+#include <utility>
 
 #include "loopstone/report/graph_picture.hpp"
 #include "report/html_parts.hpp"
@@ -28,7 +29,8 @@ std::int64_t id_of(const GraphRun& run, NodeId node) {
 }
 
 double weight_of(const GraphRun& run, std::size_t edge) {
-  return edge < run.solve.edge_weights.size() ? run.solve.edge_weights[edge] : 1.0;
+  const std::vector<double>& weights = run.found.solved.edge_weights;
+  return edge < weights.size() ? weights[edge] : 1.0;
 }
 
 double chi2_of(const GraphRun& run, std::size_t edge) {
@@ -53,10 +55,6 @@ std::string cost_text(double cost) {
 }
 
 std::string milliseconds(double seconds) { return fmt::format("{:.2f} ms", 1e3 * seconds); }
-
-int steps_of(const GraphRun& run) {
-  return run.solve.iterations + (run.certified ? run.certified->iterations : 0);
-}
 
 std::string edge_table(const GraphRun& run, const std::vector<std::size_t>& edges) {
   std::string html =
@@ -104,48 +102,60 @@ std::string figures(const GraphRun& run) {
                                {"from a later pose to an earlier", count(run.file.backward_edges)},
                                {"landmarks", count(graph.landmarks.size())},
                                {"priors", count(graph.priors.size())}});
-  html +=
-      html_key_table("Solution", {{"status", std::string(to_string(run.solve.status))},
-                                  {"start", std::string(to_string(run.start))},
-                                  {"cost at the start", cost_text(run.start_cost)},
-                                  {"cost, sum of e<sup>T</sup>&Omega;e", cost_text(run.solve.cost)},
-                                  {"after the robust kernel", cost_text(run.solve.robust_cost)},
-                                  {"edges set aside", count(edges_set_aside(run))},
-                                  {"steps", count(steps_of(run))}});
-  html += html_key_table("Time", {{"reading", milliseconds(run.read_s)},
-                                  {"start", milliseconds(run.start_s)},
-                                  {"certified minimum and proof", milliseconds(run.certify_s)},
-                                  {"solution", milliseconds(run.solve_s)}});
-  if (run.certified) {
-    const Certificate& c = run.certified->certificate;
-    html += html_key_table("Certificate",
-                           {{"status", std::string(to_string(c.status))},
-                            {"isotropic cost", cost_text(c.cost)},
-                            {"proven lower bound", cost_text(c.lower_bound)},
-                            {"gap at most", fmt::format("{:.3g}", c.optimality_gap)},
-                            {"smallest eigenvalue", fmt::format("{:.3g}", c.min_eigenvalue)},
-                            {"proven to be above", fmt::format("{:.3g}", -c.eigenvalue_tolerance)},
-                            {"local minima left behind", count(run.certified->escapes)},
-                            {"rank of the relaxation climbed to", count(run.certified->rank)}});
+  html += html_key_table("Solution",
+                         {{"status", std::string(to_string(run.found.solved.status))},
+                          {"start", std::string(to_string(run.found.start.initialisation))},
+                          {"cost at the start", cost_text(run.found.start.cost)},
+                          {"cost, sum of e<sup>T</sup>&Omega;e", cost_text(run.found.solved.cost)},
+                          {"after the robust kernel", cost_text(run.found.solved.robust_cost)},
+                          {"edges set aside", count(edges_set_aside(run.found.solved))},
+                          {"steps", count(run.found.iterations())}});
+  html += html_key_table("Time",
+                         {{"reading", milliseconds(run.read_s)},
+                          {"start", milliseconds(run.found.times.start_s)},
+                          {"certified minimum and proof", milliseconds(run.found.times.certify_s)},
+                          {"solution", milliseconds(run.found.times.solve_s)}});
+  if (run.found.certified) {
+    const Certificate& c = run.found.certified->certificate;
+    html += html_key_table(
+        "Certificate", {{"status", std::string(to_string(c.status))},
+                        {"isotropic cost", cost_text(c.cost)},
+                        {"proven lower bound", cost_text(c.lower_bound)},
+                        {"gap at most", fmt::format("{:.3g}", c.optimality_gap)},
+                        {"smallest eigenvalue", fmt::format("{:.3g}", c.min_eigenvalue)},
+                        {"proven to be above", fmt::format("{:.3g}", -c.eigenvalue_tolerance)},
+                        {"local minima left behind", count(run.found.certified->escapes)},
+                        {"rank of the relaxation climbed to", count(run.found.certified->rank)}});
   }
   return html + "</div>\n";
 }
 
 }  // namespace
 
-std::size_t edges_set_aside(const GraphRun& run) {
-  return static_cast<std::size_t>(
-      std::count_if(run.solve.edge_weights.begin(), run.solve.edge_weights.end(),
-                    [](double weight) { return weight < kSetAsideBelow; }));
+GraphRun make_graph_run(std::string name, GraphFile file, GraphOptimisation found) {
+  GraphRun run;
+  run.name = std::move(name);
+  // What a user would look at without a solution.
+  GraphStart before = make_start(
+      file.graph, file.has_poses ? Initialisation::kAsGiven : Initialisation::kOdometryChain);
+  run.before = std::move(before.poses);
+  run.before_name = to_string(before.initialisation);
+  run.before_cost = before.cost;
+  run.file = std::move(file);
+  run.file.graph.poses = found.solved.poses;
+  run.file.graph.landmarks = found.solved.landmarks;
+  run.found = std::move(found);
+  return run;
 }
 
 std::string certificate_sentence(const GraphRun& run) {
-  if (!run.certified) return "not certified: nothing was asked to be proven";
-  const Certificate& c = run.certified->certificate;
+  if (!run.found.certified) return "not certified: nothing was asked to be proven";
+  const Certificate& c = run.found.certified->certificate;
   const std::size_t edges = run.file.graph.edges.size();
-  const std::string of = run.certified_edges < edges
-                             ? fmt::format(" of the {} edges that were kept", run.certified_edges)
-                             : std::string();
+  const std::string of =
+      run.found.certified_edges < edges
+          ? fmt::format(" of the {} edges that were kept", run.found.certified_edges)
+          : std::string();
   switch (c.status) {
     case CertificateStatus::kCertified:
       return fmt::format(
@@ -174,20 +184,20 @@ std::string certificate_sentence(const GraphRun& run) {
 }
 
 std::string graph_summary_line(const GraphRun& run) {
-  std::string line =
-      fmt::format("{}: {}, {}: cost {} -> {} in {}, {}", run.name,
-                  count_of(static_cast<std::int64_t>(run.file.graph.poses.size()), "pose", "poses"),
-                  count_of(static_cast<std::int64_t>(run.file.graph.edges.size()), "edge", "edges"),
-                  cost_text(run.start_cost), cost_text(run.solve.cost),
-                  count_of(steps_of(run), "step", "steps"), milliseconds(run.optimisation_s()));
-  if (run.solve.status != SolveStatus::kConverged) {
-    line += "; " + std::string(to_string(run.solve.status));
+  std::string line = fmt::format(
+      "{}: {}, {}: cost {} -> {} in {}, {}", run.name,
+      count_of(static_cast<std::int64_t>(run.file.graph.poses.size()), "pose", "poses"),
+      count_of(static_cast<std::int64_t>(run.file.graph.edges.size()), "edge", "edges"),
+      cost_text(run.found.start.cost), cost_text(run.found.solved.cost),
+      count_of(run.found.iterations(), "step", "steps"), milliseconds(run.found.times.wall_s()));
+  if (run.found.solved.status != SolveStatus::kConverged) {
+    line += "; " + std::string(to_string(run.found.solved.status));
   }
-  if (const std::size_t aside = edges_set_aside(run); aside > 0) {
+  if (const std::size_t aside = edges_set_aside(run.found.solved); aside > 0) {
     line += "; " + count_of(static_cast<std::int64_t>(aside), "edge", "edges") + " set aside";
   }
-  if (run.certified) {
-    const Certificate& c = run.certified->certificate;
+  if (run.found.certified) {
+    const Certificate& c = run.found.certified->certificate;
     line += c.certified() ? fmt::format("; certified to {:.2g}", c.optimality_gap)
                           : "; NOT certified: " + std::string(to_string(c.status));
   }
@@ -198,20 +208,20 @@ Image draw_graph_run(const GraphRun& run, int panel_px) {
   GraphScene scene;
   scene.graph = &run.file.graph;
   scene.before = run.before;
-  scene.weights = run.solve.edge_weights;
+  scene.weights = run.found.solved.edge_weights;
   scene.before_title =
       fmt::format("before: {}, cost {}", run.before_name, cost_text(run.before_cost));
-  scene.after_title =
-      fmt::format("after: cost {}{}", cost_text(run.solve.cost),
-                  run.certified && run.certified->certificate.certified() ? ", certified" : "");
+  scene.after_title = fmt::format(
+      "after: cost {}{}", cost_text(run.found.solved.cost),
+      run.found.certified && run.found.certified->certificate.certified() ? ", certified" : "");
   return draw_graph_picture(scene, {.panel_px = panel_px, .set_aside_below = kSetAsideBelow});
 }
 
 std::string format_graph_report(const GraphRun& run, const RunInfo& info) {
-  const bool proven = run.certified && run.certified->certificate.certified();
-  const std::size_t aside = edges_set_aside(run);
+  const bool proven = run.found.certified && run.found.certified->certificate.certified();
+  const std::size_t aside = edges_set_aside(run.found.solved);
   std::string body = "<p class=\"verdict\">" + escape_html(graph_summary_line(run)) + "</p>\n";
-  if (run.certified) {
+  if (run.found.certified) {
     body += fmt::format("<p class=\"{}\">{}</p>\n", proven ? "good" : "bad",
                         escape_html(certificate_sentence(run)));
   }

@@ -1,43 +1,30 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "loopstone/formats/g2o.hpp"
 #include "loopstone/formats/image.hpp"
-#include "loopstone/graph/certificate.hpp"
-#include "loopstone/graph/initial_poses.hpp"
-#include "loopstone/graph/solver.hpp"
+#include "loopstone/graph/optimize_graph.hpp"
 #include "loopstone/report/run_info.hpp"
 
 namespace loopstone {
 
-/// Everything about one solution of a pose graph.
+/// A pose graph of a file and its solution, as reports show them.
 struct GraphRun {
   std::string name;             ///< of the file, without folders
   GraphFile file{};             ///< with the poses and landmarks of the solution
   std::vector<Pose2> before{};  ///< what the picture shows beside the solution
   std::string before_name;      ///< "file" or "odometry"
   double before_cost = 0.0;     ///< sum of e^T information e there
-  Initialisation start = Initialisation::kChordal;  ///< where the solution began
-  double start_cost = 0.0;
-  SolveResult solve{};
-  std::optional<CertifiedSolution> certified{};
-  std::size_t certified_edges = 0;  ///< of all; fewer when robust weights set some aside
-  double read_s = 0.0;              ///< wall time of each part
-  double start_s = 0.0;
-  double certify_s = 0.0;
-  double solve_s = 0.0;
-  double cpu_s = 0.0;  ///< CPU time of start, certified minimum and solution together
-
-  /// Without reading and writing.
-  [[nodiscard]] double optimisation_s() const { return start_s + certify_s + solve_s; }
+  GraphOptimisation found{};
+  double read_s = 0.0;  ///< wall time of reading
 };
 
-/// Edges of less weight count as set aside.
-inline constexpr double kSetAsideBelow = 0.5;
-[[nodiscard]] std::size_t edges_set_aside(const GraphRun& run);
+/// \param file   as it was read: its own poses, or odometry when it has none, are what the solution
+///               is shown beside
+/// \param found  the solution of its graph; its poses and landmarks are put into the file
+[[nodiscard]] GraphRun make_graph_run(std::string name, GraphFile file, GraphOptimisation found);
 
 /// "intel.g2o: 1,728 poses, 2,512 edges: cost 53.9 -> 45.0047 in 7 steps, 8.2 ms; certified ..."
 [[nodiscard]] std::string graph_summary_line(const GraphRun& run);

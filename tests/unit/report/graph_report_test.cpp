@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/report/graph_picture.hpp"
@@ -18,18 +19,12 @@ using testing::HasSubstr;
 
 GraphRun example_run() {
   const test::SimulatedGraph world = test::manhattan_graph({.nodes = 200, .blocks = 2}, Rng(1));
-  GraphRun run;
-  run.name = "city <1>.g2o";
-  run.file.graph = world.graph;
-  for (int i = 0; i < 200; ++i) run.file.ids.push_back(10 * i);
-  run.before = world.graph.poses;
-  run.before_name = "odometry";
-  run.before_cost = graph_cost(world.graph);
-  run.file.graph.poses = world.truth;
-  run.solve = optimize(run.file.graph);
-  run.file.graph.poses = run.solve.poses;
-  run.certified = optimize_certified(run.file.graph);
-  run.certified_edges = world.graph.edges.size();
+  GraphFile file;
+  file.graph = world.graph;
+  file.has_poses = true;
+  for (int i = 0; i < 200; ++i) file.ids.push_back(10 * i);
+  GraphOptimisation found = optimize_graph(file.graph, {.certificate = CertificateOptions{}});
+  GraphRun run = make_graph_run("city <1>.g2o", std::move(file), std::move(found));
   return run;
 }
 
@@ -56,6 +51,22 @@ TEST(GraphReport, LineAndPageSayWhatWasFoundAndProven) {
   EXPECT_THAT(page, testing::Not(HasSubstr("Set aside</h2>")));
 }
 
+TEST(GraphReport, TheSolutionIsShownBesideTheFilesOwnPosesOrOdometry) {
+  const test::SimulatedGraph world = test::manhattan_graph({.nodes = 60, .blocks = 2}, Rng(2));
+  GraphFile file;
+  file.graph = world.graph;
+  file.graph.poses.assign(60, Pose2{3.0, 4.0, 0.0});
+  const GraphOptimisation found = optimize_graph(world.graph);
+  for (const bool has_poses : {true, false}) {
+    file.has_poses = has_poses;
+    const GraphRun run = make_graph_run("a", file, found);
+    EXPECT_EQ(run.before_name, has_poses ? "file" : "odometry");
+    EXPECT_EQ(run.before[7].x == 3.0, has_poses);
+    EXPECT_GT(run.before_cost, found.solved.cost);
+    EXPECT_EQ(run.file.graph.poses[7].x, found.solved.poses[7].x);
+  }
+}
+
 TEST(GraphReport, EdgesThatWereSetAsideAreListedAndRed) {
   GraphRun run = example_run();
   const std::size_t before = reds(draw_graph_run(run, 800));
@@ -64,10 +75,10 @@ TEST(GraphReport, EdgesThatWereSetAsideAreListedAndRed) {
   for (std::size_t i = run.file.graph.edges.size(); i-- > 0 && moved < 3;) {
     if (run.file.graph.edges[i].kind != EdgeKind::kLoopClosure) continue;
     run.file.graph.edges[i].to.index = 30 * moved;
-    run.solve.edge_weights[i] = 0.01;
+    run.found.solved.edge_weights[i] = 0.01;
     ++moved;
   }
-  EXPECT_EQ(edges_set_aside(run), 3U);
+  EXPECT_EQ(edges_set_aside(run.found.solved), 3U);
   EXPECT_GT(reds(draw_graph_run(run, 800)), before + 20);
   EXPECT_THAT(graph_summary_line(run), HasSubstr("3 edges set aside"));
   EXPECT_THAT(format_graph_report(run, {}), HasSubstr("Set aside</h2>"));
@@ -80,9 +91,9 @@ TEST(GraphReport, EdgesThatWereSetAsideAreListedAndRed) {
 
 TEST(GraphReport, WithoutAProofItSaysSo) {
   GraphRun run = example_run();
-  run.certified->certificate.status = CertificateStatus::kNotOptimal;
+  run.found.certified->certificate.status = CertificateStatus::kNotOptimal;
   EXPECT_THAT(graph_summary_line(run), HasSubstr("NOT certified"));
-  run.certified.reset();
+  run.found.certified.reset();
   EXPECT_THAT(certificate_sentence(run), HasSubstr("not certified"));
 }
 

@@ -2,15 +2,11 @@
 
 #include <string>
 
-#include "loopstone/formats/g2o.hpp"
-#include "loopstone/graph/certificate.hpp"
-#include "loopstone/graph/outlier_rejection.hpp"
-#include "loopstone/graph/solver.hpp"
-#include "loopstone/report/graph_report.hpp"
+#include "loopstone/graph/optimize_graph.hpp"
 
 namespace loopstone::app {
 
-/// Options of `loopstone optimize`.
+/// What --set reaches.
 struct OptimizeSettings {
   SolverOptions solver{};
   GncOptions gnc{};
@@ -24,6 +20,7 @@ void visit_options(OptimizeSettings& options, Visitor&& visit) {
   visit.group("certificate", options.certificate);
 }
 
+/// What the user asked for, in words.
 struct OptimizeRequest {
   std::string initial = "best";  ///< or file, odometry, spanning_tree, chordal
   bool gnc = false;              ///< graduated non-convexity instead of the solver's kernel
@@ -33,8 +30,5 @@ struct OptimizeRequest {
   /// "none", a kernel, or "gnc".
   [[nodiscard]] std::string robust() const { return gnc ? "gnc" : settings.solver.robust_kernel; }
 };
-
-/// Start, certified minimum when it is asked for, solution. Throws UsageError for a start that the file does not have.
-[[nodiscard]] GraphRun optimize_file(GraphFile file, const OptimizeRequest& request);
 
 }  // namespace loopstone::app
