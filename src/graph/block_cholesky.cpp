@@ -7,40 +7,6 @@
 
 namespace loopstone {
 
-BlockMatrix block_matrix(int size, std::vector<std::pair<int, int>> pairs) {
-  // Sorted by two counting passes: first by row, then by column, which keeps the rows in order.
-  const auto columns = static_cast<std::size_t>(size);
-  for (auto& [column, row] : pairs) {
-    if (column > row) std::swap(column, row);
-  }
-  const auto counted = [&](auto key) {
-    std::vector<std::size_t> start(columns + 1, 0);
-    for (const auto& pair : pairs) ++start[static_cast<std::size_t>(key(pair)) + 1];
-    for (std::size_t i = 1; i < start.size(); ++i) start[i] += start[i - 1];
-    std::vector<std::pair<int, int>> sorted(pairs.size());
-    for (const auto& pair : pairs) sorted[start[static_cast<std::size_t>(key(pair))]++] = pair;
-    pairs = std::move(sorted);
-  };
-  counted([](const std::pair<int, int>& pair) { return pair.second; });
-  counted([](const std::pair<int, int>& pair) { return pair.first; });
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-
-  BlockMatrix result;
-  result.column_start.assign(columns + 1, 0);
-  result.rows.reserve(pairs.size());
-  for (const auto& [column, row] : pairs) {
-    if (column == row) continue;
-    ++result.column_start[static_cast<std::size_t>(column) + 1];
-    result.rows.push_back(row);
-  }
-  for (std::size_t i = 1; i < result.column_start.size(); ++i) {
-    result.column_start[i] += result.column_start[i - 1];
-  }
-  result.diagonal.assign(columns, Eigen::Matrix3d::Zero());
-  result.below.assign(result.rows.size(), Eigen::Matrix3d::Zero());
-  return result;
-}
-
 BlockCholesky::BlockCholesky(const BlockMatrix& pattern) {
   const int size = static_cast<int>(pattern.diagonal.size());
   std::vector<std::pair<int, int>> pairs;

@@ -5,26 +5,13 @@
 #include <cstddef>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
-#include "graph/elimination_order.hpp"
 #include "graph/front_kernels.hpp"
 #include "graph/front_tree.hpp"
+#include "loopstone/graph/block_system.hpp"
 
 namespace loopstone {
-
-/// A symmetric matrix of 3x3 blocks: the diagonal, and what stands below it, column by column.
-struct BlockMatrix {
-  std::vector<int>
-      column_start;       ///< where a column begins in `rows` and `below`; one more at the end
-  std::vector<int> rows;  ///< ascending in each column, all greater than the column
-  std::vector<Eigen::Matrix3d> diagonal;
-  std::vector<Eigen::Matrix3d> below;
-};
-
-/// The zero matrix with room for the blocks (row, column) and (column, row) of the pairs. Pairs may repeat.
-[[nodiscard]] BlockMatrix block_matrix(int size, std::vector<std::pair<int, int>> pairs);
 
 /// A = L L^T for a symmetric positive definite block matrix. The pattern of L is found once, so a matrix of the same
 /// pattern is factorised again without any bookkeeping or allocation.

@@ -9,6 +9,7 @@
 
 #include "graph/block_cholesky.hpp"
 #include "loopstone/base/robust_kernel.hpp"
+#include "loopstone/graph/linearised_graph.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
 namespace loopstone {
@@ -29,12 +30,6 @@ struct RobustPolicy {
 struct GraphCosts {
   double plain = 0.0;
   double robust = 0.0;
-};
-
-/// What is estimated.
-struct GraphState {
-  std::vector<Pose2> poses{};
-  std::vector<Eigen::Vector2d> landmarks{};
 };
 
 /// The weights that the kernel gives to each measurement.

@@ -8,12 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "graph/block_cholesky.hpp"
-#include "graph/descent.hpp"
-#include "graph/gauge.hpp"
-#include "graph/normal_equations.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/robust_kernel.hpp"
+#include "loopstone/graph/block_system.hpp"
+#include "loopstone/graph/linearised_graph.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/surface_patches.hpp"
 #include "slam/surface_segments.hpp"
@@ -33,8 +31,6 @@ constexpr double kLeastSigmaM = 1e-4;
 /// Share of a key scan's own surfaces that the graph's factor takes in: enough to know which directions they hold, without
 /// holding together what moves together.
 constexpr double kOwnSurfaces = 0.1;
-/// As the back end has it.
-const RobustPolicy kClosures{.kernel = RobustKernel::kHuber, .width = kClosureHuberWidth};
 
 using Blocks = std::vector<Eigen::Vector3d>;
 
@@ -44,19 +40,6 @@ double dot(const Blocks& a, const Blocks& b) {
   return sum;
 }
 
-/// y = A x
-void multiply(const BlockMatrix& a, const Blocks& x, Blocks& y) {
-  for (std::size_t i = 0; i < x.size(); ++i) y[i] = a.diagonal[i] * x[i];
-  for (std::size_t column = 0; column < x.size(); ++column) {
-    for (int k = a.column_start[column]; k < a.column_start[column + 1]; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      const auto row = static_cast<std::size_t>(a.rows[at]);
-      y[row] += a.below[at] * x[column];
-      y[column] += a.below[at].transpose() * x[row];
-    }
-  }
-}
-
 class Adjustment {
  public:
   Adjustment(const PoseGraph& graph, std::span<const std::vector<SurfacePoint>> surfaces,
@@ -64,12 +47,12 @@ class Adjustment {
       : surfaces_(surfaces),
         options_(options),
         threads_(threads),
-        equations_(graph, gauge_of(graph, connected_components(graph)).fixed, kClosures),
-        cholesky_(equations_.hessian()),
-        state_{graph.poses, graph.landmarks},
-        trial_(state_) {
-    for (std::size_t i = 0; i < graph.poses.size(); ++i) {
-      places_.push_back(equations_.place_of(i));
+        // Closures are softened as the back end does.
+        equations_(graph, RobustKernel::kHuber, kClosureHuberWidth),
+        solver_(equations_.hessian()),
+        state_{graph.poses, graph.landmarks} {
+    for (int i = 0; i < static_cast<int>(graph.poses.size()); ++i) {
+      places_.push_back(equations_.place_of(NodeId{i}));
     }
     const std::size_t size = equations_.gradient().size();
     for (Blocks* blocks : {&step_, &residual_, &direction_, &product_, &conditioned_}) {
@@ -98,10 +81,10 @@ class Adjustment {
     system.linearise(keys, kSharedNoise * std::max(spread_m, kLeastSigmaM));
     if (!segments_ && !factorise(system)) return false;
     find_step(system);
-    apply_step(state_, equations_, step_, trial_);
-    const double spread_after_m = system.spread_m(placed(trial_.poses));
+    GraphState trial = equations_.moved(state_, step_);
+    const double spread_after_m = system.spread_m(placed(trial.poses));
     if (!(spread_after_m <= spread_m)) return false;
-    std::swap(state_, trial_);
+    state_ = std::move(trial);
     result_.spread_after_m = spread_after_m;
     ++result_.rounds;
     return true;
@@ -114,7 +97,7 @@ class Adjustment {
       matrix.diagonal[i] += kOwnSurfaces * system.diagonal()[i];
     }
     segments_.emplace(state_.poses, places_);
-    return cholesky_.factorise(matrix, 0.0) && segments_->factorise(system, equations_.hessian());
+    return solver_.factorise(matrix) && segments_->factorise(system, equations_.hessian());
   }
 
   /// Preconditioned conjugate gradients: Saad 2003, "Iterative methods for sparse linear systems", algorithm 9.1.
@@ -148,18 +131,17 @@ class Adjustment {
 
   void condition_residual() {
     conditioned_ = residual_;
-    cholesky_.solve_in_place(conditioned_);
+    solver_.solve_in_place(conditioned_);
     segments_->add_correction(residual_, conditioned_);
   }
 
   std::span<const std::vector<SurfacePoint>> surfaces_;
   const SurfaceAdjustmentOptions& options_;
   Threads threads_;
-  NormalEquations equations_;
-  BlockCholesky cholesky_;
+  LinearisedGraph equations_;
+  BlockSolver solver_;
   std::optional<SurfaceSegments> segments_{};
   GraphState state_;
-  GraphState trial_;
   std::vector<int> places_{};
   Blocks step_{};
   Blocks residual_{};
@@ -178,7 +160,6 @@ SurfaceAdjustment adjust_to_surfaces(const PoseGraph& graph,
     throw UsageError("surface adjustment: " + std::to_string(surfaces.size()) + " scans for " +
                      std::to_string(graph.poses.size()) + " poses; each pose needs its own");
   }
-  check_graph(graph);
   return Adjustment(graph, surfaces, options, threads).run();
 }
 

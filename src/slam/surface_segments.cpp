@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "graph/elimination_order.hpp"
-
 namespace loopstone {
 
 namespace {
@@ -159,8 +157,8 @@ bool SurfaceSegments::factorise(const SurfaceSystem& surfaces, const BlockMatrix
       if (from.segment == to.segment) add(to.segment, to.segment, value.transpose());
     }
   }
-  cholesky_.emplace(matrix_);
-  return cholesky_->factorise(matrix_, 0.0);
+  solver_.emplace(matrix_);
+  return solver_->factorise(matrix_);
 }
 
 void SurfaceSegments::add_correction(std::span<const Eigen::Vector3d> r,
@@ -171,7 +169,7 @@ void SurfaceSegments::add_correction(std::span<const Eigen::Vector3d> r,
     moved_[static_cast<std::size_t>(m.segment)] +=
         Eigen::Vector3d(r[i].x(), r[i].y(), r[i].z() - m.y * r[i].x() + m.x * r[i].y());
   }
-  cholesky_->solve_in_place(moved_);
+  solver_->solve_in_place(moved_);
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Member& m = members_[i];
     const Eigen::Vector3d& d = moved_[static_cast<std::size_t>(m.segment)];

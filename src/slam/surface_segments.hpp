@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "graph/block_cholesky.hpp"
 #include "loopstone/geometry/pose2.hpp"
+#include "loopstone/graph/block_system.hpp"
 #include "slam/surface_system.hpp"
 
 namespace loopstone {
@@ -45,7 +45,7 @@ class SurfaceSegments {
   std::vector<Member> members_{};           ///< by place
   std::vector<Eigen::Vector2d> centres_{};  ///< of segments, map frame
   BlockMatrix matrix_{};                    ///< segments in order of elimination
-  std::optional<BlockCholesky> cholesky_{};
+  std::optional<BlockSolver> solver_{};
   std::vector<Eigen::Vector3d> moved_{};
 };
 
