@@ -101,7 +101,34 @@ class CliqueTree {
                    const std::vector<std::vector<int>>& factors_of);
   void order_large(const Part& part, int last, std::span<const LinearFactor> factors,
                    const std::vector<std::vector<int>>& factors_of);
+  /// The fronts of a part, children before parents.
+  struct Layout {
+    FrontTree tree;
+    std::vector<int> variable_at;              ///< of each place
+    std::vector<std::vector<int>> orphans_of;  ///< of each front
+  };
+  /// Finds the fronts of the part in its order, and renumbers the order as the fronts have it.
+  [[nodiscard]] Layout lay_out(const Part& part, std::span<const LinearFactor> factors,
+                               const std::vector<std::vector<int>>& factors_of);
+  /// An empty clique for a front.
+  [[nodiscard]] int begin_clique(const Front& front, const std::vector<int>& variable_at);
+  /// Adds to a clique the factors of its pivots, each once.
+  void add_factors(int clique, const Front& front, std::span<const LinearFactor> factors,
+                   const std::vector<std::vector<int>>& factors_of);
+  /// Adds to a clique what is left of a new one below it.
+  void add_child(int child, const Front& child_front, int clique);
+  /// Adds to a clique what is left of one that stayed.
   void add_orphan(int orphan, int clique, const Front& front);
+  /// Where variables stand in the rows of a front.
+  [[nodiscard]] std::vector<std::size_t> positions_in(const Front& front,
+                                                      const std::vector<int>& variables) const;
+  /// Factorises a clique, and leaves for its rows what its pivots say of them. False: not positive
+  /// definite.
+  [[nodiscard]] bool eliminate_pivots(int clique);
+  /// In the order of elimination; of a variable of the part.
+  [[nodiscard]] int place_of(int variable) const {
+    return order_[static_cast<std::size_t>(local_[static_cast<std::size_t>(variable)])];
+  }
   void solve_new_cliques(double negligible, std::vector<int>& changed);
   void queue(int clique, std::uint32_t since);
   void solve_clique(int clique, double negligible, std::vector<int>& changed);
