@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "loopstone/sensor/point_cloud.hpp"
 
@@ -128,6 +129,41 @@ std::size_t CellIndex<kDimension>::slot_of(const Cell& cell) const {
   return slot;
 }
 
+namespace {
+
+/// All cells of a ring around a centre, within a box: the last axis is walked in full where another
+/// one is at its end, else only at both ends.
+template <typename Cell, typename Visitor>
+void visit_shell(const Cell& centre, std::int64_t ring, const Cell& from, const Cell& to,
+                 const Visitor& visit) {
+  constexpr std::size_t kLast = std::tuple_size_v<Cell> - 1;
+  Cell cell = from;
+  while (true) {
+    bool on_shell = false;
+    for (std::size_t k = 0; k < kLast; ++k) {
+      on_shell = on_shell || cell[k] == centre[k] - ring || cell[k] == centre[k] + ring;
+    }
+    if (on_shell) {
+      for (cell[kLast] = from[kLast]; cell[kLast] <= to[kLast]; ++cell[kLast]) visit(cell);
+    } else {
+      for (const std::int64_t end : {centre[kLast] - ring, centre[kLast] + ring}) {
+        if (end < from[kLast] || end > to[kLast]) continue;
+        cell[kLast] = end;
+        visit(cell);
+        if (ring == 0) break;
+      }
+    }
+    std::size_t axis = 0;
+    for (; axis < kLast; ++axis) {
+      if (++cell[axis] <= to[axis]) break;
+      cell[axis] = from[axis];
+    }
+    if (axis == kLast) break;
+  }
+}
+
+}  // namespace
+
 template <int kDimension>
 NearestPoint CellIndex<kDimension>::nearest_point(const Point& query, double max_distance_m,
                                                   std::int32_t hint) const {
@@ -175,32 +211,7 @@ NearestPoint CellIndex<kDimension>::nearest_point(const Point& query, double max
       from[k] = std::max(centre[k] - ring, low_[k]);
       to[k] = std::min(centre[k] + ring, high_[k]);
     }
-    // All cells of the block's shell: the last axis is walked in full where another one is at its end, else only at
-    // both ends.
-    constexpr std::size_t kLast = kDimension - 1;
-    Cell cell = from;
-    while (true) {
-      bool on_shell = false;
-      for (std::size_t k = 0; k < kLast; ++k) {
-        on_shell = on_shell || cell[k] == centre[k] - ring || cell[k] == centre[k] + ring;
-      }
-      if (on_shell) {
-        for (cell[kLast] = from[kLast]; cell[kLast] <= to[kLast]; ++cell[kLast]) look_into(cell);
-      } else {
-        for (const std::int64_t end : {centre[kLast] - ring, centre[kLast] + ring}) {
-          if (end < from[kLast] || end > to[kLast]) continue;
-          cell[kLast] = end;
-          look_into(cell);
-          if (ring == 0) break;
-        }
-      }
-      std::size_t axis = 0;
-      for (; axis < kLast; ++axis) {
-        if (++cell[axis] <= to[axis]) break;
-        cell[axis] = from[axis];
-      }
-      if (axis == kLast) break;
-    }
+    visit_shell(centre, ring, from, to, look_into);
   }
   return best.answer(max_distance_m);
 }

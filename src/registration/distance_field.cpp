@@ -1,6 +1,7 @@
 #include "loopstone/registration/distance_field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <limits>
 
@@ -156,6 +157,35 @@ DistanceField<kDimension>::DistanceField(std::span<const Point> points,
   }
 }
 
+namespace {
+
+/// The first and the last voxel along each axis that a ball touches.
+template <int kDimension>
+struct VoxelBox {
+  std::array<std::int32_t, kDimension> first{};
+  std::array<std::int32_t, kDimension> last{};
+};
+
+template <int kDimension>
+VoxelBox<kDimension> voxels_around(const VoxelFrame<kDimension>& frame,
+                                   const Eigen::Matrix<float, kDimension, 1>& centre,
+                                   float radius_m) {
+  VoxelBox<kDimension> box;
+  const float per_m = 1.0F / frame.resolution_m;
+  for (std::size_t a = 0; a < box.first.size(); ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    const auto end = static_cast<float>(frame.counts[a] - 1);
+    // A little wider than the ball: rounding must not lose a voxel.
+    const float from = (centre(axis) - radius_m - frame.low(axis)) * per_m - 1e-3F;
+    const float to = (centre(axis) + radius_m - frame.low(axis)) * per_m + 1e-3F;
+    box.first[a] = clamped_voxel(from, end);
+    box.last[a] = clamped_voxel(to, end);
+  }
+  return box;
+}
+
+}  // namespace
+
 template <int kDimension>
 typename DistanceField<kDimension>::Nearest DistanceField<kDimension>::nearest_point(
     const Point& query, std::int32_t hint) const {
@@ -166,19 +196,10 @@ typename DistanceField<kDimension>::Nearest DistanceField<kDimension>::nearest_p
   best.squared_distance_m2 = (points_[static_cast<std::size_t>(best.point)] - query).squaredNorm();
 
   // Rows of voxels, along the first axis, that the ball of that radius touches.
-  const float per_m = 1.0F / frame_.resolution_m;
-  std::array<std::int32_t, kDimension> first;
-  std::array<std::int32_t, kDimension> last;
-  const float radius_m = std::sqrt(best.squared_distance_m2);
-  for (std::size_t a = 0; a < first.size(); ++a) {
-    const auto axis = static_cast<Eigen::Index>(a);
-    const auto end = static_cast<float>(frame_.counts[a] - 1);
-    // A little wider than the ball: rounding must not lose a voxel.
-    const float from = (query(axis) - radius_m - frame_.low(axis)) * per_m - 1e-3F;
-    const float to = (query(axis) + radius_m - frame_.low(axis)) * per_m + 1e-3F;
-    first[a] = clamped_voxel(from, end);
-    last[a] = clamped_voxel(to, end);
-  }
+  const VoxelBox<kDimension> box =
+      voxels_around<kDimension>(frame_, query, std::sqrt(best.squared_distance_m2));
+  const auto& first = box.first;
+  const auto& last = box.last;
   const auto scan_row = [&](std::size_t row, float squared_to_row) {
     if (squared_to_row > best.squared_distance_m2) return;
     const std::int32_t begin = begins_[row + static_cast<std::size_t>(first[0])];

@@ -123,52 +123,49 @@ Eigen::Matrix3d noise_of(std::span<const Pair> pairs, const Eigen::Vector2d& tra
   return noise;
 }
 
-}  // namespace
-
-MatchResult match_to_field(std::span<const Eigen::Vector2d> source, const MapField& field,
-                           const Pose2& guess, const FieldMatchOptions& options,
-                           std::size_t coarsest_level) {
-  MatchResult result{.target_T_source = guess};
-  Pose2 pose = guess;
+/// Where the descent stands.
+struct Descent {
+  Pose2 pose;
+  int iterations = 0;
   bool converged = false;
-  std::vector<Pair> pairs;
-  for (std::size_t above = std::min(coarsest_level, field.level_count() - 1) + 1; above > 0;
-       --above) {
-    const std::size_t level = above - 1;
-    const double width = options.kernel_width_m * static_cast<double>(1U << level);
-    converged = false;
-    Pose2 best = pose;
-    double best_cost = std::numeric_limits<double>::infinity();
-    int stalled = 0;
-    for (int iteration = 0; iteration < options.max_iterations && !converged; ++iteration) {
-      pairs = pairs_at(source, field, level, pose, width);
-      ++result.iterations;
-      if (pairs.size() < kMinPairs) break;
-      const double cost = cost_of(pairs, source.size(), width, field.reach_m(level));
-      stalled = cost < (1.0 - kGainShare) * best_cost ? 0 : stalled + 1;
-      if (cost < best_cost) {
-        best_cost = cost;
-        best = pose;
-      }
-      if (stalled == kStalledSteps) {
-        converged = true;
-        break;
-      }
-      const NormalEquations sum = linearise(pairs);
-      const Eigen::Vector3d step = observability_at(pairs, sum.hessian).solve(sum.gradient);
-      if (!step.allFinite()) break;
-      pose = RigidMotion<2>::moved(pose, step);
-      converged = step.head<2>().norm() < kStepShare * field.resolution_m(level) &&
-                  std::abs(step.z()) < kStepRad;
-    }
-    pose = best;
-  }
+};
 
-  pairs = pairs_at(source, field, 0, pose, options.kernel_width_m);
-  if (pairs.size() < kMinPairs) {
-    result.status = MatchStatus::kTooFewPairs;
-    return result;
+/// Gauss-Newton on one level, to the best pose that it comes by.
+void descend(Descent& at, std::span<const Eigen::Vector2d> source, const MapField& field,
+             std::size_t level, const FieldMatchOptions& options) {
+  const double width = options.kernel_width_m * static_cast<double>(1U << level);
+  at.converged = false;
+  Pose2 best = at.pose;
+  double best_cost = std::numeric_limits<double>::infinity();
+  int stalled = 0;
+  for (int iteration = 0; iteration < options.max_iterations && !at.converged; ++iteration) {
+    const std::vector<Pair> pairs = pairs_at(source, field, level, at.pose, width);
+    ++at.iterations;
+    if (pairs.size() < kMinPairs) break;
+    const double cost = cost_of(pairs, source.size(), width, field.reach_m(level));
+    stalled = cost < (1.0 - kGainShare) * best_cost ? 0 : stalled + 1;
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = at.pose;
+    }
+    if (stalled == kStalledSteps) {
+      at.converged = true;
+      break;
+    }
+    const NormalEquations sum = linearise(pairs);
+    const Eigen::Vector3d step = observability_at(pairs, sum.hessian).solve(sum.gradient);
+    if (!step.allFinite()) break;
+    at.pose = RigidMotion<2>::moved(at.pose, step);
+    at.converged = step.head<2>().norm() < kStepShare * field.resolution_m(level) &&
+                   std::abs(step.z()) < kStepRad;
   }
+  at.pose = best;
+}
+
+/// How well the pose fits.
+MatchResult judged(const Descent& descent, std::span<const Eigen::Vector2d> source,
+                   const std::vector<Pair>& pairs, const MapField& field,
+                   const FieldMatchOptions& options) {
   double squares = 0.0;
   double weights = 0.0;
   int explained = 0;
@@ -178,21 +175,40 @@ MatchResult match_to_field(std::span<const Eigen::Vector2d> source, const MapFie
     if (pair.distance_m < 2.0 * options.kernel_width_m) ++explained;
   }
   const auto count = static_cast<double>(source.size());
-  result.target_T_source = pose;
+  MatchResult result{.target_T_source = descent.pose, .iterations = descent.iterations};
   result.rmse_m = std::sqrt(squares / weights);
   result.pairs = static_cast<int>(pairs.size());
   result.inlier_fraction = static_cast<double>(pairs.size()) / count;
   result.score = explained / count;
   const auto observability = observability_at(pairs, linearise(pairs).hessian);
   const double sigma = std::max(options.point_sigma_m, result.rmse_m);
-  result.covariance =
-      observability.covariance(noise_of(pairs, pose.translation(), sigma, field.resolution_m(0)));
+  result.covariance = observability.covariance(
+      noise_of(pairs, descent.pose.translation(), sigma, field.resolution_m(0)));
   if (!observability.complete()) {
     result.status = MatchStatus::kDegenerate;
   } else {
-    result.status = converged ? MatchStatus::kConverged : MatchStatus::kNotConverged;
+    result.status = descent.converged ? MatchStatus::kConverged : MatchStatus::kNotConverged;
   }
   return result;
+}
+
+}  // namespace
+
+MatchResult match_to_field(std::span<const Eigen::Vector2d> source, const MapField& field,
+                           const Pose2& guess, const FieldMatchOptions& options,
+                           std::size_t coarsest_level) {
+  Descent descent{.pose = guess};
+  for (std::size_t above = std::min(coarsest_level, field.level_count() - 1) + 1; above > 0;
+       --above) {
+    descend(descent, source, field, above - 1, options);
+  }
+  const std::vector<Pair> pairs = pairs_at(source, field, 0, descent.pose, options.kernel_width_m);
+  if (pairs.size() < kMinPairs) {
+    return {.target_T_source = guess,
+            .iterations = descent.iterations,
+            .status = MatchStatus::kTooFewPairs};
+  }
+  return judged(descent, source, pairs, field, options);
 }
 
 FieldCost field_cost(std::span<const Eigen::Vector2d> source, const MapField& field,

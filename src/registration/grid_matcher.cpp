@@ -16,7 +16,7 @@ constexpr int kMinPairs = 10;
 /// grid itself is wrong by.
 constexpr double kStepM = 1e-3;
 constexpr double kStepRad = 2e-4;
-/// Coarser levels only lead to where the finest one starts.
+/// On coarser levels so many times as long a step does.
 constexpr double kCoarseSteps = 10.0;
 /// Translation counts as unobserved along a direction that has less than this share of the best direction's information.
 constexpr double kDegenerateShare = 0.01;
@@ -103,76 +103,119 @@ bool remove_unobserved(Linearisation& sum) {
   return true;
 }
 
+/// What a step is found from, points and prior together.
+struct StepEquations {
+  Eigen::Matrix3d pull;  ///< what moves the pose
+  Eigen::Vector3d gradient;
+  Eigen::Matrix3d knowledge;  ///< what is known of the pose in the end
+  bool degenerate = false;    ///< the points leave a direction of translation open
+};
+
+StepEquations step_equations(const Linearisation& points, const Pose2& pose,
+                             const std::optional<PosePrior2>& prior, double inverse_sigma2) {
+  Linearisation observed = points;
+  StepEquations equations;
+  equations.degenerate = remove_unobserved(observed);
+  // What the points say along an open direction may move the pose, but is no knowledge.
+  const bool held = !prior || prior->holds_unobserved;
+  const Linearisation& pulling = held ? observed : points;
+  equations.pull = pulling.hessian * inverse_sigma2;
+  equations.gradient = pulling.gradient * inverse_sigma2;
+  equations.knowledge = observed.hessian * inverse_sigma2;
+  if (prior) {
+    equations.pull += prior->information;
+    equations.knowledge += prior->information;
+    equations.gradient += prior->information * difference(pose, prior->target_T_source);
+  }
+  return equations;
+}
+
+Eigen::Vector3d step_of(const StepEquations& equations) {
+  // A trace of damping keeps an unobserved direction where it is.
+  Eigen::Matrix3d damped = equations.pull;
+  damped.diagonal() += 1e-6 * equations.pull.diagonal() + Eigen::Vector3d::Constant(kDamping);
+  return -solve_symmetric(damped, equations.gradient);
+}
+
+/// Where the descent stands, with what its last step was found from.
+struct Descent {
+  Pose2 pose;
+  Linearisation points{};
+  Eigen::Matrix3d knowledge = Eigen::Matrix3d::Zero();
+  int iterations = 0;
+  bool converged = false;
+  bool degenerate = false;
+};
+
+/// Gauss-Newton on one level. False when too few points find a surface there.
+bool descend(Descent& at, std::span<const SurfacePoint> source, const SurfaceGrid& target,
+             std::size_t level, const std::optional<PosePrior2>& prior,
+             const GridMatchOptions& options) {
+  const double width = options.kernel_width_m * target.resolution_m(level) / target.resolution_m(0);
+  const double inverse_sigma2 = 1.0 / (options.residual_sigma_m * options.residual_sigma_m);
+  const double enough = level == 0 ? 1.0 : kCoarseSteps;
+  at.converged = false;
+  for (int iteration = 0; iteration < options.max_iterations && !at.converged; ++iteration) {
+    at.points = linearise(source, target, level, at.pose, width);
+    ++at.iterations;
+    if (at.points.pairs < kMinPairs) return false;
+    const StepEquations equations = step_equations(at.points, at.pose, prior, inverse_sigma2);
+    at.knowledge = equations.knowledge;
+    at.degenerate = equations.degenerate;
+    const Eigen::Vector3d step = step_of(equations);
+    if (!step.allFinite()) break;
+    at.pose = {at.pose.x + step.x(), at.pose.y + step.y(), wrap_angle(at.pose.yaw + step.z())};
+    at.converged =
+        step.head<2>().norm() < enough * kStepM && std::abs(step.z()) < enough * kStepRad;
+  }
+  return true;
+}
+
+Eigen::Matrix3d covariance_of(const Eigen::Matrix3d& knowledge) {
+  Eigen::Matrix3d invertible = knowledge;
+  invertible.diagonal() += Eigen::Vector3d::Constant(kDamping);
+  Eigen::Matrix3d covariance = inverse_symmetric(invertible);
+  covariance.diagonal() +=
+      Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
+  return covariance;
+}
+
+MatchStatus status_of(const Descent& descent) {
+  if (descent.degenerate) return MatchStatus::kDegenerate;
+  return descent.converged ? MatchStatus::kConverged : MatchStatus::kNotConverged;
+}
+
+/// How well the pose fits, from the points of the last step.
+MatchResult judged(const Descent& descent, std::size_t source_size) {
+  const Linearisation& points = descent.points;
+  const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
+  return {.target_T_source = descent.pose,
+          .covariance = covariance_of(descent.knowledge),
+          .rmse_m = std::sqrt(share(points.squared_sum, points.weight_sum)),
+          .inlier_fraction = share(points.pairs, static_cast<double>(source_size)),
+          .pairs = points.pairs,
+          .iterations = descent.iterations,
+          .status = status_of(descent),
+          .score = share(points.explained, points.total)};
+}
+
 }  // namespace
 
 MatchResult match_to_grid(std::span<const SurfacePoint> source, const SurfaceGrid& target,
                           const Pose2& guess, const std::optional<PosePrior2>& prior,
                           const GridMatchOptions& options, std::size_t coarsest_level) {
-  MatchResult result{.target_T_source = guess};
-  const double inverse_sigma2 = 1.0 / (options.residual_sigma_m * options.residual_sigma_m);
-  Pose2 pose = guess;
-  Linearisation last;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  bool converged = false;
-  bool degenerate = false;
-
-  for (std::size_t above = std::min(coarsest_level, target.level_count() - 1) + 1; above > 0;
-       --above) {
-    const std::size_t level = above - 1;
-    const double width =
-        options.kernel_width_m * target.resolution_m(level) / target.resolution_m(0);
-    const double enough = level == 0 ? 1.0 : kCoarseSteps;
-    converged = false;
-    for (int iteration = 0; iteration < options.max_iterations && !converged; ++iteration) {
-      last = linearise(source, target, level, pose, width);
-      ++result.iterations;
-      if (last.pairs < kMinPairs) {
-        if (level > 0) break;
-        result.status = MatchStatus::kTooFewPairs;
-        return result;
-      }
-      Linearisation observed = last;
-      degenerate = remove_unobserved(observed);
-      Eigen::Matrix3d all = last.hessian * inverse_sigma2;
-      // What the points say along an open direction may move the pose, but is no knowledge.
-      information = observed.hessian * inverse_sigma2;
-      if (!prior || prior->holds_unobserved) {
-        last = observed;
-        all = information;
-      }
-      Eigen::Vector3d gradient = last.gradient * inverse_sigma2;
-      if (prior) {
-        all += prior->information;
-        information += prior->information;
-        gradient += prior->information * difference(pose, prior->target_T_source);
-      }
-      // A trace of damping keeps an unobserved direction where it is.
-      Eigen::Matrix3d damped = all;
-      damped.diagonal() += 1e-6 * all.diagonal() + Eigen::Vector3d::Constant(kDamping);
-      const Eigen::Vector3d step = -solve_symmetric(damped, gradient);
-      if (!step.allFinite()) break;
-      pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};
-      converged = step.head<2>().norm() < enough * kStepM && std::abs(step.z()) < enough * kStepRad;
-    }
+  Descent descent{.pose = guess};
+  // Coarser levels only lead to where the finest one starts; one that finds too little leads
+  // nowhere.
+  for (std::size_t level = std::min(coarsest_level, target.level_count() - 1); level > 0; --level) {
+    (void)descend(descent, source, target, level, prior, options);
   }
-
-  result.target_T_source = pose;
-  result.pairs = last.pairs;
-  result.inlier_fraction =
-      source.empty() ? 0.0 : static_cast<double>(last.pairs) / static_cast<double>(source.size());
-  result.score = last.total > 0.0 ? last.explained / last.total : 0.0;
-  result.rmse_m = last.weight_sum > 0.0 ? std::sqrt(last.squared_sum / last.weight_sum) : 0.0;
-  Eigen::Matrix3d invertible = information;
-  invertible.diagonal() += Eigen::Vector3d::Constant(kDamping);
-  result.covariance = inverse_symmetric(invertible);
-  result.covariance.diagonal() +=
-      Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
-  if (degenerate) {
-    result.status = MatchStatus::kDegenerate;
-  } else {
-    result.status = converged ? MatchStatus::kConverged : MatchStatus::kNotConverged;
+  if (!descend(descent, source, target, 0, prior, options)) {
+    return {.target_T_source = guess,
+            .iterations = descent.iterations,
+            .status = MatchStatus::kTooFewPairs};
   }
-  return result;
+  return judged(descent, source.size());
 }
 
 }  // namespace loopstone

@@ -77,6 +77,19 @@ class Strips {
   std::map<int, CellList> cells_{};
 };
 
+/// Mean and covariance of weighted motions.
+struct Moments {
+  double weight = 0.0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+
+  void add(double likelihood, const Eigen::Vector3d& motion) {
+    weight += likelihood;
+    first += likelihood * motion;
+    second.noalias() += likelihood * motion * motion.transpose();
+  }
+};
+
 }  // namespace
 
 ScoreVolume score_volume(std::span<const Eigen::Vector2d> source, const MaxPyramid& target,
@@ -98,9 +111,7 @@ ScoreVolume score_volume(std::span<const Eigen::Vector2d> source, const MaxPyram
   volume.step = {resolution, resolution, strips.heading_step()};
   const double per_unit = evidence / (kSurface - kUnknown);
   const std::int32_t best = strips.sums({})[0];
-  double weight = 0.0;
-  Eigen::Vector3d first = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  Moments moments;
   std::set<Strip> known{Strip{}};
   std::vector<Strip> open{Strip{}};
   const auto look_at = [&](const Strip& strip) {
@@ -124,11 +135,8 @@ ScoreVolume score_volume(std::span<const Eigen::Vector2d> source, const MaxPyram
       }
       counts = true;
       const double likelihood = std::exp(std::min(log_likelihood, 0.0));
-      const Eigen::Vector3d motion =
-          RigidMotion<2>::difference(strips.pose_at(strip.heading, column, strip.row), peak);
-      weight += likelihood;
-      first += likelihood * motion;
-      second.noalias() += likelihood * motion * motion.transpose();
+      const Pose2 pose = strips.pose_at(strip.heading, column, strip.row);
+      moments.add(likelihood, RigidMotion<2>::difference(pose, peak));
     }
     if (!counts) continue;
     for (const int side : {-1, 1}) {
@@ -137,9 +145,9 @@ ScoreVolume score_volume(std::span<const Eigen::Vector2d> source, const MaxPyram
       look_at({strip.heading, strip.row, strip.column + side});
     }
   }
-  if (weight > 0.0) {
-    volume.mean = first / weight;
-    volume.covariance = second / weight - volume.mean * volume.mean.transpose();
+  if (moments.weight > 0.0) {
+    volume.mean = moments.first / moments.weight;
+    volume.covariance = moments.second / moments.weight - volume.mean * volume.mean.transpose();
   }
   return volume;
 }
