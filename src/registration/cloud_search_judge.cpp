@@ -90,9 +90,6 @@ Evidence<kDimension> evidence_of(std::span<const Eigen::Matrix<double, kDimensio
 template <int kDimension>
 BasicMatchResult<kDimension> nothing_to_align() {
   BasicMatchResult<kDimension> match;
-  match.covariance = kUnobservedSigmaM * kUnobservedSigmaM *
-                     Eigen::Matrix<double, RigidMotion<kDimension>::kDof,
-                                   RigidMotion<kDimension>::kDof>::Identity();
   match.status = MatchStatus::kTooFewPairs;
   return match;
 }

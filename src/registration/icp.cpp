@@ -149,8 +149,7 @@ class Icp {
 
   Result without_pose(Result result, const Pose& guess) const {
     result.target_T_source = guess;
-    result.covariance.setIdentity();
-    result.covariance *= kUnobservedSigmaM * kUnobservedSigmaM;
+    result.covariance = Result::unknown_covariance();
     result.pairs = static_cast<int>(pairs_.size());
     result.status = MatchStatus::kTooFewPairs;
     return result;

@@ -139,19 +139,15 @@ MatchStatus status_of(const Fit& fit, const Agreement& back,
   return observability.complete() ? MatchStatus::kConverged : MatchStatus::kDegenerate;
 }
 
-MatchResult too_few_pairs(const Pose2& guess) {
-  return {.target_T_source = guess,
-          .covariance = kUnobservedSigmaM * kUnobservedSigmaM * Eigen::Matrix3d::Identity(),
-          .status = MatchStatus::kTooFewPairs};
-}
-
 }  // namespace
 
 MatchResult match_scans(const ScanView& source, const ScanView& target,
                         const Pose2& guess_target_T_source, const ScanMatchOptions& options) {
   const Look start = find_start(source, target, guess_target_T_source, options);
   Fit fit = fit_finely(source, target, start.target_T_source, options);
-  if (fit.equations.pairs < kMinPairs) return too_few_pairs(guess_target_T_source);
+  if (fit.equations.pairs < kMinPairs) {
+    return {.target_T_source = guess_target_T_source, .status = MatchStatus::kTooFewPairs};
+  }
 
   const FitScale fine{1, options.kernel_width_m};
   ScanKnowledge knowledge = scan_knowledge(source, target, fit.target_T_source, fine);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string_view>
 
 #include "loopstone/geometry/rigid_motion.hpp"
@@ -11,7 +12,7 @@ namespace loopstone {
 enum class MatchStatus {
   kConverged,
   kNotConverged,  ///< the iterations ran out, or the search found nothing good enough
-  kTooFewPairs,   ///< too little to align; the pose is the guess
+  kTooFewPairs,   ///< too little to align; the pose is the guess, of unknown covariance
   kDegenerate,  ///< converged, but a direction is unobserved (corridor, circle): the covariance is large along it
 };
 
@@ -42,15 +43,20 @@ struct BasicMatchResult {
 
   typename Motion::Pose target_T_source{};
   /// Of the small motion of target_T_source: (x, y, yaw), or (x, y, z, rotation vector), on the target's axes, turns about
-  /// the source's origin [m^2, m rad, rad^2].
-  Eigen::Matrix<double, Motion::kDof, Motion::kDof> covariance =
-      Eigen::Matrix<double, Motion::kDof, Motion::kDof>::Zero();
+  /// the source's origin [m^2, m rad, rad^2]. Infinite variances where no pose was found: with
+  /// kTooFewPairs, and when a search found nothing.
+  Eigen::Matrix<double, Motion::kDof, Motion::kDof> covariance = unknown_covariance();
   double rmse_m = 0.0;           ///< of the residuals of the pairs used
   double inlier_fraction = 0.0;  ///< [0, 1], share of the source points that were paired
   int pairs = 0;                 ///< the inliers: source points that were paired
   int iterations = 0;
   MatchStatus status = MatchStatus::kNotConverged;
   double score = 0.0;  ///< [0, 1], share of the source that the target explains
+
+  /// What is known of a pose of which nothing is: infinite variances.
+  [[nodiscard]] static Eigen::Matrix<double, Motion::kDof, Motion::kDof> unknown_covariance() {
+    return Motion::Tangent::Constant(std::numeric_limits<double>::infinity()).asDiagonal();
+  }
 };
 
 using MatchResult = BasicMatchResult<2>;

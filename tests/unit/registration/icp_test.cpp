@@ -224,7 +224,7 @@ TEST(Icp, ManyPointsInOnePlaceDoNotCrash) {
   for (const char* metric : kMetrics) {
     const MatchResult result = match_icp(heap, make_icp_cloud<2>(heap), {}, precise(metric));
     EXPECT_NE(result.status, MatchStatus::kConverged) << metric;
-    EXPECT_TRUE(result.covariance.allFinite());
+    EXPECT_FALSE(result.covariance.hasNaN());
     EXPECT_TRUE(result.target_T_source.vector().allFinite());
   }
 }
