@@ -1,11 +1,11 @@
-// How far did the robot move between two scans? Iterated closest points, point to fitted line, without any odometry.
+// How far did the robot move between two scans? align() picks the matcher that suits what is
+// aligned: here a search about the guess and Gauss-Newton, without any odometry.
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/registration/icp.hpp"
-#include "loopstone/sensor/scan_points.hpp"
+#include "loopstone/registration/align.hpp"
 #include "loopstone/simulation/simulate.hpp"
 
 using namespace loopstone;
@@ -25,20 +25,20 @@ int main() {
   sink.truth = [&](const StampedPose2& pose) { map_T_robot.push_back(pose.pose); };
   simulate(world, robot, options, 1, sink);
 
-  // Two scans 0.3 s apart, as points in the robot's frame. The target is indexed once.
+  // Two scans 0.3 s apart, each with where the laser sits on the robot.
   const std::size_t target = 60;
   const std::size_t source = 63;
-  const IcpCloud<2> reference =
-      make_icp_cloud<2>(scan_points(scans[target], mount_of(scans[target], robot)));
-  const auto points = scan_points(scans[source], mount_of(scans[source], robot));
-
-  const Pose2 guess_target_T_source;  // identity: nothing is known
-  const MatchResult match = match_icp(points, reference, guess_target_T_source);
+  const auto of_robot = [&](std::size_t i) {
+    return RobotScan{scans[i], mount_of(scans[i], robot)};
+  };
+  const AlignResult<2> aligned = align(of_robot(source), of_robot(target));
+  const MatchResult& match = aligned.match;
 
   const Pose2 truth = map_T_robot[target].inverse() * map_T_robot[source];
   const Pose2 error = truth.inverse() * match.target_T_source;
-  std::printf("status      %s after %d iterations, %.0f %% of the scan explained\n",
-              to_string(match.status).data(), match.iterations, 100.0 * match.score);
+  std::printf("status      %s by '%s' after %d iterations, %.0f %% of the scan explained\n",
+              to_string(match.status).data(), aligned.method.c_str(), match.iterations,
+              100.0 * match.score);
   std::printf("estimate    x %.4f m  y %.4f m  yaw %.3f deg\n", match.target_T_source.x,
               match.target_T_source.y, degrees(match.target_T_source.yaw));
   std::printf("truth       x %.4f m  y %.4f m  yaw %.3f deg\n", truth.x, truth.y,

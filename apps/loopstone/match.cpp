@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <initializer_list>
 #include <memory>
@@ -11,8 +12,8 @@
 #include "loopstone/base/number_text.hpp"
 #include "loopstone/formats/log_scan.hpp"
 #include "loopstone/formats/point_cloud_file.hpp"
+#include "loopstone/registration/align.hpp"
 #include "loopstone/report/match_picture.hpp"
-#include "match_plane.hpp"
 #include "match_report.hpp"
 #include "output_path.hpp"
 #include "parse_pose.hpp"
@@ -71,24 +72,23 @@ Pose3 parse_pose3(const std::string& flag, const std::string& text) {
 }
 
 template <int kDimension>
-MatchRequest<kDimension> request_of(const Arguments& arguments, const AppContext& context) {
-  MatchRequest<kDimension> request;
-  request.target_name = arguments.target;
-  request.method = arguments.method;
+AlignRequest<kDimension> request_of(const Arguments& arguments, const AppContext& context) {
+  AlignRequest<kDimension> request;
+  request.method = align_method_from(arguments.method);
   request.search_xy_m = arguments.search_xy_m;
   request.search_yaw_rad = arguments.search_yaw_rad;
-  request.global = arguments.global;
+  request.anywhere = arguments.global;
   request.sweep_yaw = arguments.sweep_yaw;
   request.threads = context.threads();
   if (arguments.initial == "identity") {
-    request.initial.emplace();
+    request.guess.emplace();
   } else if (arguments.initial == "centroids") {
     request.from_centroids = true;
   } else if (!arguments.initial.empty()) {
     if constexpr (kDimension == 2) {
-      request.initial = parse_pose2("--initial", arguments.initial);
+      request.guess = parse_pose2("--initial", arguments.initial);
     } else {
-      request.initial = parse_pose3("--initial", arguments.initial);
+      request.guess = parse_pose3("--initial", arguments.initial);
     }
   }
   return request;
@@ -136,6 +136,17 @@ void check_pair(const MatchInput& source, const MatchInput& target, const Argume
   }
 }
 
+/// Throws DataError for a cloud of fewer than 3 points: nothing can be laid on it.
+void require_points(const MatchInput& target) {
+  if (!target.cloud) return;
+  const auto& points = target.cloud->points;
+  if (std::count_if(points.begin(), points.end(),
+                    [](const auto& point) { return is_usable_point(point); }) < 3) {
+    throw DataError({target.name},
+                    "has fewer than 3 points with finite coordinates; nothing can be laid on it");
+  }
+}
+
 /// Coordinates in other units than metres.
 void scale(MatchInput& input, const std::string& flag, double factor) {
   if (factor == 1.0) return;
@@ -167,7 +178,7 @@ template <int kDimension>
 void write_png(const Arguments& arguments, const MatchInput& source, const MatchInput& target,
                const std::vector<Eigen::Matrix<double, kDimension, 1>>& source_points,
                const std::vector<Eigen::Matrix<double, kDimension, 1>>& target_points,
-               const MatchOutcome<kDimension>& outcome) {
+               const AlignResult<kDimension>& outcome) {
   if (arguments.png.empty()) return;
   MatchScene<kDimension> scene;
   scene.source = source_points;
@@ -194,24 +205,50 @@ PointCloud moved(const Points& points, const Pose& target_T_source) {
   return cloud;
 }
 
+/// The defaults that suit both sides, under what the user set.
+AlignOptions<2> options_in_plane(const MatchInput& source, const MatchInput& target,
+                                 const AppContext& context) {
+  if (target.map) return context.load_options(align_options_for(*target.map));
+  if (!source.cloud) return context.load_options<AlignOptions<2>>();
+  return context.load_options(align_options_for(target.points2()));
+}
+
+AlignResult<2> align_in_plane(const MatchInput& source, const MatchInput& target,
+                              const AlignRequest<2>& request) {
+  if (target.map) {
+    return source.scan ? align(source.robot_scan(), *target.map, request)
+                       : align(source.points2(), *target.map, request);
+  }
+  if (source.scan && target.scan) return align(source.robot_scan(), target.robot_scan(), request);
+  return align(source.points2(), target.points2(), request);
+}
+
 template <int kDimension>
 Result run_in(const Arguments& arguments, const MatchInput& source, const MatchInput& target,
               const AppContext& context) {
-  const auto request = request_of<kDimension>(arguments, context);
-  MatchOutcome<kDimension> outcome;
-  Result result;
-  std::vector<Eigen::Matrix<double, kDimension, 1>> source_points;
-  std::vector<Eigen::Matrix<double, kDimension, 1>> target_points;
+  using Points = std::vector<Eigen::Matrix<double, kDimension, 1>>;
+  AlignRequest<kDimension> request = request_of<kDimension>(arguments, context);
+  AlignResult<kDimension> outcome;
+  Points source_points;
+  Points target_points;
   if constexpr (kDimension == 2) {
-    outcome = match_in_plane(source, target, request, context);
     source_points = source.points2();
     target_points = target.points2();
+    request.options = options_in_plane(source, target, context);
   } else {
-    outcome = match_in_space(source, target, request, context);
     source_points = source.points3();
     target_points = target.points3();
+    request.options = context.load_options(align_options_for(target_points));
   }
-  result = report_match<kDimension>(source, target, outcome);
+  const auto begin = std::chrono::steady_clock::now();
+  if constexpr (kDimension == 2) {
+    outcome = align_in_plane(source, target, request);
+  } else {
+    outcome = align(source_points, target_points, request);
+  }
+  const double wall_time_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  Result result = report_match<kDimension>(source, target, outcome, wall_time_s);
   if constexpr (kDimension == 2) {
     if (!arguments.target_pose.empty()) {
       add_world_pose(result, parse_pose2("--target-pose", arguments.target_pose), outcome.match);
@@ -245,7 +282,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   for (const std::string& text : arguments.require) {
     if (text != "converged") (void)parse_bound(text);
   }
-  (void)context.load_options<MatchSettings<2>>();
+  (void)context.load_options<AlignOptions<2>>();
   const Outputs outputs = outputs_of(arguments, context);
   outputs.check();
   outputs.prepare();
@@ -254,6 +291,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   scale(source, "--source-scale", arguments.source_scale);
   scale(target, "--target-scale", arguments.target_scale);
   check_pair(source, target, arguments);
+  require_points(target);
   warn_of_units(source, target, context);
   const Result result = source.planar() ? run_in<2>(arguments, source, target, context)
                                         : run_in<3>(arguments, source, target, context);

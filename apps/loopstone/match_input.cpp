@@ -26,17 +26,6 @@ bool ends_with_any(const std::string& name, std::initializer_list<const char*> e
   return false;
 }
 
-std::vector<Eigen::Vector2d> wall_points(const CellStates& map) {
-  const Grid<std::uint8_t> walls = visible_walls(map, MapFieldOptions{}.occupied_percent);
-  std::vector<Eigen::Vector2d> points;
-  for (int row = 0; row < walls.frame().rows; ++row) {
-    for (int column = 0; column < walls.frame().columns; ++column) {
-      if (walls[{column, row}] != 0) points.push_back(walls.frame().centre_of({column, row}));
-    }
-  }
-  return points;
-}
-
 /// Throws DataError for a map that is all free or all wall: nothing can be aligned with it.
 void require_walls(const CellStates& map, const std::string& name) {
   constexpr double kMostWallShare = 0.9;
@@ -74,6 +63,10 @@ std::vector<Eigen::Vector3d> MatchInput::points3() const {
     if (is_usable_point(point)) points.push_back(point);
   }
   return points;
+}
+
+RobotScan MatchInput::robot_scan() const {
+  return {scan->scan, scan->robot_T_lidar, scan->velocity};
 }
 
 std::string MatchInput::kind() const { return scan ? "scan" : cloud ? "cloud" : "map"; }

@@ -8,6 +8,7 @@
 #include "app.hpp"
 #include "loopstone/formats/log_scan.hpp"
 #include "loopstone/formats/ros_map.hpp"
+#include "loopstone/registration/align.hpp"
 #include "loopstone/sensor/point_cloud.hpp"
 
 namespace loopstone::app {
@@ -24,6 +25,8 @@ struct MatchInput {
   [[nodiscard]] std::vector<Eigen::Vector2d> points2() const;
   /// Of a cloud.
   [[nodiscard]] std::vector<Eigen::Vector3d> points3() const;
+  /// Of a scan.
+  [[nodiscard]] RobotScan robot_scan() const;
   /// "scan 120 at 1012.000000000, 1043 points".
   [[nodiscard]] std::string description() const;
   /// "scan", "cloud" or "map".

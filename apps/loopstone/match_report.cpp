@@ -74,6 +74,10 @@ void add_pose_rows(Result& result, std::string_view label, const Pose3& pose) {
 
 template <int kDimension>
 void add_sigma_rows(Result& result, const BasicMatchResult<kDimension>& match) {
+  if (!match.covariance.allFinite()) {
+    result.add_row("sigma", "unknown: no pose was found");
+    return;
+  }
   const auto sigma = [&](Eigen::Index i) {
     return std::sqrt(std::max(match.covariance(i, i), 0.0));
   };
@@ -186,7 +190,7 @@ std::string status_text(MatchStatus status) {
 
 template <int kDimension>
 Result report_match(const MatchInput& source, const MatchInput& target,
-                    const MatchOutcome<kDimension>& outcome) {
+                    const AlignResult<kDimension>& outcome, double wall_time_s) {
   const BasicMatchResult<kDimension>& match = outcome.match;
   Result result;
   result.add_json("source", source.name)
@@ -219,8 +223,8 @@ Result report_match(const MatchInput& source, const MatchInput& target,
   if (outcome.sweep) add_sweep(result, *outcome.sweep);
   if (outcome.search) add_search(result, *outcome.search);
   if (outcome.map_match) add_map_match(result, *outcome.map_match);
-  result.add_json("wall_time_s", outcome.wall_time_s)
-      .add_row("time", fmt::format("{:.2f}", 1e3 * outcome.wall_time_s), "ms");
+  result.add_json("wall_time_s", wall_time_s)
+      .add_row("time", fmt::format("{:.2f}", 1e3 * wall_time_s), "ms");
   return result;
 }
 
@@ -233,7 +237,9 @@ void add_world_pose(Result& result, const Pose2& world_T_target, const MatchResu
   add_pose_rows(result, "world_T_source", world_T_source.pose);
 }
 
-template Result report_match<2>(const MatchInput&, const MatchInput&, const MatchOutcome<2>&);
-template Result report_match<3>(const MatchInput&, const MatchInput&, const MatchOutcome<3>&);
+template Result report_match<2>(const MatchInput&, const MatchInput&, const AlignResult<2>&,
+                                double);
+template Result report_match<3>(const MatchInput&, const MatchInput&, const AlignResult<3>&,
+                                double);
 
 }  // namespace loopstone::app

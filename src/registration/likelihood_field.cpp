@@ -52,6 +52,17 @@ Grid<std::uint8_t> visible_walls(const Grid<std::int8_t>& occupancy, int occupie
   return walls;
 }
 
+std::vector<Eigen::Vector2d> wall_points(const Grid<std::int8_t>& occupancy, int occupied_percent) {
+  const Grid<std::uint8_t> walls = visible_walls(occupancy, occupied_percent);
+  std::vector<Eigen::Vector2d> points;
+  for (int row = 0; row < walls.frame().rows; ++row) {
+    for (int column = 0; column < walls.frame().columns; ++column) {
+      if (walls[{column, row}] != 0) points.push_back(walls.frame().centre_of({column, row}));
+    }
+  }
+  return points;
+}
+
 MapField::MapField(const Grid<std::int8_t>& occupancy, const MapFieldOptions& options)
     : reach_m_(options.reach_m) {
   levels_.push_back(distance_transform(visible_walls(occupancy, options.occupied_percent)));

@@ -143,6 +143,10 @@ TEST_F(MatchCommand, NoMatchIsAStatusAndARequirementMissed) {
   const ProgramResult result = run_program({"match", nothing, map_, "--initial", "0,0,0"});
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_THAT(result.out, HasSubstr("NO MATCH"));
+  EXPECT_THAT(result.out, HasSubstr("unknown: no pose was found"));
+  const Json json = match({nothing, map_, "--initial", "0,0,0", "--target-pose", "1,2,3"});
+  EXPECT_EQ(json.at("covariance")[0][0], nullptr) << "nothing is known, which is not zero";
+  EXPECT_EQ(json.at("world_covariance")[0][0], nullptr);
   const ProgramResult required =
       run_program({"match", nothing, map_, "--initial", "0,0,0", "--require", "converged"});
   EXPECT_EQ(required.exit_code, 3);
@@ -177,6 +181,7 @@ TEST_F(MatchCommand, BadUsageIsOneLineThatSaysWhatToDo) {
   expect({scan(0), blank, "--global"}, 1, "is wall to 100 %");
   expect({flat, deep}, 2, "have no common motion");
   expect({scan(100000), map_}, 1, "has no scan 100000");
+  expect({flat, folder_->write("two.csv", "0,0\n1,0\n")}, 1, "has fewer than 3 points");
   expect({log_ + "/none#3", map_}, 1, "there is no such file or folder");
   expect({*folder_ / "none.ply", map_}, 1, "none.ply");
   expect({scan(0), map_, "--initial", "1,2"}, 2, "must be X,Y,YAW");

@@ -74,4 +74,8 @@ class MapField {
 [[nodiscard]] Grid<std::uint8_t> visible_walls(const Grid<std::int8_t>& occupancy,
                                                int occupied_percent);
 
+/// The centres of those cells, row by row [m].
+[[nodiscard]] std::vector<Eigen::Vector2d> wall_points(
+    const Grid<std::int8_t>& occupancy, int occupied_percent = MapFieldOptions{}.occupied_percent);
+
 }  // namespace loopstone
