@@ -65,7 +65,7 @@ struct AlignResult {
   Pose guess{};  ///< that the match began at
   /// What gave the answer: "scans" (match_scans), "search" (search_alignment), or as AlignMethod is
   /// called.
-  std::string method;
+  std::string method{};
   CloudExtent<kDimension> source{};
   std::optional<SweepResult<kDimension>> sweep{};         ///< with sweep_yaw
   std::optional<CloudSearchResult<kDimension>> search{};  ///< of clouds, from no guess

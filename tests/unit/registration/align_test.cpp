@@ -129,7 +129,7 @@ TEST(Align, OptionsSuitTheTargetsSize) {
         Pose3::from_roll_pitch_yaw(scale * Eigen::Vector3d(0.1, -0.1, 0.05), 0.02, -0.03, 0.05);
     std::vector<Eigen::Vector3d> target;
     std::vector<Eigen::Vector3d> source;
-    for (const Eigen::Vector3d& p : room) target.push_back(scale * p);
+    for (const Eigen::Vector3d& p : room) target.emplace_back(scale * p);
     for (const Eigen::Vector3d& p : target) source.push_back(motion.inverse() * p);
     AlignRequest<3> request;
     request.guess.emplace();
