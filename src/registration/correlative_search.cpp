@@ -5,6 +5,7 @@
 #include <initializer_list>
 
 #include "loopstone/geometry/angle.hpp"
+#include "registration/search_block.hpp"
 #include "registration/search_lattice.hpp"
 #include "registration/shift_sums.hpp"
 
@@ -16,38 +17,6 @@ constexpr int kLanes = MaxPyramid::kLanes;
 /// So many points are summed before a look at whether the rest can still matter.
 constexpr std::size_t kChunk = 128;
 static_assert(kChunk <= ScanOnLevel::kMaxCells);
-
-/// A block of 2^level x 2^level shifts at one heading, counted from the window's centre.
-struct Block {
-  std::int32_t bound;
-  std::int32_t heading;
-  std::int32_t column;
-  std::int32_t row;
-};
-
-/// Is (heading, row, column) of a before that of b? Decides between equal scores.
-bool earlier(const Block& a, const Block& b) {
-  if (a.heading != b.heading) return a.heading < b.heading;
-  if (a.row != b.row) return a.row < b.row;
-  return a.column < b.column;
-}
-
-/// Highest bound first; ties by position, so that the order never depends on the sort.
-bool better(const Block& a, const Block& b) {
-  if (a.bound != b.bound) return a.bound > b.bound;
-  return earlier(a, b);
-}
-
-/// The smallest sum that still counts, less one: what a sum has to beat.
-std::int32_t floor_of(double min_score, std::size_t points) {
-  const double sum = static_cast<double>(points) * (kUnknown + min_score * (kSurface - kUnknown));
-  return static_cast<std::int32_t>(std::ceil(sum)) - 1;
-}
-
-double score_of(std::int32_t sum, std::size_t points) {
-  return (static_cast<double>(sum) / static_cast<double>(points) - kUnknown) /
-         (kSurface - kUnknown);
-}
 
 /// From a level to the one that its blocks are split into: a block of four by four children is summed in four reads a point.
 int level_below(int level) { return level % 2 == 1 ? level - 1 : level - 2; }
@@ -79,7 +48,7 @@ class Search {
   }
 
   [[nodiscard]] SearchResult run() {
-    std::vector<Block> blocks = all_blocks();
+    std::vector<SearchBlock> blocks = all_blocks();
     descend(blocks, top_level_);
     SearchResult result;
     result.found = found_;
@@ -94,8 +63,8 @@ class Search {
 
  private:
   /// The whole window in blocks of the top level, those that may win.
-  [[nodiscard]] std::vector<Block> all_blocks() {
-    std::vector<Block> blocks;
+  [[nodiscard]] std::vector<SearchBlock> all_blocks() {
+    std::vector<SearchBlock> blocks;
     const int side = 1 << top_level_;
     const int count = 2 * lattice_.half_cells / side + 1;
     ScanOnLevel& scan = scans_.back();
@@ -115,8 +84,8 @@ class Search {
   }
 
   /// One row of blocks, `line` blocks above the corner that the scan was laid at: those that may win.
-  void add_children(const ScanOnLevel& scan, const Block& corner, int line, int count, int side,
-                    std::vector<Block>& blocks) {
+  void add_children(const ScanOnLevel& scan, const SearchBlock& corner, int line, int count,
+                    int side, std::vector<SearchBlock>& blocks) {
     LaneSums sums{};
     evaluations_ += count;
     for (std::size_t begin = 0; begin < points_; begin += kChunk) {
@@ -127,17 +96,17 @@ class Search {
       if (*std::max_element(sums.begin(), sums.begin() + count) + rest < best_.bound) return;
     }
     for (int lane = 0; lane < count; ++lane) {
-      const Block block{sums[static_cast<std::size_t>(lane)], corner.heading,
-                        corner.column + lane * side, corner.row + line * side};
+      const SearchBlock block{sums[static_cast<std::size_t>(lane)], corner.heading,
+                              corner.column + lane * side, corner.row + line * side};
       if (may_win(block)) blocks.push_back(block);
     }
   }
 
   /// Looks into every block that may beat the best leaf, the most promising first.
-  void descend(std::vector<Block>& blocks, int level) {
-    std::sort(blocks.begin(), blocks.end(), better);
-    std::vector<Block> children;
-    for (const Block& block : blocks) {
+  void descend(std::vector<SearchBlock>& blocks, int level) {
+    std::sort(blocks.begin(), blocks.end(), is_more_promising);
+    std::vector<SearchBlock> children;
+    for (const SearchBlock& block : blocks) {
       if (!may_win(block)) {
         if (block.bound < best_.bound) break;
         continue;
@@ -155,7 +124,7 @@ class Search {
     }
   }
 
-  void split(const Block& block, int level, std::vector<Block>& children) {
+  void split(const SearchBlock& block, int level, std::vector<SearchBlock>& children) {
     const int below = level_below(level);
     const int side = 1 << below;
     const int ratio = 1 << (level - below);
@@ -170,9 +139,9 @@ class Search {
   }
 
   /// Beats the best, or equals it and comes first. (A block's first shift is its earliest.)
-  [[nodiscard]] bool may_win(const Block& block) const {
+  [[nodiscard]] bool may_win(const SearchBlock& block) const {
     return block.bound > best_.bound ||
-           (found_ && block.bound == best_.bound && earlier(block, best_));
+           (found_ && block.bound == best_.bound && is_earlier(block, best_));
   }
 
   [[nodiscard]] bool is_excluded(int heading, int column, int row, double margin_m = 0.0) const {
@@ -184,7 +153,7 @@ class Search {
   }
 
   /// Are all shifts of the block left out? A disc that holds the corners holds what lies between them.
-  [[nodiscard]] bool is_excluded(const Block& block, int level) const {
+  [[nodiscard]] bool is_excluded(const SearchBlock& block, int level) const {
     constexpr double kRounding = 1e-9;
     const int last = (1 << level) - 1;
     for (const int row : {block.row, block.row + last}) {
@@ -202,7 +171,7 @@ class Search {
   int top_level_;
   std::vector<RowTable> row_tables_{};
   std::vector<ScanOnLevel> scans_{};
-  Block best_{};
+  SearchBlock best_{};
   bool found_ = false;
   std::int64_t evaluations_ = 0;
 };
@@ -214,7 +183,9 @@ SearchResult search_branch_and_bound(std::span<const Eigen::Vector2d> source,
                                      double min_score,
                                      const std::optional<ExcludedPoses>& excluded) {
   if (source.empty()) return {};
-  return Search(source, target, window, excluded, floor_of(min_score, source.size())).run();
+  // The least sum that still counts, less one: what a sum has to beat.
+  const std::int32_t floor = least_sum(min_score, source.size()) - 1;
+  return Search(source, target, window, excluded, floor).run();
 }
 
 }  // namespace loopstone

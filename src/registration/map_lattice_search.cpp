@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "loopstone/geometry/angle.hpp"
+#include "registration/search_block.hpp"
 #include "registration/shift_sums.hpp"
 
 namespace loopstone {
@@ -16,21 +17,6 @@ constexpr std::size_t kChunk = 32;
 /// Blocks of 8 x 8 cells: larger ones bound too loosely, smaller ones are too many.
 constexpr int kTopLevel = 3;
 constexpr int kSide = 1 << kTopLevel;
-
-struct Block {
-  std::int32_t bound;
-  std::int32_t heading;
-  std::int32_t column;
-  std::int32_t row;
-};
-
-/// Highest bound first; ties by position, so that the order never depends on the sort.
-bool better(const Block& a, const Block& b) {
-  if (a.bound != b.bound) return a.bound > b.bound;
-  if (a.heading != b.heading) return a.heading < b.heading;
-  if (a.row != b.row) return a.row < b.row;
-  return a.column < b.column;
-}
 
 /// Offsets of the points' cells from the cell at whose centre the source's origin stands.
 CellList cells_at(std::span<const Eigen::Vector2d> points, double heading, double resolution_m) {
@@ -64,8 +50,7 @@ class MapLatticeSearch {
     const auto per_point = static_cast<double>(kSurface - kUnknown);
     margin_ =
         static_cast<std::int32_t>(std::floor(static_cast<double>(count_) * margin * per_point));
-    floor_ = static_cast<std::int32_t>(
-        std::ceil(static_cast<double>(count_) * (kUnknown + min_score * per_point)));
+    floor_ = least_sum(min_score, count_);
   }
 
   [[nodiscard]] LatticePoses run() {
@@ -73,27 +58,26 @@ class MapLatticeSearch {
     for (const double heading : lattice_.headings)
       cells_.push_back(cells_at(points_, heading, frame_.resolution));
     raise_floor();
-    std::vector<Block> blocks;
+    std::vector<SearchBlock> blocks;
     for (std::size_t h = 0; h < cells_.size(); ++h) bound_heading(h, blocks);
-    std::sort(blocks.begin(), blocks.end(), better);
-    std::vector<Block> leaves;
-    for (const Block& block : blocks) {
+    std::sort(blocks.begin(), blocks.end(), is_more_promising);
+    std::vector<SearchBlock> leaves;
+    for (const SearchBlock& block : blocks) {
       if (block.bound < floor_) break;
-      const Block leaf = best_leaf(block);
+      const SearchBlock leaf = best_leaf(block);
       if (leaf.bound < floor_) continue;
       leaves.push_back(leaf);
       floor_ = std::max(floor_, leaf.bound - margin_);
     }
-    std::sort(leaves.begin(), leaves.end(), better);
+    std::sort(leaves.begin(), leaves.end(), is_more_promising);
     LatticePoses result;
     result.evaluations = evaluations_;
-    for (const Block& leaf : leaves) {
+    for (const SearchBlock& leaf : leaves) {
       if (leaf.bound < floor_) break;
       const Eigen::Vector2d at = frame_.centre_of({leaf.column, leaf.row});
-      const double mean = static_cast<double>(leaf.bound) / static_cast<double>(count_);
       result.poses.push_back(
           {{at.x(), at.y(), wrap_angle(lattice_.headings[static_cast<std::size_t>(leaf.heading)])},
-           (mean - kUnknown) / (kSurface - kUnknown)});
+           score_of(leaf.bound, count_)});
     }
     return result;
   }
@@ -153,14 +137,14 @@ class MapLatticeSearch {
     constexpr std::size_t kBlocks = 256;
     const int headings = static_cast<int>(cells_.size());
     if (headings < 2 * kStride) return;
-    std::vector<Block> blocks;
+    std::vector<SearchBlock> blocks;
     for (int h = kStride / 2; h < headings; h += kStride)
       bound_heading(static_cast<std::size_t>(h), blocks);
     const std::size_t few = std::min(kBlocks, blocks.size());
     std::partial_sort(blocks.begin(), blocks.begin() + static_cast<std::ptrdiff_t>(few),
-                      blocks.end(), better);
+                      blocks.end(), is_more_promising);
     blocks.resize(few);
-    for (Block block : blocks) {
+    for (SearchBlock block : blocks) {
       const int middle = block.heading;
       for (int h = std::max(0, middle - kStride / 2);
            h <= std::min(headings - 1, middle + kStride / 2); ++h) {
@@ -170,7 +154,7 @@ class MapLatticeSearch {
     }
   }
 
-  void bound_heading(std::size_t heading, std::vector<Block>& blocks) {
+  void bound_heading(std::size_t heading, std::vector<SearchBlock>& blocks) {
     top_scan_.lay(cells_[heading], lattice_.first.column, lattice_.first.row);
     int chosen = -1;
     for (const Strip& strip : strips_) {
@@ -192,8 +176,8 @@ class MapLatticeSearch {
   }
 
   /// The best pose of a block; its bound is below the floor when none reaches it.
-  [[nodiscard]] Block best_leaf(const Block& block) {
-    Block best = block;
+  [[nodiscard]] SearchBlock best_leaf(const SearchBlock& block) {
+    SearchBlock best = block;
     best.bound = floor_ - 1;
     leaf_scan_.lay(cells_[static_cast<std::size_t>(block.heading)], block.column, block.row);
     leaf_scan_.choose_lanes(0);
