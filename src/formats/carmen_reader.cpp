@@ -149,15 +149,25 @@ class CarmenReader final : public LogReader {
     order_.push({odometry, line, true});
   }
 
-  /// FLASER, ROBOTLASER1 and RAWLASER1 may all report the same sweep. The tag seen first is kept, until it falls
-  /// silent for some seconds while another goes on.
+  struct FrontScan {
+    CarmenTag tag;
+    Stamp stamp;
+    std::size_t beams = 0;
+  };
+
+  /// FLASER, ROBOTLASER1 and RAWLASER1 may all report the same sweep. The tag seen first is kept,
+  /// until it falls silent for some seconds while another goes on. Another number of beams at
+  /// another moment is another sweep: scans whose beams change need another tag.
   bool is_second_report(const CarmenScan& scan) {
     if (lidar_of(scan.tag) != 0) return false;
-    const double silent_s = front_seen_ ? scan.stamp.seconds() - last_front_stamp_.seconds() : 0.0;
-    if (front_seen_ && scan.tag != front_tag_ && silent_s < 2.0) return true;
-    front_seen_ = true;
-    front_tag_ = scan.tag;
-    last_front_stamp_ = scan.stamp;
+    const FrontScan front{scan.tag, scan.stamp, scan.raw_ranges_m.size()};
+    if (last_front_ && front.tag != last_front_->tag) {
+      const double silent_s = (front.stamp - last_front_->stamp).seconds();
+      const bool may_be_the_same =
+          front.beams == last_front_->beams || front.stamp == last_front_->stamp;
+      if (may_be_the_same && silent_s < 2.0) return true;
+    }
+    last_front_ = front;
     return false;
   }
 
@@ -172,9 +182,7 @@ class CarmenReader final : public LogReader {
   SkipTally tally_;
   std::int64_t second_reports_ = 0;
   bool at_end_ = false;
-  bool front_seen_ = false;
-  CarmenTag front_tag_ = CarmenTag::kFlaser;
-  Stamp last_front_stamp_{};
+  std::optional<FrontScan> last_front_{};  ///< that was kept
 };
 
 std::string text(const char* format, double value) {

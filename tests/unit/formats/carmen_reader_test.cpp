@@ -191,6 +191,17 @@ TEST(CarmenReader, TheSameScanUnderTwoTagsComesOnce) {
   EXPECT_TRUE(log.has_note("second time"));
 }
 
+TEST(CarmenReader, OtherBeamsUnderAnotherTagAreAnotherScanUnlessOfTheSameMoment) {
+  const std::string robot_laser =
+      "ROBOTLASER1 0 -1.57 3.14 1.57 80 0.01 0 3 1 2 3 0 0 0 0 0 0 0 0 0 0 0 0 ";
+  const LogContent log = read(flaser("10.0", 5) + robot_laser + "10.1 h 0\n" + flaser("10.2", 5) +
+                              robot_laser + "10.2 h 0\n" + robot_laser + "10.3 h 0\n");
+  std::vector<std::size_t> beams;
+  for (const LaserScan& scan : log.scans) beams.push_back(scan.ranges_m.size());
+  EXPECT_EQ(beams, (std::vector<std::size_t>{5, 3, 5, 3}));
+  EXPECT_TRUE(log.has_note("1 scans were reported a second time"));
+}
+
 TEST(CarmenReader, RearLaserAndMixedBeamCounts) {
   const LogContent log =
       read(flaser("1.0", 180) + flaser("1.0", 181, 2.0, "1 0 3.1415926 1 0 0", "RLASER") +
