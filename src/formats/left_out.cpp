@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
+
+#include "formats/left_out_json.hpp"
 
 namespace loopstone {
 namespace {
@@ -53,7 +54,7 @@ std::string LeftOut::sentence() const {
   return text;
 }
 
-std::string left_out_json(const LeftOut& left_out) {
+nlohmann::ordered_json to_json(const LeftOut& left_out) {
   nlohmann::ordered_json json = {{"share", left_out.share()},
                                  {"scan_share", left_out.scan_share()},
                                  {"scans", left_out.skipped.scans},
@@ -69,8 +70,13 @@ std::string left_out_json(const LeftOut& left_out) {
                                {"reason", reason.reason},
                                {"first", to_string(reason.first)}});
   }
+  return json;
+}
+
+std::string left_out_json(const LeftOut& left_out) {
   // Words of a damaged log need not be UTF-8; JSON must.
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  return to_json(left_out).dump(-1, ' ', false, kReplace);
 }
 
 }  // namespace loopstone

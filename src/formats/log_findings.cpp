@@ -207,6 +207,35 @@ void look_at_motion(const LogSummary& summary, Findings& findings) {
 
 }  // namespace
 
+std::int64_t LogSummary::scans() const {
+  std::int64_t sum = 0;
+  for (const LidarSummary& lidar : lidars) sum += lidar.timing.records;
+  return sum;
+}
+
+std::string LogSummary::name_of(const LidarSummary& lidar) const {
+  return lidars.size() == 1 ? "laser" : fmt::format("laser {}", lidar.lidar + 1);
+}
+
+Severity LogSummary::worst() const {
+  Severity worst = Severity::kNote;
+  for (const Finding& finding : findings) worst = std::max(worst, finding.severity);
+  return worst;
+}
+
+std::string LogSummary::verdict() const {
+  if (!complete) return "interrupted: only a part of the log was looked at";
+  switch (worst()) {
+    case Severity::kError:
+      return "no map can be made of this log";
+    case Severity::kWarning:
+      return "a map can be made, but look at the warnings first";
+    case Severity::kNote:
+      break;
+  }
+  return "ready: loopstone map LOG -o OUT";
+}
+
 std::optional<Finding> judge(const LeftOut& left_out) {
   constexpr double kWorthAWarning = 0.05;
   constexpr double kHardlyAnythingLeft = 0.9;
@@ -230,9 +259,7 @@ std::vector<Finding> find_suspicious(const LogSummary& summary,
     findings.error("no laser scans: this log can't become a map (odometry can be computed)");
   }
   for (const LidarSummary& lidar : summary.lidars) {
-    const std::string name =
-        summary.lidars.size() == 1 ? "laser" : fmt::format("laser {}", lidar.lidar + 1);
-    look_at_lidar(lidar, name, *summary.first, findings);
+    look_at_lidar(lidar, summary.name_of(lidar), *summary.first, findings);
   }
   look_at_motion(summary, findings);
   if (summary.odometry) look_at_odometry(summary, findings);

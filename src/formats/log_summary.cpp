@@ -207,12 +207,6 @@ double BeamLayout::field_of_view_rad() const {
   return beams < 2 ? 0.0 : std::abs(angle_increment_rad) * static_cast<double>(beams - 1);
 }
 
-Severity LogSummary::worst() const {
-  Severity worst = Severity::kNote;
-  for (const Finding& finding : findings) worst = std::max(worst, finding.severity);
-  return worst;
-}
-
 void LeftOutCounter::add(const SensorMessage& message) {
   last_ = stamp_of(message);
   if (!first_) first_ = last_;

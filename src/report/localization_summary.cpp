@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "formats/left_out_json.hpp"
 #include "loopstone/report/localization_outputs.hpp"
 #include "report/localization_figures.hpp"
 #include "report/summary.hpp"
@@ -54,7 +55,7 @@ std::string format_summary(const LocalizationResult& result, const Grid<std::int
       {"scans", result.scans},
       {"scans_dropped", result.scans_dropped},
       {"records_skipped", run.left_out.skipped.records},
-      {"left_out", nlohmann::ordered_json::parse(left_out_json(run.left_out))},
+      {"left_out", to_json(run.left_out)},
       {"poses", result.estimates.size()},
       {"poses_refined", figures.refined},
       {"had_odometry", result.had_odometry},

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/left_out_json.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "report/fault_summary.hpp"
 #include "report/quality_summary.hpp"
@@ -36,7 +37,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"scans", s.scans},
       {"scans_dropped", s.scans_dropped},
       {"records_skipped", info.left_out.skipped.records},
-      {"left_out", nlohmann::ordered_json::parse(left_out_json(info.left_out))},
+      {"left_out", to_json(info.left_out)},
       {"key_scans", s.key_scans},
       {"key_scans_thinned", s.key_scans_thinned},
       {"submaps", s.submaps},

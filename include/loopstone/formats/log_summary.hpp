@@ -132,7 +132,12 @@ struct LogSummary {
   std::vector<Finding> findings{};
 
   [[nodiscard]] double duration_s() const { return first ? (*last - *first).seconds() : 0.0; }
+  [[nodiscard]] std::int64_t scans() const;
   [[nodiscard]] Severity worst() const;
+  /// In one line: whether a map can be made of it.
+  [[nodiscard]] std::string verdict() const;
+  /// "laser", or of several "laser 2".
+  [[nodiscard]] std::string name_of(const LidarSummary& lidar) const;
 };
 
 /// How bad it is that so much was left out: nothing when all was used. From 5 % on it is a warning, and an error when hardly a
@@ -175,6 +180,10 @@ class LogAnalyser {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// One JSON object with units in the names of its keys, as `loopstone info --json` prints it.
+/// \param log  its path, as the user named it
+[[nodiscard]] std::string log_summary_json(const LogSummary& summary, const std::string& log);
 
 /// Reads a log to its end and tells what is in it. One pass; memory grows with 4 bytes a record.
 /// Throws what the reader throws.
