@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Writes the parts of the docs that the program itself knows: the help of every command and all options
-(docs/command_line.md), and the options of localisation (docs/localization.md) and of the texture (docs/texture.md).
+(docs/command_line.md), the formats of sensor logs (docs/formats.md), and the options of localisation
+(docs/localization.md) and of the texture (docs/texture.md).
 
   scripts/write_docs.py [--program build/release/bin/loopstone]            writes
   scripts/write_docs.py [--program build/release/bin/loopstone] --check    tells whether the page is up to date (exit 1: no)
 """
 import argparse
+import json
 import pathlib
 import re
 import subprocess
@@ -17,6 +19,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/command_line.md"
 LOCALIZATION_PAGE = ROOT / "docs/localization.md"
 TEXTURE_PAGE = ROOT / "docs/texture.md"
+FORMATS_PAGE = ROOT / "docs/formats.md"
 
 
 def output_of(program, *arguments):
@@ -65,6 +68,30 @@ def options_table(program, command, only=""):
     return table(["option", "default", "allowed", "meaning"], rows)
 
 
+def formats_table(program):
+    """Columns are formats, rows what each of them is and holds."""
+    formats = json.loads(output_of(program, "info", "--formats", "--json"))["formats"]
+    yes_no = {True: "yes", False: "no"}
+
+    def files_of(entry):
+        return ", ".join(f"`{ending}`" for ending in entry["endings"] + entry["packings"])
+
+    def told(value):
+        return yes_no[value] if isinstance(value, bool) else str(value)
+
+    rows = [["`--format`", *(f"`{entry['name']}`" for entry in formats)],
+            ["a log is", *("a folder" if entry["is_folder"] else "a file" for entry in formats)],
+            ["its files", *(files_of(entry) for entry in formats)],
+            ["several sets in a folder", *(yes_no[entry["has_sets"]] for entry in formats)],
+            ["from a pipe", *(yes_no[entry["from_pipes"]] for entry in formats)],
+            ["written", *(yes_no[entry["written"]] for entry in formats)]]
+    for key in formats[0]["holds"]:
+        name, unit = (key[:-3], " ns") if key.endswith("_ns") else (key, "")
+        cells = [told(entry["holds"][key]) + unit for entry in formats]
+        rows.append([name.replace("_", " "), *cells])
+    return table(["", *(entry["noun"] for entry in formats)], rows)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
@@ -76,6 +103,7 @@ def main():
     for page, block, text in [(PAGE, "commands", command_help(program)),
                               (PAGE, "options", options_table(program, "map")),
                               (LOCALIZATION_PAGE, "options", options_table(program, "localize")),
+                              (FORMATS_PAGE, "log formats", formats_table(program)),
                               (TEXTURE_PAGE, "options", options_table(program, "map", "texture."))]:
         if not arguments.check:
             write_block(page, block, text)

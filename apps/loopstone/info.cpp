@@ -5,6 +5,7 @@
 #include "commands.hpp"
 #include "info_text.hpp"
 #include "log_run.hpp"
+#include "loopstone/formats/log_format_words.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/log_summary.hpp"
 #include "progress_display.hpp"
@@ -17,6 +18,7 @@ namespace {
 struct Arguments {
   std::string log;
   bool strict = false;
+  bool formats = false;
 };
 
 constexpr const char* kFooter = R"(
@@ -25,9 +27,14 @@ made of it. The first ten broken records are named on stderr.
 
 Examples:
   loopstone info intel.clf
-  loopstone info data/ucsd#20 --json)";
+  loopstone info data/ucsd#20 --json
+  loopstone info --formats)";
 
 ExitCode run(const Arguments& arguments, AppContext& context) {
+  if (arguments.formats) {
+    print_to_stdout(context.json() ? log_formats_json() : log_formats_text());
+    return kExitDone;
+  }
   constexpr int kProblemsShown = 10;
   int problems = 0;
   LogOptions options = log_options(arguments.strict, context);
@@ -53,7 +60,14 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
 void add_info_command(CLI::App& app, AppContext& context) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("info", "Show what is in a log and what is wrong with it");
-  command->add_option("LOG", arguments->log, "a log file or folder")->required();
+  CLI::Option* const log =
+      command->add_option("LOG", arguments->log, "a log file or folder")->required();
+  const auto ask_for_formats = [arguments, log] {
+    arguments->formats = true;
+    log->required(false);
+  };
+  command->add_flag_callback("--formats", ask_for_formats, "the formats of logs, without a LOG")
+      ->trigger_on_parse();
   command->add_flag("--strict", arguments->strict, "damage in the log is an error");
   context.add_common_flags(*command);
   command->footer(kFooter);

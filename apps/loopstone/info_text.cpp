@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <ctime>
 
+#include "loopstone/formats/log_format.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "terminal_text.hpp"
 
@@ -219,9 +220,10 @@ std::string findings_text(const LogSummary& summary, const Paint& paint) {
 
 std::string info_text(const std::string& path, const LogSummary& summary) {
   const Paint paint;
+  const LogFormat* const format = find_log_format(summary.format);
   std::string text =
       fmt::format("{}  {} log, {}\n", paint.bold(terminal_text(path)),
-                  summary.format == "carmen" ? "CARMEN" : "UCSD", size_text(summary.bytes));
+                  format != nullptr ? format->title : summary.format, size_text(summary.bytes));
   if (summary.first) {
     text += fmt::format("{}, from {}\n\n", duration_text(summary.duration_s()),
                         start_text(*summary.first));

@@ -6,6 +6,7 @@
 
 #include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/log_format_words.hpp"
 #include "loopstone/version.hpp"
 
 namespace loopstone::app {
@@ -17,6 +18,14 @@ void add_cut_flags(CLI::App& command, LogCut& cut) {
       ->check(CLI::NonNegativeNumber);
   command.add_option("--max-scans", cut.max_scans, "use this many scans; 0 = all")
       ->check(CLI::NonNegativeNumber);
+}
+
+void add_format_flag(CLI::App& command, std::optional<std::string>& format,
+                     const std::string& meaning) {
+  const std::vector<std::string> names = writable_log_formats();
+  std::string choice;
+  for (const std::string& name : names) choice += (choice.empty() ? "" : "|") + name;
+  command.add_option("--format", format, meaning)->type_name(choice)->check(CLI::IsMember(names));
 }
 
 CutLog::CutLog(LogReader& reader, const LogCut& cut, bool mounts_from_log, std::string_view step,

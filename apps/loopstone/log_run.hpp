@@ -27,6 +27,10 @@ struct LogCut {
 /// --start, --duration, --max-scans.
 void add_cut_flags(CLI::App& command, LogCut& cut);
 
+/// --format: one of those that logs are written in.
+void add_format_flag(CLI::App& command, std::optional<std::string>& format,
+                     const std::string& meaning);
+
 /// The messages of a log within the cut, until the user interrupts.
 class CutLog {
  public:

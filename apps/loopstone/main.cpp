@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -9,6 +10,7 @@
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/log_format_words.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/version.hpp"
 #include "progress_display.hpp"
@@ -18,7 +20,8 @@ namespace loopstone::app {
 
 namespace {
 
-constexpr const char* kExamples = R"(
+std::string footer() {
+  return fmt::format(R"(
 Examples:
   loopstone info LOG                               what is in a log, and what is odd about it
   loopstone map LOG -o out                         map, trajectory, report: open out/report.html
@@ -28,9 +31,11 @@ Examples:
   loopstone map sim -o out && \
   loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum
 
-A LOG is a file (CARMEN text, also .gz and .bz2) or a folder (UCSD layout; DIR#20 names set 20).
+A LOG is {}.
 Exit codes: 0 done, 1 bad data, 2 bad usage or options, 3 a --require bound was missed, 130 interrupted.
-`loopstone COMMAND --help` explains a command.)";
+`loopstone COMMAND --help` explains a command.)",
+                     what_a_log_is());
+}
 
 void add_commands(CLI::App& app, AppContext& context) {
   // In the order in which a user meets them.
@@ -78,7 +83,7 @@ int run_program(int argc, char** argv) {
   app.set_version_flag("--version", "loopstone " + std::string(kVersion));
   app.require_subcommand(1);
   add_commands(app, context);
-  app.footer(kExamples);  // after the commands, which would inherit it
+  app.footer(footer());  // after the commands, which would inherit it
 
   try {
     refuse_unknown_command(app, argc, argv);

@@ -9,6 +9,7 @@
 #include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/decimal_stamp.hpp"
+#include "loopstone/formats/log_format.hpp"
 #include "loopstone/formats/point_cloud_file.hpp"
 #include "loopstone/registration/likelihood_field.hpp"
 #include "loopstone/sensor/scan_points.hpp"
@@ -99,9 +100,7 @@ MatchInput read_match_input(const std::string& name, const AppContext& context) 
     return input;
   }
   std::error_code ignored;
-  if (fs::is_directory(name, ignored) ||
-      (fs::exists(name, ignored) && ends_with_any(name, {".clf", ".log", ".clf.gz", ".log.gz",
-                                                         ".clf.bz2", ".log.bz2", ".npz"}))) {
+  if (fs::is_directory(name, ignored) || (fs::exists(name, ignored) && has_log_ending(name))) {
     throw UsageError("'" + name + "' is a whole log; name one scan of it: " + name + "#120 or " +
                      name + "@+12.5 (seconds after the first scan)");
   }

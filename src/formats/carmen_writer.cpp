@@ -69,17 +69,12 @@ class CarmenWriter final : public LogWriter {
         "# ODOM x y theta tv rv accel ipc_time host logger_time\n");
   }
 
+  /// Only scans and poses are given: the format holds nothing else.
   void write(const SensorMessage& message) override {
     if (const auto* scan = std::get_if<LaserScan>(&message)) {
       take(*scan);
     } else if (const auto* odometry = std::get_if<OdometryPose>(&message)) {
       take(*odometry);
-    } else if (std::holds_alternative<WheelTicks>(message)) {
-      ++wheel_readings_;
-    } else if (std::holds_alternative<ImuSample>(message)) {
-      ++inertial_readings_;
-    } else {
-      ++pictures_;
     }
   }
 
@@ -92,14 +87,10 @@ class CarmenWriter final : public LogWriter {
 
   std::vector<std::string> notes() const override {
     std::vector<std::string> notes;
-    const auto lost = [&](std::int64_t count, const char* what) {
-      if (count > 0) notes.push_back(std::to_string(count) + " " + what);
-    };
-    lost(wheel_readings_, "wheel readings are left out: CARMEN text has only poses");
-    lost(inertial_readings_, "inertial readings are left out: CARMEN text has no place for them");
-    lost(pictures_, "camera frames are left out: CARMEN text has no place for them");
-    lost(sweeps_, "scans lose the time between their beams, which CARMEN text does not state");
-    lost(scans_without_odometry_, "scans have no odometry pose (RAWLASER1)");
+    if (scans_without_odometry_ > 0) {
+      notes.push_back(std::to_string(scans_without_odometry_) +
+                      " scans have no odometry pose (RAWLASER1)");
+    }
     return notes;
   }
 
@@ -188,7 +179,6 @@ class CarmenWriter final : public LogWriter {
                                    std::to_string(scan.lidar + 1) + " of several");
     }
     if (scan.lidar == 0 && stated_max_m_ == 0.0) write_params(scan);
-    if (scan.time_increment_s != 0.0) ++sweeps_;
     if (!odom_T_robot) ++scans_without_odometry_;
 
     const bool in_short = odom_T_robot && follows_carmens_rule(scan) &&
@@ -223,10 +213,6 @@ class CarmenWriter final : public LogWriter {
   std::optional<OdometryPose> last_;
   bool line_waits_ = false;
   double stated_max_m_ = 0.0;
-  std::int64_t wheel_readings_ = 0;
-  std::int64_t inertial_readings_ = 0;
-  std::int64_t pictures_ = 0;
-  std::int64_t sweeps_ = 0;
   std::int64_t scans_without_odometry_ = 0;
 };
 

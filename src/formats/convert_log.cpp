@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <optional>
+#include <utility>
 
 #include "loopstone/formats/log_summary.hpp"
 #include "loopstone/odometry/odometer.hpp"
@@ -9,21 +10,25 @@
 namespace loopstone {
 namespace {
 
-/// Turns wheel counts and gyro into a pose at every wheel reading and scan. Scans wait until the odometry has come to
-/// their stamp.
+/// Turns wheel counts and gyro into a pose at every wheel reading and scan. What the target holds
+/// beside poses waits, in order, until the odometry has come to its stamp.
 class PosesFromWheels {
  public:
-  PosesFromWheels(const WheelModel& wheels, LogWriter& writer)
-      : odometer_(wheels), writer_(writer) {}
+  PosesFromWheels(const WheelModel& wheels, const LogContents& held, LogWriter& writer)
+      : odometer_(wheels), held_(held), writer_(writer) {}
 
   void add(const SensorMessage& message) {
     if (const auto* ticks = std::get_if<WheelTicks>(&message)) {
       odometer_.add(*ticks);
-      waiting_.push_back({ticks->stamp, std::nullopt});
+      waiting_.push_back({ticks->stamp, true, std::nullopt});
     } else if (const auto* sample = std::get_if<ImuSample>(&message)) {
       odometer_.add(*sample);
-    } else if (const auto* scan = std::get_if<LaserScan>(&message)) {
-      waiting_.push_back({scan->stamp, *scan});
+      if (held_.imu_samples) waiting_.push_back({sample->stamp, false, message});
+    } else if (holds(held_, message)) {
+      const bool is_scan = std::holds_alternative<LaserScan>(message);
+      waiting_.push_back({stamp_of(message), is_scan, message});
+    } else {
+      writer_.write(message);  // which counts it
     }
     write_known(waiting_.size() > kMostWaiting);
   }
@@ -36,7 +41,8 @@ class PosesFromWheels {
  private:
   struct Waiting {
     Stamp stamp;
-    std::optional<LaserScan> scan;
+    bool wants_pose = false;
+    std::optional<SensorMessage> message{};
   };
   static constexpr std::size_t kMostWaiting = 512;
 
@@ -44,16 +50,17 @@ class PosesFromWheels {
     const auto newest = odometer_.newest();
     while (!waiting_.empty() && (all || (newest && waiting_.front().stamp <= *newest))) {
       const Waiting& first = waiting_.front();
-      if (const auto pose = odometer_.pose_at(first.stamp)) {
+      if (const auto pose = odometer_.pose_at(first.stamp); pose && first.wants_pose) {
         writer_.write(OdometryPose{first.stamp, pose->pose});
         ++poses_;
       }
-      if (first.scan) writer_.write(*first.scan);
+      if (first.message) writer_.write(*first.message);
       waiting_.pop_front();
     }
   }
 
   Odometer odometer_;
+  LogContents held_;
   LogWriter& writer_;
   std::deque<Waiting> waiting_;
   std::int64_t poses_ = 0;
@@ -67,16 +74,45 @@ void count(const SensorMessage& message, ConvertResult& result) {
   if (std::holds_alternative<RgbdFrame>(message)) ++result.camera_frames;
 }
 
+/// Gives each message to the writer, or to the dead reckoning on its way there.
+class Copier {
+ public:
+  Copier(LogWriter& writer, const LogContents& held, const RobotModel& robot) : writer_(writer) {
+    if (held.odometry_poses && !held.wheel_ticks) {
+      from_wheels_.emplace(robot.wheels, held, writer);
+    }
+  }
+
+  void add(const SensorMessage& message, ConvertResult& result) {
+    count(message, result);
+    // Poses that the log itself has are better known than any that can be computed here.
+    if (result.odometry_poses > 0 && result.wheel_readings == 0) finish(result);
+    if (!from_wheels_) {
+      writer_.write(message);
+    } else if (!std::holds_alternative<OdometryPose>(message)) {
+      from_wheels_->add(message);
+    }
+  }
+  void finish(ConvertResult& result) {
+    if (!from_wheels_) return;
+    from_wheels_->finish();
+    result.poses_by_dead_reckoning = from_wheels_->poses();
+    from_wheels_.reset();
+  }
+
+ private:
+  LogWriter& writer_;
+  std::optional<PosesFromWheels> from_wheels_{};
+};
+
 }  // namespace
 
-ConvertResult convert_log(LogReader& log, LogWriter& writer, const RobotModel& robot,
-                          const ConvertOptions& options, const ProgressCallback& progress) {
+ConvertResult convert_log(LogReader& log, LogWriter& writer, const LogContents& held,
+                          const RobotModel& robot, const ProgressCallback& progress) {
   ConvertResult result;
-  std::optional<PosesFromWheels> from_wheels;
-  if (options.wheels_to_poses) from_wheels.emplace(robot.wheels, writer);
+  Copier copier(writer, held, robot);
   LeftOutCounter counter(log);
   std::int64_t messages = 0;
-  bool log_has_poses = false;
   const auto go_on = [&] {
     const ReadProgress read = log.progress();
     return !progress || progress({"converting", read.bytes_done, read.bytes_total, result.scans});
@@ -88,27 +124,11 @@ ConvertResult convert_log(LogReader& log, LogWriter& writer, const RobotModel& r
       break;
     }
     counter.add(*message);
-    count(*message, result);
-    // Poses that the log itself has are better known than any that can be computed here.
-    if (result.odometry_poses > 0 && result.wheel_readings == 0) log_has_poses = true;
-    if (from_wheels && !log_has_poses && !std::holds_alternative<OdometryPose>(*message)) {
-      from_wheels->add(*message);
-      if (std::holds_alternative<RgbdFrame>(*message)) writer.write(*message);
-    } else if (!from_wheels || log_has_poses) {
-      if (from_wheels && log_has_poses) {
-        from_wheels->finish();
-        result.poses_by_dead_reckoning = from_wheels->poses();
-        from_wheels.reset();
-      }
-      writer.write(*message);
-    }
+    copier.add(*message, result);
     if (++messages % 256 == 0) result.complete = go_on();
   }
   result.left_out = counter.left_out();
-  if (from_wheels) {
-    from_wheels->finish();
-    result.poses_by_dead_reckoning = from_wheels->poses();
-  }
+  copier.finish(result);
   return result;
 }
 

@@ -1,11 +1,9 @@
 #include "loopstone/formats/log_files.hpp"
 
-#include <initializer_list>
-#include <optional>
 #include <system_error>
 
 #include "formats/log_path.hpp"
-#include "formats/ucsd_files.hpp"
+#include "loopstone/formats/log_format.hpp"
 
 namespace loopstone {
 
@@ -13,14 +11,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Nothing when the log is a single file.
-std::optional<UcsdFiles> set_of(const LogPath& log) {
-  std::error_code ignored;
-  if (fs::is_directory(log.path, ignored)) return find_ucsd_files(log.path, log.set);
-  const auto set = set_in_name(log.path.filename().string());
-  if (log.path.extension() != ".npz" || !set) return std::nullopt;
-  const fs::path folder = log.path.has_parent_path() ? log.path.parent_path() : fs::path(".");
-  return find_ucsd_files(folder, set);
+/// A folder's format is told by the names in it; a file may be one of several by its own name.
+std::vector<std::string> files_of(const LogInput& log) {
+  if (log.is_folder) {
+    const LogFormat& format = recognise_log(log);
+    if (format.files != nullptr) return format.files(log);
+    return {log.path.string()};
+  }
+  for (const LogFormat& format : log_formats()) {
+    if (format.files == nullptr) continue;
+    if (auto files = format.files(log); !files.empty()) return files;
+  }
+  return {log.path.string()};
 }
 
 }  // namespace
@@ -40,14 +42,11 @@ LogFiles::LogFiles(const std::string& log) {
   const LogPath path = split_set(log);
   std::error_code ignored;
   if (!fs::exists(path.path, ignored)) return;
-  const auto set = set_of(path);
-  if (!set) {
-    files_.push_back(look_at(path.path.string()));
-    return;
-  }
-  for (const fs::path& part : {set->encoders, set->imu, set->hokuyo, set->kinect, set->odometry}) {
-    if (!part.empty()) files_.push_back(look_at(part.string()));
-  }
+  const LogInput input{.name = log,
+                       .path = path.path,
+                       .set = path.set,
+                       .is_folder = fs::is_directory(path.path, ignored)};
+  for (const std::string& file : files_of(input)) files_.push_back(look_at(file));
 }
 
 std::vector<std::string> LogFiles::paths() const {

@@ -1,6 +1,5 @@
 #include "formats/ucsd_files.hpp"
 
-#include <array>
 #include <set>
 #include <string_view>
 
@@ -12,9 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> kSensors{"Encoders", "Imu", "Hokuyo", "Kinect",
-                                                   "Odometry"};
-
 /// The data folder itself, or where copies of the course's files keep the sensors inside it.
 std::vector<fs::path> sensor_folders(const fs::path& folder) {
   return {folder, folder / "sensors", folder / "data"};
@@ -22,7 +18,7 @@ std::vector<fs::path> sensor_folders(const fs::path& folder) {
 
 std::optional<int> set_of(const fs::path& file) {
   const std::string name = file.filename().string();
-  for (const std::string_view sensor : kSensors) {
+  for (const std::string_view sensor : kUcsdSensors) {
     if (!name.starts_with(sensor) || !name.ends_with(".npz")) continue;
     const auto digits =
         std::string_view(name).substr(sensor.size(), name.size() - sensor.size() - 4);
@@ -58,22 +54,6 @@ std::string listed(const std::vector<int>& sets) {
   return text;
 }
 
-[[noreturn]] void fail_without_sets(const fs::path& folder) {
-  std::string hint;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
-    const auto ends = [&](std::string_view suffix) { return name.ends_with(suffix); };
-    if (ends(".clf") || ends(".log") || ends(".clf.gz") || ends(".log.gz") || ends(".log.bz2")) {
-      hint = "; if you meant the file in it, give its name: " + entry.path().string();
-      break;
-    }
-  }
-  throw DataError(
-      {folder.string()},
-      "the folder holds no log: EncodersN.npz, HokuyoN.npz or ImuN.npz was expected" + hint);
-}
-
 }  // namespace
 
 std::vector<int> ucsd_sets(const fs::path& folder) {
@@ -93,7 +73,9 @@ bool holds_disparity(const UcsdFiles& files) {
 
 UcsdFiles find_ucsd_files(const fs::path& folder, std::optional<int> set) {
   const std::vector<int> sets = ucsd_sets(folder);
-  if (sets.empty()) fail_without_sets(folder);
+  if (sets.empty()) {
+    throw DataError({folder.string()}, "the folder holds no file of a sensor of the UCSD layout");
+  }
   if (!set && sets.size() > 1) {
     throw UsageError(folder.string() + " holds several sets (" + listed(sets) +
                      "): name one, for example " + folder.string() + "#" +

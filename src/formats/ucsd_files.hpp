@@ -1,11 +1,17 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace loopstone {
+
+/// What the files of the sensors are named, before the number of the set.
+inline constexpr std::array<std::string_view, 5> kUcsdSensors{"Encoders", "Imu", "Hokuyo", "Kinect",
+                                                              "Odometry"};
 
 /// Where the parts of one set of the UCSD layout are. Missing parts are empty paths.
 struct UcsdFiles {
@@ -27,8 +33,8 @@ struct UcsdFiles {
 /// The numbers of the sets in a folder (or its sensors/ or data/), in order.
 [[nodiscard]] std::vector<int> ucsd_sets(const std::filesystem::path& folder);
 
-/// Throws UsageError when `set` is empty and there are several, or when there is no such set; DataError when the folder
-/// holds none at all.
+/// Throws UsageError when `set` is empty and there are several, or when there is no such set;
+/// DataError when the folder holds none at all.
 [[nodiscard]] UcsdFiles find_ucsd_files(const std::filesystem::path& folder,
                                         std::optional<int> set);
 

@@ -34,6 +34,8 @@ class Format:
     wrap: object = None
     commands: list = field(default_factory=list)
     bombs: object = staticmethod(lambda: [])
+    #: The name of the log format that it is, or is a file of.
+    log: str = ""
     #: Puts the file where the program looks for it; gives the argument {in}.
     place: object = staticmethod(lambda folder, data, suffix, seed, good: put(folder / ("input" + suffix), data))
 
@@ -90,11 +92,11 @@ def in_an_output(folder, data, _suffix, _seed, _good):
 
 
 FORMATS = [
-    Format("carmen", "carmen", ["carmen/*.clf", "simulated/*.clf"], ".clf", None, LOG, bombs_of_text.carmen),
-    Format("carmen_gz", "carmen", ["carmen/*.gz", "simulated/*.clf.gz"], ".clf.gz", Gzip(), LOG, bombs_of_text.carmen_gz),
-    Format("carmen_bz2", "carmen", ["carmen/*.bz2", "simulated/*.clf.bz2"], ".clf.bz2", Bzip2(), LOG, bombs_of_text.carmen_bz2),
+    Format("carmen", "carmen", ["carmen/*.clf", "simulated/*.clf"], ".clf", None, LOG, bombs_of_text.carmen, log="carmen"),
+    Format("carmen_gz", "carmen", ["carmen/*.gz", "simulated/*.clf.gz"], ".clf.gz", Gzip(), LOG, bombs_of_text.carmen_gz, log="carmen"),
+    Format("carmen_bz2", "carmen", ["carmen/*.bz2", "simulated/*.clf.bz2"], ".clf.bz2", Bzip2(), LOG, bombs_of_text.carmen_bz2, log="carmen"),
     Format("npz", "npz", ["npz/*", "simulated/*.npz"], ".npz", Npz(), ["info {in} --json", "map {in} -o {out} --threads 1",
-           "odometry {in} -o {out}.tum", "convert {in} {out}.clf", "match {in}#0 {in}#1"], bombs.npz, in_a_folder),
+           "odometry {in} -o {out}.tum", "convert {in} {out}.clf", "match {in}#0 {in}#1"], bombs.npz, log="ucsd", place=in_a_folder),
     Format("g2o", "g2o", ["g2o/*", "simulated/*.g2o"], ".g2o", None, GRAPH, bombs_of_text.graph),
     Format("toro", "toro", ["toro/*"], ".graph", None, GRAPH, bombs_of_text.graph),
     Format("tum", "tum", ["tum/*", "simulated/*.tum"], ".tum", None, ["evaluate --estimate {in} --reference {truth} --json",
@@ -103,12 +105,12 @@ FORMATS = [
     Format("relations", "relations", ["relations/*", "simulated/*.relations"], ".relations", None,
            ["evaluate --estimate {truth} --relations {in} --json", "evaluate --estimate {truth} --relations {in} --order expected-first"],
            bombs_of_text.text),
-    Format("map_yaml", "map_yaml", ["map_yaml/*", "simulated/*.map.yaml"], ".yaml", None, MAP, bombs_of_text.map_yaml, beside_a_picture),
-    Format("png", "image", ["image/*.png", "simulated/room.png"], ".png", Png(), MAP, bombs.png, beside_a_map),
-    Format("pnm", "image", ["image/*.pgm", "simulated/*.pgm"], ".pgm", HeadAndBody(rb"\s(255|65535|15)\s"), MAP, bombs.pnm, beside_a_map),
-    Format("depth_tiff", "depth_picture", ["depth_picture/*.tiff"], ".tif", Tiff(), DEPTH, bombs.tiff, as_a_picture),
-    Format("depth_pfm", "depth_picture", ["depth_picture/*.pfm"], ".pfm", HeadAndBody(rb"-?1(\.0)?\n"), DEPTH, bombs.pfm, as_a_picture),
-    Format("depth_png", "depth_picture", ["depth_picture/*.png", "simulated/*.disparity.png"], ".png", Png(), DEPTH, bombs.png, as_a_picture),
+    Format("map_yaml", "map_yaml", ["map_yaml/*", "simulated/*.map.yaml"], ".yaml", None, MAP, bombs_of_text.map_yaml, place=beside_a_picture),
+    Format("png", "image", ["image/*.png", "simulated/room.png"], ".png", Png(), MAP, bombs.png, place=beside_a_map),
+    Format("pnm", "image", ["image/*.pgm", "simulated/*.pgm"], ".pgm", HeadAndBody(rb"\s(255|65535|15)\s"), MAP, bombs.pnm, place=beside_a_map),
+    Format("depth_tiff", "depth_picture", ["depth_picture/*.tiff"], ".tif", Tiff(), DEPTH, bombs.tiff, place=as_a_picture),
+    Format("depth_pfm", "depth_picture", ["depth_picture/*.pfm"], ".pfm", HeadAndBody(rb"-?1(\.0)?\n"), DEPTH, bombs.pfm, place=as_a_picture),
+    Format("depth_png", "depth_picture", ["depth_picture/*.png", "simulated/*.disparity.png"], ".png", Png(), DEPTH, bombs.png, place=as_a_picture),
     Format("npy", "npy", ["npy/*"], ".npy", Npy(), [], bombs.npy),
     Format("npy_cloud", "npy_cloud", ["npy_cloud/*", "simulated/*.npy"], ".npy", Npy(), CLOUD, bombs.npy),
     Format("mat", "mat_cloud", ["mat_cloud/*", "simulated/*.mat"], ".mat", Mat(), CLOUD, bombs.mat),
@@ -122,7 +124,7 @@ FORMATS = [
            ["odometry {log} -o {out}.tum --robot {in}", "map {log} -o {out} --robot {in} --threads 1",
             "simulate {map} -o {out} --robot {in} --duration 1 --beams 20", "localize {log} --map {map} -o {out}.tum --robot {in}"], bombs_of_text.toml),
     Format("session", "session", ["session/*", "simulated/*.loopstone"], ".loopstone", Session(),
-           ["map {log} -o {in} --resume --threads 1"], bombs.session, in_an_output),
+           ["map {log} -o {in} --resume --threads 1"], bombs.session, place=in_an_output),
     Format("texture_yaml", "texture_yaml", ["texture_yaml/*"], ".yaml", None, [], bombs_of_text.map_yaml),
     Format("localization_csv", "localization_csv", ["localization_csv/*", "simulated/*.localization.csv"], ".csv", None, [], bombs_of_text.text),
 ]

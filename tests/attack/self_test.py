@@ -4,9 +4,11 @@
     self_test.py PROGRAMS      the folder of attack_planted, loopstone and the fuzz targets
 """
 
+import json
 import pathlib
 import random
 import stat
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -91,6 +93,10 @@ class MakesInputs(unittest.TestCase):
     def test_every_target_is_attacked(self):
         targets = {path.stem[len("fuzz_"):] for path in (ROOT / "fuzz").glob("fuzz_*.cpp")}
         self.assertEqual(targets, {fmt.target for fmt in table.FORMATS})
+
+    def test_every_log_format_of_the_program_is_attacked(self):
+        told = subprocess.run([PROGRAMS / "loopstone", "info", "--formats", "--json"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual({entry["name"] for entry in json.loads(told)["formats"]}, {fmt.log for fmt in table.FORMATS} - {""})
 
     def test_every_format_has_seeds_of_each_kind(self):
         for fmt in table.FORMATS:

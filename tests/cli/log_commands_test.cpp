@@ -75,6 +75,45 @@ TEST_F(LogCommands, InfoShowsWhatIsInTheLog) {
   EXPECT_THAT(text.out, HasSubstr("181"));
 }
 
+TEST_F(LogCommands, InfoKnowsTheFormatsWithoutALog) {
+  const auto formats = run_json({"info", "--formats"}).at("formats");
+  ASSERT_GE(formats.size(), 2u);
+  const ProgramResult text = run_program({"info", "--formats"});
+  EXPECT_EQ(text.exit_code, 0) << text.error;
+  const ProgramResult help = run_program({"convert", "--help"});
+  for (const auto& format : formats) {
+    EXPECT_THAT(text.out, HasSubstr(format.at("noun").get<std::string>()));
+    if (format.at("written")) {
+      EXPECT_THAT(help.out, HasSubstr(format.at("noun").get<std::string>()));
+    }
+  }
+  EXPECT_EQ(run_program({"info"}).exit_code, 2) << "else a log is needed";
+}
+
+/// Each format, as `--format` calls it, from simulation to conversion.
+TEST_F(LogCommands, EveryWrittenFormatIsSimulatedToldAndConverted) {
+  const TempDir folder;
+  for (const auto& format : run_json({"info", "--formats"}).at("formats")) {
+    if (!format.at("written")) continue;
+    const auto name = format.at("name").get<std::string>();
+    const auto made = run_json({"simulate", "office", "-o", folder / name, "--format", name,
+                                "--duration", "3", "--beams", "181", "--fov", "180"});
+    EXPECT_EQ(made.at("format"), name);
+    const auto log = made.at("log").get<std::string>();
+    const auto told = run_json({"info", log});
+    EXPECT_EQ(told.at("format"), name);
+    EXPECT_EQ(told.at("scans"), made.at("scans"));
+    for (const auto& other : run_json({"info", "--formats"}).at("formats")) {
+      if (!other.at("written")) continue;
+      const auto to = other.at("name").get<std::string>();
+      const std::string out = folder / (name + "_as_" + to);
+      EXPECT_EQ(run_json({"convert", log, out, "--format", to}).at("format"), to);
+      EXPECT_EQ(run_json({"info", out}).at("format"), to);
+      EXPECT_EQ(run_json({"info", out}).at("scans"), made.at("scans"));
+    }
+  }
+}
+
 TEST_F(LogCommands, ConvertedLogsHaveTheSameOdometry) {
   const std::string carmen = *folder_ / "sim.clf";
   const auto converted = run_json({"convert", log(), carmen});

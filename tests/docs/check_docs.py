@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Holds the documentation to the truth: what pages say about the program must be so.
 
-  tests/docs/check_docs.py PROGRAM       generated sections, commands and flags, keys of summary.json, links between files
+  tests/docs/check_docs.py PROGRAM       generated sections, commands and flags, keys of summary.json, formats of logs, links
   tests/docs/check_docs.py --self-test   each check finds what it should
 """
+import json
 import pathlib
 import re
 import subprocess
@@ -70,6 +71,11 @@ def summary_keys(program):
                 for page, run in [("docs/formats.md", out), ("docs/localization.md", where)]}
 
 
+def formats_not_named(formats, page):
+    """Formats of logs that a page should tell of in words of its own."""
+    yield from (f"does not name the log format {entry['noun']}" for entry in formats if entry["noun"] not in page)
+
+
 def check(program):
     problems = []
     done = subprocess.run([sys.executable, ROOT / "scripts/write_docs.py", "--check", "--program", program],
@@ -82,6 +88,9 @@ def check(program):
         name = page.relative_to(ROOT)
         problems += [f"{name}: {problem}" for problem in wrong_calls(text, helps)]
         problems += [f"{name}: {problem}" for problem in broken_links(text, page.parent)]
+    formats = json.loads(output_of(program, "info", "--formats", "--json"))["formats"]
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    problems += [f"README.md: {problem}" for problem in formats_not_named(formats, readme)]
     for page, keys in summary_keys(program).items():
         documented = documented_keys((ROOT / page).read_text(encoding="utf-8"))
         problems += [f"{page}: {problem}" for problem in undocumented(keys, documented)]
@@ -98,6 +107,8 @@ def self_test():
     assert not list(wrong_calls("loopstone is not a command here; `find_package(loopstone REQUIRED)` neither", helps))
     assert list(broken_links("[a](no/such.md) [b](https://x.org/y)", ROOT)) == ["link to no/such.md, which does not exist"]
     assert not list(broken_links("```cpp\nauto f = [](double x) { return x; };\n```", ROOT))
+    assert list(formats_not_named([{"noun": "an A bag"}, {"noun": "B text"}], "reads B text")) == \
+        ["does not name the log format an A bag"]
     assert documented_keys("### summary.json\n| key | what |\n|---|---|\n| `a`, `b_m` | x `no` |\n") == ["a", "b_m"]
     assert list(undocumented(["a"], ["b"])) == ["summary.json has a, which the table lacks",
                                                "the table names b, which summary.json has not"]

@@ -1,19 +1,16 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include "loopstone/base/progress.hpp"
+#include "loopstone/formats/left_out.hpp"
+#include "loopstone/formats/log_format.hpp"
 #include "loopstone/formats/log_reader.hpp"
 
 namespace loopstone {
 
-struct ConvertOptions {
-  /// The target holds poses, not wheel counts (CARMEN): wheel counts and gyro become poses by dead reckoning.
-  bool wheels_to_poses = false;
-};
-
+/// What was read, and made of it. What the new format has no place for is told by
+/// LogWriter::notes().
 struct ConvertResult {
   std::int64_t scans = 0;
   std::int64_t odometry_poses = 0;
@@ -25,10 +22,15 @@ struct ConvertResult {
   bool complete = true;  ///< false when it was interrupted
 };
 
-/// Copies a log to a writer, which is not finished: the caller decides what becomes of an interrupted one.
+/// Copies a log to a writer, which is not finished: the caller decides what becomes of an
+/// interrupted one. Where the target holds poses but no wheel counts (CARMEN), counts and gyro
+/// become poses by dead reckoning, at every wheel reading and scan, unless the log has poses
+/// itself.
+/// \param held   what the writer's format has a place for (LogFormat::holds)
 /// \param robot  the robot of the log; its wheels are needed for dead reckoning
-[[nodiscard]] ConvertResult convert_log(LogReader& log, LogWriter& writer, const RobotModel& robot,
-                                        const ConvertOptions& options = {},
+/// Throws what the reader and the writer throw. Cost: O(messages); bounded memory.
+[[nodiscard]] ConvertResult convert_log(LogReader& log, LogWriter& writer, const LogContents& held,
+                                        const RobotModel& robot,
                                         const ProgressCallback& progress = {});
 
 }  // namespace loopstone

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "loopstone/formats/convert_log.hpp"
+#include "loopstone/formats/log_format.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/log_summary.hpp"
 #include "support/pose_near.hpp"
@@ -166,7 +167,7 @@ TEST(ConvertLog, WheelsBecomePosesForCarmen) {
   write_log(folder / "log", "ucsd", drive(false, 181, -kPi / 2, radians(1.0)));
   const auto log = open_log(folder / "log");
   const auto writer = create_log(folder / "a.clf", "carmen", RobotModel{});
-  const ConvertResult result = convert_log(*log, *writer, RobotModel{}, {.wheels_to_poses = true});
+  const ConvertResult result = convert_log(*log, *writer, log_format("carmen").holds, RobotModel{});
   writer->finish();
   EXPECT_GT(result.poses_by_dead_reckoning, 100);
   const LogContent read = test::read_log(folder / "a.clf");

@@ -15,6 +15,7 @@
 #include "loopstone/base/rng.hpp"
 #include "loopstone/formats/convert_log.hpp"
 #include "loopstone/formats/image.hpp"
+#include "loopstone/formats/log_format.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/log_summary.hpp"
 #include "support/read_log.hpp"
@@ -193,7 +194,8 @@ TEST(UcsdCamera, ConvertedAgainItIsTheSame) {
   log.write("out");
   const auto reader = open_log(log.path("out"));
   const auto writer = create_log(log.path("again"), "ucsd", RobotModel{}, 7);
-  const ConvertResult converted = convert_log(*reader, *writer, RobotModel{});
+  const ConvertResult converted =
+      convert_log(*reader, *writer, log_format("ucsd").holds, RobotModel{});
   EXPECT_EQ(converted.camera_frames, 6);
   EXPECT_FALSE(fs::exists(log.path("again/dataRGBD/RGB7")));
   writer->finish();
@@ -234,7 +236,7 @@ TEST(UcsdCamera, PicturesThatLieAtTheirPlaceStayThere) {
   log.write("out");
   const auto reader = open_log(log.path("out"));
   const auto writer = create_log(log.path("out"), "ucsd", RobotModel{});
-  (void)convert_log(*reader, *writer, RobotModel{});
+  (void)convert_log(*reader, *writer, log_format("ucsd").holds, RobotModel{});
   writer->finish();
   expect_six_frames(test::read_log(log.path("out")));
 }

@@ -1,0 +1,74 @@
+#include <array>
+
+#include "formats/carmen_reader.hpp"
+#include "formats/carmen_writer.hpp"
+#include "formats/ucsd_format.hpp"
+#include "loopstone/formats/log_format.hpp"
+
+namespace loopstone {
+namespace {
+
+using std::string_view;
+
+constexpr std::array<string_view, 3> kCarmenEndings{".clf", ".log", ".carmen"};
+constexpr std::array<string_view, 2> kPackings{".gz", ".bz2"};
+constexpr std::array<string_view, 1> kUcsdEndings{".npz"};
+
+// Stamps as doubles: what is rounded on the way to seconds, and on the way back.
+constexpr Duration kErrorOfDoubleStamps{500};
+
+constexpr std::array<LogFormat, 2> kFormats{{
+    {
+        .name = "carmen",
+        .title = "CARMEN",
+        .noun = "CARMEN text",
+        .file_is = "text",
+        .place = LogPlace::kFile,
+        .endings = kCarmenEndings,
+        .packings = kPackings,
+        .reads_streams = true,
+        .holds = {.scans = true,
+                  .odometry_poses = true,
+                  .lidars = 2,
+                  .beams_change = true,
+                  .lidar_mount = true},
+        // Text has no mark at its beginning. The reader looks for a line that it understands.
+        .recognise =
+            [](const LogInput& log) {
+              return log.is_folder ? Recognition::kNo : Recognition::kPossible;
+            },
+        .open = [](const LogInput& log,
+                   const LogOptions& options) { return open_carmen_log(*log.content, options); },
+        .create = [](const LogTarget& target,
+                     const RobotModel& robot) { return create_carmen_log(target.path, robot); },
+    },
+    {
+        .name = "ucsd",
+        .title = "UCSD",
+        .noun = "the UCSD layout",
+        .file_is = "an archive",
+        .place = LogPlace::kFolder,
+        .endings = kUcsdEndings,
+        .expected = "EncodersN.npz, HokuyoN.npz or ImuN.npz",
+        .has_sets = true,
+        .holds = {.scans = true,
+                  .odometry_poses = true,
+                  .wheel_ticks = true,
+                  .imu_samples = true,
+                  .rgbd_frames = true,
+                  .beam_times = true,
+                  .lidar_mount = true,
+                  .stamp_error = kErrorOfDoubleStamps},
+        .recognise = recognise_ucsd,
+        .open = open_ucsd,
+        .files = ucsd_log_files,
+        .create = create_ucsd,
+        .parts = ucsd_parts,
+    },
+}};
+
+}  // namespace
+
+std::span<const LogFormat> log_formats() { return kFormats; }
+
+}  // namespace loopstone
