@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "loopstone/base/error.hpp"
 #include "loopstone/base/linear_light.hpp"
 #include "loopstone/evaluation/trajectory_error.hpp"
 #include "loopstone/formats/image.hpp"
@@ -52,7 +53,8 @@ Texture read_texture(const std::string& folder) {
   const TextureInfo info = read_texture_yaml(folder + "/texture.yaml");
   Texture texture;
   texture.colours = read_image(info.image);
-  texture.coverage = read_image(info.coverage);
+  if (!info.coverage) throw DataError({folder + "/texture.yaml"}, "names no coverage picture");
+  texture.coverage = read_image(*info.coverage);
   texture.frame = info.frame(texture.colours.width, texture.colours.height);
   return texture;
 }

@@ -178,7 +178,7 @@ class CarmenWriter final : public LogWriter {
       throw DataError({path_}, "CARMEN text can't hold this log: scanner " +
                                    std::to_string(scan.lidar + 1) + " of several");
     }
-    if (scan.lidar == 0 && stated_max_m_ == 0.0) write_params(scan);
+    if (scan.lidar == 0 && !stated_max_m_) write_params(scan);
     if (!odom_T_robot) ++scans_without_odometry_;
 
     const bool in_short = odom_T_robot && follows_carmens_rule(scan) &&
@@ -212,7 +212,7 @@ class CarmenWriter final : public LogWriter {
   std::deque<LaserScan> waiting_;  ///< for the odometry after them
   std::optional<OdometryPose> last_;
   bool line_waits_ = false;
-  double stated_max_m_ = 0.0;
+  std::optional<double> stated_max_m_{};  ///< by PARAM, for the short lines
   std::int64_t scans_without_odometry_ = 0;
 };
 

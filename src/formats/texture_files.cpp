@@ -36,7 +36,7 @@ GridFrame TextureInfo::frame(int width_px, int height_px) const {
 }
 
 std::string format_texture_yaml(const GridFrame& frame, const std::string& image_name,
-                                const std::string& coverage_name) {
+                                const std::optional<std::string>& coverage_name) {
   std::string text = fmt::format("image: {}\n", image_name);
   text +=
       "# Colours are sRGB. Alpha is 255 where the colour is known, 0 elsewhere. The coverage "
@@ -44,7 +44,7 @@ std::string format_texture_yaml(const GridFrame& frame, const std::string& image
       "where\n# the camera saw the floor, 128 where a narrow gap was filled from both sides, 0 "
       "where nothing is "
       "known.\n";
-  if (!coverage_name.empty()) text += fmt::format("coverage: {}\n", coverage_name);
+  if (coverage_name) text += fmt::format("coverage: {}\n", *coverage_name);
   text += fmt::format(
       "resolution: {}  # metres per pixel\norigin: [{}, {}, 0]  # of the lower left corner, in the "
       "frame of map.yaml\n",
@@ -60,11 +60,9 @@ TextureInfo read_texture_yaml(const std::string& path) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 20;
   TextureInfo info = parse_texture_yaml(read_whole_file(path, kMostBytes), path);
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  for (std::string* name : {&info.image, &info.coverage}) {
-    if (!name->empty() && std::filesystem::path(*name).is_relative()) {
-      *name = (folder / *name).string();
-    }
-  }
+  const auto from_here = [&](const std::string& name) { return (folder / name).string(); };
+  info.image = from_here(info.image);
+  if (info.coverage) info.coverage = from_here(*info.coverage);
   return info;
 }
 

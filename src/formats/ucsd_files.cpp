@@ -28,22 +28,22 @@ std::optional<int> set_of(const fs::path& file) {
   return std::nullopt;
 }
 
-fs::path first_existing(const std::vector<fs::path>& candidates) {
+std::optional<fs::path> first_existing(const std::vector<fs::path>& candidates) {
   std::error_code ignored;
   for (const fs::path& candidate : candidates) {
     if (fs::exists(candidate, ignored)) return candidate;
   }
-  return {};
+  return std::nullopt;
 }
 
-fs::path find_sensor(const fs::path& folder, std::string_view sensor, int set) {
+std::optional<fs::path> find_sensor(const fs::path& folder, std::string_view sensor, int set) {
   std::vector<fs::path> candidates;
   const std::string name = std::string(sensor) + std::to_string(set) + ".npz";
   for (const fs::path& place : sensor_folders(folder)) candidates.push_back(place / name);
   return first_existing(candidates);
 }
 
-fs::path find_images(const fs::path& folder, const std::string& name) {
+std::optional<fs::path> find_images(const fs::path& folder, const std::string& name) {
   return first_existing({folder / "dataRGBD" / name, folder / "data" / "dataRGBD" / name,
                          folder / name, folder.parent_path() / "dataRGBD" / name});
 }
@@ -68,7 +68,7 @@ std::vector<int> ucsd_sets(const fs::path& folder) {
 }
 
 bool holds_disparity(const UcsdFiles& files) {
-  return !files.disparity_folder.empty() || files.depth_folder.empty();
+  return files.disparity_folder || !files.depth_folder;
 }
 
 UcsdFiles find_ucsd_files(const fs::path& folder, std::optional<int> set) {
@@ -89,8 +89,7 @@ UcsdFiles find_ucsd_files(const fs::path& folder, std::optional<int> set) {
   files.hokuyo = find_sensor(folder, "Hokuyo", files.set);
   files.kinect = find_sensor(folder, "Kinect", files.set);
   files.odometry = find_sensor(folder, "Odometry", files.set);
-  if (files.encoders.empty() && files.imu.empty() && files.hokuyo.empty() && files.kinect.empty() &&
-      files.odometry.empty()) {
+  if (!files.encoders && !files.imu && !files.hokuyo && !files.kinect && !files.odometry) {
     throw UsageError(folder.string() + " holds no set " + std::to_string(files.set) +
                      "; it holds " + listed(sets));
   }

@@ -13,18 +13,20 @@ namespace loopstone {
 inline constexpr std::array<std::string_view, 5> kUcsdSensors{"Encoders", "Imu", "Hokuyo", "Kinect",
                                                               "Odometry"};
 
-/// Where the parts of one set of the UCSD layout are. Missing parts are empty paths.
+/// Where the parts of one set of the UCSD layout are, of those that are there.
 struct UcsdFiles {
   std::filesystem::path folder{};
   int set = 0;
-  std::filesystem::path encoders{};
-  std::filesystem::path imu{};
-  std::filesystem::path hokuyo{};
-  std::filesystem::path kinect{};
-  std::filesystem::path odometry{};          ///< OdometryN.npz: our addition, see docs/formats.md
-  std::filesystem::path colour_folder{};     ///< .../dataRGBD/RGBN
-  std::filesystem::path disparity_folder{};  ///< .../dataRGBD/DisparityN
-  std::filesystem::path depth_folder{};      ///< .../dataRGBD/DepthN: our addition, plain depth
+  std::optional<std::filesystem::path> encoders{};
+  std::optional<std::filesystem::path> imu{};
+  std::optional<std::filesystem::path> hokuyo{};
+  std::optional<std::filesystem::path> kinect{};
+  std::optional<std::filesystem::path>
+      odometry{};  ///< OdometryN.npz: our addition, see docs/formats.md
+  std::optional<std::filesystem::path> colour_folder{};     ///< .../dataRGBD/RGBN
+  std::optional<std::filesystem::path> disparity_folder{};  ///< .../dataRGBD/DisparityN
+  std::optional<std::filesystem::path>
+      depth_folder{};  ///< .../dataRGBD/DepthN: our addition, plain depth
 };
 
 /// Whether the depth camera's numbers are disparities: unless there is a folder of plain depth and none of disparity.

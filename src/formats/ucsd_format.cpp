@@ -44,7 +44,7 @@ std::vector<std::string> ucsd_log_files(const LogInput& log) {
   const UcsdFiles files = find_ucsd_files(log.is_folder ? log.path : folder_of(log.path), set);
   std::vector<std::string> paths;
   for (const auto& part : {files.encoders, files.imu, files.hokuyo, files.kinect, files.odometry}) {
-    if (!part.empty()) paths.push_back(part.string());
+    if (part) paths.push_back(part->string());
   }
   return paths;
 }

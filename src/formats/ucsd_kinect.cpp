@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -23,12 +24,13 @@ constexpr std::array<std::string_view, 3> kColourEndings{".png", ".ppm", ".pgm"}
 constexpr std::array<std::string_view, 5> kDepthEndings{".png", ".tiff", ".tif", ".pfm", ".pgm"};
 
 /// The pictures of a folder by the number in their names, which counts from 1.
-std::map<std::int64_t, std::string> list_pictures(const fs::path& folder, const std::string& prefix,
+std::map<std::int64_t, std::string> list_pictures(const std::optional<fs::path>& folder,
+                                                  const std::string& prefix,
                                                   std::span<const std::string_view> endings) {
   std::map<std::int64_t, std::string> paths;
   std::error_code ignored;
-  if (folder.empty()) return paths;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+  if (!folder) return paths;
+  for (const auto& entry : fs::directory_iterator(*folder, ignored)) {
     const std::string name = entry.path().filename().string();
     const std::string ending = entry.path().extension().string();
     if (!name.starts_with(prefix) ||
@@ -76,9 +78,9 @@ Stream open_stream(const std::vector<double>& seconds,
 }
 
 /// What a user should know about a stream that is not complete.
-void note_gaps(const Stream& stream, const std::string& kind, const fs::path& folder,
+void note_gaps(const Stream& stream, const std::string& kind, const std::optional<fs::path>& folder,
                std::vector<std::string>& notes) {
-  const std::string place = folder.empty() ? "dataRGBD" : folder.filename().string();
+  const std::string place = folder ? folder->filename().string() : "dataRGBD";
   if (stream.stamps_without_picture > 0) {
     notes.push_back(std::to_string(stream.stamps_without_picture) + " of " +
                     std::to_string(stream.stamps_without_picture + stream.stamps.size()) + " " +
@@ -97,8 +99,8 @@ void add_refused(const Stream& stream, const std::string& kind, bool is_depth,
   for (const KeptStamps::Refused& picture : stream.refused) {
     // Frames are in the order of each stream's numbers.
     for (; frame < pairs.size(); ++frame) {
-      const std::int64_t place = is_depth ? pairs[frame].depth : pairs[frame].colour;
-      if (place >= 0 && stream.numbers[static_cast<std::size_t>(place)] > picture.index) break;
+      const auto place = is_depth ? pairs[frame].depth : pairs[frame].colour;
+      if (place && stream.numbers[*place] > picture.index) break;
     }
     refused.push_back({static_cast<std::int64_t>(frame) - 1, picture.reason,
                        kind + " picture " + std::to_string(picture.index + 1)});
@@ -112,17 +114,15 @@ struct Frames {
 
   [[nodiscard]] RgbdFrame frame(std::size_t index) const {
     const PicturePair& pair = pairs[index];
-    const auto depth_at = static_cast<std::size_t>(pair.depth);
-    const auto colour_at = static_cast<std::size_t>(pair.colour);
     RgbdFrame frame;
-    if (pair.colour >= 0) {
-      frame.stamp = frame.colour_stamp = colour.stamps[colour_at];
-      frame.colour_path = colour.paths[colour_at];
+    if (pair.colour) {
+      frame.stamp = frame.colour_stamp = colour.stamps[*pair.colour];
+      frame.colour_path = colour.paths[*pair.colour];
     }
-    if (pair.depth >= 0) {
-      frame.stamp = depth.stamps[depth_at];
-      frame.depth_path = depth.paths[depth_at];
-      if (pair.colour < 0) frame.colour_stamp = frame.stamp;
+    if (pair.depth) {
+      frame.stamp = depth.stamps[*pair.depth];
+      frame.depth_path = depth.paths[*pair.depth];
+      if (!pair.colour) frame.colour_stamp = frame.stamp;
     }
     return frame;
   }
@@ -131,14 +131,14 @@ struct Frames {
 }  // namespace
 
 UcsdChannel open_ucsd_kinect(const NpzFile& file, const UcsdFiles& files) {
-  const std::string path = files.kinect.string();
+  const std::string path = files.kinect.value().string();
   UcsdChannel channel{path};
   const auto stamps = [&](const char* key) {
     return file.has(key) ? read_ucsd_stamps(file, path, key) : std::vector<double>{};
   };
   const std::string set = std::to_string(files.set);
   const bool is_disparity = holds_disparity(files);
-  const fs::path& depth_folder = is_disparity ? files.disparity_folder : files.depth_folder;
+  const auto& depth_folder = is_disparity ? files.disparity_folder : files.depth_folder;
   const std::string kind = is_disparity ? "disparity" : "depth";
   const bool has_depth_stamps = !is_disparity && file.has("depth_time_stamps");
   const std::vector<double> depth_s =

@@ -79,18 +79,17 @@ std::vector<PicturePair> pair_pictures(std::span<const Stamp> depth, std::span<c
     found.take_if_free(candidate.depth, candidate.colour);
   }
   std::vector<PicturePair> pairs(depth.size());
-  for (std::size_t i = 0; i < depth.size(); ++i) pairs[i].depth = static_cast<std::int64_t>(i);
+  for (std::size_t i = 0; i < depth.size(); ++i) pairs[i].depth = i;
   std::vector<bool> is_taken(colour.size(), false);
   for (const auto& [depth_at, colour_at] : found.colour_of()) {
-    pairs[depth_at].colour = static_cast<std::int64_t>(colour_at);
+    pairs[depth_at].colour = colour_at;
     is_taken[colour_at] = true;
   }
   for (std::size_t j = 0; j < colour.size(); ++j) {
-    if (!is_taken[j]) pairs.push_back({-1, static_cast<std::int64_t>(j)});
+    if (!is_taken[j]) pairs.push_back({std::nullopt, j});
   }
   const auto stamp = [&](const PicturePair& pair) {
-    return pair.depth >= 0 ? depth[static_cast<std::size_t>(pair.depth)]
-                           : colour[static_cast<std::size_t>(pair.colour)];
+    return pair.depth ? depth[*pair.depth] : colour[*pair.colour];
   };
   std::stable_sort(pairs.begin(), pairs.end(),
                    [&](const PicturePair& a, const PicturePair& b) { return stamp(a) < stamp(b); });

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,10 +9,10 @@
 
 namespace loopstone {
 
-/// One RGB-D frame of two streams: places in their lists of stamps, -1 when a picture is alone.
+/// One RGB-D frame of two streams: places in their lists of stamps. A picture may be alone.
 struct PicturePair {
-  std::int64_t depth = -1;
-  std::int64_t colour = -1;
+  std::optional<std::size_t> depth{};
+  std::optional<std::size_t> colour{};
 };
 
 /// How far apart the pictures of a pair may be: 50 ms, or half the period of the slower stream when that is more, at most

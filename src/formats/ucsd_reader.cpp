@@ -1,6 +1,7 @@
 #include "formats/ucsd_reader.hpp"
 
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,11 +34,11 @@ class UcsdReader final : public LogReader {
     };
     open(files.hokuyo, open_lidar, true);
     const std::string set = std::to_string(files.set);
-    if (files.hokuyo.empty()) notes_.push_back("no Hokuyo" + set + ".npz: no laser scans");
-    if (files.encoders.empty() && files.odometry.empty()) {
+    if (!files.hokuyo) notes_.push_back("no Hokuyo" + set + ".npz: no laser scans");
+    if (!files.encoders && !files.odometry) {
       notes_.push_back("no Encoders" + set + ".npz: the wheels' motion is not known");
     }
-    if (files.hokuyo.empty() && files.encoders.empty() && files.odometry.empty()) {
+    if (!files.hokuyo && !files.encoders && !files.odometry) {
       throw DataError({files.folder.string()}, "set " + set +
                                                    " has neither laser scans nor wheel counts: "
                                                    "nothing can be made of it");
@@ -90,8 +91,9 @@ class UcsdReader final : public LogReader {
   };
 
   template <typename Open>
-  void open(const fs::path& path, Open&& open_sensor, bool is_lidar = false) {
-    if (path.empty()) return;
+  void open(const std::optional<fs::path>& file_path, Open&& open_sensor, bool is_lidar = false) {
+    if (!file_path) return;
+    const fs::path& path = *file_path;
     const std::string name = path.string();
     const NpzFile file(name, options_.memory, options_.stop);
     Channel channel{open_sensor(file, name), is_lidar};

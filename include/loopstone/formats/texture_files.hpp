@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,8 +12,8 @@ namespace loopstone {
 /// The YAML file beside the picture of the floor. Its keys are those of map.yaml where they mean the same.
 struct TextureInfo {
   std::string image;  ///< relative to the YAML file's folder unless it starts with '/'
-  std::string
-      coverage;  ///< grey picture of the same size: 255 seen, 128 filled, 0 unknown; empty: none
+  /// Grey picture of the same size: 255 seen, 128 filled, 0 unknown.
+  std::optional<std::string> coverage{};
   double resolution_m = 0.01;
   Pose2 map_T_corner;  ///< of the lower left corner of the lower left pixel
 
@@ -20,9 +21,9 @@ struct TextureInfo {
   [[nodiscard]] GridFrame frame(int width_px, int height_px) const;
 };
 
-/// origin in full precision, yaw 0. \param coverage_name  empty: none
+/// origin in full precision, yaw 0.
 [[nodiscard]] std::string format_texture_yaml(const GridFrame& frame, const std::string& image_name,
-                                              const std::string& coverage_name);
+                                              const std::optional<std::string>& coverage_name = {});
 /// Throws DataError with the line.
 [[nodiscard]] TextureInfo parse_texture_yaml(std::string_view text,
                                              const std::string& path_for_errors = "texture.yaml");

@@ -31,7 +31,7 @@ TEST(TextureYaml, WhatIsWrittenReadsBackTheSame) {
   EXPECT_EQ(frame.resolution, kFrame.resolution);
   EXPECT_EQ(frame.columns, 640);
   EXPECT_EQ(frame.rows, 480);
-  EXPECT_EQ(parse_texture_yaml(format_texture_yaml(kFrame, "t.png", "")).coverage, "");
+  EXPECT_EQ(parse_texture_yaml(format_texture_yaml(kFrame, "t.png")).coverage, std::nullopt);
 }
 
 TEST(TextureYaml, NamesAreRelativeToTheFile) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,10 +42,12 @@ TEST(UcsdPairs, TheNearestServesAndServesOnce) {
   const auto colour = row({-20, 10, 30, 34, 101, 300});
   const auto pairs = pair_pictures(depth, colour, Duration{50'000'000});
   // 33 takes 34 and 100 takes 101. 66 could only have 30, and the streams would cross: it stays alone.
-  std::vector<std::pair<std::int64_t, std::int64_t>> got;
+  using Place = std::optional<std::size_t>;
+  constexpr std::nullopt_t kAlone = std::nullopt;
+  std::vector<std::pair<Place, Place>> got;
   for (const PicturePair& pair : pairs) got.emplace_back(pair.depth, pair.colour);
-  const std::vector<std::pair<std::int64_t, std::int64_t>> wanted{{-1, 0}, {0, 1}, {-1, 2}, {1, 3},
-                                                                  {2, -1}, {3, 4}, {-1, 5}};
+  const std::vector<std::pair<Place, Place>> wanted{{kAlone, 0}, {0, 1}, {kAlone, 2}, {1, 3},
+                                                    {2, kAlone}, {3, 4}, {kAlone, 5}};
   EXPECT_EQ(got, wanted);
 }
 
@@ -56,8 +59,9 @@ TEST(UcsdPairs, LimitFollowsTheSlowerStream) {
 }
 
 /// The naive twin: all candidates by their distance, each checked against all pairs so far.
-std::vector<std::int64_t> colour_of_each(const std::vector<Stamp>& depth,
-                                         const std::vector<Stamp>& colour, Duration limit) {
+std::vector<std::optional<std::size_t>> colour_of_each(const std::vector<Stamp>& depth,
+                                                       const std::vector<Stamp>& colour,
+                                                       Duration limit) {
   std::vector<std::array<std::int64_t, 3>> candidates;
   for (std::size_t d = 0; d < depth.size(); ++d) {
     for (std::size_t c = 0; c < colour.size(); ++c) {
@@ -67,15 +71,16 @@ std::vector<std::int64_t> colour_of_each(const std::vector<Stamp>& depth,
     }
   }
   std::sort(candidates.begin(), candidates.end());
-  std::vector<std::int64_t> colour_of(depth.size(), -1);
-  for (const auto& [offset, d, c] : candidates) {
+  std::vector<std::optional<std::size_t>> colour_of(depth.size());
+  for (const auto& [offset, depth_at, colour_at] : candidates) {
+    const auto d = static_cast<std::size_t>(depth_at);
+    const auto c = static_cast<std::size_t>(colour_at);
     bool fits = true;
-    for (std::size_t other = 0; other < depth.size(); ++other) {
-      const auto place = static_cast<std::int64_t>(other);
-      const std::int64_t taken = colour_of[other];
-      if (taken >= 0 && (place == d || taken == c || (place < d) != (taken < c))) fits = false;
+    for (std::size_t place = 0; place < depth.size(); ++place) {
+      const auto taken = colour_of[place];
+      if (taken && (place == d || *taken == c || (place < d) != (*taken < c))) fits = false;
     }
-    if (fits) colour_of[static_cast<std::size_t>(d)] = c;
+    if (fits) colour_of[d] = c;
   }
   return colour_of;
 }
@@ -96,25 +101,24 @@ TEST(UcsdPairs, AgreesWithTheNaiveTwinAndLosesNothing) {
     const auto colour = stamps(60);
     const Duration limit{50'000'000};
     const auto pairs = pair_pictures(depth, colour, limit);
-    std::vector<std::int64_t> colour_of(depth.size(), -1);
+    std::vector<std::optional<std::size_t>> colour_of(depth.size());
     std::size_t depths = 0;
     std::size_t colours = 0;
     Stamp last{};
     Stamp last_colour{};
     for (const PicturePair& pair : pairs) {
-      const auto d = static_cast<std::size_t>(pair.depth);
-      const auto c = static_cast<std::size_t>(pair.colour);
-      const Stamp stamp = pair.depth >= 0 ? depth[d] : colour[c];
+      const Stamp stamp = pair.depth ? depth[*pair.depth] : colour[*pair.colour];
       EXPECT_LT(last, stamp);
       last = stamp;
-      if (pair.depth >= 0) {
+      if (pair.depth) {
         ++depths;
-        colour_of[d] = pair.colour;
+        colour_of[*pair.depth] = pair.colour;
       }
-      if (pair.colour >= 0) {
+      if (pair.colour) {
         ++colours;
-        EXPECT_LT(last_colour, colour[c]);  // so that a writer may number them as they come
-        last_colour = colour[c];
+        EXPECT_LT(last_colour,
+                  colour[*pair.colour]);  // so that a writer may number them as they come
+        last_colour = colour[*pair.colour];
       }
     }
     EXPECT_EQ(depths, depth.size());
