@@ -13,7 +13,8 @@
 #include "loopstone/report/run_info.hpp"
 #include "progress_display.hpp"
 
-// What the commands share that drive a log through the library: which part of it, its problems, what the run cost.
+// What the commands share that drive a log through the library: which part of it, its problems,
+// what the run cost.
 
 namespace loopstone::app {
 
@@ -42,8 +43,8 @@ class CutLog {
   [[nodiscard]] std::optional<SensorMessage> next();
   [[nodiscard]] bool interrupted() const { return interrupted_; }
   [[nodiscard]] std::int64_t scans() const { return scans_; }
-  /// What `loopstone info` says of the log, as far as it was read; when all is read. Throws DataError with its reasons when
-  /// nothing can be made of it, unless the user interrupted.
+  /// What `loopstone info` says of the log, as far as it was read; when all is read. Throws
+  /// DataError with its reasons when nothing can be made of it, unless the user interrupted.
   [[nodiscard]] LogSummary judge(const std::string& path);
 
  private:
@@ -72,15 +73,16 @@ class ProblemPrinter {
 /// Says what became of a log's files while they were read.
 void warn_of_changes(const LogFiles& files, const AppContext& context);
 
-/// How logs are read for this user: problems are warned of by `printer` when there is one, and Ctrl-C ends the reading.
+/// How logs are read for this user: problems are warned of by `printer` when there is one, and
+/// Ctrl-C ends the reading.
 [[nodiscard]] LogOptions log_options(bool strict, const AppContext& context,
                                      ProblemPrinter* printer = nullptr);
 
 /// The texts of the findings that are warnings.
 [[nodiscard]] std::vector<std::string> warnings_of(const LogSummary& summary);
 
-/// Of commands that need no map: warns of what was left out of the log when it is as bad as `told` at least. Throws DataError
-/// when hardly anything was used.
+/// Of commands that need no map: warns of what was left out of the log when it is as bad as `told`
+/// at least. Throws DataError when hardly anything was used.
 void judge_left_out(const LeftOut& left_out, const std::string& path, const AppContext& context,
                     Severity told = Severity::kWarning);
 

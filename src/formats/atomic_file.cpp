@@ -27,7 +27,8 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
   throw DataError({path}, what + ": " + std::generic_category().message(error_number));
 }
 
-/// A name in the same folder, so that rename() stays within one file system. Hidden, and unlike any other process's.
+/// A name in the same folder, so that rename() stays within one file system. Hidden, and unlike any
+/// other process's.
 std::string temporary_name_beside(const std::string& target) {
   static std::atomic<unsigned> counter{0};
   const std::filesystem::path path(target);
@@ -64,7 +65,8 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), final_path_(p
   }
   straight_through_ = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
   const int creation = straight_through_ ? 0 : (O_CREAT | O_EXCL);
-  // In a container every run may have the same process id: the name may be taken by one that was killed.
+  // In a container every run may have the same process id: the name may be taken by one that was
+  // killed.
   do {
     temporary_path_ = straight_through_ ? final_path_ : temporary_name_beside(final_path_);
     descriptor_ = ::open(temporary_path_.c_str(), O_WRONLY | O_CLOEXEC | creation, 0666);
@@ -109,7 +111,8 @@ void AtomicFile::flush_buffer() {
 void AtomicFile::finish_writing() {
   if (finished_) return;
   flush_buffer();
-  // Quotas and network file systems report a full disk only here. A pipe cannot be synchronised, and need not be.
+  // Quotas and network file systems report a full disk only here. A pipe cannot be synchronised,
+  // and need not be.
   const bool synced = straight_through_ || ::fsync(descriptor_) == 0 || errno == EINVAL;
   int error_number = synced ? 0 : errno;
   if (::close(std::exchange(descriptor_, -1)) != 0 && error_number == 0) error_number = errno;

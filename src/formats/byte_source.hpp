@@ -14,20 +14,20 @@ namespace loopstone {
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
-  /// Fills the front of `buffer`; the number of bytes written, 0 only at the end.
-  /// Throws DataError with the offset in the stored file when it can't be read or decompressed; ReadingStopped.
+  /// Fills the front of `buffer`; the number of bytes written, 0 only at the end. Throws DataError
+  /// with the offset in the stored file when it can't be read or decompressed; ReadingStopped.
   [[nodiscard]] virtual std::size_t read(std::span<char> buffer) = 0;
   /// Position and size in bytes as stored, for progress.
   [[nodiscard]] virtual std::int64_t bytes_done() const = 0;
   [[nodiscard]] virtual std::int64_t bytes_total() const = 0;
 };
 
-/// Bytes that are looked at before they are read, decompressed on the way: a file, a pipe, or memory. Plain, gzip or bzip2 is
-/// told by the first bytes, not by the name.
+/// Bytes that are looked at before they are read, decompressed on the way: a file, a pipe, or
+/// memory. Plain, gzip or bzip2 is told by the first bytes, not by the name.
 struct ReadableBytes {
   std::string name;  ///< for messages
-  /// From an offset on, as often as wanted; offsets other than 0 only when `can_seek`. Of a pipe what was looked at is kept
-  /// until it is read.
+  /// From an offset on, as often as wanted; offsets other than 0 only when `can_seek`. Of a pipe
+  /// what was looked at is kept until it is read.
   std::function<std::unique_ptr<ByteSource>(std::int64_t offset)> look;
   /// From the beginning to the end, once, after the last look.
   std::function<std::unique_ptr<ByteSource>()> read;
@@ -35,7 +35,8 @@ struct ReadableBytes {
 };
 
 /// \param path  of a file or a pipe; "-" is the standard input
-/// \param stop  asked before every block and while a pipe is silent; on true reading throws ReadingStopped. May be empty.
+/// \param stop  asked before every block and while a pipe is silent; on true reading throws
+///              ReadingStopped. May be empty.
 /// Throws DataError when there is no such file, or it is a folder or a device.
 [[nodiscard]] ReadableBytes open_file_or_pipe(const std::string& path,
                                               std::function<bool()> stop = {});

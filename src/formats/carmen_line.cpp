@@ -13,7 +13,8 @@ constexpr std::int64_t kMostBeams = 100'000;
 /// Coordinates of the grids in which the earth is surveyed (UTM) are less.
 constexpr double kFarthestPoseM = 1e7;
 
-/// Why a word is no stamp, and what to do. The usual mistake is a unit that makes the number too large.
+/// Why a word is no stamp, and what to do. The usual mistake is a unit that makes the number too
+/// large.
 std::string reason_against_stamp(std::string_view word) {
   if (word.empty()) {
     return "the line ends before the time; every line ends with time [s], host and logger's time";
@@ -98,7 +99,8 @@ class Fields {
   const std::string& reason() const { return reason_; }
 
  private:
-  /// An upper bound: a word takes at least two characters. Keeps a lying count from reserving memory.
+  /// An upper bound: a word takes at least two characters. Keeps a lying count from reserving
+  /// memory.
   std::int64_t remaining_words() const {
     return static_cast<std::int64_t>(words_.rest().size() / 2 + 1);
   }

@@ -15,16 +15,19 @@ namespace loopstone {
 // One line of a CARMEN log, as it stands there (CARMEN src/logger/writelog.c):
 //   PARAM name value ipc_time host logger_time
 //   ODOM x y theta tv rv accel ipc_time host logger_time
-//   FLASER n r1..rn x y theta odom_x odom_y odom_theta ipc_time host logger_time          (RLASER: the rear one)
+//   FLASER n r1..rn x y theta odom_x odom_y odom_theta ipc_time host logger_time
+//   RLASER      the same of the rear laser
 //   ROBOTLASER1 type start fov resolution max_range accuracy remission_mode n r1..rn m rem1..remm
-//               laser_x laser_y laser_theta robot_x robot_y robot_theta tv rv fwd side turn ipc_time host logger_time
+//               laser_x laser_y laser_theta robot_x robot_y robot_theta tv rv fwd side turn
+//               ipc_time host logger_time
 //   RAWLASER1   the same without everything between the remissions and ipc_time
 
 enum class CarmenTag { kFlaser, kRlaser, kRobotLaser, kRawLaser };
 
 /// "FLASER" and so on.
 [[nodiscard]] std::string_view name_of(CarmenTag tag);
-/// 0 for the front laser, 1 for the rear one; ROBOTLASER1 and RAWLASER1 are other reports of the front laser.
+/// 0 for the front laser, 1 for the rear one; ROBOTLASER1 and RAWLASER1 are other reports of the
+/// front laser.
 [[nodiscard]] int lidar_of(CarmenTag tag);
 
 /// The beams as the line itself states them; only the newer tags do.

@@ -9,8 +9,8 @@
 
 namespace loopstone {
 
-/// Reads a CARMEN log, plain or compressed by gzip or bzip2. Throws DataError when no line of it can be understood, saying why
-/// not the first.
+/// Reads a CARMEN log, plain or compressed by gzip or bzip2. Throws DataError when no line of it
+/// can be understood, saying why not the first.
 [[nodiscard]] std::unique_ptr<LogReader> open_carmen_log(const ReadableBytes& log,
                                                          const LogOptions& options);
 

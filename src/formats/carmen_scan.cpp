@@ -43,7 +43,8 @@ BeamAngles carmen_beam_angles(std::size_t beams, const CarmenSurvey& survey, int
   const bool resolution_fits = resolution_deg && *resolution_deg > 0.0 &&
                                *resolution_deg * (n - 1.0) <= 360.0 && *resolution_deg * n >= 90.0;
   if (resolution_fits) {
-    // A half circle starts at -90 deg even when its last beam is left out; other fans lie about the middle.
+    // A half circle starts at -90 deg even when its last beam is left out; other fans lie about the
+    // middle.
     const double increment_rad = radians(*resolution_deg);
     const bool half_circle = std::abs(*resolution_deg * n - 180.0) <= *resolution_deg * 1.01;
     return {half_circle ? -kPi / 2 : -increment_rad * (n - 1.0) / 2.0, increment_rad};

@@ -116,9 +116,10 @@ std::optional<Pose2> common_mount(const std::vector<Pose2>& mounts) {
   return Pose2{rounded(middle.x), rounded(middle.y), rounded(middle.yaw)};
 }
 
-/// A value that stands alone at the top of all ranges and that many beams share means "no return" (ACES: 50.00).
-/// Traps: a far wall seen while the robot stands still repeats its range too, but only in a few neighbouring beams
-/// and with other ranges close below; a log where every range is the same has no such code.
+/// A value that stands alone at the top of all ranges and that many beams share means "no return"
+/// (ACES: 50.00). Traps: a far wall seen while the robot stands still repeats its range too, but
+/// only in a few neighbouring beams and with other ranges close below; a log where every range is
+/// the same has no such code.
 std::optional<double> saturation_value(std::vector<Sample::Beam> beams) {
   if (beams.size() < 200) return std::nullopt;
   std::sort(beams.begin(), beams.end(), [](const auto& a, const auto& b) {

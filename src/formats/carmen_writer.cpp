@@ -12,7 +12,8 @@
 namespace loopstone {
 namespace {
 
-// SICK's code for "nothing within reach", as CARMEN wrote it; above the 80 m that CARMEN takes as the limit.
+// SICK's code for "nothing within reach", as CARMEN wrote it; above the 80 m that CARMEN takes as
+// the limit.
 constexpr double kSickNoReturn_m = 81.83;
 constexpr double kCarmenMaxRange_m = 80.0;
 constexpr std::size_t kMostWaiting = 512;

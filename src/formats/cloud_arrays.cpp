@@ -20,7 +20,8 @@ struct CloudShape {
   bool has_z = false;
 };
 
-/// Rows are points wherever that is possible, as everybody stores them; columns where rows can't be.
+/// Rows are points wherever that is possible, as everybody stores them; columns where rows can't
+/// be.
 std::optional<CloudShape> cloud_shape(std::int64_t rows, std::int64_t columns) {
   const auto two_or_three = [](std::int64_t n) { return n == 2 || n == 3; };
   if (two_or_three(columns)) return CloudShape{false, rows, columns == 3};

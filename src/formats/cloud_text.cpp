@@ -133,7 +133,8 @@ class CloudTextParser {
     return true;
   }
 
-  /// The first line that is no comment: names, the number of points, or the first point. True when it is a point.
+  /// The first line that is no comment: names, the number of points, or the first point. True when
+  /// it is a point.
   bool take_first_line(std::string_view line, const Location& where) {
     const char delimiter = delimiter_of(line);
     const Words words = split(line, delimiter);

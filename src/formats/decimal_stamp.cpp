@@ -8,7 +8,8 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// The exponent after 'e' or 'E'; nothing when malformed. Beyond four digits it is out of any range anyway.
+/// The exponent after 'e' or 'E'; nothing when malformed. Beyond four digits it is out of any range
+/// anyway.
 std::optional<int> parse_exponent(std::string_view text) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   if (text.empty() || text.size() > 5) return std::nullopt;

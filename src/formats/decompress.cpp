@@ -34,8 +34,8 @@ class StoredBlock {
   std::vector<char> block_;
 };
 
-/// A log of text becomes a tenth of its size, a robot that stood for hours a hundredth. What unpacks to far more is there to fill
-/// somebody's disk and time.
+/// A log of text becomes a tenth of its size, a robot that stood for hours a hundredth. What
+/// unpacks to far more is there to fill somebody's disk and time.
 constexpr std::int64_t kAlwaysBytes = std::int64_t{1} << 26;
 constexpr std::int64_t kMostGrowth = 500;
 

@@ -23,8 +23,9 @@ struct OrderGuess {
   std::string reason;  ///< for the user
 };
 
-/// The order in which EDGE2 lines give their information: the one in which all of them are positive definite; when both
-/// or neither are, the one that leaves heading and position uncorrelated; else TORO's, which the tag is of.
+/// The order in which EDGE2 lines give their information: the one in which all of them are positive
+/// definite; when both or neither are, the one that leaves heading and position uncorrelated; else
+/// TORO's, which the tag is of.
 [[nodiscard]] OrderGuess guess_edge2_order(const std::vector<InformationNumbers>& edges);
 
 }  // namespace loopstone

@@ -14,8 +14,8 @@
 
 namespace loopstone {
 
-/// Takes a graph file line by line, and puts the graph together at the end, since a line may name vertices that come
-/// after it.
+/// Takes a graph file line by line, and puts the graph together at the end, since a line may name
+/// vertices that come after it.
 class GraphParser {
  public:
   GraphParser(std::string path, InformationOrder edge2_order)

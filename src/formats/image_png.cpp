@@ -97,8 +97,8 @@ Image decode_any_png(std::string_view bytes, const std::string& path_for_errors,
   const std::size_t width = png_get_image_width(reader.png(), reader.info());
   const std::size_t height = png_get_image_height(reader.png(), reader.info());
   const std::size_t row_bytes = png_get_rowbytes(reader.png(), reader.info());
-  // Deflate shrinks at most 1032 to 1; a header that claims more lies, and is not worth the memory. Packed pixels
-  // (one bit each) expand by up to 8 x 4 more.
+  // Deflate shrinks at most 1032 to 1; a header that claims more lies, and is not worth the memory.
+  // Packed pixels (one bit each) expand by up to 8 x 4 more.
   if (row_bytes * height / (1032 * 32) > bytes.size())
     fail("it claims more pixels than its data can hold");
   require_picture(width, height, row_bytes / width, bytes.size(), budget, {path_for_errors});

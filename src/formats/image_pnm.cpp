@@ -10,8 +10,8 @@
 namespace loopstone {
 namespace {
 
-/// Reads whole numbers between white space and comments (# to the end of the line, allowed anywhere before the pixels
-/// of a raw file and everywhere in a plain one).
+/// Reads whole numbers between white space and comments (# to the end of the line, allowed anywhere
+/// before the pixels of a raw file and everywhere in a plain one).
 class Tokens {
  public:
   Tokens(std::string_view bytes, std::size_t position, const std::string& path)

@@ -21,8 +21,9 @@ struct KeptStamps {
   std::vector<Refused> refused{};
 };
 
-/// Keeps as many records as can be kept in order: the longest strictly increasing subsequence (Fredman 1975), so that
-/// one stamp far in the future costs one record and not all that follow. O(n log n).
+/// Keeps as many records as can be kept in order: the longest strictly increasing subsequence
+/// (Fredman 1975), so that one stamp far in the future costs one record and not all that follow.
+/// O(n log n).
 [[nodiscard]] KeptStamps keep_increasing(std::span<const double> seconds);
 
 }  // namespace loopstone

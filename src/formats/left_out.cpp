@@ -16,7 +16,8 @@ double share_of(std::int64_t part, std::int64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Rounded towards the middle: a few that are left are not "100 %", nor are a few that are missing "0 %".
+/// Rounded towards the middle: a few that are left are not "100 %", nor are a few that are missing
+/// "0 %".
 std::string percent_text(double share) {
   const double percent = 100.0 * share;
   if (percent <= 0.0 || percent >= 100.0) return fmt::format("{:.0f} %", percent);

@@ -13,7 +13,8 @@ namespace loopstone {
 /// Lines of a text, read in large blocks. Ends in "\n" or "\r\n"; the last line needs no end.
 class LineReader {
  public:
-  /// Longer lines are cut: their beginning comes out with `too_long` set and the rest is passed over.
+  /// Longer lines are cut: their beginning comes out with `too_long` set and the rest is passed
+  /// over.
   static constexpr std::size_t kLongestLineBytes = std::size_t{1} << 21;
 
   struct Line {

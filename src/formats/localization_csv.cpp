@@ -21,8 +21,8 @@ namespace {
 
 using Estimate = LocalizationEstimate;
 
-/// Calls visit(name, value, needed) for every column that holds a number, in the file's order. The values lead into the
-/// estimate, so that writer and reader share one list.
+/// Calls visit(name, value, needed) for every column that holds a number, in the file's order. The
+/// values lead into the estimate, so that writer and reader share one list.
 template <typename Visitor>
 void visit_numbers_before_state(Estimate& e, Visitor&& visit) {
   visit("x_m", e.map_T_robot.x, true);

@@ -2,9 +2,9 @@
 
 namespace loopstone {
 
-// The stream is a row of runs. A first byte below 32 announces that many plus one literal bytes. Any other is a copy of earlier
-// output: its upper three bits are the length less 2 (7: a further byte adds to it), its lower five and the byte that follows
-// the distance less 1.
+// The stream is a row of runs. A first byte below 32 announces that many plus one literal bytes.
+// Any other is a copy of earlier output: its upper three bits are the length less 2 (7: a further
+// byte adds to it), its lower five and the byte that follows the distance less 1.
 std::optional<std::string> lzf_decompress(std::string_view packed, std::size_t size) {
   constexpr std::size_t kMostFromThreeBytes = 264;
   if (size / kMostFromThreeBytes > packed.size() / 3 + 1) return std::nullopt;

@@ -30,8 +30,8 @@ struct MatFile {
 };
 
 /// Reads a MATLAB file of version 5, either byte order, compressed (-v7) or not (-v6), from memory.
-/// Throws DataError with the byte offset in the file, also for the other versions (4, and 7.3, which is HDF5).
-/// Source of the layout: MathWorks, "MAT-File Format", chapter 1.
+/// Throws DataError with the byte offset in the file, also for the other versions (4, and 7.3,
+/// which is HDF5). Source of the layout: MathWorks, "MAT-File Format", chapter 1.
 /// \throws DataError also when the matrices would take more memory than the budget allows
 [[nodiscard]] MatFile parse_mat(std::string_view bytes, const std::string& path_for_errors,
                                 const MemoryBudget& budget = {});

@@ -12,8 +12,9 @@
 
 namespace loopstone {
 
-/// What the head of a .npy file says (versions 1 to 3; numpy/lib/format.py). Numbers only: bool, signed, unsigned
-/// and floating point of 1 to 8 bytes, in either byte order. Anything that numpy would have to unpickle is refused.
+/// What the head of a .npy file says (versions 1 to 3; numpy/lib/format.py). Numbers only: bool,
+/// signed, unsigned and floating point of 1 to 8 bytes, in either byte order. Anything that numpy
+/// would have to unpickle is refused.
 struct NpyHeader {
   char kind = 'f';  ///< 'b', 'i', 'u', 'f'
   int element_bytes = 8;
@@ -32,7 +33,8 @@ class NpyReader {
   NpyReader(std::unique_ptr<ByteSource> source, std::string name);
 
   [[nodiscard]] const NpyHeader& header() const { return header_; }
-  /// The next values.size() elements, in the order of the file. Throws DataError when the file ends before.
+  /// The next values.size() elements, in the order of the file. Throws DataError when the file ends
+  /// before.
   void read(std::span<double> values);
   void read(std::span<float> values);
 
@@ -68,7 +70,8 @@ struct NpyArray {
                                 const MemoryBudget& budget = {},
                                 std::optional<std::uint64_t> file_bytes = {});
 
-/// The head of a version 1 file, padded as numpy does so that the data begins at a multiple of 64 bytes.
+/// The head of a version 1 file, padded as numpy does so that the data begins at a multiple of 64
+/// bytes.
 /// \param descr  "<f8" and the like
 [[nodiscard]] std::string npy_head(const std::string& descr, bool fortran_order,
                                    std::span<const std::int64_t> shape);

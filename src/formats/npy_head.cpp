@@ -10,7 +10,8 @@
 namespace loopstone {
 namespace {
 
-/// Reads the Python literal {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), } and nothing more general.
+/// Reads the Python literal {'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), } and nothing
+/// more general.
 class DictParser {
  public:
   DictParser(std::string_view text, const Location& where) : text_(text), where_(where) {}

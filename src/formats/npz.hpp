@@ -15,7 +15,8 @@ namespace loopstone {
 /// A .npz file: a zip archive of .npy files, stored or deflated, zip64 included.
 class NpzFile {
  public:
-  /// \param stop  asked while arrays are read; they throw ReadingStopped once it returns true. May be empty.
+  /// \param stop  asked while arrays are read; they throw ReadingStopped once it returns true. May
+  ///              be empty.
   /// Throws DataError when it is missing or no zip archive.
   explicit NpzFile(const std::string& path, const MemoryBudget& budget = {},
                    std::function<bool()> stop = {});
@@ -24,11 +25,12 @@ class NpzFile {
 
   [[nodiscard]] bool has(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> keys() const;
-  /// Opens an array for reading front to back. Several may be open at once; they keep the file open.
-  /// Throws DataError naming the file, the key and the keys that are there.
+  /// Opens an array for reading front to back. Several may be open at once; they keep the file
+  /// open. Throws DataError naming the file, the key and the keys that are there.
   [[nodiscard]] NpyReader open(const std::string& key) const;
   [[nodiscard]] NpyArray read(const std::string& key) const;
-  /// Throws DataError when so many bytes are more than what this array's bytes in the archive may take.
+  /// Throws DataError when so many bytes are more than what this array's bytes in the archive may
+  /// take.
   void require_memory(const std::string& key, std::uint64_t bytes) const;
 
  private:

@@ -8,8 +8,8 @@
 
 namespace loopstone {
 
-/// Writes a .npz file. Small arrays are handed over as bytes; large ones as a file that already holds the .npy.
-/// The same arrays give the same bytes: members carry no time.
+/// Writes a .npz file. Small arrays are handed over as bytes; large ones as a file that already
+/// holds the .npy. The same arrays give the same bytes: members carry no time.
 class NpzWriter {
  public:
   explicit NpzWriter(const std::string& path) : path_(path) {}

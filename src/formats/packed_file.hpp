@@ -8,7 +8,8 @@
 
 namespace loopstone {
 
-/// An AtomicFile that compresses when its name ends in .gz or .bz2. The same text gives the same bytes.
+/// An AtomicFile that compresses when its name ends in .gz or .bz2. The same text gives the same
+/// bytes.
 class PackedFile {
  public:
   explicit PackedFile(const std::string& path);

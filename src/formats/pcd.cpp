@@ -93,7 +93,8 @@ PointCloud read_binary(const PcdHead& head, std::string_view bytes, const std::s
   return read_columns(columns, head.points);
 }
 
-/// Two sizes, then the packed bytes; unpacked, all values of the first field stand first, then those of the second.
+/// Two sizes, then the packed bytes; unpacked, all values of the first field stand first, then
+/// those of the second.
 PointCloud read_compressed(const PcdHead& head, std::string_view bytes, const std::string& path,
                            const MemoryBudget& budget) {
   const Location where{path, {}, static_cast<std::int64_t>(head.data_offset)};

@@ -10,7 +10,8 @@ namespace loopstone {
 /// No picture is wider or higher [px].
 inline constexpr std::uint64_t kMostPictureSide = std::uint64_t{1} << 20;
 
-/// Asked before the pixels of a picture are allocated: a copy of them exists while they are decoded.
+/// Asked before the pixels of a picture are allocated: a copy of them exists while they are
+/// decoded.
 /// \param pixel_bytes  of one, as it is held in memory
 /// Throws DataError.
 inline void require_picture(std::uint64_t width, std::uint64_t height, std::uint64_t pixel_bytes,

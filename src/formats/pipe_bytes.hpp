@@ -11,8 +11,8 @@ namespace loopstone {
 /// The path that stands for the standard input.
 inline constexpr const char* kStandardInput = "-";
 
-/// What comes out of a pipe, which can't be read twice: while it is looked at, it is kept for the next who begins at its
-/// beginning. Nothing here waits so long that `stop` is not heard.
+/// What comes out of a pipe, which can't be read twice: while it is looked at, it is kept for the
+/// next who begins at its beginning. Nothing here waits so long that `stop` is not heard.
 class PipeBytes {
  public:
   /// Throws DataError when it can't be opened, or is a device: a terminal, /dev/zero.

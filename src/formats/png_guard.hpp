@@ -4,8 +4,8 @@
 
 #include <csetjmp>
 
-// libpng reports errors by longjmp, which skips destructors. So every call that may jump sits in guarded(), whose body
-// holds no object that would need one.
+// libpng reports errors by longjmp, which skips destructors. So every call that may jump sits in
+// guarded(), whose body holds no object that would need one.
 
 namespace loopstone {
 

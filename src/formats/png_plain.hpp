@@ -11,13 +11,14 @@
 
 namespace loopstone {
 
-// Decodes what cameras and recorders write: PNG of 8 or 16 bits without palette, transparent colour or interlacing. Twice as
-// fast as libpng, since libdeflate unpacks the whole picture at once.
+// Decodes what cameras and recorders write: PNG of 8 or 16 bits without palette, transparent colour
+// or interlacing. Twice as fast as libpng, since libdeflate unpacks the whole picture at once.
 //
-// The result is nothing when the picture is of another kind or anything about it is not as it should be: libpng then has
-// the word, and tells what is wrong.
+// The result is nothing when the picture is of another kind or anything about it is not as it
+// should be: libpng then has the word, and tells what is wrong.
 
-/// Memory that is kept from picture to picture: asking the system for megabytes anew each time costs as much as decoding.
+/// Memory that is kept from picture to picture: asking the system for megabytes anew each time
+/// costs as much as decoding.
 struct PngScratch {
   std::string packed{};
   std::vector<std::uint8_t> rows{};

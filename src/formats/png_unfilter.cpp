@@ -7,7 +7,8 @@
 namespace loopstone {
 namespace {
 
-// Each filter for a number of bytes a pixel, which the compiler knows: the pixel to the left stays in registers.
+// Each filter for a number of bytes a pixel, which the compiler knows: the pixel to the left stays
+// in registers.
 
 template <std::size_t kBytes>
 void undo_sub(std::uint8_t* row, std::size_t size) {
@@ -48,7 +49,8 @@ void undo_paeth(std::uint8_t* row, const std::uint8_t* above, std::size_t size) 
       const int far_left = std::abs(to_left);
       const int far_up = std::abs(to_up);
       const int far_corner = std::abs(to_left + to_up);
-      // Ties: left before up before the corner. Without branches, which noise would make unpredictable.
+      // Ties: left before up before the corner. Without branches, which noise would make
+      // unpredictable.
       const int nearer = far_up <= far_corner ? up : above_left[i];
       const int least = far_up <= far_corner ? far_up : far_corner;
       const int guess = far_left <= least ? left[i] : nearer;

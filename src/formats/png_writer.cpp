@@ -56,7 +56,8 @@ bool begin(Writer& writer, std::string& encoded, const Image& head, int compress
     png_set_write_fn(writer.png(), &encoded, append_bytes, nullptr);
     png_set_user_limits(writer.png(), 0x7fffffff, 0x7fffffff);
     png_set_compression_level(writer.png(), compression);
-    // Maps are flat areas: guessing the best filter for each row costs more time than it saves bytes.
+    // Maps are flat areas: guessing the best filter for each row costs more time than it saves
+    // bytes.
     png_set_filter(writer.png(), 0, compression < 6 ? PNG_FILTER_SUB : PNG_ALL_FILTERS);
     png_set_IHDR(writer.png(), writer.info(), static_cast<png_uint_32>(head.width),
                  static_cast<png_uint_32>(head.height), 8 * head.bytes_per_sample,

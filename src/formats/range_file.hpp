@@ -8,8 +8,8 @@
 
 namespace loopstone {
 
-/// The array `ranges` (beams x scans, Fortran order, float) while it grows, as a .npy file beside its archive-to-be.
-/// The file disappears with the object.
+/// The array `ranges` (beams x scans, Fortran order, float) while it grows, as a .npy file beside
+/// its archive-to-be. The file disappears with the object.
 class RangeFile {
  public:
   RangeFile(const std::string& path, std::int64_t beams);

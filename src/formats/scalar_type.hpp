@@ -10,7 +10,8 @@
 
 namespace loopstone {
 
-/// How a number is stored in a binary file: 'f' floating point, 'i' signed, 'u' unsigned, and its size.
+/// How a number is stored in a binary file: 'f' floating point, 'i' signed, 'u' unsigned, and its
+/// size.
 struct ScalarType {
   char kind = 'f';
   int bytes = 4;  ///< 1, 2, 4, 8; 4 or 8 for 'f'

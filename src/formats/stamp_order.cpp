@@ -20,7 +20,8 @@ int rank_of(const OrderedRecord& record) {
   return record.is_part_of_a_scan ? 0 : 1;
 }
 
-/// Difference in seconds for people; stamps from rubbish may be so far apart that integers overflow.
+/// Difference in seconds for people; stamps from rubbish may be so far apart that integers
+/// overflow.
 double seconds_between(Stamp later, Stamp earlier) { return later.seconds() - earlier.seconds(); }
 
 std::string seconds_text(double seconds) {
@@ -56,7 +57,8 @@ void StampOrder::push(OrderedRecord record) {
   }
 }
 
-/// Counts the records that stand after a later one; a stamp from elsewhere does not count for those around it.
+/// Counts the records that stand after a later one; a stamp from elsewhere does not count for those
+/// around it.
 void StampOrder::note_order(Stamp stamp, bool is_part_of_a_scan) {
   const bool near = newest_ && std::abs(seconds_between(stamp, *newest_)) <= kJump.seconds();
   if (near && stamp < *newest_ && !is_part_of_a_scan) {

@@ -21,10 +21,11 @@ struct OrderedRecord {
 
 /// Puts records whose stamps go back a little into the order of their stamps, with bounded memory.
 ///
-/// Some recorders stamp a few records late or early (Intel: by up to 0.9 s), so a record waits until the clock is
-/// kWindow past it. The clock is that of the scans when they carry odometry: a scan is what can't be replaced, and no
-/// line of odometry with a stamp from elsewhere may push it out. A jump ahead of more than kJump is believed only when
-/// several records agree on it; a single one is a broken stamp.
+/// Some recorders stamp a few records late or early (Intel: by up to 0.9 s), so a record waits
+/// until the clock is kWindow past it. The clock is that of the scans when they carry odometry: a
+/// scan is what can't be replaced, and no line of odometry with a stamp from elsewhere may push it
+/// out. A jump ahead of more than kJump is believed only when several records agree on it; a single
+/// one is a broken stamp.
 class StampOrder {
  public:
   static constexpr Duration kWindow{2'000'000'000};
@@ -35,7 +36,8 @@ class StampOrder {
 
   /// \param scans_lead  scans move the clock, odometry waits for them; else every record moves it
   /// \param skip        told about every record that can't come out
-  /// \param early       a stamp that the scans are known to have near the beginning, if any is known
+  /// \param early       a stamp that the scans are known to have near the beginning, if any is
+  ///                    known
   StampOrder(bool scans_lead, std::optional<Stamp> early,
              std::function<void(const OrderedRecord&, const std::string&)> skip);
 

@@ -34,10 +34,11 @@ class Words {
   const char* end_;
 };
 
-/// A decimal number, correctly rounded; nothing when the whole word isn't one. "nan" and "inf" are numbers.
+/// A decimal number, correctly rounded; nothing when the whole word isn't one. "nan" and "inf" are
+/// numbers.
 [[nodiscard]] inline std::optional<double> parse_number(std::string_view word) {
-  // Fast path (Clinger 1990): at most 15 digits and a power of ten up to 1e15 are both exact as doubles, so that one
-  // division rounds once. Range values take it always.
+  // Fast path (Clinger 1990): at most 15 digits and a power of ten up to 1e15 are both exact as
+  // doubles, so that one division rounds once. Range values take it always.
   constexpr double kPowers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
   const char* c = word.data();
@@ -86,8 +87,9 @@ class Words {
   return value;
 }
 
-/// Seconds in decimal to whole nanoseconds, digit by digit: a double would lose some of them at Unix times.
-/// Digits after the ninth decimal are cut off. Nothing when it isn't a number or lies beyond +-145 years.
+/// Seconds in decimal to whole nanoseconds, digit by digit: a double would lose some of them at
+/// Unix times. Digits after the ninth decimal are cut off. Nothing when it isn't a number or lies
+/// beyond +-145 years.
 [[nodiscard]] inline std::optional<Stamp> parse_stamp(std::string_view word) {
   constexpr std::int64_t kMostSeconds = 4'600'000'000;  // so that differences fit in 64 bits, too
   const bool negative = word.starts_with('-');

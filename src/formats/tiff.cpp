@@ -37,8 +37,8 @@ void sum_differences(std::string& row) {
   }
 }
 
-/// Differences of bytes; then the highest bytes of all numbers stand first, whatever the byte order of the file.
-/// Source: Adobe Photoshop TIFF Technical Note 3.
+/// Differences of bytes; then the highest bytes of all numbers stand first, whatever the byte order
+/// of the file. Source: Adobe Photoshop TIFF Technical Note 3.
 std::string floats_from_planes(std::string row) {
   sum_differences<std::uint8_t>(row);
   const std::size_t numbers = row.size() / 4;

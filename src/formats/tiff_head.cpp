@@ -120,7 +120,8 @@ std::size_t side(const Directory& directory, Tag tag, const char* name) {
   return value;
 }
 
-/// One channel of 16-bit numbers or 32-bit floats, black is 0, top row first: nothing else can be depth.
+/// One channel of 16-bit numbers or 32-bit floats, black is 0, top row first: nothing else can be
+/// depth.
 void check_samples(const Directory& directory, TiffHead& head) {
   const std::uint32_t channels = directory.find(kSamplesPerPixel).value_or(1);
   const std::uint32_t bits = directory.find(kBitsPerSample).value_or(1);

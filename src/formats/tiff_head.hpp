@@ -17,7 +17,8 @@ struct TiffSpan {
   std::size_t size = 0;
 };
 
-/// What the first directory of a TIFF file says of a picture with one channel. A strip is a tile as wide as the picture.
+/// What the first directory of a TIFF file says of a picture with one channel. A strip is a tile as
+/// wide as the picture.
 struct TiffHead {
   std::endian order = std::endian::little;
   std::size_t width = 0;

@@ -51,7 +51,8 @@ std::string unpack_pack_bits(std::string_view packed, std::size_t size, const st
   return plain;
 }
 
-/// Codes of 9 to 12 bits, first bit first; the width grows one code early (TIFF revision 6.0, section 13).
+/// Codes of 9 to 12 bits, first bit first; the width grows one code early (TIFF revision 6.0,
+/// section 13).
 class LzwCodes {
  public:
   explicit LzwCodes(std::string_view packed) : packed_(packed) {}
@@ -78,7 +79,8 @@ std::string unpack_lzw(std::string_view packed, std::size_t size, const std::str
   constexpr int kClear = 256;
   constexpr int kEnd = 257;
   constexpr std::size_t kMostWords = 4096;
-  // Every word of the table stands in the text already: it is the word before it and the next letter.
+  // Every word of the table stands in the text already: it is the word before it and the next
+  // letter.
   std::vector<TiffSpan> words;
   words.reserve(kMostWords);
   const auto clear = [&] { words.assign(kEnd + 1, TiffSpan{}); };

@@ -120,7 +120,8 @@ bool assign(const OptionEntry& entry, const TomlValue& value) {
   return true;
 }
 
-/// What is deeper than this is no option, and would overflow the stack of a parser that follows it down.
+/// What is deeper than this is no option, and would overflow the stack of a parser that follows it
+/// down.
 constexpr int kMostDepth = 32;
 
 /// Where the text ends that begins with the quote at `begin`.
@@ -144,8 +145,8 @@ std::size_t end_of_text(std::string_view toml, std::size_t begin) {
   return toml.size();
 }
 
-/// Where there are more brackets open, or more parts in a dotted key, than any options have; npos: nowhere. Knows no more of
-/// TOML than texts, comments, brackets and dots.
+/// Where there are more brackets open, or more parts in a dotted key, than any options have; npos:
+/// nowhere. Knows no more of TOML than texts, comments, brackets and dots.
 std::size_t where_too_deep(std::string_view toml) {
   int brackets = 0;
   int dots = 0;
@@ -174,7 +175,8 @@ std::int64_t line_at(std::string_view text, std::size_t place) {
   return std::count(before.begin(), before.end(), '\n') + 1;
 }
 
-/// What the parser found wrong, in our words: its own name neither what stands there nor what belongs there.
+/// What the parser found wrong, in our words: its own name neither what stands there nor what
+/// belongs there.
 std::string syntax_rule(std::string_view toml, const toml::parse_error& error) {
   const bool twice = error.description().find("redefine") != std::string_view::npos;
   std::string_view line = toml;

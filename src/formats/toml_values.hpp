@@ -30,7 +30,8 @@ struct TomlDocument {
 /// Options are short: what is longer is something else.
 inline constexpr std::size_t kMostOptionBytes = std::size_t{1} << 20;
 
-/// What is longer than kMostOptionBytes, or too deep within itself for the stack, is refused before it is parsed.
+/// What is longer than kMostOptionBytes, or too deep within itself for the stack, is refused before
+/// it is parsed.
 [[nodiscard]] TomlDocument parse_toml(std::string_view toml, const std::string& path);
 
 /// Sets the options that the values name; returns what could not be taken.

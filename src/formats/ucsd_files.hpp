@@ -29,7 +29,8 @@ struct UcsdFiles {
       depth_folder{};  ///< .../dataRGBD/DepthN: our addition, plain depth
 };
 
-/// Whether the depth camera's numbers are disparities: unless there is a folder of plain depth and none of disparity.
+/// Whether the depth camera's numbers are disparities: unless there is a folder of plain depth and
+/// none of disparity.
 [[nodiscard]] bool holds_disparity(const UcsdFiles& files);
 
 /// The numbers of the sets in a folder (or its sensors/ or data/), in order.

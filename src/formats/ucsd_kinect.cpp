@@ -40,7 +40,8 @@ std::map<std::int64_t, std::string> list_pictures(const std::optional<fs::path>&
     const auto number = parse_integer(
         std::string_view(name).substr(prefix.size(), name.size() - prefix.size() - ending.size()));
     if (!number || *number < 1) continue;
-    // Of two with the same number the first by name, so that the order of the folder does not matter.
+    // Of two with the same number the first by name, so that the order of the folder does not
+    // matter.
     std::string& path = paths[*number];
     if (path.empty() || entry.path().string() < path) path = entry.path().string();
   }

@@ -13,14 +13,16 @@ namespace {
 
 constexpr Duration kAlwaysPaired{50'000'000};
 constexpr Duration kNeverPaired{250'000'000};
-/// Colour pictures on either side of a depth picture that may become its partner: bounds the work when stamps crowd.
+/// Colour pictures on either side of a depth picture that may become its partner: bounds the work
+/// when stamps crowd.
 constexpr std::size_t kCandidates = 4;
 
 /// The pairs made so far: which colour picture each depth picture has.
 class Pairs {
  public:
-  /// Takes the pair unless either picture has a partner or it would cross another pair. Streams of one camera pass each
-  /// other in order: pairs that cross would mean that one of the clocks ran backwards.
+  /// Takes the pair unless either picture has a partner or it would cross another pair. Streams of
+  /// one camera pass each other in order: pairs that cross would mean that one of the clocks ran
+  /// backwards.
   void take_if_free(std::size_t depth, std::size_t colour) {
     const auto after = colour_of_.lower_bound(depth);
     if (after != colour_of_.end() && (after->first == depth || after->second <= colour)) return;

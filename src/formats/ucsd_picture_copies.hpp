@@ -7,9 +7,10 @@
 
 namespace loopstone {
 
-/// Copies of the pictures of one camera, numbered from 1 in the order in which they come: FOLDER/PREFIX1.png and so on.
-/// They are gathered in a hidden folder beside FOLDER and appear there with finish(); without it they vanish.
-/// A picture that lies at its place already is left alone.
+/// Copies of the pictures of one camera, numbered from 1 in the order in which they come:
+/// FOLDER/PREFIX1.png and so on. They are gathered in a hidden folder beside FOLDER and appear
+/// there with finish(); without it they vanish. A picture that lies at its place already is left
+/// alone.
 class UcsdPictureCopies {
  public:
   UcsdPictureCopies(std::filesystem::path folder, std::string prefix);

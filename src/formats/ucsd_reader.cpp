@@ -18,7 +18,8 @@ class UcsdReader final : public LogReader {
  public:
   UcsdReader(const UcsdFiles& files, LogOptions options)
       : options_(std::move(options)), has_plain_depth_(!holds_disparity(files)) {
-    // Of equal stamps the earlier channel comes first: the motion is known before the scan that needs it.
+    // Of equal stamps the earlier channel comes first: the motion is known before the scan that
+    // needs it.
     open(files.odometry, open_ucsd_odometry);
     open(files.encoders, open_ucsd_encoders);
     open(files.imu, open_ucsd_imu);

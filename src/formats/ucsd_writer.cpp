@@ -146,7 +146,8 @@ class UcsdWriter final : public LogWriter {
     if (!frame.depth_path.empty()) {
       if (!depth_) {
         const fs::path source(frame.depth_path);
-        // Metres as floats can't be disparities; nor is what another log of this layout calls depth.
+        // Metres as floats can't be disparities; nor is what another log of this layout calls
+        // depth.
         has_plain_depth_ = robot_.camera.encoding.kind == "depth" ||
                            source.filename().string().starts_with("depth") ||
                            (source.extension() != ".png" && source.extension() != ".pgm");

@@ -7,8 +7,9 @@
 
 namespace loopstone {
 
-/// A cloud of coloured points as PLY, binary little-endian: x y z as 4-byte floats [m] and red green blue as bytes (sRGB),
-/// which CloudCompare, MeshLab and Blender show as they stand. 15 bytes a point.
+/// A cloud of coloured points as PLY, binary little-endian: x y z as 4-byte floats [m] and red
+/// green blue as bytes (sRGB), which CloudCompare, MeshLab and Blender show as they stand. 15 bytes
+/// a point.
 [[nodiscard]] std::string encode_coloured_cloud(std::span<const ColouredPoint> points);
 
 }  // namespace loopstone

@@ -13,7 +13,8 @@
 
 namespace loopstone {
 
-/// A picture as files hold it: row 0 is the top, samples interleaved (grey; grey, alpha; red, green, blue; ... alpha).
+/// A picture as files hold it: row 0 is the top, samples interleaved (grey; grey, alpha; red,
+/// green, blue; ... alpha).
 struct Image {
   int width = 0;
   int height = 0;
@@ -39,16 +40,20 @@ struct Image {
   }
 };
 
-/// An image with all samples 0. Throws UsageError when a side is not positive or the whole too large for memory.
+/// An image with all samples 0. Throws UsageError when a side is not positive or the whole too
+/// large for memory.
 [[nodiscard]] Image make_image(int width, int height, int channels, int bytes_per_sample = 1);
 
-/// PNG of every kind: palettes and fewer than 8 bits are expanded to 8, 16 bits stay. Throws DataError.
+/// PNG of every kind: palettes and fewer than 8 bits are expanded to 8, 16 bits stay. Throws
+/// DataError.
 [[nodiscard]] Image decode_png(std::string_view bytes, const std::string& path_for_errors = "image",
                                const MemoryBudget& budget = {});
-/// \param compression 0 (none) to 9 (smallest). 1 is several times faster than 6 and good enough for maps.
+/// \param compression 0 (none) to 9 (smallest). 1 is several times faster than 6 and good enough
+///                    for maps.
 [[nodiscard]] std::string encode_png(const Image& image, int compression = 3);
 
-/// Portable graymap and pixmap, plain and raw (P2, P3, P5, P6), with comments, maximum up to 65535. Throws DataError.
+/// Portable graymap and pixmap, plain and raw (P2, P3, P5, P6), with comments, maximum up to 65535.
+/// Throws DataError.
 [[nodiscard]] Image decode_pnm(std::string_view bytes, const std::string& path_for_errors = "image",
                                const MemoryBudget& budget = {});
 /// Raw graymap (P5) without a comment; one channel, 8 bits.
@@ -61,10 +66,10 @@ struct Image {
 [[nodiscard]] Image read_image(const std::string& path, const MemoryBudget& budget = {});
 void write_png(const std::string& path, const Image& image, int compression = 3);
 
-/// Writes a PNG of 8 bits a channel one row at a time, for pictures that do not fit into memory. The file appears whole or
-/// not at all, also when `fill_row` throws. Throws DataError.
-/// \param fill_row  puts width * channels samples of a row into the span, which holds the row before; rows come from the
-///                  top, 0, down
+/// Writes a PNG of 8 bits a channel one row at a time, for pictures that do not fit into memory.
+/// The file appears whole or not at all, also when `fill_row` throws. Throws DataError.
+/// \param fill_row  puts width * channels samples of a row into the span, which holds the row
+///                  before; rows come from the top, 0, down
 void write_png_rows(const std::string& path, int width, int height, int channels,
                     const std::function<void(int row, std::span<std::uint8_t> samples)>& fill_row,
                     int compression = 3);

@@ -14,7 +14,8 @@ struct LogProblem : Problem {
   bool is_scan = false;  ///< of a laser, as far as the record still tells
 };
 
-/// Records that were skipped for one reason. Reasons that differ in their figures alone count as one.
+/// Records that were skipped for one reason. Reasons that differ in their figures alone count as
+/// one.
 struct SkipReason {
   std::string reason{};  ///< of the first of them
   Location first{};
@@ -42,7 +43,8 @@ struct LeftOut {
   [[nodiscard]] double record_share() const;
   /// The larger of both.
   [[nodiscard]] double share() const;
-  /// "13630 of 13631 scans (99.9 %) were left out since 0.0 s: a scan with ... (13630 times, first log.clf:15)".
+  /// "13630 of 13631 scans (99.9 %) were left out since 0.0 s: a scan with ... (13630 times, first
+  /// log.clf:15)".
   [[nodiscard]] std::string sentence() const;
 };
 

@@ -7,8 +7,9 @@
 
 namespace loopstone {
 
-/// Tells whether two logs begin with the same messages without keeping them: how many, and a checksum of them all. Where the
-/// files lie, how they are packed and what follows does not matter; of pictures only the stamps count.
+/// Tells whether two logs begin with the same messages without keeping them: how many, and a
+/// checksum of them all. Where the files lie, how they are packed and what follows does not matter;
+/// of pictures only the stamps count.
 class LogDigest {
  public:
   void add(const SensorMessage& message);

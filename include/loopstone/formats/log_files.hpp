@@ -7,12 +7,13 @@
 
 namespace loopstone {
 
-/// The files that a log consists of (of a folder the sensors of one set; pictures are left out), as they were when this was made.
-/// Empty when there is no such log; that is open_log()'s to say.
+/// The files that a log consists of (of a folder the sensors of one set; pictures are left out), as
+/// they were when this was made. Empty when there is no such log; that is open_log()'s to say.
 class LogFiles {
  public:
   LogFiles() = default;
-  /// \param log  as open_log() takes it. Throws what open_log() throws for a folder without the set that is asked for.
+  /// \param log  as open_log() takes it. Throws what open_log() throws for a folder without the set
+  ///             that is asked for.
   explicit LogFiles(const std::string& log);
 
   [[nodiscard]] std::vector<std::string> paths() const;

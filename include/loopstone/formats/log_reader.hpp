@@ -18,13 +18,15 @@ namespace loopstone {
 
 /// How a log is to be read.
 struct LogOptions {
-  /// Damage (broken, repeated, out-of-order records) is an error instead of being counted and skipped.
+  /// Damage (broken, repeated, out-of-order records) is an error instead of being counted and
+  /// skipped.
   bool strict = false;
   /// Told about every record that is skipped. May be empty.
   std::function<void(const LogProblem&)> on_problem{};
   /// What an archive may take while it is read.
   MemoryBudget memory{};
-  /// Asked now and then while bytes are read, also by another thread: true ends the log at once. May be empty.
+  /// Asked now and then while bytes are read, also by another thread: true ends the log at once.
+  /// May be empty.
   std::function<bool()> stop{};
 };
 
@@ -45,32 +47,34 @@ class LogReader {
  public:
   virtual ~LogReader() = default;
 
-  /// The next message, or nothing at the end or when LogOptions::stop said so. Throws DataError when the log can't be
-  /// read any further.
+  /// The next message, or nothing at the end or when LogOptions::stop said so. Throws DataError
+  /// when the log can't be read any further.
   [[nodiscard]] virtual std::optional<SensorMessage> next() = 0;
   [[nodiscard]] virtual ReadProgress progress() const = 0;
-  /// Short name of the format: "carmen", "ucsd".
+  /// The name of its entry in log_formats(): "carmen", "ucsd".
   [[nodiscard]] virtual std::string format() const = 0;
   /// `base` with everything that the log itself states about the robot (mounts) written over it.
   [[nodiscard]] virtual RobotModel robot(RobotModel base) const = 0;
   /// What was skipped so far because it was broken, repeated or too late.
   [[nodiscard]] virtual const SkippedRecords& skipped() const = 0;
   [[nodiscard]] std::int64_t records_skipped() const { return skipped().records; }
-  /// What a user should know about this log beside the skipped records, in plain words; complete after the last
-  /// message. Nothing here makes the log unusable.
+  /// What a user should know about this log beside the skipped records, in plain words; complete
+  /// after the last message. Nothing here makes the log unusable.
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
-  /// The same for what makes a result worse than the log could give; complete after the last message.
+  /// The same for what makes a result worse than the log could give; complete after the last
+  /// message.
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
 };
 
-/// Opens a file, a pipe or a folder; finds out the format by its content. "DIR#20" names set 20 of a UCSD folder, "-" is the
-/// standard input. A pipe is read once, as it comes.
-/// Throws DataError when there is nothing readable, saying what was found and what was expected; ReadingStopped.
+/// Opens a file, a pipe or a folder; finds out the format by its content. "DIR#20" names set 20 of
+/// a UCSD folder, "-" is the standard input. A pipe is read once, as it comes. Throws DataError
+/// when there is nothing readable, saying what was found and what was expected; ReadingStopped.
 [[nodiscard]] std::unique_ptr<LogReader> open_log(const std::string& path,
                                                   const LogOptions& options = {});
 
-/// The same log, read by a thread of its own a few hundred messages ahead of next(). Messages, problems, progress and
-/// counts come as they would from open_log(), and problems are told by whoever calls next().
+/// The same log, read by a thread of its own a few hundred messages ahead of next(). Messages,
+/// problems, progress and counts come as they would from open_log(), and problems are told by
+/// whoever calls next().
 [[nodiscard]] std::unique_ptr<LogReader> open_log_ahead(const std::string& path,
                                                         const LogOptions& options = {});
 
@@ -80,14 +84,19 @@ class LogWriter {
   virtual ~LogWriter() = default;
   /// Messages come in time order.
   virtual void write(const SensorMessage& message) = 0;
-  /// Completes the files and moves them to their final names. Without it the destructor removes what was written.
+  /// Completes the files and moves them to their final names. Without it the destructor removes
+  /// what was written.
   virtual void finish() = 0;
-  /// What the format could not carry or carries in its own way, in plain words; complete after finish().
+  /// What the format could not carry or carries in its own way, in plain words; complete after
+  /// finish().
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };
 
-/// \param format "carmen" (path is a file: .clf, .log, also with .gz or .bz2) or "ucsd" (path is a folder)
-/// \param set    number of the set, for the UCSD layout
+/// A writer that leaves out what the format has no place for, and tells so in its notes().
+/// \param path    of a file or a folder, as the format is either
+/// \param format  the name of one that can be written (log_format.hpp): "carmen", "ucsd"
+/// \param set     of a format whose folders hold several
+/// Throws UsageError for a format that there is not, DataError when nothing can be written there.
 [[nodiscard]] std::unique_ptr<LogWriter> create_log(const std::string& path,
                                                     const std::string& format,
                                                     const RobotModel& robot, int set = 20);

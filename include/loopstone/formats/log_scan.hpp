@@ -13,9 +13,10 @@
 
 namespace loopstone {
 
-/// Which scan of which log: "LOG#120", the scan number 120 (from 0), or "LOG@1000.5", the scan nearest to that second of the
-/// log's clock, or "LOG@+12.5", to that many seconds after its first scan. A folder with several sets needs its number first:
-/// "DIR#20#120", "DIR#20@+12.5"; "DIR#120" is a scan of the folder's only set.
+/// Which scan of which log: "LOG#120", the scan number 120 (from 0), or "LOG@1000.5", the scan
+/// nearest to that second of the log's clock, or "LOG@+12.5", to that many seconds after its first
+/// scan. A folder with several sets needs its number first: "DIR#20#120", "DIR#20@+12.5"; "DIR#120"
+/// is a scan of the folder's only set.
 struct ScanName {
   std::string log;
   std::optional<std::int64_t> index{};
@@ -23,7 +24,8 @@ struct ScanName {
   bool after_first_scan = false;
 };
 
-/// Nothing when the text names no scan: it has no #number or @time behind a path that exists, or is itself a path that does.
+/// Nothing when the text names no scan: it has no #number or @time behind a path that exists, or is
+/// itself a path that does.
 [[nodiscard]] std::optional<ScanName> parse_scan_name(const std::string& text);
 
 /// A scan of a log and what the log knows of the robot at that moment.
@@ -39,7 +41,8 @@ struct LogScan {
 /// Reads a log up to a scan. Scans are those of the first laser, in time order.
 /// \param robot        wheels and mounts
 /// \param robot_given  the user named that robot: it beats what the log says about itself
-/// Throws DataError when the log has no such scan, or none within half a second of the time; ReadingStopped.
+/// Throws DataError when the log has no such scan, or none within half a second of the time;
+/// ReadingStopped.
 [[nodiscard]] LogScan read_log_scan(const ScanName& name, const RobotModel& robot,
                                     bool robot_given = false, const LogOptions& options = {});
 

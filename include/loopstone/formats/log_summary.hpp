@@ -60,7 +60,8 @@ struct LidarSummary {
   RangeClasses ranges{};
   /// Of the returns, to 1 cm: smallest, 5 %, 25 %, 50 %, 75 %, 95 %, largest [m].
   std::array<double, 7> range_percentiles_m{};
-  /// Returns by distance: [0, 0.5), [0.5, 1), [1, 2), [2, 4), [4, 8), [8, 16), [16, 32), from 32 m on.
+  /// Returns by distance: [0, 0.5), [0.5, 1), [1, 2), [2, 4), [4, 8), [8, 16), [16, 32), from 32 m
+  /// on.
   std::array<std::int64_t, 8> range_histogram{};
   std::int64_t repeated_scans = 0;  ///< bit for bit the same as the scan before
 };
@@ -140,8 +141,8 @@ struct LogSummary {
   [[nodiscard]] std::string name_of(const LidarSummary& lidar) const;
 };
 
-/// How bad it is that so much was left out: nothing when all was used. From 5 % on it is a warning, and an error when hardly a
-/// scan is left (or a record, in a log without scans).
+/// How bad it is that so much was left out: nothing when all was used. From 5 % on it is a warning,
+/// and an error when hardly a scan is left (or a record, in a log without scans).
 [[nodiscard]] std::optional<Finding> judge(const LeftOut& left_out);
 
 /// Counts what goes by and what the reader skipped meanwhile.

@@ -11,8 +11,8 @@
 
 namespace loopstone {
 
-/// One field of an option struct: its dotted name, where its value lives, the rule it must keep and its help text.
-/// The pointers lead into the struct that was listed, which must outlive the entry.
+/// One field of an option struct: its dotted name, where its value lives, the rule it must keep and
+/// its help text. The pointers lead into the struct that was listed, which must outlive the entry.
 struct OptionEntry {
   std::string key;  ///< "front_end.max_range_m": groups, then the field
   std::variant<bool*, int*, double*, std::string*> value{};
@@ -42,7 +42,8 @@ class OptionsError : public UsageError {
   std::vector<OptionProblem> problems_;
 };
 
-/// The visitor of visit_options (base/options.hpp) that lists every field of a struct and of its groups.
+/// The visitor of visit_options (base/options.hpp) that lists every field of a struct and of its
+/// groups.
 class OptionLister {
  public:
   explicit OptionLister(std::vector<OptionEntry>& entries, std::string prefix = {})
@@ -64,7 +65,8 @@ class OptionLister {
   std::string prefix_;
 };
 
-/// Every option of a struct that has visit_options, groups included, in the order in which they are described.
+/// Every option of a struct that has visit_options, groups included, in the order in which they are
+/// described.
 template <typename Options>
 [[nodiscard]] std::vector<OptionEntry> list_options(Options& options) {
   std::vector<OptionEntry> entries;
@@ -72,11 +74,13 @@ template <typename Options>
   return entries;
 }
 
-/// What the entry demands, for people: "a number from 0.005 to 1", "one of huber, cauchy", "true or false".
+/// What the entry demands, for people: "a number from 0.005 to 1", "one of huber, cauchy", "true or
+/// false".
 [[nodiscard]] std::string rule_of(const OptionEntry& entry);
 
-/// Writes the values of a TOML text into the options; groups are tables. Returns what could not be taken (unknown
-/// keys, wrong types, values outside their range); those options keep their value, the others are set.
+/// Writes the values of a TOML text into the options; groups are tables. Returns what could not be
+/// taken (unknown keys, wrong types, values outside their range); those options keep their value,
+/// the others are set.
 /// \param path names the text in the problems
 [[nodiscard]] std::vector<OptionProblem> apply_toml(const std::vector<OptionEntry>& options,
                                                     std::string_view toml, const std::string& path);
@@ -89,12 +93,12 @@ template <typename Options>
 [[nodiscard]] std::vector<OptionProblem> apply_assignment(const std::vector<OptionEntry>& options,
                                                           std::string_view assignment);
 
-/// The options as TOML: groups as tables, each option under its help text and its rule as a comment. Read back it
-/// gives the same values to the last bit.
+/// The options as TOML: groups as tables, each option under its help text and its rule as a
+/// comment. Read back it gives the same values to the last bit.
 [[nodiscard]] std::string options_to_toml(const std::vector<OptionEntry>& options);
 
-/// Of `known` the word that is nearest to `word` by edit distance; compares whole dotted keys and, so that a
-/// forgotten group is found, last parts. Empty when nothing is near.
+/// Of `known` the word that is nearest to `word` by edit distance; compares whole dotted keys and,
+/// so that a forgotten group is found, last parts. Empty when nothing is near.
 [[nodiscard]] std::string nearest_key(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace loopstone

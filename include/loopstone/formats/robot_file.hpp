@@ -7,8 +7,8 @@
 
 namespace loopstone {
 
-/// Reads a robot from TOML (robots/ucsd.toml shows every key). What the text does not name keeps its default, the
-/// UCSD robot's; naming any lidar replaces the list of lidars.
+/// Reads a robot from TOML (robots/ucsd.toml shows every key). What the text does not name keeps
+/// its default, the UCSD robot's; naming any lidar replaces the list of lidars.
 /// \param path names the text in the problems
 /// Throws OptionsError with all problems at once.
 [[nodiscard]] RobotModel parse_robot(std::string_view toml, const std::string& path);
@@ -16,7 +16,8 @@ namespace loopstone {
 /// The same from a file. Throws DataError when it can't be read.
 [[nodiscard]] RobotModel read_robot_file(const std::string& path);
 
-/// The robot as TOML with help texts as comments. Read back it gives the same robot (angles of the camera to 1e-12).
+/// The robot as TOML with help texts as comments. Read back it gives the same robot (angles of the
+/// camera to 1e-12).
 [[nodiscard]] std::string robot_to_toml(const RobotModel& robot);
 
 }  // namespace loopstone

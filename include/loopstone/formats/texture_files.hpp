@@ -9,7 +9,8 @@
 
 namespace loopstone {
 
-/// The YAML file beside the picture of the floor. Its keys are those of map.yaml where they mean the same.
+/// The YAML file beside the picture of the floor. Its keys are those of map.yaml where they mean
+/// the same.
 struct TextureInfo {
   std::string image;  ///< relative to the YAML file's folder unless it starts with '/'
   /// Grey picture of the same size: 255 seen, 128 filled, 0 unknown.
@@ -17,7 +18,8 @@ struct TextureInfo {
   double resolution_m = 0.01;
   Pose2 map_T_corner;  ///< of the lower left corner of the lower left pixel
 
-  /// The pixels as cells along the axes of the map frame. Throws UsageError when the picture is turned.
+  /// The pixels as cells along the axes of the map frame. Throws UsageError when the picture is
+  /// turned.
   [[nodiscard]] GridFrame frame(int width_px, int height_px) const;
 };
 
@@ -30,8 +32,9 @@ struct TextureInfo {
 /// The same from a file; the names of the pictures are made relative to the folder one is in.
 [[nodiscard]] TextureInfo read_texture_yaml(const std::string& path);
 
-/// The world file of a picture (texture.pgw beside texture.png), by which GIS programs place it: the lines A D B E C F of
-/// x = A column + B row + C, y = D column + E row + F [m], for the centres of the pixels counted from the upper left.
+/// The world file of a picture (texture.pgw beside texture.png), by which GIS programs place it:
+/// the lines A D B E C F of x = A column + B row + C, y = D column + E row + F [m], for the centres
+/// of the pixels counted from the upper left.
 [[nodiscard]] std::string format_world_file(const GridFrame& frame);
 
 }  // namespace loopstone

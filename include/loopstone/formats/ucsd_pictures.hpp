@@ -8,7 +8,8 @@
 namespace loopstone {
 
 /// Where the UCSD layout keeps the pictures of one set:
-///   FOLDER/dataRGBD/RGB20/rgb20_1.png (8 bits a channel), FOLDER/dataRGBD/Disparity20/disparity20_1.png (16 bits),
+///   FOLDER/dataRGBD/RGB20/rgb20_1.png (8 bits a channel),
+///   FOLDER/dataRGBD/Disparity20/disparity20_1.png (16 bits),
 /// or Depth20/depth20_1.png where the numbers are distances.
 struct UcsdPictures {
   std::string folder;

@@ -22,7 +22,8 @@ using test::LogContent;
 using test::pose_near;
 using test::TempDir;
 
-/// A robot on a curve: encoders at 40 Hz, gyro at 100 Hz, laser at 10 Hz; some beams bad, some without a return.
+/// A robot on a curve: encoders at 40 Hz, gyro at 100 Hz, laser at 10 Hz; some beams bad, some
+/// without a return.
 std::vector<SensorMessage> drive(bool poses, std::size_t beams, double angle_min,
                                  double increment) {
   std::vector<SensorMessage> messages;

@@ -1,5 +1,6 @@
-// Small files that claim to be, or unpack to be, far more than an honest file of their size. Each is refused before the memory is
-// asked for; the tests that follow each refusal show that the same reader takes what is honest.
+// Small files that claim to be, or unpack to be, far more than an honest file of their size. Each
+// is refused before the memory is asked for; the tests that follow each refusal show that the same
+// reader takes what is honest.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -79,7 +80,8 @@ TEST(MemoryBombs, PicturesOfFarMorePixelsThanTheirFileSays) {
 }
 
 TEST(MemoryBombs, LargeHonestMapsAreAllowed) {
-  // 20,000 x 20,000 pixels of a real map take some megabytes; of one that is empty but for a wall, 0.4.
+  // 20,000 x 20,000 pixels of a real map take some megabytes; of one that is empty but for a wall,
+  // 0.4.
   const MemoryBudget budget;
   EXPECT_GE(budget.allowed_bytes(400'000, Growth::kPicture), 2 * 400'000'000ull);
   EXPECT_GE(budget.allowed_bytes(2'000'000, Growth::kMap), 27 * 400'000'000ull);

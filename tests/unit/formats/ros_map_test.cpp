@@ -55,7 +55,8 @@ TEST(RosMap, BytesAreThoseThatNav2Reads) {
   const std::string header = "P5\n23 11\n255\n";
   ASSERT_EQ(pgm.substr(0, header.size()), header);
   ASSERT_EQ(pgm.size(), header.size() + 23 * 11);
-  // nav2's rule, written out: p = (255 - g) / 255; occupied if p >= 0.65, free if p <= 0.196; top row first.
+  // nav2's rule, written out: p = (255 - g) / 255; occupied if p >= 0.65, free if p <= 0.196; top
+  // row first.
   for (int row = 0; row < 11; ++row) {
     for (int column = 0; column < 23; ++column) {
       const auto grey = static_cast<unsigned char>(
@@ -134,7 +135,8 @@ TEST(RosMap, SixteenBitsAndPlainPgmAndPng) {
 }
 
 TEST(RosMap, RotatedOriginIsDrawnAlongTheAxes) {
-  // A wall along the picture's bottom row; turned by 90 degrees about its lower left corner it runs along y.
+  // A wall along the picture's bottom row; turned by 90 degrees about its lower left corner it runs
+  // along y.
   Image image = make_image(10, 4, 1);
   std::fill(image.bytes.begin(), image.bytes.end(), std::uint8_t{254});
   std::fill(image.bytes.end() - 10, image.bytes.end(), std::uint8_t{0});

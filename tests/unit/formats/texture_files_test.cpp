@@ -83,7 +83,8 @@ TEST(TextureYaml, DamageIsNamedWithItsLine) {
   EXPECT_THROW((void)turned.frame(1, 1), UsageError);
 }
 
-/// The law: the world file sends the centre of the pixel (column, row from the top) where GridFrame says its cell is.
+/// The law: the world file sends the centre of the pixel (column, row from the top) where GridFrame
+/// says its cell is.
 TEST(WorldFile, AgreesWithTheGrid) {
   std::istringstream text(format_world_file(kFrame));
   std::vector<double> values(6);

@@ -18,7 +18,8 @@ namespace loopstone::test {
 
 enum class TiffSamplePacking { kNone = 1, kLzw = 5, kDeflate = 8, kPackBits = 32773 };
 
-/// How a TIFF file stores its picture. Written after Adobe's TIFF revision 6.0, apart from the reader.
+/// How a TIFF file stores its picture. Written after Adobe's TIFF revision 6.0, apart from the
+/// reader.
 struct TiffLayout {
   std::endian order = std::endian::little;
   TiffSamplePacking packing = TiffSamplePacking::kNone;
@@ -69,7 +70,8 @@ inline std::string pack_lzw(std::string_view plain) {
   };
   unsigned next = 258;
   const auto put = [&](unsigned code) {
-    // The writer is one word ahead of the reader: it changes the width when it has added word 511, 1023, 2047.
+    // The writer is one word ahead of the reader: it changes the width when it has added word 511,
+    // 1023, 2047.
     const unsigned width = next <= 511 ? 9 : next <= 1023 ? 10 : next <= 2047 ? 11 : 12;
     bits = (bits << width) | code;
     held += width;

@@ -41,7 +41,8 @@ TEST(UcsdPairs, TheNearestServesAndServesOnce) {
   const auto depth = row({0, 33, 66, 100});
   const auto colour = row({-20, 10, 30, 34, 101, 300});
   const auto pairs = pair_pictures(depth, colour, Duration{50'000'000});
-  // 33 takes 34 and 100 takes 101. 66 could only have 30, and the streams would cross: it stays alone.
+  // 33 takes 34 and 100 takes 101. 66 could only have 30, and the streams would cross: it stays
+  // alone.
   using Place = std::optional<std::size_t>;
   constexpr std::nullopt_t kAlone = std::nullopt;
   std::vector<std::pair<Place, Place>> got;
@@ -127,8 +128,8 @@ TEST(UcsdPairs, AgreesWithTheNaiveTwinAndLosesNothing) {
   }
 }
 
-/// Frames of a depth camera at 30 Hz and a colour camera that runs 12 ms later; picture 3 of colour is lost. Pictures are one
-/// pixel that tells its number.
+/// Frames of a depth camera at 30 Hz and a colour camera that runs 12 ms later; picture 3 of colour
+/// is lost. Pictures are one pixel that tells its number.
 class CameraLog {
  public:
   explicit CameraLog(const std::string& depth_kind = "depth") : kind_(depth_kind) {
