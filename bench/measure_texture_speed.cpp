@@ -3,8 +3,6 @@
 // Over the first FRAMES frames (200): CPU time of map_floor_texture with pictures from files and with pictures already in
 // memory, with and without the estimates of mount and clock, which cost the same however long the log is. Prints JSON.
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
@@ -20,6 +18,7 @@
 #include "loopstone/formats/rgbd_files.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
+#include "loopstone/report/peak_memory.hpp"
 
 namespace loopstone::bench {
 namespace {
@@ -30,11 +29,7 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double peak_memory_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
+double peak_memory_mb() { return 1e-6 * static_cast<double>(peak_memory_bytes()); }
 
 /// Frames a second of CPU time, the median of three runs.
 double frames_per_second(const RgbdSource& source, const Trajectory& trajectory,

@@ -6,7 +6,6 @@ import platform
 import statistics
 import subprocess
 import sys
-import time
 
 MEGABYTE = 1e6
 
@@ -15,21 +14,23 @@ class Failed(Exception):
     """The program ended with an error; the text has the command and what it said."""
 
 
+LAUNCHER = [sys.executable, "-I", "-S", str(pathlib.Path(__file__).with_name("launch.py"))]
+
+
 def run(command, check=True, folder=None):
-    """Runs a command; returns its stdout and what it took, as measured by the kernel for this one process."""
-    started = time.monotonic()
-    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                               cwd=folder)
-    # stdout is small (a JSON object) and stderr quiet, so reading one after the other can't block.
-    output = process.stdout.read().decode()
-    errors = process.stderr.read().decode()
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    cost = {"wall_s": time.monotonic() - started, "cpu_s": usage.ru_utime + usage.ru_stime,
-            "peak_mb": usage.ru_maxrss * 1024 / MEGABYTE}
-    if check and process.returncode != 0:
-        raise Failed(f"{' '.join(map(str, command))}\nended with {process.returncode}\n{errors}")
-    return output, cost
+    """Runs a command; returns its stdout and what it took, as measured by the kernel for this one process (launch.py)."""
+    words = [str(word) for word in command]
+    books, report = os.pipe()
+    process = subprocess.Popen([*LAUNCHER, str(report), *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder,
+                               pass_fds=[report])
+    os.close(report)
+    output, errors = (text.decode() for text in process.communicate())
+    with os.fdopen(books) as pipe:
+        figures = pipe.read().split()
+    if check and process.returncode != 0 or len(figures) != 3:
+        raise Failed(f"{' '.join(words)}\nended with {process.returncode}\n{errors}")
+    wall_s, cpu_s, peak_bytes = map(float, figures)
+    return output, {"wall_s": wall_s, "cpu_s": cpu_s, "peak_mb": peak_bytes / MEGABYTE}
 
 
 class Loopstone:

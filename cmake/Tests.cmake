@@ -88,6 +88,10 @@ if(TARGET loopstone_program)
   set_tests_properties(docs.are_true PROPERTIES LABELS docs TIMEOUT 240)
 endif()
 
+# What measures the figures of docs/ is measured itself.
+add_test(NAME bench.self_test COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/bench/check_bench.py")
+set_tests_properties(bench.self_test PROPERTIES LABELS bench TIMEOUT 60)
+
 # An outside project; of no use with a sanitizer, whose run-time library it would have to link.
 if(NOT LOOPSTONE_SANITIZE AND NOT CMAKE_CXX_FLAGS_DEBUG MATCHES "coverage")
   add_test(NAME install.outside_project COMMAND "${PROJECT_SOURCE_DIR}/tests/install/run.sh" "${CMAKE_BINARY_DIR}"

@@ -18,6 +18,7 @@
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/localization/localizer.hpp"
 #include "loopstone/report/localization_outputs.hpp"
+#include "loopstone/report/peak_memory.hpp"
 #include "output_path.hpp"
 #include "parse_pose.hpp"
 #include "result.hpp"
@@ -268,6 +269,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
         write_localization_animation(result, map.occupancy(), arguments.animation, arguments.force);
   }
   for (const std::string& warning : result.warnings) context.warn(warning);
+  info.run.peak_memory_bytes = peak_memory_bytes();
   const std::string text = format_summary(result, map.occupancy(), info);
   const auto summary = nlohmann::ordered_json::parse(text);
   const std::vector<std::string> missed = missed_bounds(bounds, summary);

@@ -7,6 +7,7 @@
 #include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_format_words.hpp"
+#include "loopstone/report/peak_memory.hpp"
 #include "loopstone/version.hpp"
 
 namespace loopstone::app {
@@ -123,12 +124,6 @@ double cpu_seconds() {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-std::int64_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
 RunInfo run_info(const std::string& log_path, const LeftOut& left_out, bool force,

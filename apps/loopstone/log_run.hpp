@@ -88,7 +88,6 @@ void judge_left_out(const LeftOut& left_out, const std::string& path, const AppC
 
 /// Of this process, all threads.
 [[nodiscard]] double cpu_seconds();
-[[nodiscard]] std::int64_t peak_memory_bytes();
 
 /// What is known of every run when it is over; its options and wall time are the command's to say.
 [[nodiscard]] RunInfo run_info(const std::string& log_path, const LeftOut& left_out, bool force,

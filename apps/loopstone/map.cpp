@@ -23,6 +23,7 @@
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
+#include "loopstone/report/peak_memory.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/mapper.hpp"
@@ -259,6 +260,7 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
+  info.peak_memory_bytes = peak_memory_bytes();
   checkpoint.end(result.complete && info.failure.empty());
 
   for (const auto& warning : result.warnings) context.warn(warning);

@@ -15,6 +15,7 @@
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
+#include "loopstone/report/peak_memory.hpp"
 #include "loopstone/report/texture_outputs.hpp"
 #include "output_path.hpp"
 
@@ -121,6 +122,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   info.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_texture_outputs(texture, map, trajectory, info, arguments.out);
+  info.peak_memory_bytes = peak_memory_bytes();
   if (context.json()) {
     print_to_stdout(format_texture_summary(texture, info));
   } else {

@@ -12,6 +12,7 @@
 #include "loopstone/report/localization_picture.hpp"
 #include "report/localization_html.hpp"
 #include "report/output_files.hpp"
+#include "report/with_peak_memory.hpp"
 
 namespace loopstone {
 
@@ -36,10 +37,12 @@ void write_localization_outputs(const LocalizationResult& result,
   files.add("localization.csv", "the same with covariance, state, probability and evidence",
             format_localization_csv(result.estimates));
   files.add("options.toml", "the effective options", info.run.options_toml);
+  LocalizationRunInfo until_now = info;
+  until_now.run = with_peak_memory(info.run);
   files.add("summary.json", "every figure of the run, for programs",
-            format_summary(result, occupancy, info));
+            format_summary(result, occupancy, until_now));
   files.add("report.html", "this page",
-            format_localization_report(result, occupancy, info, picture, files.listed()));
+            format_localization_report(result, occupancy, until_now, picture, files.listed()));
   files.commit();
   folder.keep();
 }

@@ -21,6 +21,7 @@
 #include "report/report_html.hpp"
 #include "report/texture_files.hpp"
 #include "report/texture_summary.hpp"
+#include "report/with_peak_memory.hpp"
 
 namespace loopstone {
 namespace {
@@ -89,10 +90,11 @@ void add_map_and_report(const MapResult& result, const RunInfo& info, const Floo
     }
     floor_html = html_texture(*texture, floor_picture);
   }
+  const RunInfo until_now = with_peak_memory(info);
   files.add("summary.json", "every figure of the run, for programs",
-            format_summary(result, info, texture));
+            format_summary(result, until_now, texture));
   files.add("report.html", "this page",
-            format_report(result, info, picture, files.listed(), quality_html, floor_html));
+            format_report(result, until_now, picture, files.listed(), quality_html, floor_html));
   files.make_safe();
 }
 
@@ -110,7 +112,7 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
   } catch (const std::exception& error) {
     failure = error.what();
     files.forget_the_rest();
-    RunInfo incomplete = info;
+    RunInfo incomplete = with_peak_memory(info);
     incomplete.failure = failure;
     files.add("summary.json", "every figure of the run, for programs",
               format_summary(result, incomplete, nullptr));

@@ -7,6 +7,7 @@
 #include "report/output_files.hpp"
 #include "report/texture_files.hpp"
 #include "report/texture_summary.hpp"
+#include "report/with_peak_memory.hpp"
 
 namespace loopstone {
 
@@ -34,7 +35,7 @@ void write_texture_outputs(const FloorTexture& texture, const OccupancyMap& map,
   }
   files.add("options.toml", "the effective options", info.options_toml);
   files.add("summary.json", "every figure of the run, for programs",
-            format_texture_summary(texture, info));
+            format_texture_summary(texture, with_peak_memory(info)));
   files.commit();
   folder.keep();
 }

@@ -34,6 +34,7 @@ struct RunInfo {
   double wall_time_s =
       0.0;  ///< from opening the log to the finished result, without the writing of these files
   double cpu_time_s = 0.0;  ///< of all threads
+  /// Of the process so far. Unless 0, what is written tells the peak of when maps and pictures are made, too.
   std::int64_t peak_memory_bytes = 0;
   LeftOut left_out{};  ///< of the log, as far as it was read
   int threads = 0;

@@ -18,6 +18,7 @@
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/map_picture.hpp"
+#include "loopstone/report/peak_memory.hpp"
 #include "report/output_files.hpp"
 #include "support/temp_dir.hpp"
 
@@ -74,7 +75,7 @@ RunInfo small_info() {
   info.version = "9.8.7";
   info.wall_time_s = 0.5;
   info.cpu_time_s = 0.75;
-  info.peak_memory_bytes = 123456789;
+  info.peak_memory_bytes = 123'456'789'012;  // more than any test takes
   info.left_out.skipped = {.records = 4, .scans = 1};
   info.left_out.scans_read = 3;
   return info;
@@ -184,6 +185,22 @@ TEST(MapOutputs, IncompleteRunSaysSo) {
   write_map_outputs(result, small_info(), dir / "out");
   EXPECT_NE(dir.read("out/report.html").find("Incomplete"), std::string::npos);
   EXPECT_FALSE(nlohmann::json::parse(dir.read("out/summary.json"))["complete"]);
+}
+
+TEST(MapOutputs, PeakMemoryIsThatOfThePicturesTooWhereTheCallerTellsIt) {
+  const TempDir dir;
+  RunInfo info = small_info();
+  const auto written = [&](const std::string& name) {
+    write_map_outputs(small_result(), info, dir / name);
+    const auto summary = nlohmann::json::parse(dir.read(name + "/summary.json"));
+    return summary["peak_memory_bytes"].get<std::int64_t>();
+  };
+  info.peak_memory_bytes = 1;
+  const std::int64_t raised = written("raised");
+  EXPECT_GT(raised, 1 << 20);
+  EXPECT_LE(raised, peak_memory_bytes() + (1 << 20));
+  info.peak_memory_bytes = 0;
+  EXPECT_EQ(written("untold"), 0) << "a library's caller may be a program of many runs";
 }
 
 TEST(MapOutputs, SameResultSameBytes) {
