@@ -11,6 +11,7 @@ import argparse
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 
 try:
@@ -19,7 +20,12 @@ except ImportError:
     raise SystemExit("this script needs numpy: apt install python3-numpy, then run it with /usr/bin/python3")
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BEGIN, END = "<!-- begin: ucsd-odometry -->", "<!-- end: ucsd-odometry -->"
+sys.path.insert(0, str(ROOT / "scripts"))
+
+from doc_blocks import write_block  # noqa: E402
+from provenance import circumstances, provenance  # noqa: E402
+
+BLOCK = "ucsd-odometry"
 
 VARIANTS = [
     ("default: arcs, gyro heading, bias from standstill, interpolated", [], {}),
@@ -96,7 +102,8 @@ def compare(stamps, poses, other_stamps, other):
 def table(program, data):
     sensors = data / "ucsd" / "sensors"
     others = sorted((data / "ucsd" / "others_results").glob("*/odometry_*_imu.npz"))
-    lines = []
+    version = subprocess.run([program, "--version"], check=True, stdout=subprocess.PIPE).stdout.decode().strip()
+    lines = [provenance(circumstances(version)), ""]
     for result in others:
         number = int(re.search(r"odometry_(\d+)_imu", result.name).group(1))
         with np.load(result) as arrays:
@@ -120,17 +127,6 @@ def table(program, data):
     return "\n".join(lines)
 
 
-def write_between_markers(path, text):
-    content = path.read_text() if path.exists() else "# Accuracy\n"
-    block = f"{BEGIN}\n{text}\n{END}"
-    if BEGIN in content and END in content:
-        content = re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: block, content, flags=re.S)
-    else:
-        content = content.rstrip("\n") + f"\n\n## Odometry on the UCSD sets\n\n{block}\n"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(content)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
@@ -139,7 +135,7 @@ def main():
     arguments = parser.parse_args()
     text = table(arguments.program, arguments.data)
     if arguments.write:
-        write_between_markers(arguments.write, text)
+        write_block(arguments.write, BLOCK, text)
     else:
         print(text)
 

@@ -25,7 +25,8 @@ import confidence_tables as report  # noqa: E402
 from confidence_drives import KINDS, Drive, drive_through, planned  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
-from program import Loopstone, machine, say  # noqa: E402
+from program import Loopstone, say  # noqa: E402
+from provenance import circumstances  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/localization.md", "localization-confidence"
 PICTURE = ROOT / "docs/images/localization_reliability.svg"
@@ -43,8 +44,7 @@ def drives_of(arguments):
         section = json.loads(kept.read_text())
         return [Drive(**drive) for drive in section.pop("drives")], section
     seeds = QUICK_SEEDS if arguments.quick else arguments.seeds
-    section = {"machine": machine(), "version": Loopstone(arguments.programs / "loopstone", arguments.work).version(),
-               "command": f"bench/confidence.py {arguments.what}" + (f" --seeds {seeds}" if seeds != SEEDS else "")}
+    section = circumstances(Loopstone(arguments.programs / "loopstone", arguments.work).version())
     drives = planned(arguments.data, FIRST_SEED[arguments.what], seeds)
     drives = drive_through(arguments.programs / "measure_localization", drives, arguments.work)
     kept.write_text(json.dumps({**section, "drives": [vars(drive) for drive in drives]}))

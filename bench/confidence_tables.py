@@ -1,9 +1,9 @@
 """From drives to what they say about localisation's probability: figures, Markdown, a picture. Nothing is measured here."""
 import math
 
-import tables
 from confidence_drives import DURATION_S, KINDS, place_title
 from doc_blocks import table
+from provenance import provenance
 
 BINS = 10
 # Default options of localisation: from here up TRACKING, below LOST.
@@ -116,7 +116,7 @@ def text_of(section, figures):
     idle = {**section, "machine": {**section["machine"], "load": 0.0}}  # no times here that a busy machine could spoil
     return "\n".join([
         f"Measured on {whole['drives']} simulated drives of {DURATION_S} s that the weights have not seen: "
-        f"{', '.join(figures['places'])}. {tables.provenance(idle)}", "",
+        f"{', '.join(figures['places'])}. {provenance(idle)}", "",
         "![Share of right poses over stated probability](images/localization_reliability.svg)", "",
         reliability_table(whole["bins"]), "",
         f"AUC {whole['auc']:.4f}: so often is a right pose given a higher probability than a wrong one. Brier score "

@@ -24,7 +24,8 @@ import measure  # noqa: E402
 import tables  # noqa: E402
 import targets  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
-from program import Loopstone, machine, say  # noqa: E402
+from program import Loopstone, say  # noqa: E402
+from provenance import circumstances  # noqa: E402
 
 SECTIONS = ["speed", "laps", "online", "peers", "real", "simulated", "demo"]  # the timing first, while nothing else has warmed or filled the machine
 
@@ -87,13 +88,12 @@ def main():
     sections = json.loads(kept.read_text()) if kept.exists() else {}
     for name in arguments.only:
         say(f"{name}:")
-        circumstances = {"machine": machine(), "version": loopstone.version(),
-                         "command": "bench/figures.py" + (" --quick" if arguments.quick else "")}
+        when = circumstances(loopstone.version())
         started = time.monotonic()
         figures = measure_section(name, loopstone, arguments.data, arguments.quick)
         say(f"  took {time.monotonic() - started:.0f} s")
         if figures:
-            sections[name] = {**circumstances, "figures": figures}
+            sections[name] = {**when, "figures": figures}
             kept.write_text(json.dumps(sections, indent=1))
 
     for page, block, text in blocks_of(sections):

@@ -1,21 +1,45 @@
 #!/usr/bin/env bash
-# Measures whole runs and writes the tables of docs/ and README.md (see bench/figures.py). BENCH_QUICK=1: a short look,
-# docs/ stay as they are.
-set -euo pipefail
+# Measures everything and writes the tables of docs/ and README.md; each script tells on its own what it measures. Some hours; a table
+# whose script fails stays as it was, and the last line names the script. BENCH_QUICK=1: a short look, docs/ stay as they are.
+set -uo pipefail
 cd "$(dirname "$0")/.."
 
-python3 bench/figures.py ${BENCH_QUICK:+--quick}
-if [[ -z ${BENCH_QUICK:-} && -e bench/compare_ucsd_odometry.py && -d ${LOOPSTONE_DATA:-../shared/data}/ucsd ]]; then
-  if python3 -c 'import numpy' 2>/dev/null; then
-    python3 bench/compare_ucsd_odometry.py --data "${LOOPSTONE_DATA:-../shared/data}" --write docs/accuracy.md
-  else
-    echo "bench/compare_ucsd_odometry.py: skipped, it needs python3-numpy" >&2
+quick=${BENCH_QUICK:+--quick}
+data=${LOOPSTONE_DATA:-../shared/data}
+failed=()
+
+measure() {
+  printf '\n== %s\n' "$*"
+  python3 "$@" || failed+=("$1")
+}
+
+# What is timed first, while nothing else has warmed or filled the machine.
+measure bench/figures.py $quick
+measure bench/pose_graphs.py $quick
+measure bench/registration.py $quick
+measure bench/localization_speed.py $quick
+measure bench/ray_cast.py $quick
+measure bench/texture.py $quick
+measure bench/session.py $quick
+measure bench/localization.py $quick
+measure bench/confidence.py measure $quick
+measure bench/outliers.py $quick
+measure bench/loops.py $quick
+measure bench/gaps.py $quick
+measure bench/robustness.py $quick
+measure bench/quality.py $quick
+if [[ -z $quick ]]; then
+  measure scripts/matching_examples.py
+  if [[ -d $data/ucsd ]]; then
+    if python3 -c 'import numpy' 2>/dev/null; then
+      measure bench/compare_ucsd_odometry.py --data "$data" --write docs/accuracy.md
+    else
+      echo "bench/compare_ucsd_odometry.py: skipped, it needs python3-numpy" >&2
+    fi
   fi
 fi
-python3 bench/registration.py ${BENCH_QUICK:+--quick}
-python3 bench/localization_speed.py ${BENCH_QUICK:+--quick}
-python3 bench/localization.py ${BENCH_QUICK:+--quick}
-python3 bench/ray_cast.py ${BENCH_QUICK:+--quick}
-python3 bench/loops.py ${BENCH_QUICK:+--quick}
-python3 bench/robustness.py ${BENCH_QUICK:+--quick}
-python3 bench/quality.py ${BENCH_QUICK:+--quick}
+
+if [[ ${#failed[@]} -gt 0 ]]; then
+  echo "failed: ${failed[*]}" >&2
+  exit 1
+fi

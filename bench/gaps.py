@@ -24,7 +24,7 @@ from doc_blocks import table, write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
 from program import Loopstone, say  # noqa: E402
 from sections import measure_sections, section_parser  # noqa: E402
-from tables import provenance  # noqa: E402
+from provenance import provenance  # noqa: E402
 
 PAGE = ROOT / "docs/robustness.md"
 SIMULATED = {"office": [], "warehouse": [], "campus": []}
@@ -215,8 +215,7 @@ def text_of(sections):
                               worst(rows, "torn_m"), worst(rows, "ate_m"), f"{figures['clean_ate_m']:.3f}", str(len(wrong)),
                               str(sum(row["verdict"] == "good" for row in wrong)),
                               str(sum(row["verdict"] == "good" for row in rows))])
-    last = list(sections.values())[-1]
-    return provenance(last) + "\n\n" + table(
+    return provenance(*sections.values()) + "\n\n" + table(
         ["log", "gap [s]>", "places>", "odometry across the gap, worst [m]>", "map across the gap, worst [m]>",
          "ATE with odometry across, worst [m]>",
          "ATE, worst [m]>", "ATE without a gap [m]>", "worse than the bound>", "of them called good>", "called good>"], cells)

@@ -20,7 +20,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import tables  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
-from program import Loopstone, machine, say  # noqa: E402
+from program import Loopstone, say  # noqa: E402
+from provenance import circumstances  # noqa: E402
 from sections import verdicts  # noqa: E402
 
 PAGE, BLOCK = "docs/benchmarks.md", "localization-field"
@@ -104,8 +105,7 @@ def main():
     if arguments.write:
         section = json.loads(kept.read_text())
     else:
-        section = {"machine": machine(), "version": Loopstone(arguments.programs / "loopstone", arguments.work).version(),
-                   "command": "bench/localization_speed.py" + (" --quick" if arguments.quick else "")}
+        section = circumstances(Loopstone(arguments.programs / "loopstone", arguments.work).version())
         section["figures"] = measure(arguments.programs / "bench_likelihood_field", arguments.work, arguments.quick)
         kept.write_text(json.dumps(section, indent=1))
     text = text_of(section)

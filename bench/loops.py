@@ -26,7 +26,7 @@ from doc_blocks import table, write_block  # noqa: E402
 from measure import SICK, data_folder  # noqa: E402
 from program import Failed, Loopstone, say  # noqa: E402
 from sections import measure_sections, section_parser, verdicts  # noqa: E402
-from tables import provenance  # noqa: E402
+from provenance import provenance  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/accuracy.md", "accuracy-loops"
 CASES = {  # world, flags of simulate, seeds, seeds with --quick
@@ -173,7 +173,7 @@ def targets_of(cases):
 
 
 def text_of(sections):
-    parts = [provenance(next(iter(sections.values()))), ""]
+    parts = [provenance(*sections.values()), ""]
     cases = [section["figures"] for section in sections.values()]
     rows = []
     for case in cases:

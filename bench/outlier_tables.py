@@ -108,7 +108,7 @@ def text_of(names, sections):
     measured = [name for name in names if f"{name}-gnc" in sections]
     if not measured:
         return ""
-    parts = [tables.provenance(sections[f"{measured[0]}-gnc"])]
+    parts = [tables.provenance(*(sections[key] for key in sections if key.split("-")[0] in measured))]
     for name in measured:
         kernels = figures_of(sections, name, "kernels")
         parts += ["", graph_table(figures_of(sections, name, "gnc"), kernels["runs"] if kernels else [])]

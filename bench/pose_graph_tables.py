@@ -9,19 +9,18 @@ import tables
 from doc_blocks import table
 from registration_tables import provenance
 
-# Sums of e^T Omega e, and what SE-Sync (9b631b6) certifies of its own objective and the time it took on this kind of machine [s].
+# Sums of e^T Omega e, what SE-Sync (9b631b6) certifies of its own objective, and the time that certificate and solution may take.
 OPTIMA = {
-    "intel": {"chi2": 45.0046958, "isotropic": 52.3482273, "se_sync_s": 0.047},
-    "MIT": {"chi2": 41.1632688, "isotropic": 61.1541155, "se_sync_s": 0.019},
-    "manhattan": {"chi2": 3549.03680, "isotropic": 6431.39139, "se_sync_s": 0.125},
-    "city10000": {"chi2": 511.985164, "isotropic": 638.624619, "se_sync_s": 0.92},
+    "intel": {"chi2": 45.0046958, "isotropic": 52.3482273, "limit_s": 0.0235},
+    "MIT": {"chi2": 41.1632688, "isotropic": 61.1541155, "limit_s": 0.0095},
+    "manhattan": {"chi2": 3549.03680, "isotropic": 6431.39139, "limit_s": 0.0625},
+    "city10000": {"chi2": 511.985164, "isotropic": 638.624619, "limit_s": 0.46},
 }
 REACHED = 1e-6
 # GTSAM's own error is not g2o's: it ends 1e-4 beside the optimum and still counts as there.
 REACHED_OTHER_ERROR = 5e-4
 FASTER_THAN = {"g2o_gauss_newton": 2.5, "gtsam_gauss_newton": 10.0, "gtsam_levenberg_marquardt": 10.0,
                "ceres_levenberg_marquardt": 10.0}
-SE_SYNC_SHARE = 0.5
 # Smaller graphs tell about fixed costs.
 LARGE = 10000
 
@@ -95,9 +94,9 @@ def certificate_tables(section):
         targets.append((f"{row['name']} from {row['start']}: certified optimum", f"{known['isotropic']:.9g} to {REACHED:g}",
                         f"{found['cost']:.9g}", row["certified"] and off <= REACHED))
         if row["start"] != "file":
-            limit = SE_SYNC_SHARE * known["se_sync_s"]
-            targets.append((f"{row['name']}: start, certified minimum and solution", f"<= {1e3 * limit:.0f} ms (half of SE-Sync's)",
-                            f"{1e3 * row['cpu_s']:.1f} ms", row["cpu_s"] <= limit))
+            limit_s = known["limit_s"]
+            targets.append((f"{row['name']}: start, certified minimum and solution", f"<= {1e3 * limit_s:.1f} ms",
+                            f"{1e3 * row['cpu_s']:.1f} ms", row["cpu_s"] <= limit_s))
     header = ["graph", "start", "certified", "isotropic cost>", "gap at most>", "smallest eigenvalue>", "proven above minus>",
               "local minima left>", "CPU time [ms]>", "cost of the solution>"]
     return "\n".join([provenance(section, with_peers=False), "", table(header, body), "", tables.targets_table(targets)])

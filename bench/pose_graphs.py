@@ -8,6 +8,7 @@ file, the poses of the spanning tree, and are compared at the same cost. What wa
   bench/pose_graphs.py                      everything, with the peers that are there (some minutes)
   bench/pose_graphs.py --peers              the same, after installing the peers
   bench/pose_graphs.py --only speed         some sections
+  bench/pose_graphs.py --quick              one run each and small grids; to look at, writes nothing into docs/
   bench/pose_graphs.py --only               no measurement: writes the tables from pose_graphs.json again
 """
 import argparse
@@ -25,7 +26,8 @@ import pose_graph_starts as starts  # noqa: E402
 import pose_graph_tables as tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
-from program import Failed, Loopstone, machine, run, say  # noqa: E402
+from program import Failed, Loopstone, run, say  # noqa: E402
+from provenance import circumstances  # noqa: E402
 
 SECTIONS = ["speed", "certificate", "scaling", "online"]
 PAGE = "docs/benchmarks.md"
@@ -162,7 +164,10 @@ def main():
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--sizes", nargs="+", type=int, default=GRID_SIZES, help="poses of the grids of `scaling`")
     parser.add_argument("--peers", action="store_true", help="install the peers into build/bench/peers first")
+    parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
+    if arguments.quick:
+        arguments.repeats, arguments.sizes = 1, GRID_SIZES[:3]
 
     work = arguments.work / "pose_graphs"
     work.mkdir(parents=True, exist_ok=True)
@@ -172,12 +177,11 @@ def main():
     if missing:
         say(f"peers not installed: {', '.join(missing)} (bench/peers/install.sh); going on without")
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-    kept = arguments.work / "pose_graphs.json"
+    kept = arguments.work / ("pose_graphs-quick.json" if arguments.quick else "pose_graphs.json")
     sections = json.loads(kept.read_text()) if kept.exists() else {}
     for name in arguments.only:
         say(f"{name}:")
-        circumstances = {"machine": machine(), "version": loopstone.version(), "peers": versions, "missing": missing,
-                         "command": "bench/pose_graphs.py", "repeats": arguments.repeats}
+        when = {**circumstances(loopstone.version()), "peers": versions, "missing": missing, "repeats": arguments.repeats}
         if name == "speed":
             figures = speed(loopstone, arguments.data, work, peers, arguments.repeats)
         elif name == "certificate":
@@ -187,11 +191,14 @@ def main():
         else:
             figures = scaling(loopstone, work, arguments.repeats, arguments.sizes)
         if figures:
-            sections[name] = {**circumstances, "figures": figures}
+            sections[name] = {**when, "figures": figures}
             kept.write_text(json.dumps(sections, indent=1))
     for block, text in tables.blocks_of(sections):
-        write_block(ROOT / PAGE, block, text)
-    if "scaling" in sections:
+        if arguments.quick:
+            print(f"\n{PAGE}: {block}\n{text}")
+        else:
+            write_block(ROOT / PAGE, block, text)
+    if "scaling" in sections and not arguments.quick:
         SCALING_PICTURE.write_text(tables.scaling_picture(sections["scaling"]), encoding="utf-8")
     print(tables.summary(sections))
     return 0

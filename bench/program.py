@@ -2,7 +2,6 @@
 import json
 import os
 import pathlib
-import platform
 import statistics
 import subprocess
 import sys
@@ -64,19 +63,6 @@ class Loopstone:
 
     def evaluate(self, *flags):
         return json.loads(run([self.program, "evaluate", *flags, "--json", "--quiet"])[0])
-
-
-def machine():
-    """The processor and how many of it there are, and how busy it is."""
-    model = platform.processor() or platform.machine()
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as info:
-            names = [line.split(":", 1)[1].strip() for line in info if line.startswith("model name")]
-        model = names[0] if names else model
-    except OSError:
-        pass
-    count = len(os.sched_getaffinity(0))
-    return {"processor": model, "processors": count, "load": os.getloadavg()[0]}
 
 
 def median(values):

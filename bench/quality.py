@@ -22,7 +22,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import measure  # noqa: E402
 import quality_tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
-from program import Failed, Loopstone, machine, say  # noqa: E402
+from program import Failed, Loopstone, say  # noqa: E402
+from provenance import circumstances  # noqa: E402
 
 CHOSEN_ON, CHECKED_ON = [1, 2], [31, 32, 33]
 SICK = ["--format", "carmen", "--beams", "180", "--fov", "179"]
@@ -97,9 +98,11 @@ def main():
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.program, arguments.work)
     kept = arguments.work / ("quality-quick.json" if arguments.quick else "quality.json")
-    record = {"machine": machine(), "version": loopstone.version(), "command": "bench/quality.py", "runs": []}
+    record = {"sessions": [], "runs": []}
     if kept.exists() and (arguments.resume or not arguments.only):
         record = json.loads(kept.read_text())
+    if arguments.only:
+        record["sessions"].append(circumstances(loopstone.version()))
     done = {(run["world"], run["seed"], run["spoil"]) for run in record["runs"]}
     for case in WORLDS if arguments.only else []:
         if arguments.worlds and case[1] not in arguments.worlds:

@@ -1,7 +1,7 @@
 """The tables of docs/quality.md: what the verdict said against how wrong the map was."""
 from doc_blocks import table
 from program import median
-from tables import provenance
+from provenance import provenance
 
 # What a map is worth, by its ATE rmse: within two cells of a map of 5 cm; beyond, until a door is where the wall was.
 GOOD_M, BAD_M = 0.10, 0.30
@@ -104,15 +104,15 @@ def cost_line(runs):
 
 def blocks_of(record, chosen_on, checked_on):
     chosen, checked = of_seeds(record, chosen_on), of_seeds(record, checked_on)
-    result = "\n".join([
-        provenance(record), "",
+    when = provenance(*record["sessions"]) + "\n\n"
+    result = when + "\n".join([
         f"Seeds that no limit was chosen on ({len(checked)} runs):", "", confusion(checked), "",
         f"Seeds that the limits were chosen on ({len(chosen)} runs):", "", confusion(chosen), "",
         "Each measure by itself, on the seeds checked on:", "", per_measure(checked), "", cost_line(record["runs"])])
-    figures = "\n".join(["Least, median and largest value, on the seeds chosen on:", "", figures_table(chosen)])
+    figures = when + "\n".join(["Least, median and largest value, on the seeds chosen on:", "", figures_table(chosen)])
     return [("quality-confusion", result), ("quality-figures", figures),
-            ("quality-runs", runs_table(checked)),
-            *([("quality-recorded", recorded_table(record["recorded"]))] if record.get("recorded") else [])]
+            ("quality-runs", when + runs_table(checked)),
+            *([("quality-recorded", when + recorded_table(record["recorded"]))] if record.get("recorded") else [])]
 
 
 def headline(record, checked_on):

@@ -20,7 +20,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import tables  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
-from program import Loopstone, machine, run  # noqa: E402
+from program import Loopstone, run  # noqa: E402
+from provenance import circumstances  # noqa: E402
 from sections import plain_parser  # noqa: E402
 
 PAGE = ROOT / "docs/ray_casting.md"
@@ -122,7 +123,7 @@ def main():
         section = json.loads(kept.read_text())
     else:
         loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-        section = {"machine": machine(), "version": loopstone.version(), "command": "bench/ray_cast.py",
+        section = {**circumstances(loopstone.version()),
                    "figures": measure(arguments.programs / "bench_ray_cast", map_path if map_path.exists() else None,
                                       arguments.quick)}
     if arguments.quick or not map_path.exists() and not arguments.again:

@@ -23,8 +23,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import measure  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
-from program import Loopstone, machine, median, say  # noqa: E402
-from tables import provenance  # noqa: E402
+from program import Loopstone, median, say  # noqa: E402
+from provenance import circumstances, provenance  # noqa: E402
 
 SECTIONS = ["faults", "honest", "surroundings", "recorded"]
 FAULTS = ["none", "missing", "stuck", "scaled", "mirrored", "lagging", "jumping"]
@@ -220,7 +220,7 @@ def main():
     seeds = range(1, 2 if arguments.quick else arguments.seeds + 1)
     for name in arguments.only:
         say(f"{name}:")
-        section = {"machine": machine(), "version": loopstone.version(), "command": "bench/robustness.py"}
+        section = circumstances(loopstone.version())
         if name == "recorded":
             section["figures"] = measure_recorded(loopstone, arguments.data)
         else:

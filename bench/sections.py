@@ -5,7 +5,8 @@ import pathlib
 import subprocess
 import time
 
-from program import Failed, machine, say
+from program import Failed, say
+from provenance import circumstances
 
 
 def plain_parser(doc, root, data):
@@ -39,8 +40,7 @@ def measure_sections(script, arguments, loopstone, measure, extra=None, leave_ou
             continue
         say(f"{name}:")
         started = time.monotonic()
-        circumstances = {"machine": machine(), "version": loopstone.version(), **(extra or {}),
-                         "command": f"bench/{script}.py" + (" --quick" if arguments.quick else "")}
+        when = circumstances(loopstone.version())
         try:
             figures = measure(name)
         except (Failed, OSError, subprocess.SubprocessError, ValueError, KeyError) as failure:
@@ -49,7 +49,7 @@ def measure_sections(script, arguments, loopstone, measure, extra=None, leave_ou
             continue
         say(f"  took {time.monotonic() - started:.0f} s")
         if figures:
-            sections[name] = {**circumstances, "figures": figures}
+            sections[name] = {**when, **(extra or {}), "figures": figures}
             kept.write_text(json.dumps(sections, indent=1))
     return sections, failed
 

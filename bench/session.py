@@ -22,9 +22,9 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import table, write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
-from program import Loopstone, machine, median, say  # noqa: E402
+from program import Loopstone, median, say  # noqa: E402
 from sections import plain_parser  # noqa: E402
-from tables import provenance  # noqa: E402
+from provenance import circumstances, provenance  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/session.md", "session-cost"
 SAVED = re.compile(r"session saved (\d+) times, ([\d.]+) MB at last; scans waited for it ([\d.]+) ms each time, ([\d.]+) ms")
@@ -90,11 +90,11 @@ def measure(loopstone, name, log, least_kills):
     return row
 
 
-def text_of(circumstances, rows):
+def text_of(when, rows):
     cells = [[row["name"], str(row["scans"]), f"{row['megabytes']:.1f}", f"{row['mean_ms']:.1f}", f"{row['worst_ms']:.1f}",
               f"{row['plain_s']:.2f}", f"{row['saved_s']:.2f}", str(row["kills"]), str(row["runs"]),
               "same bytes" if row["same"] else "DIFFERENT"] for row in rows]
-    return "\n".join([provenance(circumstances), "",
+    return "\n".join([provenance(when), "",
                       table(["log", "scans>", "session at the end [MB]>", "scans wait [ms]>", "at most [ms]>", "run [s]>",
                              "saving every 20th of it [s]>", "kills>", "runs>", "results"], cells)])
 
@@ -104,7 +104,7 @@ def main():
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-    circumstances = {"machine": machine(), "version": loopstone.version(), "command": "bench/session.py"}
+    when = circumstances(loopstone.version())
     least_kills = 5 if arguments.quick else 20
     rows = []
     intel = arguments.data / "carmen/intel.clf"
@@ -112,7 +112,7 @@ def main():
         rows.append(measure(loopstone, "Intel, 180 beams", intel, least_kills))
     office = loopstone.simulate("office", 1, ["--beams", "1081"])
     rows.append(measure(loopstone, "office, 1081 beams", office, least_kills))
-    text = text_of(circumstances, rows)
+    text = text_of(when, rows)
     if arguments.quick:
         print(text)
     else:

@@ -1,16 +1,7 @@
 """From measured figures to Markdown. Nothing is measured here, and no figure is typed here."""
 import targets
 from doc_blocks import table
-
-
-def provenance(section):
-    """What was run, where, and how busy the machine was."""
-    machine = section["machine"]
-    text = (f"`{section['command']}`, {section['version']}, {machine['processors']} x {machine['processor']}.")
-    if machine["load"] > 0.7:
-        text += (f" The machine was busy with other work (load {machine['load']:.1f} before the run), so wall times are"
-                 " longer than on a quiet one; CPU times suffer less.")
-    return text
+from provenance import provenance
 
 
 def targets_table(rows):
@@ -156,7 +147,8 @@ def stage_table(section):
     known = [(title, run["fastest_stages"][key]) for key, title in STAGES]
     known.append(("the rest: reading, writing, pictures, report", whole_s - sum(seconds for _, seconds in known)))
     rows = [[title, f"{seconds:.2f}", f"{100 * seconds / whole_s:.0f} %"] for title, seconds in known]
-    return "\n".join([f"Intel with one thread, the fastest of {section['figures']['repeats']} runs.", "",
+    return "\n".join([provenance(section), "",
+                      f"Intel with one thread, the fastest of {section['figures']['repeats']} runs.", "",
                       table(["stage", "wall [s]>", "share>"], rows)])
 
 
@@ -176,8 +168,8 @@ def headline(sections):
                 worst = max(good, key=lambda run: run["ate_m"])
                 rows.append([f"{case['name']} (simulated, worst of {len(case['runs'])} seeds)", "ATE rmse",
                              f"{worst['odometry_m']:.2f} m", f"{worst['ate_m']:.3f} m", f"{worst['wall_s']:.1f} s"])
-    newest = sections.get("real") or sections["simulated"]
-    return table(["log", "error", "odometry>", "Loopstone>", "time to map>"], rows) + "\n\n" + provenance(newest)
+    shown = [sections[name] for name in ("real", "simulated") if name in sections]
+    return table(["log", "error", "odometry>", "Loopstone>", "time to map>"], rows) + "\n\n" + provenance(*shown)
 
 
 def session(section):
@@ -185,4 +177,4 @@ def session(section):
     for command, output in section["figures"]:
         lines += ["$ " + command, *[line.rstrip() for line in output.rstrip().splitlines()], ""]
     lines[-1] = "```"
-    return "\n".join(lines)
+    return "\n".join([*lines, "", provenance(section)])

@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 
 from doc_blocks import write_block
+from provenance import circumstances, provenance
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/matching.md"
@@ -29,6 +30,8 @@ def main():
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
     arguments = parser.parse_args()
     program = str(pathlib.Path(arguments.program).resolve())
+    version = subprocess.run([program, "--version"], check=True, stdout=subprocess.PIPE).stdout.decode().strip()
+    when = provenance(circumstances(version))
     with tempfile.TemporaryDirectory() as folder:
         if WARM_UP.exists():
             pathlib.Path(folder, "drill").symlink_to(WARM_UP)
@@ -41,7 +44,7 @@ def main():
                 done = subprocess.run([program, *shlex.split(command)[1:]], cwd=folder, check=True,
                                       stdout=subprocess.PIPE)
                 text += f"$ {command}\n{done.stdout.decode()}"
-            write_block(PAGE, f"match_{block}", f"```text\n{text.rstrip()}\n```")
+            write_block(PAGE, f"match_{block}", f"```text\n{text.rstrip()}\n```\n\n{when}")
         picture = pathlib.Path(folder, "global.png").read_bytes()
         (ROOT / "docs/images/match_global.png").write_bytes(picture)
 

@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """The measuring scripts of bench/ are held to the truth where that is known: tests/bench/check_bench.py"""
 import pathlib
+import re
+import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "bench")]
 
 import program  # noqa: E402
+import provenance  # noqa: E402
 
 MB = 1_000_000
 
@@ -45,8 +49,41 @@ def check_run():
     program.run(["sh", "-c", "head -c 300000 /dev/zero >&2; echo done"])
 
 
+def check_scripts_load():
+    """Whatever `make bench` runs finds its modules and tells what it does; without numpy one can't."""
+    makers = (ROOT / "bench/figures.sh").read_text(encoding="utf-8")
+    scripts = re.findall(r"^ *measure (\S+\.py)", makers, re.M)
+    assert len(scripts) > 12, scripts
+    for script in scripts:
+        done = subprocess.run([sys.executable, ROOT / script, "--help"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        assert done.returncode == 0 and b"usage: " in done.stdout or b"needs numpy" in done.stdout, (script, done.stdout.decode())
+
+
+def check_provenance():
+    """A stamp of this very tree can be read back, and tells a tree that is not as its commit has it."""
+    with tempfile.TemporaryDirectory() as folder:
+        for words in (["init", "-q"], ["-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "--allow-empty", "-m", "first"]):
+            if provenance.git(*words, root=folder) is None:
+                print("skipped: stamps of tables, since there is no git")
+                return
+        assert provenance.changed_sources(folder) == []
+        (pathlib.Path(folder) / "src").mkdir()
+        (pathlib.Path(folder) / "src/new.cpp").touch()
+        (pathlib.Path(folder) / "docs.md").touch()
+        assert provenance.changed_sources(folder) == ["src/"], provenance.changed_sources(folder)
+    section = {**provenance.circumstances("loopstone 1.2.3"), "commit": "0123456789", "changed": ["src/"]}
+    section["machine"]["load"] = 0.0
+    text = provenance.provenance(section)
+    assert "commit 0123456789 with changes in src/, 20" in text, text
+    assert provenance.stamps_of(text) == [(section["command"].split()[0], "1.2.3", "0123456789")], text
+    assert provenance.provenance(section, section) == text and text in provenance.provenance(section, {**section, "date": "2026-01-01"})
+    assert provenance.command_line([str(ROOT / "bench/figures.py"), "--only", "real logs"]) == "bench/figures.py --only 'real logs'"
+
+
 def main():
     check_peak_memory()
+    check_scripts_load()
+    check_provenance()
     check_run()
 
 
