@@ -21,7 +21,7 @@ build: deps  ## the program at build/release/bin/loopstone
 	@scripts/build.sh release
 
 test: build  ## every test
-	@ctest --preset release --output-on-failure -j$(JOBS)
+	@scripts/test.sh release -j$(JOBS)
 
 demo: deps  ## simulate an office, map it, compare with the truth
 	@scripts/build.sh release loopstone_program
@@ -38,7 +38,7 @@ tidy: deps-all  ## clang-tidy on everything
 
 asan: deps  ## every test under the address and undefined-behaviour sanitizers
 	@scripts/build.sh asan
-	@ctest --preset asan -j$(JOBS)
+	@scripts/test.sh asan -j$(JOBS)
 
 tsan: deps  ## what is threaded, under the thread sanitizer
 	@scripts/tsan.sh

@@ -11,6 +11,7 @@ sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "bench")]
 
 import program  # noqa: E402
 import provenance  # noqa: E402
+import skipped_tests  # noqa: E402
 
 MB = 1_000_000
 
@@ -80,7 +81,17 @@ def check_provenance():
     assert provenance.command_line([str(ROOT / "bench/figures.py"), "--only", "real logs"]) == "bench/figures.py --only 'real logs'"
 
 
+def check_skipped_tests():
+    """Each test once, by reason; those without recorded data together."""
+    lines = ["test_a\tS.Two\trecorded data is absent: x", "test_a\tS.One\t/data/y is not here", "test_b\tT.Long\tneeds whole laps",
+             "test_a\tS.One\t/data/y is not here"]
+    assert list(skipped_tests.lines_of("\n".join(lines))) == [
+        "1 test skipped, needs whole laps: test_b T.Long",
+        "2 tests skipped, they need recorded data (LOOPSTONE_DATA): test_a S.One, S.Two"]
+
+
 def main():
+    check_skipped_tests()
     check_peak_memory()
     check_scripts_load()
     check_provenance()
