@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "localization_drives.hpp"
+#include "support/usual_figure.hpp"
 
 namespace loopstone::test {
 namespace {
@@ -10,10 +11,10 @@ namespace {
 TEST(LocalizationSimulated, AnOfficeIsFollowedToTwoCentimetres) {
   const Drive drive = make_run({.place = "office", .seed = 1, .duration_s = 30.0, .beams = 541});
   const Verdict verdict = judge(localize(drive, guess_of(drive)), drive);
-  EXPECT_LT(verdict.rmse_m, 0.02);
+  EXPECT_TRUE(as_usual(verdict.rmse_m, 0.0063));
   EXPECT_EQ(verdict.lost, 0);
   EXPECT_EQ(verdict.wrong_tracking, 0);
-  EXPECT_GT(verdict.tracking, 0.95 * verdict.scans);
+  EXPECT_GT(verdict.tracking, 0.99 * verdict.scans);
 }
 
 TEST(LocalizationSimulated, ARobotIsFoundFromAnywhere) {
@@ -41,8 +42,10 @@ TEST(LocalizationSimulated, AChangedPlaceDoesNotReadAsLost) {
   EXPECT_EQ(verdict.lost, 0);
   EXPECT_EQ(verdict.wrong_tracking, 0);
   EXPECT_EQ(verdict.right, verdict.scans);
-  EXPECT_GT(verdict.tracking, 0.4 * verdict.scans);
-  EXPECT_LT(verdict.rmse_m, 0.05);
+  EXPECT_TRUE(as_usual(1.0 - static_cast<double>(verdict.tracking) / verdict.scans,
+                       small_scale() ? 0.46 : 0.3))
+      << "not TRACKING";
+  EXPECT_TRUE(as_usual(verdict.rmse_m, 0.017));
 }
 
 /// Path from the kidnapping until the state is TRACKING and the pose right.
@@ -66,7 +69,9 @@ TEST(LocalizationSimulated, AKidnappedRobotNoticesAndIsFoundWithinFiveMetres) {
     const LocalizationResult result = localize(drive, guess_of(drive));
     const auto path_m = path_until_found(result, drive);
     ASSERT_TRUE(path_m.has_value()) << "seed " << seed;
-    EXPECT_LE(*path_m, 5.0) << "seed " << seed;
+    // 95 of 100 in docs/accuracy.md. Of these drives it is 0.3 m at most, but another draw of
+    // particles may need a scan more.
+    EXPECT_TRUE(as_usual(*path_m, 0.5)) << "seed " << seed;
     // It was TRACKING before, said so no longer for a while, and searched the map.
     bool doubted = false;
     for (const LocalizationEstimate& estimate : result.estimates) {
