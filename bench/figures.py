@@ -55,20 +55,23 @@ BLOCKS = [
     ("online", "docs/benchmarks.md", "online", tables.online_table),
     ("demo", "README.md", "demo", tables.session),
 ]
-TARGETS = [("real", targets.of_real), ("simulated", targets.of_simulated), ("speed", targets.of_speed),
-           ("laps", targets.of_laps), ("online", targets.of_online)]
+# page, block, the sections whose targets a page begins with
+OVERVIEWS = [("docs/accuracy.md", "accuracy-overview", ["real", "simulated"]),
+             ("docs/benchmarks.md", "speed-overview", ["speed", "laps", "online"])]
 
 
 def blocks_of(sections):
     """(page, block, text) of everything that the measured sections say."""
     blocks = [(page, block, text_of(sections[name])) for name, page, block, text_of in BLOCKS if name in sections]
+    blocks += [(page, block, tables.overview(sections, names)) for page, block, names in OVERVIEWS
+               if any(name in sections for name in names)]
     if "real" in sections or "simulated" in sections:
         blocks.append(("README.md", "headline", tables.headline(sections)))
     return blocks
 
 
 def summary(sections):
-    rows = [row for name, targets_of in TARGETS if name in sections for row in targets_of(sections[name]["figures"])]
+    rows = targets.of_sections(sections, targets.OF_SECTION)
     return "\n".join(f"{'met    ' if met else 'NOT MET'}  {measured:>10}  {target:<24} {name}"
                      for name, target, measured, met in rows)
 

@@ -152,6 +152,14 @@ def stage_table(section):
                       table(["stage", "wall [s]>", "share>"], rows)])
 
 
+def overview(sections, names):
+    """What a page begins with: every figure that was asked for, in one table."""
+    rows = targets.of_sections(sections, names)
+    met = sum(row[3] for row in rows)
+    return "\n".join([f"{met} of {len(rows)} targets met.", "", targets_table(rows), "",
+                      provenance(*(sections[name] for name in names if name in sections))])
+
+
 def headline(sections):
     rows = []
     if "real" in sections:

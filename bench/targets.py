@@ -74,3 +74,12 @@ def of_online(pace):
     worst_ms = 1e3 * pace["worst_s"]
     return [("Intel on one thread, in real time: longest wait for a pose", f"<= {LATENCY_MS:.0f} ms", f"{worst_ms:.1f} ms",
              worst_ms <= LATENCY_MS)]
+
+
+# By section of figures.json.
+OF_SECTION = {"real": of_real, "simulated": of_simulated, "speed": of_speed, "laps": of_laps, "online": of_online}
+
+
+def of_sections(sections, names):
+    """The rows of those sections that were measured."""
+    return [row for name in names if name in sections for row in OF_SECTION[name](sections[name]["figures"])]

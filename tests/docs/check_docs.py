@@ -49,6 +49,11 @@ def broken_links(text, folder):
             yield f"link to {target}, which does not exist"
 
 
+def unlisted(pages, overview):
+    """Pages that docs/README.md does not lead to."""
+    yield from (f"leads not to {page}" for page in pages if f"({page})" not in overview)
+
+
 def undocumented(keys, documented):
     yield from (f"summary.json has {key}, which the table lacks" for key in keys if key not in documented)
     yield from (f"the table names {key}, which summary.json has not" for key in documented if key not in keys)
@@ -91,6 +96,9 @@ def check(program):
     formats = json.loads(output_of(program, "info", "--formats", "--json"))["formats"]
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     problems += [f"README.md: {problem}" for problem in formats_not_named(formats, readme)]
+    others = [page.name for page in PAGES if page.parent.name == "docs" and page.name != "README.md"]
+    overview = (ROOT / "docs/README.md").read_text(encoding="utf-8")
+    problems += [f"docs/README.md: {problem}" for problem in unlisted(others, overview)]
     for page, keys in summary_keys(program).items():
         documented = documented_keys((ROOT / page).read_text(encoding="utf-8"))
         problems += [f"{page}: {problem}" for problem in undocumented(keys, documented)]
@@ -110,6 +118,7 @@ def self_test():
     assert list(formats_not_named([{"noun": "an A bag"}, {"noun": "B text"}], "reads B text")) == \
         ["does not name the log format an A bag"]
     assert documented_keys("### summary.json\n| key | what |\n|---|---|\n| `a`, `b_m` | x `no` |\n") == ["a", "b_m"]
+    assert list(unlisted(["a.md", "b.md"], "see [a](a.md)")) == ["leads not to b.md"]
     assert list(undocumented(["a"], ["b"])) == ["summary.json has a, which the table lacks",
                                                "the table names b, which summary.json has not"]
 
