@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <initializer_list>
 #include <memory>
 
@@ -14,6 +13,7 @@
 #include "loopstone/formats/point_cloud_file.hpp"
 #include "loopstone/registration/align.hpp"
 #include "loopstone/report/match_picture.hpp"
+#include "match_arguments.hpp"
 #include "match_report.hpp"
 #include "output_path.hpp"
 #include "parse_pose.hpp"
@@ -22,93 +22,7 @@ namespace loopstone::app {
 
 namespace {
 
-struct Arguments {
-  std::string source;
-  std::string target;
-  std::string method = "auto";
-  std::string initial;
-  std::string target_pose;
-  std::optional<double> search_xy_m;
-  std::optional<double> search_yaw_rad;
-  bool global = false;
-  int sweep_yaw = 0;
-  double source_scale = 1.0;
-  double target_scale = 1.0;
-  std::string png;
-  std::string aligned;
-  std::vector<std::string> require;
-  bool force = false;
-};
-
-constexpr const char* kFooter = R"(
-SOURCE and TARGET: a scan of a log, LOG#120 (number, from 0) or LOG@+12.5 (seconds after the first scan; LOG@1000.5 by the
-log's clock), of a folder with several sets DIR#20#120; a point cloud, .pcd .ply .npy .mat (FILE.mat#variable) .csv .xyz .txt;
-TARGET may also be a map, map.yaml. Clouds whose z is 0 or absent are in the plane. A scan stands for the robot's pose.
-
-Methods: auto     scan to scan: search about the guess, then Gauss-Newton; scan to map: from --initial on the map's distances,
-                  in the window of --search-xy, or without either anywhere; clouds: icp_plane from --initial, else from the
-                  better of identity and centroids, else by search
-         icp_*    iterated closest points to points, lines or planes; gicp: planes of both sides
-         grid     Gauss-Newton on a grid; correlative: every pose in a window (branch and bound), then refinement
---set reaches the options of each: icp, icp_cloud, cloud_search, scans, map, map_match, field, grid.
-
-Status: converged; degenerate (a direction or a choice is left open; see covariance); not_converged and too_few_pairs are no
-match. A match that fails is a result, too (exit code 0); for scripts, --require converged makes it exit code 3.
-
-Examples:
-  loopstone match sim#120 sim#119                                            motion between two scans
-  loopstone match sim#120 sim#119 --target-pose 4,3,0.5                      and where that leads in the world
-  loopstone match sim#120 map.yaml --initial 4,3,0 --search-xy 5 --search-yaw 3.15   from a guess that is wrong by metres
-  loopstone match sim#120 map.yaml --global --png where.png                  from no guess at all
-  loopstone match part.npy model.mat --target-scale 0.001 --global           a partial cloud to a model in millimetres
-  loopstone match a.ply b.pcd --initial centroids --sweep-yaw 36 --aligned a_on_b.ply)";
-
-Pose3 parse_pose3(const std::string& flag, const std::string& text) {
-  const std::vector<double> v = parse_numbers(flag, text);
-  if (v.size() != 6) {
-    throw UsageError(flag + " " + text + ": must be X,Y,Z,ROLL,PITCH,YAW [m, rad] in space");
-  }
-  return Pose3::from_roll_pitch_yaw({v[0], v[1], v[2]}, v[3], v[4], v[5]);
-}
-
-template <int kDimension>
-AlignRequest<kDimension> request_of(const Arguments& arguments, const AppContext& context) {
-  AlignRequest<kDimension> request;
-  request.method = align_method_from(arguments.method);
-  request.search_xy_m = arguments.search_xy_m;
-  request.search_yaw_rad = arguments.search_yaw_rad;
-  request.anywhere = arguments.global;
-  request.sweep_yaw = arguments.sweep_yaw;
-  request.threads = context.threads();
-  if (arguments.initial == "identity") {
-    request.guess.emplace();
-  } else if (arguments.initial == "centroids") {
-    request.from_centroids = true;
-  } else if (!arguments.initial.empty()) {
-    if constexpr (kDimension == 2) {
-      request.guess = parse_pose2("--initial", arguments.initial);
-    } else {
-      request.guess = parse_pose3("--initial", arguments.initial);
-    }
-  }
-  return request;
-}
-
-void check_usage(const Arguments& arguments) {
-  if (arguments.global && !arguments.initial.empty()) {
-    throw UsageError("--global needs no guess: leave out --initial, or give it with --search-xy");
-  }
-  if (arguments.global && (arguments.search_xy_m || arguments.search_yaw_rad)) {
-    throw UsageError("--global searches everywhere: leave out --search-xy and --search-yaw");
-  }
-  // Wrong options are refused before anything is read; --initial once it is known whether space or plane.
-  if (!arguments.target_pose.empty()) (void)parse_pose2("--target-pose", arguments.target_pose);
-  if (!arguments.aligned.empty() && !can_write_point_cloud(arguments.aligned)) {
-    throw UsageError("--aligned " + arguments.aligned + ": a cloud is written as .ply or .pcd");
-  }
-}
-
-Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
+Outputs outputs_of(const MatchArguments& arguments, const AppContext& context) {
   Outputs outputs(context, arguments.force);
   for (const std::string& input : {arguments.source, arguments.target}) {
     const auto scan = parse_scan_name(input);
@@ -123,7 +37,8 @@ Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
   return outputs;
 }
 
-void check_pair(const MatchInput& source, const MatchInput& target, const Arguments& arguments) {
+void check_pair(const MatchInput& source, const MatchInput& target,
+                const MatchArguments& arguments) {
   if (source.map) throw UsageError("a map can only be the target: match SCAN " + source.name);
   if (source.planar() != target.planar()) {
     const MatchInput& flat = source.planar() ? source : target;
@@ -175,7 +90,7 @@ void warn_of_units(const MatchInput& source, const MatchInput& target, const App
 }
 
 template <int kDimension>
-void write_png(const Arguments& arguments, const MatchInput& source, const MatchInput& target,
+void write_png(const MatchArguments& arguments, const MatchInput& source, const MatchInput& target,
                const std::vector<Eigen::Matrix<double, kDimension, 1>>& source_points,
                const std::vector<Eigen::Matrix<double, kDimension, 1>>& target_points,
                const AlignResult<kDimension>& outcome) {
@@ -224,10 +139,10 @@ AlignResult<2> align_in_plane(const MatchInput& source, const MatchInput& target
 }
 
 template <int kDimension>
-Result run_in(const Arguments& arguments, const MatchInput& source, const MatchInput& target,
+Result run_in(const MatchArguments& arguments, const MatchInput& source, const MatchInput& target,
               const AppContext& context) {
   using Points = std::vector<Eigen::Matrix<double, kDimension, 1>>;
-  AlignRequest<kDimension> request = request_of<kDimension>(arguments, context);
+  AlignRequest<kDimension> request = match_request<kDimension>(arguments, context.threads());
   AlignResult<kDimension> outcome;
   Points source_points;
   Points target_points;
@@ -262,7 +177,7 @@ Result run_in(const Arguments& arguments, const MatchInput& source, const MatchI
 }
 
 /// "converged" demands the status; everything else is a bound on a figure.
-std::vector<std::string> missed_demands(const Arguments& arguments, const Result& result) {
+std::vector<std::string> missed_demands(const MatchArguments& arguments, const Result& result) {
   std::vector<Bound> bounds;
   std::vector<std::string> missed;
   const auto status = result.json().at("status").get<std::string>();
@@ -277,8 +192,8 @@ std::vector<std::string> missed_demands(const Arguments& arguments, const Result
   return missed;
 }
 
-ExitCode run(const Arguments& arguments, const AppContext& context) {
-  check_usage(arguments);
+ExitCode run(const MatchArguments& arguments, const AppContext& context) {
+  check_match_usage(arguments);
   for (const std::string& text : arguments.require) {
     if (text != "converged") (void)parse_bound(text);
   }
@@ -303,57 +218,10 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
 }  // namespace
 
 void add_match_command(CLI::App& app, AppContext& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<MatchArguments>();
   CLI::App* command =
       app.add_subcommand("match", "Align two scans or clouds, or a scan with a map");
-  command->add_option("SOURCE", arguments->source, "scan or point cloud to move")->required();
-  command->add_option("TARGET", arguments->target, "scan, point cloud or map to move it onto")
-      ->required();
-  command->add_option("--method", arguments->method, "how")
-      ->type_name("METHOD")
-      ->check(CLI::IsMember(
-          {"auto", "icp_point", "icp_line", "icp_plane", "gicp", "correlative", "grid"}))
-      ->capture_default_str();
-  command
-      ->add_option("--initial", arguments->initial,
-                   "guess of target_T_source: X,Y,YAW [m, rad]; in space X,Y,Z,ROLL,PITCH,YAW; or "
-                   "identity, or centroids")
-      ->type_name("POSE");
-  command
-      ->add_option("--search-xy", arguments->search_xy_m,
-                   "search this far about the guess, in x and in y [m]")
-      ->type_name("M")
-      ->check(CLI::Range(0.0, 1000.0));
-  command
-      ->add_option("--search-yaw", arguments->search_yaw_rad,
-                   "and this far about its heading [rad]; 3.15: all around")
-      ->type_name("RAD")
-      ->check(CLI::Range(0.0, 6.3));
-  command->add_flag("--global", arguments->global, "no guess at all: search everywhere");
-  command
-      ->add_option("--sweep-yaw", arguments->sweep_yaw,
-                   "match from so many headings around the guess and tell how many agree")
-      ->type_name("N")
-      ->check(CLI::Range(1, 100000));
-  command
-      ->add_option("--target-pose", arguments->target_pose,
-                   "where the target stands in the world; prints world_T_source, too")
-      ->type_name("X,Y,YAW");
-  for (const bool is_source : {true, false}) {
-    command
-        ->add_option(is_source ? "--source-scale" : "--target-scale",
-                     is_source ? arguments->source_scale : arguments->target_scale,
-                     "coordinates of that cloud times this are metres; 0.001 for millimetres")
-        ->type_name("FACTOR")
-        ->check(CLI::Range(1e-9, 1e9))
-        ->capture_default_str();
-  }
-  command->add_option("--png", arguments->png, "picture of before and after")
-      ->type_name("FILE.png");
-  command
-      ->add_option("--aligned", arguments->aligned,
-                   "write the source's points in the target's frame")
-      ->type_name("FILE.ply|FILE.pcd");
+  add_match_flags(*command, *arguments);
   add_force_flag(*command, arguments->force);
   add_require_flag(
       *command, arguments->require,
@@ -362,7 +230,6 @@ void add_match_command(CLI::App& app, AppContext& context) {
   context.add_threads_flag(*command);
   context.add_option_flags(*command);
   context.add_robot_flag(*command);
-  command->footer(kFooter);
   context.on_run(*command, [arguments, &context] { return run(*arguments, context); });
 }
 

@@ -20,7 +20,10 @@ constexpr double kStepRad = 2e-4;
 constexpr double kCoarseSteps = 10.0;
 /// Translation counts as unobserved along a direction that has less than this share of the best direction's information.
 constexpr double kDegenerateShare = 0.01;
-/// ... or less than so many points facing along it give.
+/// ... or less than so many points facing along it give. Observability, by which the other matchers
+/// judge, has no such floor: of 26,209 matches while mapping ACES, Intel and MIT CSAIL this rule calls
+/// 898 degenerate, that one 304 of these and 2 others; it never found a heading open. Without the
+/// floor maps are as accurate (35 and 15 mm), with 3.6 m of degenerate travel in ACES, not 28 m.
 constexpr double kDegeneratePoints = 2.0;
 /// Information [1/m^2, 1/rad^2] that stands in for none, so that matrices can be inverted.
 constexpr double kDamping = 1e-3;
