@@ -164,6 +164,23 @@ TEST(Align, OneThreadAndManyGiveTheSameBytes) {
   EXPECT_EQ(one.match.covariance, many.match.covariance);
 }
 
+TEST(Align, OnAMapPointsMeetTheWallsThatALaserSees) {
+  Grid<std::int8_t> map(GridFrame{{1.0, 2.0}, 0.5, 4, 4}, std::int8_t{100});
+  map[{0, 0}] = 0;
+  // Seen from the free corner: the three cells that touch it.
+  const std::vector<Eigen::Vector2d> walls = wall_points(map);
+  ASSERT_EQ(walls.size(), 3U);
+  EXPECT_EQ(walls[0], Eigen::Vector2d(1.75, 2.25));
+  EXPECT_EQ(walls[2], Eigen::Vector2d(1.75, 2.75));
+  AlignRequest<2> request;
+  request.guess = Pose2{kSource.x + 0.03, kSource.y - 0.03, kSource.yaw};
+  for (const AlignMethod method : {AlignMethod::kIcpPlane, AlignMethod::kGicp}) {
+    request.method = method;
+    const AlignResult<2> found = align(scan_from(kSource), map_of_walls(), request);
+    EXPECT_TRUE(pose_near(found.match.target_T_source, kSource, 0.06, 0.02)) << to_string(method);
+  }
+}
+
 TEST(Align, RefusesWhatDoesNotGoTogether) {
   const std::vector<Eigen::Vector2d> flat{{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}};
   const std::vector<Eigen::Vector3d> deep = bracket();
