@@ -51,7 +51,8 @@ struct PairToMatch {
 };
 using Matcher = std::function<Answer(const PairToMatch&)>;
 
-/// Asks a matcher about `count` pairs, evenly spread over the file, and prints its answers. A few calls before warm it up.
+/// Asks a matcher about `count` pairs, evenly spread over the file, and prints its answers. A few
+/// calls before warm it up.
 inline void answer_pairs(const std::string& path, const Matcher& matcher, std::size_t count) {
   const std::vector<StoredPair> pairs = read_pairs(path);
   count = std::min(pairs.size(), count);
@@ -81,7 +82,8 @@ struct NamedMatcher {
   Matcher matcher;
 };
 
-/// main() of a program that has nothing but matchers: PROGRAM FILE MATCHER COUNT; without arguments it lists them.
+/// main() of a program that has nothing but matchers: PROGRAM FILE MATCHER COUNT; without arguments
+/// it lists them.
 inline int answer_main(int argc, char** argv, const std::vector<NamedMatcher>& matchers) {
   if (argc != 4) {
     for (const NamedMatcher& known : matchers) std::printf("%s\n", known.name.c_str());

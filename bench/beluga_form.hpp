@@ -13,11 +13,13 @@
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/grid/grid.hpp"
 
-// What weighing particles by a likelihood field is measured against: the update of beluga's LikelihoodFieldModel (Ekumen,
-// https://github.com/Ekumen-OS/beluga), written anew. Not beluga itself: that needs range-v3, Sophus and more that Debian does not
-// package. What is done for each particle is the same: a state that holds its sine and cosine in doubles, points as pairs of
-// doubles, cells found by Eigen's floor, one float a cell, a check against the map's edges, the sum of cubes by
-// std::transform_reduce. Its ranges and optionals are left out; they would not make it faster.
+// What weighing particles by a likelihood field is measured against: the update of beluga's
+// LikelihoodFieldModel (Ekumen, https://github.com/Ekumen-OS/beluga), written anew. Not beluga
+// itself: that needs range-v3, Sophus and more that Debian does not package. What is done for each
+// particle is the same: a state that holds its sine and cosine in doubles, points as pairs of
+// doubles, cells found by Eigen's floor, one float a cell, a check against the map's edges, the sum
+// of cubes by std::transform_reduce. Its ranges and optionals are left out; they would not make it
+// faster.
 namespace loopstone::bench {
 
 class BelugaForm {

@@ -1,5 +1,6 @@
-// Aligns the partial clouds of the UCSD warm-up to their models from no guess: rmse over all observed points, time, and
-// how both hold when the cloud is first turned and moved at random, shuffled, and thinned.
+// Aligns the partial clouds of the UCSD warm-up to their models from no guess: rmse over all
+// observed points, time, and how both hold when the cloud is first turned and moved at random,
+// shuffled, and thinned.
 //   bench_cloud_match [--data DIR] [--json OUT] [--seeds N] [--turns any|about_z] [--starts N]
 
 #include <algorithm>

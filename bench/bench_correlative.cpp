@@ -1,5 +1,5 @@
-// How long correlative search takes: windows around a guess on scans of a building, with and without the grid it searches,
-// and matching on the map of the same building.
+// How long correlative search takes: windows around a guess on scans of a building, with and
+// without the grid it searches, and matching on the map of the same building.
 
 #include <benchmark/benchmark.h>
 

@@ -1,4 +1,5 @@
-// How long a pose graph takes: whole solutions, one factorisation, and a graph that grows while it is solved.
+// How long a pose graph takes: whole solutions, one factorisation, and a graph that grows while it
+// is solved.
 //   bench_graph [FILE.g2o ...]   files are solved from their spanning tree and fed pose by pose
 
 #include <benchmark/benchmark.h>

@@ -1,5 +1,6 @@
-// How long the likelihood field takes to weigh particles, beside a form of beluga's update (beluga_form.hpp): one core,
-// particles within a cloud of 2 m, as when tracking, and all over the map, as when lost. Run by bench/localization_speed.py.
+// How long the likelihood field takes to weigh particles, beside a form of beluga's update
+// (beluga_form.hpp): one core, particles within a cloud of 2 m, as when tracking, and all over the
+// map, as when lost. Run by bench/localization_speed.py.
 
 #include <benchmark/benchmark.h>
 
@@ -67,7 +68,8 @@ const Scene& scene(bool campus) {
   return campus ? wide : office;
 }
 
-/// Arguments: particles, beams, all over the map (else in a cloud), the large map (else the small one).
+/// Arguments: particles, beams, all over the map (else in a cloud), the large map (else the small
+/// one).
 struct Case {
   const Scene& on;
   std::vector<Pose2> poses{};

@@ -1,5 +1,5 @@
-// Finds scans on maps, from no guess and from bad ones: how often the answer is right, how often a wrong one is called sure,
-// and how long a scan takes on one core.
+// Finds scans on maps, from no guess and from bad ones: how often the answer is right, how often a
+// wrong one is called sure, and how long a scan takes on one core.
 //   bench_map_match [--json OUT] [--trials N] [--only NAME] [--verbose 1]
 
 #include <algorithm>

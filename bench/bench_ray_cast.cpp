@@ -1,6 +1,7 @@
-// How many rays a second each caster casts on one core, what it weighs, how long it takes to build, how far the table is from
-// exact, and what the beam model costs on top.
-//   bench_ray_cast [MAP.png]   5 cm cells, white is free, black is occupied; without a map, a simulated office
+// How many rays a second each caster casts on one core, what it weighs, how long it takes to build,
+// how far the table is from exact, and what the beam model costs on top.
+//   bench_ray_cast [MAP.png] 5 cm cells, white is free, black is occupied; without a map, a
+//   simulated office
 
 #include <benchmark/benchmark.h>
 

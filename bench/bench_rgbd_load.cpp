@@ -1,5 +1,6 @@
-// How many RGB-D frames a second one core loads from files: 640 x 480 colour (8 bits a channel) and disparity (16 bits), with the noise
-// of a camera. SUB is how OpenCV and our simulator write PNG (level 1), ALL how libpng does by itself (level 6).
+// How many RGB-D frames a second one core loads from files: 640 x 480 colour (8 bits a channel) and
+// disparity (16 bits), with the noise of a camera. SUB is how OpenCV and our simulator write PNG
+// (level 1), ALL how libpng does by itself (level 6).
 
 #include <benchmark/benchmark.h>
 #include <unistd.h>

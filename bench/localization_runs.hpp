@@ -15,7 +15,8 @@
 #include "loopstone/simulation/simulate.hpp"
 #include "loopstone/simulation/surface_index.hpp"
 
-// Simulated drives to measure localisation with: a map, a log of a drive in the place that it shows, and the truth.
+// Simulated drives to measure localisation with: a map, a log of a drive in the place that it
+// shows, and the truth.
 namespace loopstone::bench {
 
 /// What is asked of a drive.
@@ -63,8 +64,8 @@ struct Run {
   }
 }
 
-/// A map as a simple recording would have it: cells twice the size, of 10 cm or more; one wall cell in ten missing; one cell in
-/// seven beside a wall occupied, too.
+/// A map as a simple recording would have it: cells twice the size, of 10 cm or more; one wall cell
+/// in ten missing; one cell in seven beside a wall occupied, too.
 [[nodiscard]] inline CellStates roughened(const CellStates& map, Rng& rng) {
   constexpr double kMissing = 0.1;
   constexpr double kBlots = 1.0 / 7.0;
@@ -99,8 +100,8 @@ struct Run {
   return rough;
 }
 
-/// In a world made from a map what is unknown is solid, and so is everything beyond its edge: the map that the robot gets says
-/// so.
+/// In a world made from a map what is unknown is solid, and so is everything beyond its edge: the
+/// map that the robot gets says so.
 [[nodiscard]] inline CellStates with_solid_unknown(const CellStates& map) {
   GridFrame frame = map.frame();
   frame.origin -= Eigen::Vector2d::Constant(frame.resolution);
@@ -132,8 +133,9 @@ inline void add_clutter(World& world, const Grid<std::int8_t>& map, int count, R
   }
 }
 
-/// The map of a world that was made from a map, with what was added since. true_map() would draw the added things and miss the
-/// walls: they are borders between cells here, within half a cell of no cell's centre.
+/// The map of a world that was made from a map, with what was added since. true_map() would draw
+/// the added things and miss the walls: they are borders between cells here, within half a cell of
+/// no cell's centre.
 [[nodiscard]] inline CellStates with_added(const CellStates& given, const FloorPlan& plan) {
   CellStates map = given;
   const GridFrame& frame = map.frame();
@@ -154,8 +156,8 @@ inline void add_clutter(World& world, const Grid<std::int8_t>& map, int count, R
   return map;
 }
 
-/// Carries the robot on by part of its own route, unseen: what was recorded meanwhile is left out, and the clock goes on as if
-/// nothing had happened.
+/// Carries the robot on by part of its own route, unseen: what was recorded meanwhile is left out,
+/// and the clock goes on as if nothing had happened.
 inline void kidnap(Run& run, double at_s, double for_s) {
   const Stamp first = stamp_of(run.messages.front());
   const Duration from{static_cast<std::int64_t>(at_s * 1e9)};

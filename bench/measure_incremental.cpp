@@ -1,7 +1,7 @@
 // What a key scan costs while a pose graph grows, printed as JSON:
 //   measure_incremental FILE.g2o [OPTION=VALUE ...]      options as in IncrementalOptions
-// The file's poses are appended one by one, each by its edge from the pose before; all other edges between it and earlier poses
-// are its closures, added at once. CPU time of one thread.
+// The file's poses are appended one by one, each by its edge from the pose before; all other edges
+// between it and earlier poses are its closures, added at once. CPU time of one thread.
 
 #include <algorithm>
 #include <cstddef>

@@ -2,14 +2,14 @@
 //
 //   measure_live_map LOG SECONDS [THREADS]
 //
-// The log is read as fast as it goes; after every SECONDS of the recording the live map is refreshed.
-// Writes one JSON object.
+// The log is read as fast as it goes; after every SECONDS of the recording the live map is
+// refreshed. Writes one JSON object.
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>

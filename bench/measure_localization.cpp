@@ -1,8 +1,9 @@
-// Follows a robot through a simulated drive on a known map, and prints how that went as one JSON object:
+// Follows a robot through a simulated drive on a known map, and prints how that went as one JSON
+// object:
 //   measure_localization PLACE [key=value]...
-// Keys: seed, duration_s, beams, people, clutter, kidnaps, map_seed, rough (0/1), random_start (0/1),
-// start (truth | global | wrong), particles, sensor,
-// trace (a file: one line a scan with the evidence and the error, for fitting the probability).
+// Keys: seed, duration_s, beams, people, clutter, kidnaps, map_seed, rough (0/1), random_start
+// (0/1), start (truth | global | wrong), particles, sensor, trace (a file: one line a scan with the
+// evidence and the error, for fitting the probability).
 
 #include <fmt/format.h>
 
@@ -103,7 +104,8 @@ int measure(const Arguments& arguments) {
   Localizer localizer(map, run.robot, arguments.options, initial_pose(arguments.start, run),
                       arguments.request.seed, {1});
   const double start_s = cpu_seconds();
-  // With the search, a scan takes so much longer than any other that the longest is the search and its first weighing.
+  // With the search, a scan takes so much longer than any other that the longest is the search and
+  // its first weighing.
   double longest_scan_s = 0.0;
   for (const SensorMessage& message : run.messages) {
     const double before = cpu_seconds();

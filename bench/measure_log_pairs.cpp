@@ -1,9 +1,11 @@
-// Writes pairs of scans of a recorded log, with the motion between them from relations or from a trajectory:
+// Writes pairs of scans of a recorded log, with the motion between them from relations or from a
+// trajectory:
 //   measure_log_pairs FILE LOG relations RELATIONS.txt SECONDS GUESS COUNT
 //     pairs that relations join, at most SECONDS apart
 //   measure_log_pairs FILE LOG trajectory TRAJECTORY.tum SECONDS GUESS COUNT
 //     a scan and the first one at least SECONDS later
-// At most COUNT pairs, evenly spread over the log. GUESS: "identity", or an odometry trajectory (TUM). Prints "pairs median_m median_deg" of the motions between scans.
+// At most COUNT pairs, evenly spread over the log. GUESS: "identity", or an odometry trajectory
+// (TUM). Prints "pairs median_m median_deg" of the motions between scans.
 
 #include <algorithm>
 #include <cmath>

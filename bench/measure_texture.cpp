@@ -1,10 +1,12 @@
 // Compares the texture of a floor with the true floor of a simulation:
 //   measure_texture TEXTURE FLOOR SEED [ESTIMATE.tum REFERENCE.tum]
-// TEXTURE: folder of texture.png, coverage.png and texture.yaml. FLOOR, SEED: as given to `loopstone simulate --floor --seed`.
-// With two trajectories the texture is first moved by what lays the estimate on the reference, then by the few millimetres
-// that lay the texture itself on the true floor: the frame of a map is its own, one rigid motion for all of it.
-// The truth of a cell is the mean of the pattern over the cell, in linear light, as sRGB. Prints one JSON object:
-//   psnr_db over the seen cells; psnr_levelled_db after one common gain (no camera knows how bright a floor is);
+// TEXTURE: folder of texture.png, coverage.png and texture.yaml. FLOOR, SEED: as given to
+// `loopstone simulate --floor --seed`. With two trajectories the texture is first moved by what
+// lays the estimate on the reference, then by the few millimetres that lay the texture itself on
+// the true floor: the frame of a map is its own, one rigid motion for all of it. The truth of a
+// cell is the mean of the pattern over the cell, in linear light, as sRGB. Prints one JSON object:
+//   psnr_db over the seen cells;
+//   psnr_levelled_db after one common gain (no camera knows how bright a floor is);
 //   letters of 5 cm: how many lie in seen floor, how many are read (see Reader).
 
 #include <algorithm>
@@ -70,7 +72,8 @@ double psnr(double squares, std::int64_t samples) {
   return 10.0 * std::log10(static_cast<double>(samples) / std::max(squares, 1e-12));
 }
 
-/// Squared differences in sRGB over every `every`-th cell in both directions, with the texture's map lying so.
+/// Squared differences in sRGB over every `every`-th cell in both directions, with the texture's
+/// map lying so.
 double difference(const Texture& texture, const FloorPattern& floor, const Pose2& truth_T_map,
                   int every) {
   double sum = 0.0;
@@ -92,8 +95,8 @@ double difference(const Texture& texture, const FloorPattern& floor, const Pose2
   return sum;
 }
 
-/// The rigid motion near the given one under which the texture is most like the floor (compass search, Hooke and Jeeves
-/// 1961), turning about the texture's middle.
+/// The rigid motion near the given one under which the texture is most like the floor (compass
+/// search, Hooke and Jeeves 1961), turning about the texture's middle.
 Pose2 best_fit(const Texture& texture, const FloorPattern& floor) {
   constexpr int kEvery = 7;
   const Eigen::Vector2d middle =
@@ -165,9 +168,9 @@ Likeness compare(const Texture& texture, const FloorPattern& floor) {
   return likeness;
 }
 
-/// Reads letters as a machine may: the patch of a letter is compared, by normalised correlation of brightness, with what the
-/// same patch of the true floor looks like for every kind of letter, through the same cells. Read: its own kind is the most
-/// alike.
+/// Reads letters as a machine may: the patch of a letter is compared, by normalised correlation of
+/// brightness, with what the same patch of the true floor looks like for every kind of letter,
+/// through the same cells. Read: its own kind is the most alike.
 class Reader {
  public:
   Reader(const FloorPattern& floor, double cell_m) : floor_(floor), cell_m_(cell_m) {

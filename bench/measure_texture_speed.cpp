@@ -1,7 +1,8 @@
 // How fast the colour of the floor is mapped, on one core:
 //   measure_texture_speed LOG TRAJECTORY.tum [FRAMES]
-// Over the first FRAMES frames (200): CPU time of map_floor_texture with pictures from files and with pictures already in
-// memory, with and without the estimates of mount and clock, which cost the same however long the log is. Prints JSON.
+// Over the first FRAMES frames (200): CPU time of map_floor_texture with pictures from files and
+// with pictures already in memory, with and without the estimates of mount and clock, which cost
+// the same however long the log is. Prints JSON.
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,8 @@
 // How long it takes to track a scan on a submap's grid from a good prediction, printed as JSON:
 //   measure_tracking SCANS
-// In each of SCANS / 10 random rooms a grid is filled with 20 scans of 1081 beams; ten more are aligned to it, their predictions
-// 3 cm and 1 deg off. The surfaces of a scan are timed by themselves, since a mapper needs them anyway.
+// In each of SCANS / 10 random rooms a grid is filled with 20 scans of 1081 beams; ten more are
+// aligned to it, their predictions 3 cm and 1 deg off. The surfaces of a scan are timed by
+// themselves, since a mapper needs them anyway.
 
 #include <algorithm>
 #include <array>

@@ -8,10 +8,11 @@
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
 
-// Pairs of scans on disk, so that every matcher, ours and others', gets the same ones. A file is nothing but doubles of this
-// machine: the number of pairs, then for each pair
+// Pairs of scans on disk, so that every matcher, ours and others', gets the same ones. A file is
+// nothing but doubles of this machine: the number of pairs, then for each pair
 //   truth x y yaw, guess x y yaw                                             (target_T_source)
-//   target: beams, angle_min_rad, angle_increment_rad, range_max_m, ranges   (inf: no return, NaN: bad)
+//   target: beams, angle_min_rad, angle_increment_rad, range_max_m, ranges
+//           (inf: no return, NaN: bad)
 //   source: the same
 namespace loopstone::bench {
 

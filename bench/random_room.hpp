@@ -14,7 +14,8 @@
 
 namespace loopstone::bench {
 
-/// A furnished room of several metres and what can be seen of the corridor around it through its doors.
+/// A furnished room of several metres and what can be seen of the corridor around it through its
+/// doors.
 struct RandomRoom {
   World world{};
   Extent inside{};  ///< between the room's four walls
@@ -35,7 +36,8 @@ inline void add_niche(PlanBuilder& builder, const Pose2& room_T_niche, double wi
   }
 }
 
-/// One wall, built along x with the room at y > 0: a door, niches and pilasters come in different places.
+/// One wall, built along x with the room at y > 0: a door, niches and pilasters come in different
+/// places.
 inline void add_wall(PlanBuilder& builder, Rng& rng, const Pose2& room_T_wall, double length_m,
                      bool with_door) {
   const double slot_m = 1.6;  // at most one thing in each slot, so that they don't overlap
@@ -105,8 +107,8 @@ inline void add_things(PlanBuilder& builder, Rng& rng, const Extent& inside) {
 
 }  // namespace detail
 
-/// No two numbers of `rng` give the same room: other size, doors, niches, pilasters, cabinets, pillars, tables, crates, and
-/// in some a corner that is cut off or a partition.
+/// No two numbers of `rng` give the same room: other size, doors, niches, pilasters, cabinets,
+/// pillars, tables, crates, and in some a corner that is cut off or a partition.
 [[nodiscard]] inline RandomRoom make_random_room(Rng rng) {
   RandomRoom room;
   PlanBuilder builder(room.world, Pose2{});

@@ -15,7 +15,8 @@
 
 namespace loopstone::bench {
 
-/// Two scans of one room and the truth between them. The lidar is the robot: robot_T_lidar is the identity.
+/// Two scans of one room and the truth between them. The lidar is the robot: robot_T_lidar is the
+/// identity.
 struct ScanPair {
   LaserScan target;
   LaserScan source;
@@ -83,8 +84,9 @@ inline bool see_each_other(const SurfaceIndex& surfaces, const Eigen::Vector2d& 
 
 }  // namespace detail
 
-/// Pairs from `count` / 4 random rooms. The difference of the poses is uniform in the bin's disc and interval of angles; the
-/// pose in the room and its heading are uniform where there are 0.35 m around it. Pair i does not depend on `count`.
+/// Pairs from `count` / 4 random rooms. The difference of the poses is uniform in the bin's disc
+/// and interval of angles; the pose in the room and its heading are uniform where there are 0.35 m
+/// around it. Pair i does not depend on `count`.
 [[nodiscard]] inline std::vector<ScanPair> make_scan_pairs(const PairSensor& sensor,
                                                            const PairBin& bin, int count,
                                                            std::uint64_t seed) {

@@ -9,7 +9,8 @@
 using namespace loopstone;
 
 int main() {
-  // A robot drives through an office for two minutes; its readings arrive one at a time, as from a log.
+  // A robot drives through an office for two minutes; its readings arrive one at a time, as from a
+  // log.
   const World world = make_world("office", 1);
   const RobotModel robot;
   SimulationOptions options;

@@ -1,4 +1,5 @@
-// How good is a map? Simulate, where the truth is known, and compare: odometry alone, matching alone, loops closed.
+// How good is a map? Simulate, where the truth is known, and compare: odometry alone, matching
+// alone, loops closed.
 #include <cstdio>
 #include <vector>
 

@@ -1,4 +1,5 @@
-// Where is the robot among landmarks, and does the filter know when it is wrong? With the right map, and with a wrong one.
+// Where is the robot among landmarks, and does the filter know when it is wrong? With the right
+// map, and with a wrong one.
 #include <cmath>
 #include <cstdio>
 

@@ -1,4 +1,5 @@
-// Where is the robot on a known map, and how sure is that? Records a drive in a simulated office, forgets where it began,
+// Where is the robot on a known map, and how sure is that? Records a drive in a simulated office,
+// forgets where it began,
 // and finds the robot again:  example_07_localize
 #include <cmath>
 #include <cstdio>

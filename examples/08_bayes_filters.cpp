@@ -1,4 +1,5 @@
-// The same corridor for both Bayes filters, and what the resampling schemes differ in. docs/bayes_filters.md shows these lines.
+// The same corridor for both Bayes filters, and what the resampling schemes differ in.
+// docs/bayes_filters.md shows these lines.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Builds a map while a robot drives: prints where it is and writes the map every ten seconds. The robot
-// is a simulated one; a real one hands its messages to Mapper::add() as they come.
+// Builds a map while a robot drives: prints where it is and writes the map every ten seconds. The
+// robot is a simulated one; a real one hands its messages to Mapper::add() as they come.
 #include <cstdio>
 #include <variant>
 

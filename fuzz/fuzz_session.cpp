@@ -68,8 +68,9 @@ void restore(std::span<const StateChunk> chunks, std::string_view bytes) {
   });
 }
 
-/// Behind the checksums: the first byte chooses a part of a good state; then come three bytes for each byte of it that changes
-/// (position, value), and what is left over tells by how much it is shorter.
+/// Behind the checksums: the first byte chooses a part of a good state; then come three bytes for
+/// each byte of it that changes (position, value), and what is left over tells by how much it is
+/// shorter.
 void restore_edited(std::string_view edits) {
   static const std::vector<StateChunk> good = saved_run();
   if (edits.empty()) return;

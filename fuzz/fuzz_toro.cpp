@@ -1,7 +1,8 @@
 #include "graph_target.hpp"
 #include "refusal.hpp"
 
-// EDGE2 lines in both orders of their information: what is read in one, written as EDGE_SE2, is the same graph.
+// EDGE2 lines in both orders of their information: what is read in one, written as EDGE_SE2, is the
+// same graph.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace loopstone;
   const std::string_view text = fuzz::text_of(data, size);

@@ -17,12 +17,12 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// Whether a target goes on with what it has read: maps, matches, solves. LOOPSTONE_FUZZ_READ_ONLY leaves that out, for short runs
-/// under sanitizers that are there for the readers.
+/// Whether a target goes on with what it has read: maps, matches, solves. LOOPSTONE_FUZZ_READ_ONLY
+/// leaves that out, for short runs under sanitizers that are there for the readers.
 inline bool goes_on() { return std::getenv("LOOPSTONE_FUZZ_READ_ONLY") == nullptr; }
 
-/// Traps when the words of an error are no help to a user: empty, another library's (unless they stand in the input, which errors
-/// quote), or a number without end.
+/// Traps when the words of an error are no help to a user: empty, another library's (unless they
+/// stand in the input, which errors quote), or a number without end.
 inline void expect_own_words(const std::exception& error, std::string_view input) {
   const std::string_view words = error.what();
   const auto refuse = [&](const char* reason) {
@@ -42,7 +42,8 @@ inline void expect_own_words(const std::exception& error, std::string_view input
   }
 }
 
-/// Runs what a target does with its input: damage is expected to be refused in plain words, and nothing worse.
+/// Runs what a target does with its input: damage is expected to be refused in plain words, and
+/// nothing worse.
 /// \return what LLVMFuzzerTestOneInput must return
 template <typename Body>
 int expect_work_or_refusal(std::string_view input, Body&& body) {

@@ -1,5 +1,6 @@
-// A main for the fuzz targets without libFuzzer: feeds every file named on the command line, and every file below a
-// folder named there, to the target once. ctest runs it over the seeds in fuzz/corpus/, so they are tested by every build.
+// A main for the fuzz targets without libFuzzer: feeds every file named on the command line, and
+// every file below a folder named there, to the target once. ctest runs it over the seeds in
+// fuzz/corpus/, so they are tested by every build.
 
 #include <algorithm>
 #include <cstddef>

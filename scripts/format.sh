@@ -14,6 +14,11 @@ if [[ ${1:-} == --check ]]; then
     printf 'not formatted (make format):\n%s\n' "$unformatted"
     exit 1
   fi
+  # clang-format leaves comments as they are.
+  if grep -nE '^ *//.*$' "${files[@]}" | awk -F: '{ line = $0; sub(/^[^:]*:[0-9]*:/, "", line); if (length(line) > 100) { print $1 ":" $2; found = 1 } } END { exit !found }'; then
+    echo 'comments longer than 100 columns'
+    exit 1
+  fi
   echo "${#files[@]} files are formatted"
 else
   clang-format -i "${files[@]}"

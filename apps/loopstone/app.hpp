@@ -13,8 +13,8 @@
 //     context.on_run(*command, [arguments, &context] { return run_info(*arguments, context); });
 //   }
 //
-// run_info returns an ExitCode and reports failure by throwing DataError or UsageError; main() turns that into one
-// line on stderr and the exit code.
+// run_info returns an ExitCode and reports failure by throwing DataError or UsageError; main()
+// turns that into one line on stderr and the exit code.
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -56,7 +56,8 @@ class AppContext {
   [[nodiscard]] MemoryBudget memory() const;
   [[nodiscard]] Threads threads() const { return Threads{threads_}; }
 
-  /// The defaults of an option struct (one with visit_options), overridden by -c, overridden by --set.
+  /// The defaults of an option struct (one with visit_options), overridden by -c, overridden by
+  /// --set.
   /// Throws OptionsError with all problems of the file and the flags together.
   template <typename Options>
   [[nodiscard]] Options load_options(Options options = {}) const {
@@ -77,7 +78,8 @@ class AppContext {
   [[nodiscard]] const std::string& command_line() const { return command_line_; }
   void set_command_line(int argc, const char* const* argv);
 
-  /// One line of the log on stderr, not in the way of the progress bar. note() is silent with --quiet.
+  /// One line of the log on stderr, not in the way of the progress bar. note() is silent with
+  /// --quiet.
   void note(const std::string& text) const;
   void warn(const std::string& text) const;
 
@@ -97,8 +99,8 @@ class AppContext {
   std::function<ExitCode()> action_;
 };
 
-/// Writes a flag's value into the option of this key, held to the option's own rule; what is wrong joins the problems under
-/// the flag's name.
+/// Writes a flag's value into the option of this key, held to the option's own rule; what is wrong
+/// joins the problems under the flag's name.
 void override_option(const std::vector<OptionEntry>& options, const std::string& flag,
                      const std::string& assignment, std::vector<OptionProblem>& problems);
 

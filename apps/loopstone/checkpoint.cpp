@@ -51,7 +51,8 @@ nlohmann::json field(const nlohmann::json& summary, const char* key) {
   return summary.is_object() ? summary.value(key, nlohmann::json()) : nlohmann::json();
 }
 
-/// "front_end.points_max = 360" where two texts of the same keys first differ; empty where they don't.
+/// "front_end.points_max = 360" where two texts of the same keys first differ; empty where they
+/// don't.
 std::string differing_line(const std::string& was, const std::string& is) {
   std::istringstream old_lines(was);
   std::istringstream new_lines(is);
@@ -205,7 +206,8 @@ void Checkpoint::save(Mapper& mapper) {
   Run run = run_;
   run.wall_s += last_s_;
   run.cpu_s += cpu_seconds();
-  // The back end gives its part when it has come so far; the disk takes its time. Neither holds up the next scan.
+  // The back end gives its part when it has come so far; the disk takes its time. Neither holds up
+  // the next scan.
   writing_ =
       std::async(std::launch::async, [path = path_, head = save_chunk(kRunTag, kRunVersion, run),
                                       state = mapper.save_state()]() mutable {

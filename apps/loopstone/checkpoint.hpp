@@ -15,7 +15,8 @@
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/slam/mapper.hpp"
 
-// What lets a run go on after it was ended from outside: its state, saved now and then into a session file beside the results.
+// What lets a run go on after it was ended from outside: its state, saved now and then into a
+// session file beside the results.
 
 namespace loopstone::app {
 
@@ -35,14 +36,15 @@ enum class RunStart {
   kResults,  ///< there are complete results; if they are of this very run, there is nothing to do
 };
 
-/// By what is in the output folder; nothing is changed. Throws UsageError when it holds a session that neither --resume nor `force`
-/// asks for.
+/// By what is in the output folder; nothing is changed. Throws UsageError when it holds a session
+/// that neither --resume nor `force` asks for.
 [[nodiscard]] RunStart find_start(const std::string& out, const CheckpointFlags& flags, bool force);
 
 /// An old session is not of the run that begins. Throws DataError when it can't be removed.
 void remove_session(const std::string& out);
 
-/// What a run has in common with the one whose session it goes on with; else it would not lead to the same result.
+/// What a run has in common with the one whose session it goes on with; else it would not lead to
+/// the same result.
 struct RunTerms {
   std::string version;  ///< of Loopstone
   std::string options_toml;
@@ -61,7 +63,8 @@ struct RunTerms {
 [[nodiscard]] RunInfo::Terms result_terms(const RunTerms& terms, const std::string& colour,
                                           const LogDigest& log);
 
-/// The summary.json of the finished run in a folder when it has the same version, options and terms; else nothing.
+/// The summary.json of the finished run in a folder when it has the same version, options and
+/// terms; else nothing.
 [[nodiscard]] std::optional<std::string> find_results(const std::string& out, const RunTerms& terms,
                                                       const RunInfo::Terms& result);
 
@@ -78,9 +81,11 @@ class Checkpoint {
   /// Throws when the session is damaged, or not of this log, robot, options and program.
   void resume(Mapper& mapper, CutLog& log, CameraFrames& camera, const std::string& log_path);
 
-  /// A message that the mapper has dealt with. Saves when it is time to, and the last time is over and done.
+  /// A message that the mapper has dealt with. Saves when it is time to, and the last time is over
+  /// and done.
   void after(const SensorMessage& message, Mapper& mapper);
-  /// Saves in any case, and returns when that is on disk: no more messages will come, be it the end or Ctrl-C.
+  /// Saves in any case, and returns when that is on disk: no more messages will come, be it the end
+  /// or Ctrl-C.
   void after_last(Mapper& mapper);
   /// The results are written. Removes the session when they are complete.
   void end(bool complete);

@@ -2,9 +2,10 @@
 
 #include <string>
 
-// Ctrl-C (SIGINT, SIGTERM). While a command only reads and computes it ends the process at once, with exit code 130: there is nothing
-// to be saved, and nothing half written that could stay. Where results are at stake, HeldInterrupt makes the first one a
-// question, which the work answers at its next step by writing what there is; the second one ends the process even there.
+// Ctrl-C (SIGINT, SIGTERM). While a command only reads and computes it ends the process at once,
+// with exit code 130: there is nothing to be saved, and nothing half written that could stay. Where
+// results are at stake, HeldInterrupt makes the first one a question, which the work answers at its
+// next step by writing what there is; the second one ends the process even there.
 
 namespace loopstone::app {
 

@@ -126,8 +126,9 @@ std::string colour_of(const Arguments& arguments) {
   return arguments.cloud ? "floor, cloud" : "floor";
 }
 
-/// Whether the folder holds the results of this very run: it may have been killed when nothing was left to do but to say so, and
-/// who starts it again must not fail for it. Throws UsageError when they are of another one.
+/// Whether the folder holds the results of this very run: it may have been killed when nothing was
+/// left to do but to say so, and who starts it again must not fail for it. Throws UsageError when
+/// they are of another one.
 ExitCode show_results(CutLog& log, const Arguments& arguments, const RunTerms& terms,
                       const AppContext& context) {
   LogDigest digest;

@@ -106,7 +106,8 @@ void check_match_usage(const MatchArguments& arguments) {
   if (arguments.global && (arguments.search_xy_m || arguments.search_yaw_rad)) {
     throw UsageError("--global searches everywhere: leave out --search-xy and --search-yaw");
   }
-  // Wrong options are refused before anything is read; --initial once it is known whether space or plane.
+  // Wrong options are refused before anything is read; --initial once it is known whether space or
+  // plane.
   if (!arguments.target_pose.empty()) (void)parse_pose2("--target-pose", arguments.target_pose);
   if (!arguments.aligned.empty() && !can_write_point_cloud(arguments.aligned)) {
     throw UsageError("--aligned " + arguments.aligned + ": a cloud is written as .ply or .pcd");

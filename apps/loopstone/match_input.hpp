@@ -21,7 +21,8 @@ struct MatchInput {
   std::optional<CellStates> map{};
 
   [[nodiscard]] bool planar() const { return !cloud || cloud->planar; }
-  /// Finite points: a scan's in the robot's frame, sweep undone; a cloud's x and y; a map's visible walls.
+  /// Finite points: a scan's in the robot's frame, sweep undone; a cloud's x and y; a map's visible
+  /// walls.
   [[nodiscard]] std::vector<Eigen::Vector2d> points2() const;
   /// Of a cloud.
   [[nodiscard]] std::vector<Eigen::Vector3d> points3() const;
@@ -33,7 +34,8 @@ struct MatchInput {
   [[nodiscard]] std::string kind() const;
 };
 
-/// Reads LOG#index, LOG@time, a point cloud or a map, told apart by the name. Throws UsageError for a log without a scan.
+/// Reads LOG#index, LOG@time, a point cloud or a map, told apart by the name. Throws UsageError for
+/// a log without a scan.
 [[nodiscard]] MatchInput read_match_input(const std::string& name, const AppContext& context);
 
 }  // namespace loopstone::app

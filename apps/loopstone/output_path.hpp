@@ -14,11 +14,13 @@ void add_force_flag(CLI::App& command, bool& force);
 /// A pipe, a terminal, /dev/null, or what /dev/stdout stands for: nothing of it is replaced.
 [[nodiscard]] bool is_stream(const std::string& path);
 
-/// What a command reads and what it would write. One rule for all commands, held before the work begins:
+/// What a command reads and what it would write. One rule for all commands, held before the work
+/// begins:
 ///
-/// - An output that is an input, by whatever name or link, is refused, also with --force. So is a folder that is read, or holds
-///   a file that is read.
-/// - A file that exists, and a folder that holds something, are refused without --force. Pipes and devices are written to.
+/// - An output that is an input, by whatever name or link, is refused, also with --force. So is a
+///   folder that is read, or holds a file that is read.
+/// - A file that exists, and a folder that holds something, are refused without --force. Pipes and
+///   devices are written to.
 /// - Two outputs have two names, and no file lies in a folder that becomes a set of results.
 /// - Where something will be written, files can be made and there is room.
 ///
@@ -34,7 +36,8 @@ class Outputs {
   Outputs(const AppContext& context, bool force);
 
   void reads_log(const std::string& log);
-  /// A file, whatever stands behind '#' or '@' in its name; of a map.yaml its picture, too; or a folder.
+  /// A file, whatever stands behind '#' or '@' in its name; of a map.yaml its picture, too; or a
+  /// folder.
   void reads(const std::string& path);
 
   /// \param flag  for messages; empty for an output without one

@@ -17,13 +17,14 @@ class Pace {
   /// \param speed  1: as recorded
   explicit Pace(double speed) : speed_(speed) {}
 
-  /// Returns when a message of that stamp is due; at once when it is late. Stamps that run back are due at once.
+  /// Returns when a message of that stamp is due; at once when it is late. Stamps that run back are
+  /// due at once.
   /// \param go_on  asked now and then while waiting; false ends the wait
   void wait_for(Stamp stamp, const std::function<bool()>& go_on);
   /// The message just waited for is a scan.
   void note_scan() { scans_.push_back(due_); }
-  /// The pose of the oldest scan without one is known: how long after that scan was due, and after the
-  /// message just waited for, is noted.
+  /// The pose of the oldest scan without one is known: how long after that scan was due, and after
+  /// the message just waited for, is noted.
   void note_pose();
 
   [[nodiscard]] PaceFigures figures() const;

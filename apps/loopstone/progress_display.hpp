@@ -8,8 +8,9 @@
 
 namespace loopstone::app {
 
-/// Shows how far a run is: a bar with rate and time left on a terminal, a plain line every few seconds when stderr is
-/// something else, nothing with --quiet. It also carries Ctrl-C into the run: the callback returns false after it.
+/// Shows how far a run is: a bar with rate and time left on a terminal, a plain line every few
+/// seconds when stderr is something else, nothing with --quiet. It also carries Ctrl-C into the
+/// run: the callback returns false after it.
 class ProgressDisplay {
  public:
   explicit ProgressDisplay(const AppContext& context);

@@ -9,7 +9,8 @@
 
 namespace loopstone::app {
 
-/// What a command found, once for people (a short table with units) and once for scripts (one JSON object).
+/// What a command found, once for people (a short table with units) and once for scripts (one JSON
+/// object).
 ///
 ///   Result result;
 ///   result.add("scans", "scans", statistics.scans);
@@ -56,8 +57,8 @@ class Result {
   nlohmann::ordered_json json_ = nlohmann::ordered_json::object();
 };
 
-/// Writes to stdout, with_escaped_controls(), and makes sure that it arrived. Throws DataError when it did not (disk full, closed
-/// pipe).
+/// Writes to stdout, with_escaped_controls(), and makes sure that it arrived. Throws DataError when
+/// it did not (disk full, closed pipe).
 void print_to_stdout(std::string_view document);
 
 }  // namespace loopstone::app

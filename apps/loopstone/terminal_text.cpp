@@ -16,7 +16,8 @@ bool is_control(std::string_view character) {
   return first == 0xC2 && static_cast<unsigned char>(character[1]) < 0xA0;
 }
 
-/// \param escaped  what stands for a control character, or for a byte that is no UTF-8 (`is_utf8` false)
+/// \param escaped  what stands for a control character, or for a byte that is no UTF-8 (`is_utf8`
+///                 false)
 template <typename Escaped>
 std::string without_controls(std::string_view text, Escaped&& escaped) {
   std::string result;

@@ -1,6 +1,7 @@
 // Solves a pose graph with Ceres, for bench/pose_graphs.py:  ceres_pose_graph GRAPH.g2o
-// The residual is g2o's, L^T e with Omega = L L^T, differentiated automatically; SPARSE_NORMAL_CHOLESKY with Levenberg-Marquardt, one
-// thread. Prints one JSON object: cost (sum of e^T Omega e), CPU seconds of Solve(), steps.
+// The residual is g2o's, L^T e with Omega = L L^T, differentiated automatically;
+// SPARSE_NORMAL_CHOLESKY with Levenberg-Marquardt, one thread. Prints one JSON object: cost (sum of
+// e^T Omega e), CPU seconds of Solve(), steps.
 
 #include <ceres/ceres.h>
 

@@ -1,7 +1,9 @@
-// PCL (https://pointclouds.org, BSD) on scans in the plane: ICP with its planar estimator, ICP with normals, and GICP.
+// PCL (https://pointclouds.org, BSD) on scans in the plane: ICP with its planar estimator, ICP with
+// normals, and GICP.
 //
-// Points have z = 0. PCL's own covariances take the axis along which a neighbourhood is thinnest, which would be z, so GICP is
-// given covariances that are thin across the wall, from the same neighbours.
+// Points have z = 0. PCL's own covariances take the axis along which a neighbourhood is thinnest,
+// which would be z, so GICP is given covariances that are thin across the wall, from the same
+// neighbours.
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>

@@ -1,7 +1,8 @@
 // small_gicp (https://github.com/koide3/small_gicp, MIT) on scans in the plane.
 //
-// Points have z = 0, and roll, pitch and z are held by its own RestrictDoFFactor. Its estimate of normals takes the axis along
-// which a neighbourhood is thinnest, which would be z; here it is the thinnest within the plane.
+// Points have z = 0, and roll, pitch and z are held by its own RestrictDoFFactor. Its estimate of
+// normals takes the axis along which a neighbourhood is thinnest, which would be z; here it is the
+// thinnest within the plane.
 
 #include <small_gicp/ann/kdtree.hpp>
 #include <small_gicp/factors/gicp_factor.hpp>

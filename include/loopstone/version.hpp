@@ -4,7 +4,8 @@
 
 namespace loopstone {
 
-/// The version of the library and the program. CMake, the package config and `summary.json` read it from here.
+/// The version of the library and the program. CMake, the package config and `summary.json` read it
+/// from here.
 inline constexpr std::string_view kVersion = "0.1.0";
 
 }  // namespace loopstone

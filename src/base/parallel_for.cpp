@@ -27,8 +27,9 @@ void parallel_for(std::size_t count, Threads threads,
   std::mutex failure_mutex;
   std::size_t failed_index = count;
   std::exception_ptr failure;
-  // TBB orders the caller before every body and every body before the return. The two atomics say the same in terms that
-  // the thread sanitizer understands (it cannot see into libtbb), so that it reports races between bodies and no others.
+  // TBB orders the caller before every body and every body before the return. The two atomics say
+  // the same in terms that the thread sanitizer understands (it cannot see into libtbb), so that it
+  // reports races between bodies and no others.
   std::atomic<bool> started{false};
   std::atomic<std::size_t> finished{0};
   started.store(true, std::memory_order_release);

@@ -55,7 +55,8 @@ Nearness measure(const Grid<std::uint8_t>& from, const Grid<std::uint8_t>& to,
   for_each_cell(from.frame(), [&](Cell cell) {
     if (from[cell] == 0) return;
     const Cell there = to.frame().cell_of(to_T_from * from.frame().centre_of(cell));
-    // Outside the other map nothing is marked; how near its edge lies does not matter within the cap.
+    // Outside the other map nothing is marked; how near its edge lies does not matter within the
+    // cap.
     const double distance = std::min(distance_m.value_or(there, largest), largest);
     ++result.cells;
     // Distances are float: a tolerance of exactly two cells must include two cells.
@@ -111,7 +112,8 @@ MapScore score_map(const Grid<CellState>& map, const Grid<CellState>& truth,
       truth, [](const auto& grid, Cell cell) { return grid[cell] == CellState::kOccupied; });
   const Grid<std::uint8_t> surface = mask_of(truth, is_surface);
 
-  // A beam may end a little inside a thick wall, so precision asks for any true occupied cell; recall only for surfaces.
+  // A beam may end a little inside a thick wall, so precision asks for any true occupied cell;
+  // recall only for surfaces.
   const Nearness found =
       measure(occupied, true_occupied, truth_T_map, tolerance_m, largest_distance_m);
   const Nearness seen =

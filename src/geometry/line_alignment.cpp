@@ -16,9 +16,10 @@ struct UnitMinimiser {
   bool unique = false;
 };
 
-/// The unit vector r that minimises r^T S r - 2 u^T r. Stationary points solve (S + lambda I) r = u; in the eigenbasis of
-/// S, |r| = 1 reads u_1^2 / (s_1 + lambda)^2 + u_2^2 / (s_2 + lambda)^2 = 1, a quartic in lambda. The minimum belongs to its
-/// greatest root, the one that leaves S + lambda I without a negative eigenvalue (Forsythe and Golub 1965).
+/// The unit vector r that minimises r^T S r - 2 u^T r. Stationary points solve (S + lambda I) r =
+/// u; in the eigenbasis of S, |r| = 1 reads u_1^2 / (s_1 + lambda)^2 + u_2^2 / (s_2 + lambda)^2 =
+/// 1, a quartic in lambda. The minimum belongs to its greatest root, the one that leaves S + lambda
+/// I without a negative eigenvalue (Forsythe and Golub 1965).
 UnitMinimiser minimise_on_circle(const Eigen::Matrix2d& s_matrix, const Eigen::Vector2d& u_vector) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
   eigen.computeDirect(s_matrix);
@@ -26,7 +27,8 @@ UnitMinimiser minimise_on_circle(const Eigen::Matrix2d& s_matrix, const Eigen::V
   const Eigen::Vector2d u = eigen.eigenvectors().transpose() * u_vector;
   const double scale = std::max(std::abs(s(1)), u.norm());
   if (!(scale > 0.0)) return {{1.0, 0.0}, false};
-  // The root lies between these: at the lower one the first term alone is 1, at the upper one the sum is at most 1.
+  // The root lies between these: at the lower one the first term alone is 1, at the upper one the
+  // sum is at most 1.
   double low = -s(0) + std::abs(u(0));
   double high = -s(0) + u.norm();
   Eigen::Vector2d r;
@@ -81,7 +83,8 @@ RigidAlignment<2> align_to_lines(std::span<const PointOnLine> pairs) {
   point_mean /= total;
   anchor_mean /= total;
 
-  // Residual: a^T x - b with x = (t, cos, sin), a = (n, n^T p, n^T P p), P the quarter turn, b = n^T q.
+  // Residual: a^T x - b with x = (t, cos, sin), a = (n, n^T p, n^T P p), P the quarter turn, b =
+  // n^T q.
   Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
   Eigen::Vector4d v = Eigen::Vector4d::Zero();
   for (const PointOnLine& pair : pairs) {
@@ -91,7 +94,8 @@ RigidAlignment<2> align_to_lines(std::span<const PointOnLine> pairs) {
     m += pair.weight * a * a.transpose();
     v += pair.weight * n.dot(pair.anchor - anchor_mean) * a;
   }
-  // The best translation for any rotation: t = A (v_t - B r), A the (pseudo-) inverse of the upper left block.
+  // The best translation for any rotation: t = A (v_t - B r), A the (pseudo-) inverse of the upper
+  // left block.
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> upper;
   upper.computeDirect(Eigen::Matrix2d(m.topLeftCorner<2, 2>()));
   Eigen::Matrix2d inverse = Eigen::Matrix2d::Zero();

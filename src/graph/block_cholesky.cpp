@@ -33,8 +33,8 @@ void BlockCholesky::lay_out_fronts() {
     fill_ += pivots * (pivots - 1) / 2 + pivots * below;
     panel_start_.push_back(panel_end);
     panel_end += 3 * pivots * padded_rows(3 * (pivots + below));
-    // The fronts on a stack of one parity are finished but not yet taken up; when this one is, its children, on the
-    // other stack, are gone.
+    // The fronts on a stack of one parity are finished but not yet taken up; when this one is, its
+    // children, on the other stack, are gone.
     const auto parity = static_cast<std::size_t>(front.depth % 2);
     update_start_.push_back(top[parity]);
     top[parity] += 3 * below * padded_rows(3 * below);

@@ -13,16 +13,19 @@
 
 namespace loopstone {
 
-/// A = L L^T for a symmetric positive definite block matrix. The pattern of L is found once, so a matrix of the same
-/// pattern is factorised again without any bookkeeping or allocation.
-/// Multifrontal: each supernode is a small dense matrix, and hands what is left of it to its parent in the elimination
-/// tree. Duff and Reid 1983, "The multifrontal solution of indefinite sparse symmetric linear equations"; Liu 1992.
+/// A = L L^T for a symmetric positive definite block matrix. The pattern of L is found once, so a
+/// matrix of the same pattern is factorised again without any bookkeeping or allocation.
+/// Multifrontal: each supernode is a small dense matrix, and hands what is left of it to its parent
+/// in the elimination tree. Duff and Reid 1983, "The multifrontal solution of indefinite sparse
+/// symmetric linear equations"; Liu 1992.
 class BlockCholesky {
  public:
-  /// Finds the pattern of L, with the blocks eliminated in their order; the values are not looked at.
+  /// Finds the pattern of L, with the blocks eliminated in their order; the values are not looked
+  /// at.
   explicit BlockCholesky(const BlockMatrix& pattern);
 
-  /// Factorises A + damping * diag(A). False when that is not positive definite; then there is nothing to solve with.
+  /// Factorises A + damping * diag(A). False when that is not positive definite; then there is
+  /// nothing to solve with.
   [[nodiscard]] bool factorise(const BlockMatrix& a, double damping);
 
   /// Solves A x = b.
@@ -35,7 +38,8 @@ class BlockCholesky {
     int block = 0;
     Eigen::Matrix3d rows;
   };
-  /// J A^-1 J^T. Only what lies between the blocks of J and the root of the elimination tree is read.
+  /// J A^-1 J^T. Only what lies between the blocks of J and the root of the elimination tree is
+  /// read.
   [[nodiscard]] Eigen::Matrix3d through_inverse(std::span<const RowsAt> j);
 
   /// Blocks below the diagonal of L, zeros of merged supernodes included.

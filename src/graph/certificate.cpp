@@ -30,7 +30,8 @@ Certificate certificate_of(const IsotropicSystem& system, const Verdict& verdict
   certificate.cost = cost;
   certificate.min_eigenvalue = verdict.min_eigenvalue;
   certificate.eigenvalue_tolerance = verdict.tolerance;
-  // Weak duality: for any Y with unit rows tr(Y^H Q Y) = tr(Lambda) + tr(Y^H S Y) >= tr(Lambda) - tolerance * rows.
+  // Weak duality: for any Y with unit rows tr(Y^H Q Y) = tr(Lambda) + tr(Y^H S Y) >= tr(Lambda) -
+  // tolerance * rows.
   certificate.lower_bound =
       std::max(point.cost - verdict.tolerance * static_cast<double>(system.problem.headings), 0.0);
   certificate.optimality_gap = std::max(cost - certificate.lower_bound, 0.0);
@@ -48,7 +49,8 @@ Certificate certificate_of(const IsotropicSystem& system, const Verdict& verdict
   return certificate;
 }
 
-/// A component with two held poses, or a held one and priors, has measurements of its own in the gauge.
+/// A component with two held poses, or a held one and priors, has measurements of its own in the
+/// gauge.
 bool holds_too_much(const PoseGraph& graph) {
   if (graph.fixed.size() + (graph.priors.empty() ? 0 : 1) < 2) return false;
   const GraphComponents components = connected_components(graph);

@@ -73,7 +73,8 @@ bool CertificateMatrix::factorise(const std::vector<double>& multipliers, double
   const IsotropicProblem& problem = system_->problem;
   const std::vector<int>& place = system_->pattern.place;
   matrix_.set_zero();
-  // The unknowns of a node: position, heading. |t_to - t_from - z_from step|^2 and |z_to - z_from turn|^2 in them.
+  // The unknowns of a node: position, heading. |t_to - t_from - z_from step|^2 and |z_to - z_from
+  // turn|^2 in them.
   for (std::size_t i = 0; i < problem.edges.size(); ++i) {
     const IsotropicEdge& edge = problem.edges[i];
     const double tau = edge.translation_weight;

@@ -19,16 +19,18 @@ struct RelaxedPoint {
   double cost = 0.0;                ///< tr(headings^H Q headings) = sum of the multipliers
 };
 
-/// Q Y: the quadratic form of the problem after the positions were eliminated (Rosen et al. 2019, eq. 20).
+/// Q Y: the quadratic form of the problem after the positions were eliminated (Rosen et al. 2019,
+/// eq. 20).
 [[nodiscard]] ComplexRows apply_quadratic_form(const IsotropicSystem& system,
                                                const PositionSolver& positions,
                                                const ComplexRows& rows);
 [[nodiscard]] RelaxedPoint relaxed_point(const IsotropicSystem& system,
                                          const PositionSolver& positions, ComplexRows headings);
 
-/// S + shift I for the dual certificate S = Q - Lambda (Rosen et al. 2019, theorem 5; Carlone et al. 2016, section V).
-/// Q is dense; S + shift I is the Schur complement of the sparse matrix over positions and headings that is factorised
-/// here, so the one is positive definite exactly when the other is (Haynsworth's inertia additivity).
+/// S + shift I for the dual certificate S = Q - Lambda (Rosen et al. 2019, theorem 5; Carlone et
+/// al. 2016, section V). Q is dense; S + shift I is the Schur complement of the sparse matrix over
+/// positions and headings that is factorised here, so the one is positive definite exactly when the
+/// other is (Haynsworth's inertia additivity).
 class CertificateMatrix {
  public:
   explicit CertificateMatrix(const IsotropicSystem& system);
@@ -49,7 +51,8 @@ struct Eigenpair {
   Eigen::VectorXcd vector{};  ///< of length 1
 };
 
-/// The smallest eigenvalue of S, by Lanczos on (S + shift I)^-1 with full orthogonalisation (Parlett 1998, section 13).
+/// The smallest eigenvalue of S, by Lanczos on (S + shift I)^-1 with full orthogonalisation
+/// (Parlett 1998, section 13).
 [[nodiscard]] Eigenpair smallest_eigenpair(const CertificateMatrix& factorised, double shift,
                                            const Eigen::VectorXcd& start, int max_steps);
 

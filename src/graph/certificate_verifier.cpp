@@ -10,7 +10,8 @@ namespace loopstone {
 
 namespace {
 
-/// Something that no eigenvector is orthogonal to: entries of length 1 in directions that do not repeat.
+/// Something that no eigenvector is orthogonal to: entries of length 1 in directions that do not
+/// repeat.
 Eigen::VectorXcd mixed_start(const IsotropicProblem& problem) {
   constexpr double kGoldenAngle = 2.399963229728653;
   Eigen::VectorXcd start = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(problem.nodes));
@@ -25,7 +26,8 @@ Eigen::VectorXcd mixed_start(const IsotropicProblem& problem) {
 }  // namespace
 
 double Verifier::tolerance_at(const RelaxedPoint& point) const {
-  // Rounding of a factorisation moves eigenvalues by a multiple of machine epsilon times the largest entries.
+  // Rounding of a factorisation moves eigenvalues by a multiple of machine epsilon times the
+  // largest entries.
   constexpr double kRounding = 1e-13;
   double scale = 0.0;
   for (const double multiplier : point.multipliers) scale = std::max(scale, std::abs(multiplier));
@@ -40,7 +42,8 @@ Verdict Verifier::verify(const RelaxedPoint& point) {
   constexpr int kConfirmingSteps = 3;
   const double tolerance = tolerance_at(point);
   if (!matrix_.factorise(point.multipliers, tolerance)) return search_negative(point, tolerance);
-  // The headings themselves are an eigenvector with eigenvalue 0; something else is mixed in to see lower ones.
+  // The headings themselves are an eigenvector with eigenvalue 0; something else is mixed in to see
+  // lower ones.
   Eigen::VectorXcd start = mixed_start(system_->problem);
   for (std::size_t i = 0; i < system_->problem.headings; ++i) {
     const auto row = static_cast<Eigen::Index>(i);

@@ -33,7 +33,8 @@ class Verifier {
  private:
   /// Eigenvalues above minus this count as not negative.
   [[nodiscard]] double tolerance_at(const RelaxedPoint& point) const;
-  /// Shift by shift up to where S is positive definite, and from there Lanczos to its smallest eigenvalue.
+  /// Shift by shift up to where S is positive definite, and from there Lanczos to its smallest
+  /// eigenvalue.
   [[nodiscard]] Verdict search_negative(const RelaxedPoint& point, double tolerance);
 
   const IsotropicSystem* system_;

@@ -27,7 +27,8 @@ void solve_for_nodes(const ConnectionCholesky<Scalar>& factor, const std::vector
   }
 }
 
-/// Adds weight |x_to - x_from factor|^2 of an edge between free nodes, or what is left of it at the free one.
+/// Adds weight |x_to - x_from factor|^2 of an edge between free nodes, or what is left of it at the
+/// free one.
 void add_edge(ConnectionCholesky<Scalar>& matrix, const IsotropicSystem& system, std::size_t edge,
               double weight, Complex factor) {
   const IsotropicEdge& e = system.problem.edges[edge];

@@ -129,7 +129,8 @@ CliqueTree::Part CliqueTree::detach(std::span<const int> touched) {
 
 void CliqueTree::order(const Part& part, int newest, std::span<const LinearFactor> factors,
                        const std::vector<std::vector<int>>& factors_of) {
-  // The newest pose is where the next edge will begin, so it goes last, in the root, and is left out of the ordering.
+  // The newest pose is where the next edge will begin, so it goes last, in the root, and is left
+  // out of the ordering.
   const int last = local_[at(newest)];
   if (part.variables.size() <= kSmall) {
     order_small(part, last, factors, factors_of);

@@ -11,7 +11,8 @@
 
 namespace loopstone {
 
-/// A linearised edge between two variables, or on one (then second is -1): its share of H and of the gradient.
+/// A linearised edge between two variables, or on one (then second is -1): its share of H and of
+/// the gradient.
 struct LinearFactor {
   int first = -1;
   int second = -1;
@@ -22,8 +23,9 @@ struct LinearFactor {
   Eigen::Vector3d gradient_second = Eigen::Vector3d::Zero();
 };
 
-/// The factor of H delta = -gradient as a tree of dense fronts that can be changed from the root down. Each front keeps what
-/// it hands to its parent, so that the fronts below a change are not looked at.
+/// The factor of H delta = -gradient as a tree of dense fronts that can be changed from the root
+/// down. Each front keeps what it hands to its parent, so that the fronts below a change are not
+/// looked at.
 /// Source: Kaess et al. 2012, "iSAM2", algorithms 4 to 7.
 class CliqueTree {
  public:
@@ -37,14 +39,15 @@ class CliqueTree {
   void clear();
   void resize(std::size_t variables);
 
-  /// Eliminates anew the variables touched (with all that depend on them), and those of no clique yet, `newest` last; then
-  /// finds their deltas and passes them on.
+  /// Eliminates anew the variables touched (with all that depend on them), and those of no clique
+  /// yet, `newest` last; then finds their deltas and passes them on.
   /// \param factors_of  the factors of each variable
   Result update(std::span<const int> touched, int newest, std::span<const LinearFactor> factors,
                 const std::vector<std::vector<int>>& factors_of, double negligible,
                 std::size_t most);
-  /// Finds the deltas of the variables below those whose deltas changed, leaving out changes below `negligible`; after about
-  /// `most` variables the rest is left to the next call. Returns the variables.
+  /// Finds the deltas of the variables below those whose deltas changed, leaving out changes below
+  /// `negligible`; after about `most` variables the rest is left to the next call. Returns the
+  /// variables.
   std::vector<int> pass_on(double negligible, std::size_t most);
 
   [[nodiscard]] const std::vector<Eigen::Vector3d>& delta() const { return delta_; }
@@ -73,7 +76,8 @@ class CliqueTree {
     [[nodiscard]] double* forward();    ///< of the pivots
     [[nodiscard]] double* left_over();  ///< right-hand side handed to the rows, padded
   };
-  /// Values of cliques that are gone, for new ones of about their size: large pieces of fresh memory are dear.
+  /// Values of cliques that are gone, for new ones of about their size: large pieces of fresh
+  /// memory are dear.
   class SpareValues {
    public:
     [[nodiscard]] std::vector<double> zeros(std::size_t count);

@@ -18,8 +18,8 @@ struct LoopClosure {
   Eigen::Matrix3d covariance;  ///< twist at the end
 };
 
-/// Loops of two closures and the odometry between them: a.from -> b.from by odometry, b, b.to -> a.to by odometry, a
-/// backwards. Mangelson et al. 2018, eq. 8.
+/// Loops of two closures and the odometry between them: a.from -> b.from by odometry, b, b.to ->
+/// a.to by odometry, a backwards. Mangelson et al. 2018, eq. 8.
 class ClosureLoops {
  public:
   /// Finds the chain of odometry edges between consecutive poses, and the closures.
@@ -40,7 +40,8 @@ class ClosureLoops {
   };
   [[nodiscard]] Opening opening(const LoopClosure& a, const LoopClosure& b) const;
 
-  /// Covariance of the way between two poses by odometry, as a twist in the frame in which the chain is told.
+  /// Covariance of the way between two poses by odometry, as a twist in the frame in which the
+  /// chain is told.
   [[nodiscard]] Eigen::Matrix3d stretch(std::size_t i, std::size_t k) const {
     return grown_[i < k ? k : i] - grown_[i < k ? i : k];
   }

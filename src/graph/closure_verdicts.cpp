@@ -24,7 +24,8 @@ constexpr double kNearlyAsBad = 0.5;
 
 /// Median of a chi-square with 3 degrees of freedom.
 constexpr double kMedianChi2 = 2.366;
-/// Real residuals have longer tails than the normal distribution; with fewer closures their median says little.
+/// Real residuals have longer tails than the normal distribution; with fewer closures their median
+/// says little.
 constexpr double kSlack = 4.0;
 constexpr std::size_t kFewClosures = 10;
 
@@ -55,8 +56,9 @@ class Solution {
 
   [[nodiscard]] bool usable() const { return usable_; }
 
-  /// Squared standard deviations by which a closure is off what the others predict. An accepted one is taken out first: the
-  /// residual then has covariance information^-1 - J P J^T; for another it is information^-1 + J P J^T.
+  /// Squared standard deviations by which a closure is off what the others predict. An accepted one
+  /// is taken out first: the residual then has covariance information^-1 - J P J^T; for another it
+  /// is information^-1 + J P J^T.
   [[nodiscard]] double disagreement(const RelativePoseEdge& edge, bool accepted) {
     const Pose2& from = state_.poses[at(edge.from)];
     const Pose2& to = state_.poses[at(edge.to)];
@@ -73,7 +75,8 @@ class Solution {
   }
 
  private:
-  /// A state that false closures have folded may be a local minimum without them, so it competes with fresh starts.
+  /// A state that false closures have folded may be a local minimum without them, so it competes
+  /// with fresh starts.
   void solve_from_best_start(PoseGraph accepted) {
     accepted.poses = state_.poses;
     std::vector<GraphState> starts{state_};
@@ -123,9 +126,9 @@ class Solution {
   std::vector<BlockCholesky::RowsAt> rows_;
 };
 
-/// Many graphs come with information that is far too modest, and then a false closure hides within it. How far off the
-/// accepted closures are in the middle tells the true scale (a posteriori variance of unit weight, by its median); the bound
-/// is only ever made stricter.
+/// Many graphs come with information that is far too modest, and then a false closure hides within
+/// it. How far off the accepted closures are in the middle tells the true scale (a posteriori
+/// variance of unit weight, by its median); the bound is only ever made stricter.
 double scaled_bound(const PoseGraph& graph, const std::vector<double>& weights,
                     const std::vector<double>& off, double inlier_chi2) {
   std::vector<double> accepted;
@@ -138,7 +141,8 @@ double scaled_bound(const PoseGraph& graph, const std::vector<double>& weights,
   return inlier_chi2 * std::min(1.0, kSlack * median_of(accepted) / kMedianChi2);
 }
 
-/// Takes out the accepted closures that contradict the rest most; false when none does. Scales the bound.
+/// Takes out the accepted closures that contradict the rest most; false when none does. Scales the
+/// bound.
 bool reject_worst(const PoseGraph& graph, double& inlier_chi2, Solution& solution,
                   std::vector<double>& weights) {
   std::vector<double> off(graph.edges.size(), 0.0);

@@ -7,8 +7,9 @@
 
 namespace loopstone {
 
-/// Goes on from a choice of loop closures (weights 1 and 0) until each accepted one agrees with the others and no rejected
-/// one does, or a bound on the rounds is met. State: the solution with the accepted ones.
+/// Goes on from a choice of loop closures (weights 1 and 0) until each accepted one agrees with the
+/// others and no rejected one does, or a bound on the rounds is met. State: the solution with the
+/// accepted ones.
 void settle_closures(const PoseGraph& graph, const std::vector<bool>& fixed, double inlier_chi2,
                      std::vector<double>& weights, GraphState& state);
 

@@ -8,8 +8,9 @@
 
 namespace loopstone {
 
-/// Where a symmetric matrix of blocks and its Cholesky factor have blocks, in an order of elimination with little fill.
-/// Found once, and used for matrices of different block sizes over the same nodes.
+/// Where a symmetric matrix of blocks and its Cholesky factor have blocks, in an order of
+/// elimination with little fill. Found once, and used for matrices of different block sizes over
+/// the same nodes.
 struct EliminationPattern {
   std::vector<int> place;         ///< of a node in the order of elimination
   std::vector<int> column_start;  ///< of the factor's columns in `rows`; one more at the end
@@ -24,7 +25,8 @@ struct EliminationPattern {
 [[nodiscard]] EliminationPattern elimination_pattern(int size,
                                                      std::span<const std::pair<int, int>> pairs);
 
-/// A complex block with its real and imaginary parts apart, so that products are those of real matrices.
+/// A complex block with its real and imaginary parts apart, so that products are those of real
+/// matrices.
 template <int kSize>
 struct ComplexBlock {
   using Real = Eigen::Matrix<double, kSize, kSize>;
@@ -43,9 +45,9 @@ struct RealBlock {
   Real re = Real::Zero();
 };
 
-/// A Hermitian (or real symmetric) matrix of blocks, and then, in the same place, its factor: A = L L^H. Blocks are
-/// addressed by places in the order of elimination.
-/// Left-looking by block columns: Davis 2006, "Direct methods for sparse linear systems", sections 4.1 and 4.8.
+/// A Hermitian (or real symmetric) matrix of blocks, and then, in the same place, its factor: A = L
+/// L^H. Blocks are addressed by places in the order of elimination. Left-looking by block columns:
+/// Davis 2006, "Direct methods for sparse linear systems", sections 4.1 and 4.8.
 template <typename Block>
 class ConnectionCholesky {
  public:
@@ -58,7 +60,8 @@ class ConnectionCholesky {
   [[nodiscard]] Block& below(std::size_t index) { return below_[index]; }
   [[nodiscard]] const EliminationPattern& pattern() const { return *pattern_; }
 
-  /// Replaces the matrix by its factor. False when it is not positive definite; set the matrix anew then.
+  /// Replaces the matrix by its factor. False when it is not positive definite; set the matrix anew
+  /// then.
   [[nodiscard]] bool factorise();
 
   /// x of A x = b, by places, after factorise().
@@ -72,7 +75,8 @@ class ConnectionCholesky {
   const EliminationPattern* pattern_;
   std::vector<Block> diagonal_;  ///< after factorise() the inverses of L's diagonal blocks
   std::vector<Block> below_;
-  /// Columns that still have to be subtracted from a later one: a linked list for each row that comes next.
+  /// Columns that still have to be subtracted from a later one: a linked list for each row that
+  /// comes next.
   std::vector<int> first_of_row_;
   std::vector<int> next_;
   std::vector<int> position_;

@@ -23,8 +23,8 @@ constexpr int kPatience = 5;
 /// How steadily promises must have shrunk for the next one to be foretold.
 constexpr double kFastConvergence = 0.1;
 
-/// By how much the quadratic model says that a (damped) step lowers the cost: -2 g^T dx - dx^T H dx with
-/// (H + damping D) dx = -g.
+/// By how much the quadratic model says that a (damped) step lowers the cost: -2 g^T dx - dx^T H dx
+/// with (H + damping D) dx = -g.
 double promised_decrease(const NormalEquations& equations, std::span<const Eigen::Vector3d> step,
                          double damping) {
   double result = 0.0;

@@ -8,9 +8,11 @@
 
 namespace loopstone {
 
-/// Powell's dogleg: steps within a trust region, along steepest descent and then towards the Newton step. Lengths are
-/// measured in units of the Hessian's diagonal, so metres and radians need no common scale.
-/// Source: Powell 1970, "A new algorithm for unconstrained optimization"; Nocedal and Wright 2006, section 4.1.
+/// Powell's dogleg: steps within a trust region, along steepest descent and then towards the Newton
+/// step. Lengths are measured in units of the Hessian's diagonal, so metres and radians need no
+/// common scale.
+/// Source: Powell 1970, "A new algorithm for unconstrained optimization"; Nocedal and Wright 2006,
+/// section 4.1.
 class Dogleg {
  public:
   /// Takes over the Newton step at the current state.

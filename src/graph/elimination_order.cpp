@@ -41,7 +41,8 @@ void join(Neighbours& neighbours, int a, int b) {
   neighbours[static_cast<std::size_t>(b)].push_back(a);
 }
 
-/// Takes the nodes of few neighbours out of the graph until none is left, and gives them their places.
+/// Takes the nodes of few neighbours out of the graph until none is left, and gives them their
+/// places.
 int eliminate_chains(Neighbours& neighbours, std::vector<int>& place) {
   int next_place = 0;
   std::vector<int> candidates(neighbours.size());

@@ -10,7 +10,8 @@
 
 namespace loopstone {
 
-/// Where the block (row, column) of a front's pivot column begins in its panel; row and column are places.
+/// Where the block (row, column) of a front's pivot column begins in its panel; row and column are
+/// places.
 [[nodiscard]] inline std::size_t panel_offset(const Front& front, int row, int column) {
   std::size_t position = 0;
   if (row < front.first_pivot + front.pivots) {
@@ -39,7 +40,8 @@ inline void add_block(const Block& block, double* target, std::size_t stride) {
   }
 }
 
-/// Adds what is left of a child (its update matrix, lower triangle of blocks) to its parent. "Extend-add".
+/// Adds what is left of a child (its update matrix, lower triangle of blocks) to its parent.
+/// "Extend-add".
 inline void add_update(std::span<const RowRun> runs, const DenseFront& child,
                        const DenseFront& parent) {
   const std::size_t child_stride = padded_rows(child.rows - child.pivots);

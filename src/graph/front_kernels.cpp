@@ -23,19 +23,21 @@ struct DiagonalBlock {
   double inverse[W];
 };
 
-/// W columns of a matrix in the making, and the columns to the left whose products have to come off.
+/// W columns of a matrix in the making, and the columns to the left whose products have to come
+/// off.
 struct Columns {
   double* target;           ///< row 0 of the first of the W columns
   const double* left_rows;  ///< row 0 of the first column to the left
   const double*
-      left_heads;  ///< in the first column to the left, the row that belongs to the first of the W columns
+      /// in the first column to the left, the row that belongs to the first of the W columns
+      left_heads;
   std::size_t target_stride;
   std::size_t left_stride;
   std::size_t left_count;
 };
 
-/// Rows [row, row + 2 vectors) or [row, row + 1 vector) of: target -= left_rows * left_heads^T; then, when there is a
-/// diagonal block, target * L^-T.
+/// Rows [row, row + 2 vectors) or [row, row + 1 vector) of: target -= left_rows * left_heads^T;
+/// then, when there is a diagonal block, target * L^-T.
 template <std::size_t W, std::size_t V, bool kSubtract, bool kSolve>
 HWY_INLINE void tile(const Columns& c, std::size_t row, const DiagonalBlock<W>* diagonal) {
   static_assert(V == 1 || V == 2);

@@ -50,7 +50,8 @@ std::vector<int> elimination_tree(int size, const LowerRows& lower) {
   return parent;
 }
 
-/// Blocks in each column of L below the diagonal: row i of L holds the paths from its entries up to i.
+/// Blocks in each column of L below the diagonal: row i of L holds the paths from its entries up to
+/// i.
 std::vector<int> column_counts(int size, const LowerRows& lower, const std::vector<int>& parent) {
   std::vector<int> count(at(size), 0);
   std::vector<int> seen_by(at(size), kNone);
@@ -97,8 +98,9 @@ std::vector<int> merged_columns(const std::vector<int>& parent, const std::vecto
   std::iota(top.begin(), top.end(), 0);
   groups.resize(size);
   for (std::size_t j = 0; j < size; ++j) groups[j].below = count[j];
-  // Children come before parents, so a child is complete when it is offered to its parent; the one with most rows first
-  // would need a sort, and in ascending order the deepest comes last, which does as well.
+  // Children come before parents, so a child is complete when it is offered to its parent; the one
+  // with most rows first would need a sort, and in ascending order the deepest comes last, which
+  // does as well.
   for (std::size_t j = 0; j < size; ++j) {
     const int p = parent[j];
     if (p == kNone) continue;

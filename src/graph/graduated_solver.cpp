@@ -30,7 +30,8 @@ constexpr std::ptrdiff_t kFewClosures = 200;
 
 bool judged(const RelativePoseEdge& edge) { return edge.kind == EdgeKind::kLoopClosure; }
 
-/// Yang et al. 2020, eq. 14: weights of truncated least squares, softened by mu (0: convex, infinity: truncated).
+/// Yang et al. 2020, eq. 14: weights of truncated least squares, softened by mu (0: convex,
+/// infinity: truncated).
 double softened_weight(double chi2, double inlier_chi2, double mu) {
   if (chi2 <= mu / (mu + 1.0) * inlier_chi2) return 1.0;
   if (chi2 >= (mu + 1.0) / mu * inlier_chi2) return 0.0;
@@ -83,7 +84,8 @@ struct Verdict {
   int rounds = 0;
 };
 
-/// Sum of min(chi2, inlier_chi2) over the judged edges, chi2 over the others: what truncated least squares minimises.
+/// Sum of min(chi2, inlier_chi2) over the judged edges, chi2 over the others: what truncated least
+/// squares minimises.
 double truncated_cost(const PoseGraph& graph, const Verdict& verdict, double inlier_chi2) {
   const std::vector<double> chi2 = chi2_of_edges(graph, verdict.state);
   double cost = 0.0;
@@ -93,7 +95,8 @@ double truncated_cost(const PoseGraph& graph, const Verdict& verdict, double inl
   return cost;
 }
 
-/// Whether what was accepted fits badly as a whole: a false closure that odometry gives way to raises the cost elsewhere.
+/// Whether what was accepted fits badly as a whole: a false closure that odometry gives way to
+/// raises the cost elsewhere.
 bool strained(const PoseGraph& graph, const Verdict& verdict) {
   const std::vector<double> chi2 = chi2_of_edges(graph, verdict.state);
   double cost = 0.0;
@@ -112,7 +115,8 @@ void decide(const PoseGraph& graph, std::vector<double>& weights) {
   }
 }
 
-/// From odometry alone: closures that it can reach come in together, and the worst go out one after another.
+/// From odometry alone: closures that it can reach come in together, and the worst go out one after
+/// another.
 Verdict judge_from_odometry(const PoseGraph& graph, const GncOptions& options,
                             const std::vector<bool>& fixed) {
   Verdict verdict{start_of(graph, options), std::vector<double>(graph.edges.size(), 1.0)};

@@ -20,8 +20,8 @@ constexpr std::int64_t kMostSteps = 2'000'000;
 /// Nodes from which the greedy search begins.
 constexpr std::size_t kMostStarts = 60;
 
-/// Branch and bound with greedy colouring as the bound: Tomita and Seki 2003, "An efficient branch-and-bound algorithm for
-/// finding a maximum clique".
+/// Branch and bound with greedy colouring as the bound: Tomita and Seki 2003, "An efficient
+/// branch-and-bound algorithm for finding a maximum clique".
 class ExactSearch {
  public:
   ExactSearch(const Adjacent& adjacent, std::vector<int> best)
@@ -94,8 +94,9 @@ class ExactSearch {
   std::int64_t steps_ = 0;
 };
 
-/// From each of the nodes with most neighbours on, always the neighbour with most neighbours: Pattabiraman et al. 2015, "Fast algorithms for the maximum
-/// clique problem on massive graphs", algorithm 2.
+/// From each of the nodes with most neighbours on, always the neighbour with most neighbours:
+/// Pattabiraman et al. 2015, "Fast algorithms for the maximum clique problem on massive graphs",
+/// algorithm 2.
 std::vector<int> greedy_clique(const Adjacent& adjacent) {
   std::vector<std::vector<int>> neighbours(adjacent.size());
   for (std::size_t i = 0; i < adjacent.size(); ++i) {

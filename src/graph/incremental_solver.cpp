@@ -16,7 +16,8 @@ namespace loopstone {
 
 namespace {
 
-/// Times the bounds of IncrementalOptions: poses that an update moves farther are linearised anew before it ends.
+/// Times the bounds of IncrementalOptions: poses that an update moves farther are linearised anew
+/// before it ends.
 constexpr double kFar = 4.0;
 constexpr int kFarRounds = 3;
 constexpr int kFitSteps = 2;
@@ -99,8 +100,8 @@ class IncrementalSolver::State {
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
 
  private:
-  /// Whether the pending edges from `first_new` on agree so well with the rest that they need not be brought in now. If so, the
-  /// newest pose lies where its own edges want it, the others held.
+  /// Whether the pending edges from `first_new` on agree so well with the rest that they need not
+  /// be brought in now. If so, the newest pose lies where its own edges want it, the others held.
   bool can_wait(std::size_t first_new) {
     if (waiting_ + 1 >= options_.wait_updates) return false;
     const std::size_t first = pending_.empty() ? 0 : std::min(first_new, newest_from_);

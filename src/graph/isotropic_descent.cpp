@@ -64,7 +64,8 @@ void LocalModel::linearise(const IsotropicState& state, Curvature curvature, dou
   }
 }
 
-// With q = z_from step, r = t_to - t_from - q and D the angle from z_from turn to z_to, half the cost of an edge is
+// With q = z_from step, r = t_to - t_from - q and D the angle from z_from turn to z_to, half the
+// cost of an edge is
 //   tau |r|^2 / 2 + 2 kappa (1 - cos D).
 // Turning `from` moves r by -iq, and iq by -q, which gives the second derivatives below.
 void LocalModel::add_edge(std::size_t i, const IsotropicState& state, Curvature curvature) {

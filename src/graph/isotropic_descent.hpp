@@ -17,8 +17,9 @@ struct DescentOptions {
   double relative_tolerance = 1e-9;
 };
 
-/// A local minimum of an isotropic problem: Newton's method on positions and headings; Gauss-Newton while that leads down
-/// fast from where the Hessian is not positive definite, and a damped Hessian where it does not.
+/// A local minimum of an isotropic problem: Newton's method on positions and headings; Gauss-Newton
+/// while that leads down fast from where the Hessian is not positive definite, and a damped Hessian
+/// where it does not.
 [[nodiscard]] DescentResult descend_isotropic(const IsotropicSystem& system, IsotropicState start,
                                               const DescentOptions& options = {});
 

@@ -12,7 +12,8 @@ namespace loopstone {
 
 using Complex = std::complex<double>;
 
-/// A measurement between two nodes of an isotropic problem; headings and positions are complex numbers.
+/// A measurement between two nodes of an isotropic problem; headings and positions are complex
+/// numbers.
 struct IsotropicEdge {
   std::size_t from = 0;
   std::size_t to = 0;
@@ -22,10 +23,11 @@ struct IsotropicEdge {
   Complex step = 0.0;               ///< position of `to` seen from `from` [m]
 };
 
-/// F(z, t) = sum over edges of 2 kappa |z_to - z_from turn|^2 + tau |t_to - t_from - z_from step|^2, |z| = 1: the
-/// objective of SE-Sync (Rosen et al. 2019, problem 1) in the plane, where a rotation matrix is a complex number and
-/// |R|_F^2 = 2 |z|^2. Carlone, Calafiore, Tommolillo and Dellaert 2016, "Planar pose graph optimization: duality,
-/// optimal solutions, and verification", eq. 11.
+/// F(z, t) = sum over edges of 2 kappa |z_to - z_from turn|^2 + tau |t_to - t_from - z_from
+/// step|^2, |z| = 1: the objective of SE-Sync (Rosen et al. 2019, problem 1) in the plane, where a
+/// rotation matrix is a complex number and |R|_F^2 = 2 |z|^2. Carlone, Calafiore, Tommolillo and
+/// Dellaert 2016, "Planar pose graph optimization: duality, optimal solutions, and verification",
+/// eq. 11.
 struct IsotropicProblem {
   std::size_t poses = 0;  ///< the first nodes, in the graph's order
   std::size_t headings =
@@ -41,7 +43,8 @@ struct IsotropicState {
   std::vector<Complex> position{};  ///< [m]
 };
 
-/// kappa = I33 and tau = 2 / tr((I_tt)^-1), as SE-Sync's reader has them; a prior is an edge from the map.
+/// kappa = I33 and tau = 2 / tr((I_tt)^-1), as SE-Sync's reader has them; a prior is an edge from
+/// the map.
 [[nodiscard]] IsotropicProblem isotropic_problem(const PoseGraph& graph);
 
 /// The graph's poses and landmarks.
@@ -54,7 +57,8 @@ void write_state(const IsotropicState& state, PoseGraph& graph);
 
 [[nodiscard]] EliminationPattern elimination_pattern(const IsotropicProblem& problem);
 
-/// Where the contribution of each edge lies in the factor: index of its block, and whether `to` is its row.
+/// Where the contribution of each edge lies in the factor: index of its block, and whether `to` is
+/// its row.
 struct EdgeBlock {
   std::size_t index = 0;
   bool to_is_row = true;

@@ -39,9 +39,10 @@ struct GraphWeights {
   std::vector<double> landmark_edges{};
 };
 
-/// H dx = -g of a pose graph: H = sum w J^T information J, g = sum w J^T information e, in an order of the free poses
-/// and landmarks that keeps the Cholesky factor sparse. The pattern is built once; only values change from step to step.
-/// A landmark takes a block of 3x3 as a pose does; its third coordinate is idle (1 on the diagonal).
+/// H dx = -g of a pose graph: H = sum w J^T information J, g = sum w J^T information e, in an order
+/// of the free poses and landmarks that keeps the Cholesky factor sparse. The pattern is built
+/// once; only values change from step to step. A landmark takes a block of 3x3 as a pose does; its
+/// third coordinate is idle (1 on the diagonal).
 class NormalEquations {
  public:
   /// \param fixed  one flag a pose; the others are free, as are landmarks that some pose sees
@@ -102,7 +103,8 @@ class NormalEquations {
   [[nodiscard]] Error landmark_error_of(const Term& term, const GraphState& state) const;
   void add(const Term& term, const Error& error, double weight, double dx, double dy);
   void add_prior(const PriorTerm& term, const Eigen::Vector3d& error, double weight);
-  /// Calls visit_edge(i, term, error), visit_landmark_edge(i, term, error), visit_prior(i, term, error, chi2).
+  /// Calls visit_edge(i, term, error), visit_landmark_edge(i, term, error), visit_prior(i, term,
+  /// error, chi2).
   template <typename Edge, typename Landmark, typename Prior>
   void for_each(const GraphState& state, Edge&& visit_edge, Landmark&& visit_landmark_edge,
                 Prior&& visit_prior);

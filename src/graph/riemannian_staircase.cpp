@@ -43,7 +43,8 @@ ComplexRows normalised_rows(ComplexRows rows) {
   return rows;
 }
 
-/// The trust-region subproblem at a point: minimise <g, v> + <v, H v> / 2 with half the gradient and Hessian.
+/// The trust-region subproblem at a point: minimise <g, v> + <v, H v> / 2 with half the gradient
+/// and Hessian.
 class Subproblem {
  public:
   Subproblem(const IsotropicSystem& system, const PositionSolver& positions,
@@ -85,7 +86,8 @@ Subproblem::Step Subproblem::solve(const ComplexRows& gradient, double radius) c
   ComplexRows direction = -z;
   double r_z = inner(residual, z);
   const double first = r_z;
-  // Norms in the preconditioner's metric follow from recurrences (Conn, Gould and Toint 2000, section 7.5.1).
+  // Norms in the preconditioner's metric follow from recurrences (Conn, Gould and Toint 2000,
+  // section 7.5.1).
   double v_v = 0.0;
   double v_d = 0.0;
   double d_d = r_z;
@@ -153,7 +155,8 @@ RelaxedPoint escape(const IsotropicSystem& system, const PositionSolver& positio
   constexpr double kShortest = 1e-6;
   const Eigen::Index nodes = saddle.headings.rows();
   const Eigen::Index rank = saddle.headings.cols();
-  // Entries of a unit vector over many nodes are small; a step of about one radian somewhere is a long one.
+  // Entries of a unit vector over many nodes are small; a step of about one radian somewhere is a
+  // long one.
   for (double length = 1.0 / negative.vector.cwiseAbs().maxCoeff(); length > kShortest;
        length *= 0.5) {
     ComplexRows headings(nodes, rank + 1);

@@ -7,7 +7,8 @@
 
 namespace loopstone {
 
-/// A graph of some hundred nodes as rows of bits: what elimination joins costs next to nothing to find there.
+/// A graph of some hundred nodes as rows of bits: what elimination joins costs next to nothing to
+/// find there.
 class SmallGraph {
  public:
   explicit SmallGraph(int size);
@@ -16,9 +17,11 @@ class SmallGraph {
   /// Each node with each other.
   void join_all(std::span<const int> nodes);
 
-  /// The place of each node when the one is always eliminated next whose neighbours it will join with the fewest new pairs (of
-  /// equal ones the lowest). Counted as new are all pairs but those of the largest set that is known to be joined.
-  /// Source: Rothberg and Eisenstat 1998, "Node selection strategies for bottom-up sparse matrix ordering", section 3.
+  /// The place of each node when the one is always eliminated next whose neighbours it will join
+  /// with the fewest new pairs (of equal ones the lowest). Counted as new are all pairs but those
+  /// of the largest set that is known to be joined.
+  /// Source: Rothberg and Eisenstat 1998, "Node selection strategies for bottom-up sparse matrix
+  /// ordering", section 3.
   [[nodiscard]] std::vector<int> minimum_fill_order() &&;
 
  private:

@@ -50,7 +50,8 @@ std::vector<bool> supported_closures(const PoseGraph& graph, double consistent_c
     for (std::size_t k = i + 1; k < by_start.size(); ++k) {
       const LoopClosure& b = closures[by_start[k]];
       if (!loops.joined(a, b)) continue;
-      // The covariance is no less than either stretch of odometry, and the first of them grows with k.
+      // The covariance is no less than either stretch of odometry, and the first of them grows with
+      // k.
       if (loops.stretch(a.from, b.from).determinant() > most_determinant) break;
       if (loops.stretch(a.to, b.to).determinant() > most_determinant) continue;
       const ClosureLoops::Opening opening = loops.opening(a, b);

@@ -10,13 +10,15 @@
 #include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/grid/ray.hpp"
 
-// One walk for all casters. Where a ray crosses an edge is computed from the edge, never by adding up, so a walk that starts
-// midway crosses the edges ahead at the same distances, to the bit, as the walk of the whole ray.
+// One walk for all casters. Where a ray crosses an edge is computed from the edge, never by adding
+// up, so a walk that starts midway crosses the edges ahead at the same distances, to the bit, as
+// the walk of the whole ray.
 namespace loopstone {
 
 inline constexpr double kNoRange = std::numeric_limits<double>::infinity();
 
-/// A ray counted in cells from the grid's lower left corner, and the part of it that can hit something.
+/// A ray counted in cells from the grid's lower left corner, and the part of it that can hit
+/// something.
 struct CellRay {
   double x = 0.0;
   double y = 0.0;
@@ -46,7 +48,8 @@ struct CellRaySpace {
         reach(max_range_m / frame.resolution) {}
 
   [[nodiscard]] CellRay ray(double x_m, double y_m, double dx, double dy) const {
-    // Less than a thousandth of a cell in a million of them: along the axis. It keeps 0 * inf out of the walk.
+    // Less than a thousandth of a cell in a million of them: along the axis. It keeps 0 * inf out
+    // of the walk.
     constexpr double kAlongAxis = 1e-9;
     if (std::abs(dx) < kAlongAxis) dx = 0.0;
     if (std::abs(dy) < kAlongAxis) dy = 0.0;
@@ -64,7 +67,8 @@ struct CellRaySpace {
   }
 
  private:
-  /// Half a cell around the grid is open ground, so that no rounding matters where the ray comes in.
+  /// Half a cell around the grid is open ground, so that no rounding matters where the ray comes
+  /// in.
   static void clip(double from, double inverse, double size, CellRay& ray) {
     constexpr double kBorder = 0.5;
     const double low = -kBorder - from;
@@ -131,7 +135,8 @@ class CellWalk {
     const double to_x = (next_x_ - x_) * inverse_x_;
     const double to_y = (next_y_ - y_) * inverse_y_;
     t_ = std::min(to_x, to_y);
-    // Through a corner: both at once when both are entered alike, else the axis that runs towards + comes first.
+    // Through a corner: both at once when both are entered alike, else the axis that runs towards +
+    // comes first.
     const bool x_first = to_x < to_y || (to_x == to_y && (right_ || !up_));
     const bool y_first = to_y < to_x || (to_x == to_y && (up_ || !right_));
     next_x_ += x_first ? (right_ ? 1.0 : -1.0) : 0.0;

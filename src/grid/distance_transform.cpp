@@ -9,7 +9,8 @@
 namespace loopstone {
 namespace {
 
-/// Stands for "no occupied cell": larger than any squared distance in a grid, small enough to add to.
+/// Stands for "no occupied cell": larger than any squared distance in a grid, small enough to add
+/// to.
 constexpr std::int64_t kFar = std::int64_t{1} << 60;
 constexpr std::size_t kLinesPerTask = 64;
 

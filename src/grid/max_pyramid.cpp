@@ -8,7 +8,8 @@ namespace {
 
 constexpr std::size_t kPad = MaxPyramid::kLanes;
 
-/// An empty level, all outside. Windows that start up to 2^level - 1 cells before the grid reach into it.
+/// An empty level, all outside. Windows that start up to 2^level - 1 cells before the grid reach
+/// into it.
 MaxPyramid::Level make_level(const GridFrame& frame, int level, std::uint8_t outside) {
   MaxPyramid::Level made;
   made.level = level;
@@ -37,8 +38,9 @@ void maximum(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* out, st
   for (; i < count; ++i) out[i] = std::max(a[i], b[i]);
 }
 
-/// Windows of half the size stand side by side in `in`; joins neighbours, and sorts the results by whether they start at an
-/// even or an odd one: even[i] = max(in[2i], in[2i + 1]), odd[i] = max(in[2i + 1], in[2i + 2]).
+/// Windows of half the size stand side by side in `in`; joins neighbours, and sorts the results by
+/// whether they start at an even or an odd one: even[i] = max(in[2i], in[2i + 1]), odd[i] =
+/// max(in[2i + 1], in[2i + 2]).
 void join_neighbours(const std::uint8_t* in, std::uint8_t* even, std::uint8_t* odd,
                      std::size_t count) {
   constexpr std::size_t kBlock = 16;

@@ -25,7 +25,8 @@ inline void require_room(std::size_t rays, std::size_t ranges) {
   if (rays != ranges) throw UsageError("a ray caster needs room for one range a ray");
 }
 
-/// Calls cast(const CellRay* rays, std::size_t count, float* ranges_m) for the rays in turn, at most kRayBlock at once.
+/// Calls cast(const CellRay* rays, std::size_t count, float* ranges_m) for the rays in turn, at
+/// most kRayBlock at once.
 template <typename Cast>
 void for_each_block(const CellRaySpace& space, std::span<const Ray> rays, std::span<float> ranges_m,
                     Cast&& cast) {
@@ -41,7 +42,8 @@ void for_each_block(const CellRaySpace& space, std::span<const Ray> rays, std::s
   }
 }
 
-/// Directions of beams, by the angle-sum formulas: a cosine and a sine for each pose and for each beam, not for each pair.
+/// Directions of beams, by the angle-sum formulas: a cosine and a sine for each pose and for each
+/// beam, not for each pair.
 struct BeamDirections {
   std::vector<double> cosines{};
   std::vector<double> sines{};

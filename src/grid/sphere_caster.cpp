@@ -10,8 +10,9 @@
 namespace loopstone {
 namespace {
 
-// Codes of cells: 0 occupied, 1 an occupied cell is less than kLeastLeap away, and from there up how far a ray that is
-// anywhere in the cell may leap: exactly in eighths of a cell up to 16 cells, then in whole cells.
+// Codes of cells: 0 occupied, 1 an occupied cell is less than kLeastLeap away, and from there up
+// how far a ray that is anywhere in the cell may leap: exactly in eighths of a cell up to 16 cells,
+// then in whole cells.
 constexpr std::uint8_t kOccupied = 0;
 constexpr std::uint8_t kNear = 1;
 constexpr int kUnitsPerCell = 8;
@@ -40,9 +41,9 @@ std::uint8_t code_of(double gap_cells) {
   return static_cast<std::uint8_t>(next - kLeaps.begin() - 1);
 }
 
-/// How far any point of a cell is at least from any point of an occupied cell, as codes. The gap between two cells
-/// that are i columns and j rows apart is |(max(i - 1, 0), max(j - 1, 0))|: the distance between centres when the occupied
-/// one is let grow by its eight neighbours.
+/// How far any point of a cell is at least from any point of an occupied cell, as codes. The gap
+/// between two cells that are i columns and j rows apart is |(max(i - 1, 0), max(j - 1, 0))|: the
+/// distance between centres when the occupied one is let grow by its eight neighbours.
 BorderedCells leap_codes(const Grid<std::uint8_t>& occupied, Threads threads) {
   const GridFrame& frame = occupied.frame();
   GridFrame wide = frame;
@@ -118,7 +119,8 @@ void start_leaping(const CellRay& ray, double t, const BorderedCells& codes, Lea
 
 }  // namespace
 
-/// Walks until it hits (true), ends (true, +inf) or stands well off the walls again (false, t there).
+/// Walks until it hits (true), ends (true, +inf) or stands well off the walls again (false, t
+/// there).
 bool SphereCaster::Tables::walk(const CellRay& ray, double from, double& t) const {
   constexpr std::uint8_t kWellOff = 2 + kUnitsPerCell;
   CellWalk walk(ray, from, codes);

@@ -13,8 +13,8 @@
 namespace loopstone {
 namespace {
 
-// A cell's ranges stand side by side, one a heading. Cells come in tiles of 4 x 4, so that the list of tiles stays in
-// the cache: a tile is there when rays start anywhere in it.
+// A cell's ranges stand side by side, one a heading. Cells come in tiles of 4 x 4, so that the list
+// of tiles stays in the cache: a tile is there when rays start anywhere in it.
 constexpr int kTileBits = 2;
 constexpr int kTileSide = 1 << kTileBits;
 constexpr int kTileCells = kTileSide * kTileSide;
@@ -39,7 +39,8 @@ Turn turn_of(double angle_rad) {
   return std::isfinite(turns) ? static_cast<Turn>(static_cast<std::int64_t>(turns)) : 0;
 }
 
-/// The angle of a direction, to within kTurnError. Source: Abramowitz and Stegun 1964, 4.4.49, in single precision.
+/// The angle of a direction, to within kTurnError. Source: Abramowitz and Stegun 1964, 4.4.49, in
+/// single precision.
 Turn turn_of(double dx, double dy) {
   const auto x = static_cast<float>(dx);
   const auto y = static_cast<float>(dy);

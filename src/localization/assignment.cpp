@@ -27,7 +27,8 @@ std::optional<Assignment> best_without_conflict(const GainTable& table) {
   return assignment;
 }
 
-/// Rows are added one by one; each time the cheapest alternating path leads to a free column. Row and column 0 are marks.
+/// Rows are added one by one; each time the cheapest alternating path leads to a free column. Row
+/// and column 0 are marks.
 Assignment hungarian(const GainTable& table) {
   // As many columns as rows at least: taking one of those added is taking nothing.
   const std::size_t columns = table.columns + table.rows;

@@ -17,9 +17,12 @@ struct GainTable {
   }
 };
 
-/// For each row its column, so that the sum of gains is largest; gains that are not above zero are never taken.
-/// Cost: O(rows * columns) where no column is the best of two rows, else O(rows^2 * (rows + columns)).
-/// Source: the Hungarian method with potentials, Kuhn 1955; Burkard, Dell'Amico and Martello 2009, section 4.4.
+/// For each row its column, so that the sum of gains is largest; gains that are not above zero are
+/// never taken.
+/// Cost: O(rows * columns) where no column is the best of two rows, else O(rows^2 * (rows +
+/// columns)).
+/// Source: the Hungarian method with potentials, Kuhn 1955; Burkard, Dell'Amico and Martello 2009,
+/// section 4.4.
 [[nodiscard]] std::vector<std::optional<std::size_t>> best_assignment(const GainTable& table);
 
 }  // namespace loopstone

@@ -9,7 +9,8 @@
 namespace loopstone {
 namespace {
 
-/// Poses that one thread weighs in a row: enough rays to keep many under way, few enough to stay in the cache.
+/// Poses that one thread weighs in a row: enough rays to keep many under way, few enough to stay in
+/// the cache.
 constexpr std::size_t kChunk = 64;
 /// Expected ranges are averaged over so many places of each step.
 constexpr int kPlacesAStep = 4;

@@ -11,7 +11,8 @@ namespace loopstone {
 
 inline constexpr double kNoBeamRange = std::numeric_limits<double>::infinity();
 
-/// What each part of the mixture contributes to the likelihood of a measured range, weights included.
+/// What each part of the mixture contributes to the likelihood of a measured range, weights
+/// included.
 struct BeamParts {
   double hit = 0.0;
   double in_the_way = 0.0;

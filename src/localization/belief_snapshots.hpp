@@ -11,7 +11,8 @@ namespace loopstone {
 /// Keeps the belief at some moments of a run.
 class BeliefSnapshots {
  public:
-  /// \param distance_m  travel between two; 0: twelve to twenty-four over the whole run, however long it will be
+  /// \param distance_m  travel between two; 0: twelve to twenty-four over the whole run, however
+  ///                    long it will be
   explicit BeliefSnapshots(double distance_m) : distance_m_(distance_m) {}
 
   [[nodiscard]] bool due(double travelled_m) const { return travelled_m >= next_m_; }

@@ -7,8 +7,9 @@
 
 namespace loopstone {
 
-/// The evidence as the probability is computed from it: each in [0, 1], capped, so that no single one decides alone; the first
-/// is 1. The first few beams through a wall say most, so of their share the root is taken.
+/// The evidence as the probability is computed from it: each in [0, 1], capped, so that no single
+/// one decides alone; the first is 1. The first few beams through a wall say most, so of their
+/// share the root is taken.
 inline constexpr std::size_t kConfidenceFeatures = 8;
 [[nodiscard]] std::array<double, kConfidenceFeatures> confidence_features(
     const PoseEvidence& evidence);
@@ -17,7 +18,8 @@ inline constexpr std::size_t kConfidenceFeatures = 8;
 ///   the belief in its place
 ///   times the probability that a Gaussian of the pose's covariance stays within those bounds
 ///   times the probability that the scans fit, a logistic function of the features above.
-/// The last one was fitted to simulated drives whose truth is known: bench/confidence.py writes confidence_weights.hpp.
+/// The last one was fitted to simulated drives whose truth is known: bench/confidence.py writes
+/// confidence_weights.hpp.
 [[nodiscard]] double pose_probability(const PoseEvidence& evidence);
 
 }  // namespace loopstone

@@ -20,7 +20,8 @@ using Doubles = hn::CappedTag<double, kLaneMultiple / 2>;
 using HalfFloats = hn::Rebind<float, Doubles>;
 using Words = hn::RebindToUnsigned<Doubles>;
 
-/// By reduction to [-pi/4, pi/4] (Cody and Waite 1980) and Taylor series, errors below 3e-8. NaN where the reduction fails.
+/// By reduction to [-pi/4, pi/4] (Cody and Waite 1980) and Taylor series, errors below 3e-8. NaN
+/// where the reduction fails.
 HWY_INLINE void sin_cos(hn::Vec<Doubles> angle, hn::Vec<Doubles>& sin, hn::Vec<Doubles>& cos) {
   const Doubles d;
   const Words w;
@@ -41,7 +42,8 @@ HWY_INLINE void sin_cos(hn::Vec<Doubles> angle, hn::Vec<Doubles>& sin, hn::Vec<D
   c = hn::Add(hn::Mul(r2, c), hn::Set(d, 1.0 / 24.0));
   c = hn::Add(hn::Mul(r2, c), hn::Set(d, -0.5));
   c = hn::Add(hn::Mul(r2, c), hn::Set(d, 1.0));
-  // Quarter turns q: odd ones swap the two, bit 1 of q is the sine's sign, bit 1 of q + 1 the cosine's.
+  // Quarter turns q: odd ones swap the two, bit 1 of q is the sine's sign, bit 1 of q + 1 the
+  // cosine's.
   const auto q = hn::BitCast(w, shifted);
   const auto swap = hn::RebindMask(d, hn::TestBit(q, hn::Set(w, 1)));
   const auto sign = hn::Set(w, std::uint64_t{1} << 63);
@@ -96,7 +98,8 @@ HWY_INLINE hn::Vec<Ints> cell_bits(hn::Vec<Floats> at, float last) {
   return hn::BitCast(Ints(), hn::Add(within, hn::Set(d, 8388608.0F)));
 }
 
-/// Where the bytes below points are, one a lane. None of the inputs is NaN, nor so large that one could arise.
+/// Where the bytes below points are, one a lane. None of the inputs is NaN, nor so large that one
+/// could arise.
 HWY_INLINE hn::Vec<Ints> indices(const ByteField& field, hn::Vec<Floats> cos, hn::Vec<Floats> sin,
                                  hn::Vec<Floats> x, hn::Vec<Floats> y, hn::Vec<Floats> point_x,
                                  hn::Vec<Floats> point_y) {
@@ -105,7 +108,8 @@ HWY_INLINE hn::Vec<Ints> indices(const ByteField& field, hn::Vec<Floats> cos, hn
   const auto at_y = hn::Add(hn::Add(hn::Mul(sin, point_x), hn::Mul(cos, point_y)), y);
   const auto column = cell_bits(at_x, field.last_column);
   const auto row = cell_bits(at_y, field.last_row);
-  // column / 8 * (8 * padded_rows) + row * 8 + column % 8, less what the bits of 2^23 have added, modulo 2^32.
+  // column / 8 * (8 * padded_rows) + row * 8 + column % 8, less what the bits of 2^23 have added,
+  // modulo 2^32.
   constexpr std::uint32_t kBits = 0x4B000000;
   const std::uint32_t excess = kBits * (field.padded_rows + 8);
   const auto strip = hn::Mul(hn::AndNot(hn::Set(i, 7), column), hn::Set(i, field.padded_rows - 1));
@@ -113,7 +117,8 @@ HWY_INLINE hn::Vec<Ints> indices(const ByteField& field, hn::Vec<Floats> cos, hn
   return hn::Add(hn::Sub(in_strip, hn::Set(i, excess)), strip);
 }
 
-/// Bytes are loaded one by one: a gather of words is no faster, and much slower where processors guard or microcode it.
+/// Bytes are loaded one by one: a gather of words is no faster, and much slower where processors
+/// guard or microcode it.
 HWY_INLINE std::uint64_t sum_bytes(const std::uint8_t* cells, const std::uint32_t* at,
                                    std::size_t count) {
   const auto byte = [=](std::size_t i) { return std::uint64_t{cells[at[i]]}; };

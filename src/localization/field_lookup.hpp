@@ -8,12 +8,13 @@
 
 #include "loopstone/geometry/pose2.hpp"
 
-// The inner loops of the likelihood field, compiled once for each instruction set (field_lookup.cpp). Every float and double operation is
-// one that IEEE 754 rounds in only one way (no fused multiply-add), in the same order everywhere.
+// The inner loops of the likelihood field, compiled once for each instruction set
+// (field_lookup.cpp). Every float and double operation is one that IEEE 754 rounds in only one way
+// (no fused multiply-add), in the same order everywhere.
 namespace loopstone::detail {
 
-/// Bytes of a map and how to find the one below a point. Coordinates are in cells, with a border of one cell: cell (1, 1) is
-/// the map's lower left one.
+/// Bytes of a map and how to find the one below a point. Coordinates are in cells, with a border of
+/// one cell: cell (1, 1) is the map's lower left one.
 struct ByteField {
   const std::uint8_t* cells = nullptr;
   std::uint32_t padded_rows = 0;  ///< a strip has 8 * padded_rows cells
@@ -24,12 +25,13 @@ struct ByteField {
   double cells_per_m = 0.0;  ///< in [1e-3, 1e5]
 };
 
-/// Lengths of the arrays below are whole multiples of this; no vector that is used holds more floats.
+/// Lengths of the arrays below are whole multiples of this; no vector that is used holds more
+/// floats.
 inline constexpr std::size_t kLaneMultiple = 16;
 /// Look-ups whose places are computed before the first is made.
 inline constexpr std::size_t kAtOnce = 512;
-/// Positions of poses farther away are outside the map [cells], and so are points [m]. Numbers that are not finite count as far
-/// away, so that the inner loops never meet a NaN.
+/// Positions of poses farther away are outside the map [cells], and so are points [m]. Numbers that
+/// are not finite count as far away, so that the inner loops never meet a NaN.
 inline constexpr double kMostCoordinate = 1e7;
 inline constexpr float kFarthestPoint_m = 1e6F;
 inline constexpr float kFarPoint_m =
@@ -56,8 +58,8 @@ struct PoseArrays {
 /// Room for so many poses.
 [[nodiscard]] PoseArrays pose_arrays(std::size_t count);
 
-/// Fills in the poses of [begin, end), begin a multiple of kLaneMultiple: sines and cosines with an error below 1e-7,
-/// positions in cells.
+/// Fills in the poses of [begin, end), begin a multiple of kLaneMultiple: sines and cosines with an
+/// error below 1e-7, positions in cells.
 void prepare_poses(const ByteField& field, std::span<const Pose2> map_T_robot, std::size_t begin,
                    std::size_t end, PoseArrays& poses);
 

@@ -53,7 +53,8 @@ FilterReading compare_with_prediction(const LandmarkModel& model, const PoseWith
   }
   const auto explained = static_cast<Eigen::Index>(innovations.size());
   FilterReading reading;
-  // The normal part of one sighting's expected log density: -1/2 log|2 pi S| - 1, of all sightings on average.
+  // The normal part of one sighting's expected log density: -1/2 log|2 pi S| - 1, of all sightings
+  // on average.
   double normal_part = -0.5 * std::log(4.0 * kPi * kPi * noise.x() * noise.y()) - 1.0;
   if (explained > 0) {
     Eigen::VectorXd all(2 * explained);
@@ -69,7 +70,8 @@ FilterReading compare_with_prediction(const LandmarkModel& model, const PoseWith
     reading.innovation_freedom = static_cast<int>(2 * explained);
     normal_part = -0.5 * log_determinant_2pi(factor) / static_cast<double>(explained) - 1.0;
   }
-  // A sighting is clutter with probability c, else normal; -chi2/2 of two numbers has the variance 1.
+  // A sighting is clutter with probability c, else normal; -chi2/2 of two numbers has the variance
+  // 1.
   const double clutter = sensor.clutter_share;
   const double of_landmark = std::log(1.0 - clutter) + normal_part;
   const double gap = of_landmark - model.log_clutter();
@@ -128,7 +130,8 @@ LandmarkEstimate LandmarkLocalizer::update(std::span<const LandmarkSighting> sig
   } else if (narrow(estimate.map_T_robot) &&
              estimate.health.readings >= options_.health.min_readings &&
              monitor_.judge(options_.confirm_quantile).doubt == FilterDoubt::kNone) {
-    // Narrow alone is not enough: particles that are few and wrong are narrow too, until readings contradict them.
+    // Narrow alone is not enough: particles that are few and wrong are narrow too, until readings
+    // contradict them.
     estimate.status = FilterStatus::kConverged;
   }
   estimate.step = renew(filter_, options_.renewal, log_evidence, rng_);

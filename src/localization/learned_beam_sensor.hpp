@@ -10,8 +10,8 @@
 
 namespace loopstone {
 
-/// The beam model as a localizer uses it: it starts from a common mixture of its four parts, and learns this laser's and this
-/// building's from the scans whose pose is sure.
+/// The beam model as a localizer uses it: it starts from a common mixture of its four parts, and
+/// learns this laser's and this building's from the scans whose pose is sure.
 class LearnedBeamSensor {
  public:
   /// \param caster  on the map
@@ -20,7 +20,8 @@ class LearnedBeamSensor {
   void log_likelihoods(const LocalizationScan& scan, std::span<const Pose2> map_T_robot,
                        std::span<double> out, Threads threads);
 
-  /// A scan whose pose is sure. The mixture is learned from the first few thousand beams, and ever more seldom again.
+  /// A scan whose pose is sure. The mixture is learned from the first few thousand beams, and ever
+  /// more seldom again.
   void learn_from(const LocalizationScan& scan, const Pose2& map_T_robot);
 
   [[nodiscard]] const BeamMixture& mixture() const { return mixture_; }

@@ -113,8 +113,8 @@ std::uint32_t spread_bits(std::uint32_t bits) {
   return (bits | bits << 1) & 0x5555U;
 }
 
-/// Poses in an order in which those that follow each other look at the same part of a large map: along a Z-curve
-/// (Morton 1966) over squares of it.
+/// Poses in an order in which those that follow each other look at the same part of a large map:
+/// along a Z-curve (Morton 1966) over squares of it.
 std::vector<std::uint32_t> local_order(const detail::ByteField& field,
                                        const detail::PoseArrays& poses, std::size_t count,
                                        std::size_t map_bytes) {
@@ -238,7 +238,8 @@ BeamSkipResult LikelihoodFieldModel::log_likelihoods_skipping(
   const detail::PointArrays points = detail::point_arrays(points_robot);
   const detail::PoseArrays poses = prepared(field, map_T_robot, threads);
   std::vector<std::uint64_t> disagreeing(points_robot.size(), 0);
-  // Point by point: poses close together look at the same few cache lines. Padding falls on the border, which agrees.
+  // Point by point: poses close together look at the same few cache lines. Padding falls on the
+  // border, which agrees.
   const std::size_t tasks = (points_robot.size() + kPointsAtOnce - 1) / kPointsAtOnce;
   parallel_for(tasks, threads, [&](std::size_t task) {
     const std::size_t first = task * kPointsAtOnce;

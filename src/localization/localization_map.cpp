@@ -13,15 +13,17 @@ namespace {
 
 constexpr std::int8_t kOccupiedPercent = 65;
 
-/// A wall is known to a cell, so the finer the map, the finer the model; below 5 cm a laser's own errors matter.
+/// A wall is known to a cell, so the finer the map, the finer the model; below 5 cm a laser's own
+/// errors matter.
 LikelihoodFieldOptions weigher_options(double resolution_m) {
   LikelihoodFieldOptions options;
   options.hit_sigma_m = std::max(0.1, 1.5 * resolution_m);
   return options;
 }
 
-/// Two places that look alike are drawn a little differently, as their walls lie otherwise in the cells. Such differences are
-/// the same for every scan, so they must not add up: no distance within a cell counts.
+/// Two places that look alike are drawn a little differently, as their walls lie otherwise in the
+/// cells. Such differences are the same for every scan, so they must not add up: no distance within
+/// a cell counts.
 Grid<float> forgiving_distances(const Grid<std::int8_t>& occupancy, const MapField& field) {
   Grid<float> distances = field.distances();
   const auto forgiven = static_cast<float>(distances.frame().resolution + 0.01);
@@ -34,7 +36,8 @@ Grid<float> forgiving_distances(const Grid<std::int8_t>& occupancy, const MapFie
   return distances;
 }
 
-/// What no place explains, people above all, must not decide between places: one return counts for no more than 1.4.
+/// What no place explains, people above all, must not decide between places: one return counts for
+/// no more than 1.4.
 LikelihoodFieldOptions judge_options(double resolution_m) {
   LikelihoodFieldOptions options = weigher_options(resolution_m);
   options.random_share = 0.9;

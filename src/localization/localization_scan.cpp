@@ -11,11 +11,12 @@ namespace loopstone {
 
 namespace {
 
-/// A return is on a wall within this and a cell; beams differ from the map by more than kBeyondM before that counts.
+/// A return is on a wall within this and a cell; beams differ from the map by more than kBeyondM
+/// before that counts.
 constexpr double kOnWallM = 0.07;
 constexpr double kBeyondM = 0.4;
-/// A beam without a return says that nothing is there only up to this share of the scanner's range: dark and slanted
-/// surfaces send nothing back.
+/// A beam without a return says that nothing is there only up to this share of the scanner's range:
+/// dark and slanted surfaces send nothing back.
 constexpr double kSureRange = 0.5;
 
 }  // namespace

@@ -33,8 +33,9 @@ constexpr double kRestShare = 0.3;
 /// A refined pose so far from its particles has gone astray.
 constexpr double kAstrayM = 0.4;
 constexpr double kAstrayRad = 0.2;
-/// Belief that is given to the places that a search finds, before they are weighed. A place that has been followed was weighed
-/// many times; one scan must not overturn that unless the robot is lost anyway.
+/// Belief that is given to the places that a search finds, before they are weighed. A place that
+/// has been followed was weighed many times; one scan must not overturn that unless the robot is
+/// lost anyway.
 constexpr double kNewPlacesShare = 0.003;
 constexpr double kNewPlacesShareWhenLost = 0.5;
 /// Against those places, when others were found where the robot may have slipped to.
@@ -146,8 +147,8 @@ class Localizer::Impl {
     if (!belief_.empty()) particles_weighed(view);
   }
 
-  /// A pose given by hand may be wrong. Other places that explain the scan are kept in mind, as unlikely ones: where the given
-  /// place is only similar to the true one, the true one wins soon.
+  /// A pose given by hand may be wrong. Other places that explain the scan are kept in mind, as
+  /// unlikely ones: where the given place is only similar to the true one, the true one wins soon.
   void start_around(const LocalizationScan& view, const InitialPose& initial) {
     constexpr double kGivenIsWrong = 1e-3;
     PoseBelief::Proposal given{.map_T_robot = {.pose = initial.map_T_robot}};
@@ -259,7 +260,8 @@ class Localizer::Impl {
     return estimate;
   }
 
-  /// Searches the map when the pose is doubted for some scans, and lets what it finds compete. True when it found something.
+  /// Searches the map when the pose is doubted for some scans, and lets what it finds compete. True
+  /// when it found something.
   bool recover(const LocalizationScan& view, const LocalizationEstimate& estimate) {
     constexpr int kDoubtedScans = 3;
     constexpr double kDoesNotFit = 0.5;
@@ -268,8 +270,8 @@ class Localizer::Impl {
       pace_.calm();
       return false;
     }
-    // Where another place explains the scans as well, only motion can tell: no search can. But scans that don't fit, or places
-    // that were too many to follow, are worth another look.
+    // Where another place explains the scans as well, only motion can tell: no search can. But
+    // scans that don't fit, or places that were too many to follow, are worth another look.
     const double fits = estimate.probability / std::max(estimate.evidence.mass, 1e-9);
     const bool worthwhile = fits < kDoesNotFit || rest_share_ > 0.0;
     doubted_scans_ = worthwhile ? doubted_scans_ + 1 : 0;

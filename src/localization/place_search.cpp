@@ -8,11 +8,12 @@ namespace loopstone {
 
 namespace {
 
-/// The search calls a place sure when nothing else explains the scan nearly as well; none of a thousand was wrong.
+/// The search calls a place sure when nothing else explains the scan nearly as well; none of a
+/// thousand was wrong.
 constexpr double kSureLogOdds = 7.0;
 
-/// How widely particles are drawn around a pose that a search found: not too narrowly, as the lattice is coarse, nor along a
-/// corridor farther than to the next pose found there.
+/// How widely particles are drawn around a pose that a search found: not too narrowly, as the
+/// lattice is coarse, nor along a corridor farther than to the next pose found there.
 Eigen::Matrix3d spread_of(const Eigen::Matrix3d& covariance) {
   constexpr double kLeastM = 0.05;
   constexpr double kMostM = 0.4;

@@ -17,7 +17,8 @@ namespace loopstone {
 
 namespace {
 
-/// A cell of positions and headings as one number: 26 bits for each coordinate of the position, 12 for the heading.
+/// A cell of positions and headings as one number: 26 bits for each coordinate of the position, 12
+/// for the heading.
 struct PoseCell {
   int x = 0;
   int y = 0;
@@ -90,7 +91,8 @@ struct ParticleGroup {
   }
 };
 
-/// A few particles at the rim of a cloud are no place of their own: they go back to the cloud that they came from.
+/// A few particles at the rim of a cloud are no place of their own: they go back to the cloud that
+/// they came from.
 void take_stragglers_in(std::vector<ParticleGroup>& groups) {
   constexpr std::size_t kFew = 10;
   std::map<int, std::size_t> largest;
@@ -158,7 +160,8 @@ void PoseBelief::add(std::span<const Proposal> proposals, double share) {
   const NormalisedLogWeights masses = normalise_log_weights(std::move(log_masses));
   const double new_share = places_.empty() ? 1.0 : share;
   for (PlaceBelief& place : places_) place.log_mass += std::log1p(-new_share);
-  // Each place may need as many as the whole belief does until its particles have been weighed once.
+  // Each place may need as many as the whole belief does until its particles have been weighed
+  // once.
   const auto count = static_cast<std::size_t>(std::max(
       options_.particles_min, options_.particles_max / static_cast<int>(proposals.size())));
   for (std::size_t i = 0; i < proposals.size(); ++i) {
@@ -193,7 +196,8 @@ void PoseBelief::update(const SensorModel& sensor, double readings,
 }
 
 void PoseBelief::regroup() {
-  // Particles that are ruled out and wait to be drawn anew must not bridge the gap between two that are not.
+  // Particles that are ruled out and wait to be drawn anew must not bridge the gap between two that
+  // are not.
   constexpr double kRuledOut = 12.0;
   struct Origin {
     int id;

@@ -11,8 +11,8 @@ namespace loopstone {
 /// Probability that a Gaussian error stays within 0.2 m, along its longest axis, and 5 deg.
 [[nodiscard]] double precision_of(const Eigen::Matrix3d& covariance);
 
-/// Belief in those particles of a place that agree with a pose as far as their own spread lets them. A place along a corridor may
-/// be long.
+/// Belief in those particles of a place that agree with a pose as far as their own spread lets
+/// them. A place along a corridor may be long.
 [[nodiscard]] double mass_near(const PlaceBelief& place, const Pose2& map_T_robot);
 
 /// How the last scans fit the map: a mean that follows bad news at once and good news slowly.

@@ -13,14 +13,16 @@ namespace loopstone {
 
 namespace {
 
-/// Registrations share the map's own errors from scan to scan, so each counts less than its covariance says.
+/// Registrations share the map's own errors from scan to scan, so each counts less than its
+/// covariance says.
 constexpr double kCovarianceFactor = 4.0;
 /// What dead reckoning adds at least between two scans.
 constexpr double kDriftM = 0.003;
 constexpr double kDriftRad = 0.001;
 /// Standard deviation of odometry's scale, which is the same all along the way.
 constexpr double kScaleSigma = 0.015;
-/// A registration farther from the prediction than this (squared Mahalanobis distance, 3 degrees of freedom) is not believed.
+/// A registration farther from the prediction than this (squared Mahalanobis distance, 3 degrees of
+/// freedom) is not believed.
 constexpr double kGate = 40.0;
 /// Share of the newest registration in the mean innovation.
 constexpr double kNewest = 0.15;
@@ -39,8 +41,9 @@ Eigen::Vector3d difference(const Pose2& to, const Pose2& from) {
   return {to.x - from.x, to.y - from.y, wrap_angle(to.yaw - from.yaw)};
 }
 
-/// Registers a scan from the prediction, on the finest level and from one above; where legs of tables and chairs make valleys of
-/// their own, now and then from all around too. The prediction's own valley is left only for one clearly deeper.
+/// Registers a scan from the prediction, on the finest level and from one above; where legs of
+/// tables and chairs make valleys of their own, now and then from all around too. The prediction's
+/// own valley is left only for one clearly deeper.
 MatchResult best_match(std::span<const Eigen::Vector2d> points, const MapField& field,
                        const Pose2& guess, bool look_around) {
   constexpr double kDeeper = 0.8;

@@ -32,11 +32,13 @@ double checked_total(std::span<const double> weights) {
   return total;
 }
 
-/// The indices under the points point(0) <= point(1) <= ... of [0, 1), where each index owns its share of the weights.
+/// The indices under the points point(0) <= point(1) <= ... of [0, 1), where each index owns its
+/// share of the weights.
 template <typename Point>
 void append_at_points(std::span<const double> weights, double total, std::size_t count,
                       const Point& point, std::vector<std::size_t>& indices) {
-  // Rounding may carry a point past the last sum; it belongs to the last particle that has any weight.
+  // Rounding may carry a point past the last sum; it belongs to the last particle that has any
+  // weight.
   std::size_t last = weights.size() - 1;
   while (weights[last] <= 0.0) --last;
   std::size_t index = 0;
@@ -48,7 +50,8 @@ void append_at_points(std::span<const double> weights, double total, std::size_t
   }
 }
 
-/// `count` sorted uniform numbers in O(count): normalised sums of exponential spacings (Devroye 1986, section V.2.1).
+/// `count` sorted uniform numbers in O(count): normalised sums of exponential spacings (Devroye
+/// 1986, section V.2.1).
 std::vector<double> sorted_uniforms(std::size_t count, Rng& rng) {
   std::vector<double> sums(count);
   double sum = 0.0;

@@ -16,10 +16,11 @@ class RobotMotion {
   /// \param model  "auto", "odometry" or "velocity": how particles are moved
   explicit RobotMotion(const std::string& model);
 
-  /// Goes on to the next scan's stamp. Returns the motion since the last one, from_T_to: by odometry, or at the last velocity, give
-  /// or take, where there is none.
+  /// Goes on to the next scan's stamp. Returns the motion since the last one, from_T_to: by
+  /// odometry, or at the last velocity, give or take, where there is none.
   PoseWithCovariance2 step_to(Stamp stamp, const Odometer& odometer);
-  /// Where the robot was found to be at the last stamp: the only source of its velocity without odometry.
+  /// Where the robot was found to be at the last stamp: the only source of its velocity without
+  /// odometry.
   void found_at(const Pose2& map_T_robot);
 
   [[nodiscard]] const PoseWithCovariance2& since_weighing() const { return since_weighing_; }
@@ -27,7 +28,8 @@ class RobotMotion {
     return travelled_since_weighing_m_ >= distance_m || turned_since_weighing_rad_ >= angle_rad;
   }
   /// How particles move to now, drawn from the motion model.
-  /// \param track  the robot's pose now: tells how uncertain its way along an unobserved direction has become
+  /// \param track  the robot's pose now: tells how uncertain its way along an unobserved direction
+  ///               has become
   [[nodiscard]] PoseBelief::MotionModel sampler(
       const std::optional<PoseWithCovariance2>& track) const;
   /// The particles stand where the robot is now.

@@ -11,10 +11,12 @@ namespace loopstone {
 
 namespace {
 
-/// Beams of one scan are not independent: furniture and the map's errors touch many at once. So many count as one.
+/// Beams of one scan are not independent: furniture and the map's errors touch many at once. So
+/// many count as one.
 constexpr double kBeamsAsOne = 6.0;
-/// Between places the same errors of the map come back with every scan, so far fewer readings are independent: in corridors that
-/// look alike, on a map drawn years before, 10 made the wrong one certain within some metres.
+/// Between places the same errors of the map come back with every scan, so far fewer readings are
+/// independent: in corridors that look alike, on a map drawn years before, 10 made the wrong one
+/// certain within some metres.
 constexpr double kBeamsAsOneOfPlace = 40.0;
 
 }  // namespace

@@ -22,7 +22,8 @@ class ScanWeigher {
                        std::span<double> out);
   [[nodiscard]] static double independent_readings(const LocalizationScan& scan);
 
-  /// Log-likelihood of the scan in a place that has these poses: that of the best of them. For weighing places against each other.
+  /// Log-likelihood of the scan in a place that has these poses: that of the best of them. For
+  /// weighing places against each other.
   [[nodiscard]] double best_evidence(const LocalizationScan& scan,
                                      std::span<const Pose2> map_T_robot) const;
   /// From the best of a place's particles, or from where registration moves their mean.

@@ -18,7 +18,8 @@ namespace {
 constexpr double kOffsetStep_s = 0.005;
 constexpr int kOffsetSteps = 60;  ///< to either side
 constexpr double kMostOffset_s = kOffsetSteps * kOffsetStep_s;
-/// Between the two pictures of a pair, at least; the longer one tells more while both still see the same floor.
+/// Between the two pictures of a pair, at least; the longer one tells more while both still see the
+/// same floor.
 constexpr std::array kSpans_s{0.1, 0.3};
 constexpr double kMostSpan_s = 0.5;
 constexpr double kMostTurn_rad = 0.4;  ///< of a pair, so that it shares floor
@@ -100,7 +101,8 @@ struct SeenTurn {
   double variance_rad2 = 0.0;
 };
 
-/// Bounded, so that pairs of which the pictures tell something wrong do not decide (Geman and McClure 1985).
+/// Bounded, so that pairs of which the pictures tell something wrong do not decide (Geman and
+/// McClure 1985).
 double robust(double squared) {
   constexpr double kWidth2 = 9.0;
   return kWidth2 * squared / (kWidth2 + squared);
@@ -166,8 +168,8 @@ CameraClock estimate_camera_clock(const RgbdSource& source, const Trajectory& tr
   const auto lowest = static_cast<std::size_t>(
       std::distance(costs.begin(), std::min_element(costs.begin(), costs.end())));
   if (lowest == 0 || lowest + 1 == costs.size()) return clock;
-  // The parabola through the lowest cost and its neighbours; a sum of squares in sigmas has curvature 2 / sigma^2, and the
-  // residuals that remain say whether the sigmas were true.
+  // The parabola through the lowest cost and its neighbours; a sum of squares in sigmas has
+  // curvature 2 / sigma^2, and the residuals that remain say whether the sigmas were true.
   const double curvature = (costs[lowest - 1] - 2.0 * costs[lowest] + costs[lowest + 1]) /
                            (kOffsetStep_s * kOffsetStep_s);
   if (curvature <= 0.0) return clock;

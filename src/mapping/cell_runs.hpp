@@ -10,7 +10,8 @@
 
 namespace loopstone {
 
-/// Items with a `position`, in the order of the cells that they lie in (in a cell: as given), to be found by place.
+/// Items with a `position`, in the order of the cells that they lie in (in a cell: as given), to be
+/// found by place.
 template <typename Item>
 class CellRuns {
  public:

@@ -15,8 +15,9 @@
 
 namespace loopstone {
 
-/// Gathers all that the depth camera measured, in cubes: the mean place and the prevailing colour of each. Measurements whose
-/// noise along the view exceeds a cube, and those at the edges of things, are left out.
+/// Gathers all that the depth camera measured, in cubes: the mean place and the prevailing colour
+/// of each. Measurements whose noise along the view exceeds a cube, and those at the edges of
+/// things, are left out.
 class CloudGatherer {
  public:
   /// \param camera       as it is really mounted

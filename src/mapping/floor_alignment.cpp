@@ -28,7 +28,8 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
 }  // namespace
 
-/// Normal equations about a pose: unknowns are the motion of the template (x, y, yaw), contrast and brightness.
+/// Normal equations about a pose: unknowns are the motion of the template (x, y, yaw), contrast and
+/// brightness.
 struct FloorAligner::Fit {
   Matrix5d normal = Matrix5d::Zero();
   Vector5d right = Vector5d::Zero();
@@ -191,7 +192,8 @@ std::optional<FloorMotion> FloorAligner::align(const RgbdImages& from, const Rgb
       const Eigen::LDLT<Matrix5d> factor(fit.normal);
       if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return {};
       const Vector5d change = factor.solve(fit.right);
-      // to(from_T_to^-1 p) = from(exp(change) p): the pose moves on by that motion, in the frame of `from`.
+      // to(from_T_to^-1 p) = from(exp(change) p): the pose moves on by that motion, in the frame of
+      // `from`.
       motion.from_T_to = Pose2{change[0], change[1], change[2]} * motion.from_T_to;
       if (change.head<2>().norm() < kSettled_m && std::abs(change[2]) < kSettled_rad) break;
     }

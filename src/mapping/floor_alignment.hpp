@@ -23,15 +23,17 @@ struct FloorMotion {
   double correlation = 0.0;                              ///< of the two pictures there, -1 to 1
 };
 
-/// A picture of the floor as the robot would see it from above: brightness on a grid before the robot.
+/// A picture of the floor as the robot would see it from above: brightness on a grid before the
+/// robot.
 class FloorAligner {
  public:
   /// \param camera  as it is really mounted
   FloorAligner(const CameraModel& camera, const FloorPlane& plane, double noise_per_m);
 
-  /// Nothing when the pictures share too little floor, or floor without structure, or no guess leads to agreement.
-  /// Gauss-Newton over the pose and the change of brightness and contrast, coarse (5 cm) to fine (2 cm), inverse compositional:
-  /// Baker and Matthews 2004, "Lucas-Kanade 20 years on", section 3.2.
+  /// Nothing when the pictures share too little floor, or floor without structure, or no guess
+  /// leads to agreement. Gauss-Newton over the pose and the change of brightness and contrast,
+  /// coarse (5 cm) to fine (2 cm), inverse compositional: Baker and Matthews 2004, "Lucas-Kanade 20
+  /// years on", section 3.2.
   /// \param guesses  of from_T_to; the one that agrees best is refined
   [[nodiscard]] std::optional<FloorMotion> align(const RgbdImages& from, const RgbdImages& to,
                                                  std::span<const Pose2> guesses);
@@ -50,7 +52,8 @@ class FloorAligner {
   struct Fit;
 
   void assign(View& view, const RgbdImages& images) const;
-  /// Brightness (square root of light, 0 to 256) of a square of floor; negative where it can't be seen.
+  /// Brightness (square root of light, 0 to 256) of a square of floor; negative where it can't be
+  /// seen.
   [[nodiscard]] float brightness(const View& view, const Eigen::Vector2f& point_m,
                                  float side_m) const;
   [[nodiscard]] Template make_template(const View& view, float side_m, int every) const;

@@ -8,8 +8,9 @@
 
 namespace loopstone {
 
-/// From a point (x, y, 1) of the map's floor to its pixel, homogeneous; the third element is the depth along the optical
-/// axis. For a distorted lens it is the pixel of a picture at focal length 1, still to be distorted.
+/// From a point (x, y, 1) of the map's floor to its pixel, homogeneous; the third element is the
+/// depth along the optical axis. For a distorted lens it is the pixel of a picture at focal length
+/// 1, still to be distorted.
 /// Source: Hartley and Zisserman 2004, "Multiple view geometry", section 8.1.1.
 [[nodiscard]] inline Eigen::Matrix3d floor_homography(const LensModel& lens,
                                                       const Pose2& map_T_robot,

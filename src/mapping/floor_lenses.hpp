@@ -8,8 +8,8 @@
 
 namespace loopstone {
 
-/// A square of floor as the colour picture shows it: an upright box of the outline's variances; at least a pixel, which is to
-/// interpolate between pixels.
+/// A square of floor as the colour picture shows it: an upright box of the outline's variances; at
+/// least a pixel, which is to interpolate between pixels.
 struct FloorBox {
   float u = 0.0F;  ///< of the middle
   float v = 0.0F;

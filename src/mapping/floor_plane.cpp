@@ -110,7 +110,8 @@ FloorEstimate FloorPlaneEstimator::estimate() const {
     return sums;
   };
 
-  // The spread of the residuals tells the noise, the fit within the gate the plane; both settle in a few rounds.
+  // The spread of the residuals tells the noise, the fit within the gate the plane; both settle in
+  // a few rounds.
   constexpr int kRounds = 6;
   FloorPlane plane = given_;
   PlaneSums sums;

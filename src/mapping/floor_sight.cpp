@@ -46,7 +46,8 @@ FloorSight::FloorSight(const CameraModel& camera, const FloorPlane& plane, doubl
         tilt_rays_.emplace_back(ray.cast<float>());
       }
       if (row % kEvery != 0 || column % kEvery != 0) continue;
-      // Where the colour lens bends rays, the ray is bent with them, so that what follows is a plain pinhole.
+      // Where the colour lens bends rays, the ray is bent with them, so that what follows is a
+      // plain pinhole.
       Eigen::Vector3d turned = colour_R_depth * ray;
       if (is_distorted(lens) && turned.z() > 0.1) {
         const Eigen::Vector2d pixel = project(lens, turned);
@@ -63,7 +64,8 @@ void FloorSight::assign(const InverseDepthImage& depth) {
   const std::size_t pixels = expected_.size();
   floor_.resize(pixels);
   const float* measured = depth.per_m.data();
-  // The height of what was measured is height * (1 - expected / measured); times measured / height that is their difference.
+  // The height of what was measured is height * (1 - expected / measured); times measured / height
+  // that is their difference.
   for (std::size_t i = 0; i < pixels; ++i) {
     const float gate = noise_gate_per_m_ + height_gate_ * measured[i];
     const bool near = std::abs(measured[i] - expected_[i]) <= gate;
@@ -133,11 +135,13 @@ void FloorSight::mark_obstacles(const InverseDepthImage& depth) {
     for (int column = 0; column < width_; column += kEvery, ++ray) {
       const std::size_t i = first + static_cast<std::size_t>(column);
       const float per_m = depth.per_m[i];
-      // Only what is nearer than the floor can hide it; where no floor is expected (above the horizon) all is.
+      // Only what is nearer than the floor can hide it; where no floor is expected (above the
+      // horizon) all is.
       if (per_m > expected_[i] + noise_gate_per_m_ + height_gate_ * per_m) {
         mark(colour_rays_[ray], per_m);
       } else if (per_m == 0.0F && is_void(column, row)) {
-        // Things nearer than the camera measures leave a hole. How near is unknown: all that they may hide is hidden.
+        // Things nearer than the camera measures leave a hole. How near is unknown: all that they
+        // may hide is hidden.
         for (float assumed = std::max(0.0F, expected_[i]); assumed < most_per_m_;
              assumed += void_step_per_m_) {
           mark(colour_rays_[ray], assumed);

@@ -12,17 +12,20 @@
 
 namespace loopstone {
 
-/// Which pixels of a frame see the floor: in the depth picture those that measured it, in the colour picture those before
-/// which nothing stands. The cameras look from two places, so what hides the floor from one may not hide it from the other.
+/// Which pixels of a frame see the floor: in the depth picture those that measured it, in the
+/// colour picture those before which nothing stands. The cameras look from two places, so what
+/// hides the floor from one may not hide it from the other.
 class FloorSight {
  public:
-  /// \param height_tolerance_m  what is within this of the floor counts as floor, beyond three times the camera's noise
+  /// \param height_tolerance_m  what is within this of the floor counts as floor, beyond three
+  ///                            times the camera's noise
   FloorSight(const CameraModel& camera, const FloorPlane& plane, double noise_per_m,
              double height_tolerance_m);
 
   void assign(const InverseDepthImage& depth);
 
-  /// Whether the floor was measured at this pixel of the depth picture, or right and left of a pixel without measurement.
+  /// Whether the floor was measured at this pixel of the depth picture, or right and left of a
+  /// pixel without measurement.
   [[nodiscard]] bool measured(float column, float row) const {
     const auto u = floor_to_int(static_cast<double>(column) + 0.5);
     const auto v = floor_to_int(static_cast<double>(row) + 0.5);
@@ -40,7 +43,8 @@ class FloorSight {
     return blocks_[static_cast<std::size_t>(v) * static_cast<std::size_t>(block_columns_) +
                    static_cast<std::size_t>(u)] != 0;
   }
-  /// By how much this frame's floor is tilted against the plane given; 0 when too little of it is seen.
+  /// By how much this frame's floor is tilted against the plane given; 0 when too little of it is
+  /// seen.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
 
  private:

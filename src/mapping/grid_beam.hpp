@@ -14,7 +14,8 @@ struct GridBeam {
   GridPoint start;
   GridPoint end;
   bool hit = false;
-  /// Where the walk begins, coming from the start: in the rows before, other beams cross the same cells.
+  /// Where the walk begins, coming from the start: in the rows before, other beams cross the same
+  /// cells.
   int walked_from_row = 0;
 };
 
@@ -26,11 +27,12 @@ struct GridBeam {
   return {cells(beam.start.x, beam.end.x), cells(beam.start.y, beam.end.y)};
 }
 
-/// How far out [cells] every cell that `middle` crosses is crossed by a beam on its left or right, too.
+/// How far out [cells] every cell that `middle` crosses is crossed by a beam on its left or right,
+/// too.
 ///
-/// A cell that neither crosses lies in the wedge between the two, and fits only where that is at least as wide as its
-/// side: width(distance) = angle * distance + what the lidar moved >= 1. It may reach 1.42 cells beyond where `middle`
-/// crosses it.
+/// A cell that neither crosses lies in the wedge between the two, and fits only where that is at
+/// least as wide as its side: width(distance) = angle * distance + what the lidar moved >= 1. It
+/// may reach 1.42 cells beyond where `middle` crosses it.
 [[nodiscard]] inline double shared_reach(const GridBeam& left, const GridBeam& middle,
                                          const GridBeam& right) {
   constexpr double kNarrowerThanCell = 0.95;  // less roundings, and sines for angles
@@ -54,8 +56,8 @@ struct GridBeam {
   return std::min({width / std::max(sine, 1e-6), l_length, r_length}) - kCellReach;
 }
 
-/// Finds walked_from_row of a scan's beams, which are in the order of their angles: every other beam begins where its
-/// neighbours part, every other of the rest where theirs do, and so on.
+/// Finds walked_from_row of a scan's beams, which are in the order of their angles: every other
+/// beam begins where its neighbours part, every other of the rest where theirs do, and so on.
 inline void skip_shared_rows(std::vector<GridBeam>& beams) {
   for (GridBeam& beam : beams) beam.walked_from_row = cell_of(beam.start).row;
   for (std::size_t step = 1; 2 * step < beams.size(); step *= 2) {

@@ -65,8 +65,8 @@ Tangent2 lidar_velocity(const PosedScan& posed) {
   return log(posed.map_T_lidar.inverse() * posed.map_T_lidar_end) / sweep_s;
 }
 
-/// How far a return lies off the chord of its two neighbours, as the noise of one return: the variance of
-/// p - (1 - a) before - a after is sigma^2 (1 + (1 - a)^2 + a^2).
+/// How far a return lies off the chord of its two neighbours, as the noise of one return: the
+/// variance of p - (1 - a) before - a after is sigma^2 (1 + (1 - a)^2 + a^2).
 void add_noise(const Eigen::Vector2d& before, const Eigen::Vector2d& at,
                const Eigen::Vector2d& after, const Eigen::Vector2d& normal,
                std::vector<float>& noise_m) {
@@ -97,7 +97,8 @@ JudgedScan read(const PosedScan& posed, int stretch, BeamTable& table) {
     const Eigen::Vector2d on_line = surface.position.cast<double>();
     const Eigen::Vector2d normal = surface.normal.cast<double>();
     const Eigen::Vector2d tangent(-normal.y(), normal.x());
-    // Both lists are in the order of the beams: the return is the next one that differs across the wall only.
+    // Both lists are in the order of the beams: the return is the next one that differs across the
+    // wall only.
     std::size_t own = next;
     while (own < points.size() && !(std::abs(tangent.dot(points[own] - on_line)) < kSameBeamM &&
                                     std::abs(normal.dot(points[own] - on_line)) < kMostOffsetM)) {

@@ -30,8 +30,8 @@ struct JudgedScan {
   std::vector<float> noise_m{};     ///< of single returns, from their neighbours
 };
 
-/// Chooses scans that are some way apart, at most a few thousand, and reads them. Stretches are counted along the travel of
-/// all scans.
+/// Chooses scans that are some way apart, at most a few thousand, and reads them. Stretches are
+/// counted along the travel of all scans.
 [[nodiscard]] std::vector<JudgedScan> judged_scans(std::span<const PosedScan> scans,
                                                    Threads threads);
 

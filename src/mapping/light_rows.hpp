@@ -11,9 +11,10 @@
 
 namespace loopstone {
 
-/// A picture in linear light, as running sums along its rows, so that the mean over an upright box costs two reads a row
-/// however wide the box is. Source: Crow 1984, "Summed-area tables for texture mapping", in one direction only: boxes are
-/// a few rows high, and sums stay small enough to be exact.
+/// A picture in linear light, as running sums along its rows, so that the mean over an upright box
+/// costs two reads a row however wide the box is. Source: Crow 1984, "Summed-area tables for
+/// texture mapping", in one direction only: boxes are a few rows high, and sums stay small enough
+/// to be exact.
 class LightRows {
  public:
   LightRows();
@@ -21,8 +22,8 @@ class LightRows {
   /// Rows [first, end) of the picture; the others are not read.
   void assign(const ColourImage& picture, int first_row, int end_row);
 
-  /// Mean over |u - centre| <= width / 2, |v - centre| <= height / 2; pixel k covers [k - 1/2, k + 1/2]. The box lies within
-  /// the rows assigned and the columns.
+  /// Mean over |u - centre| <= width / 2, |v - centre| <= height / 2; pixel k covers [k - 1/2, k +
+  /// 1/2]. The box lies within the rows assigned and the columns.
   [[nodiscard]] LinearRgb mean(float u, float v, float width, float height) const {
     const float left = u - 0.5F * width + 0.5F;  // in sums: k pixels end at k
     const float right = left + width;
@@ -54,7 +55,8 @@ class LightRows {
   }
 
  private:
-  /// Light is summed in steps of so much: whole numbers below 2^24, which floats hold exactly, up to 1024 columns.
+  /// Light is summed in steps of so much: whole numbers below 2^24, which floats hold exactly, up
+  /// to 1024 columns.
   static constexpr float kUnit = 4.0F;
   /// Red, green, blue, nothing.
   using Sum = std::array<float, 4>;

@@ -17,7 +17,8 @@
 namespace loopstone {
 namespace {
 
-/// How far off a wall a return may lie, at least: the side of a map's cell; and a beam that goes through, two of them.
+/// How far off a wall a return may lie, at least: the side of a map's cell; and a beam that goes
+/// through, two of them.
 constexpr double kToleranceM = 0.05;
 /// In standard deviations of the scanner's noise, if that is more.
 constexpr double kToleranceSigmas = 3.0;

@@ -95,8 +95,8 @@ void insert_scan(const ScanBeams& scan, int first_row, int end_row, const CellUp
               });
 }
 
-/// Shares the grid between threads by bands of rows. Every cell sees the scans in their order whatever the bands are,
-/// so the result does not depend on them.
+/// Shares the grid between threads by bands of rows. Every cell sees the scans in their order
+/// whatever the bands are, so the result does not depend on them.
 void insert_batch(const std::vector<ScanBeams>& batch, const CellUpdates& updates, Threads threads,
                   OccupancyMap& map) {
   const int workers = threads.resolved();
@@ -138,7 +138,8 @@ void insert_all(std::span<const PosedScan> scans, const OccupancyOptions& option
   }
 }
 
-/// Where the robot stood, nothing fixed can be. Done last, so that no echo of the robot itself stays.
+/// Where the robot stood, nothing fixed can be. Done last, so that no echo of the robot itself
+/// stays.
 void free_footprints(std::span<const PosedScan> scans, double radius_m, float log_odds,
                      OccupancyMap& map) {
   const GridFrame& frame = map.log_odds.frame();

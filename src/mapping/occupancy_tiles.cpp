@@ -13,8 +13,8 @@ namespace loopstone {
 
 namespace {
 
-/// Half a side of the plane in cells, a multiple of a tile: 13 km of cells of 5 cm. What lies beyond is
-/// left out.
+/// Half a side of the plane in cells, a multiple of a tile: 13 km of cells of 5 cm. What lies
+/// beyond is left out.
 constexpr int kHalfSide = 1 << 18;
 static_assert(kHalfSide % OccupancyTile::kSide == 0);
 static_assert(OccupancyTile::kSide == ScanRaster::kWordBits, "a word is a row of a tile");

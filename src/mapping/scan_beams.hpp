@@ -28,7 +28,8 @@ struct BeamReach {
   bool hit = false;
 };
 
-/// REP-117: a finite range within the scanner's limits is a return, +inf says that nothing is near, all else is bad.
+/// REP-117: a finite range within the scanner's limits is a return, +inf says that nothing is near,
+/// all else is bad.
 [[nodiscard]] inline BeamReach reach_of(float range, const LaserScan& scan,
                                         const OccupancyOptions& options) {
   const auto range_m = static_cast<double>(range);
@@ -43,8 +44,8 @@ struct BeamReach {
   return {carve_m, false};
 }
 
-/// Calls visit(Beam) for each beam that says something. Between the first and the last beam the lidar moves along an
-/// arc, at constant speed.
+/// Calls visit(Beam) for each beam that says something. Between the first and the last beam the
+/// lidar moves along an arc, at constant speed.
 template <typename Visit>
 void for_each_beam(const PosedScan& posed, const OccupancyOptions& options, BeamTable& table,
                    Visit&& visit) {
@@ -55,8 +56,8 @@ void for_each_beam(const PosedScan& posed, const OccupancyOptions& options, Beam
   const Tangent2 step = moves ? Tangent2(log(posed.map_T_lidar.inverse() * posed.map_T_lidar_end) /
                                          static_cast<double>(count - 1))
                               : Tangent2::Zero();
-  // From beam to beam the lidar moves by the same small pose, so the pose of each beam follows from the last one by
-  // products alone; a thousand of them lose less than 1e-12.
+  // From beam to beam the lidar moves by the same small pose, so the pose of each beam follows from
+  // the last one by products alone; a thousand of them lose less than 1e-12.
   const Pose2 beam_T_next = exp(step);
   const Eigen::Matrix2d step_rotation = beam_T_next.rotation();
   Eigen::Matrix2d rotation = posed.map_T_lidar.rotation();

@@ -33,7 +33,8 @@ struct CellUpdates {
         miss(log_odds_of(options.miss_probability)),
         limit(log_odds_of(options.clamp_probability)) {}
 
-  /// \param cells  of log-odds, and whether they were observed: 64 of a row from where the bits begin
+  /// \param cells  of log-odds, and whether they were observed: 64 of a row from where the bits
+  ///               begin
   void apply(std::uint64_t passed_bits, std::uint64_t hit_bits, float* log_odds,
              std::uint8_t* observed) const {
     for (; passed_bits != 0; passed_bits &= passed_bits - 1) {
@@ -82,7 +83,8 @@ struct ScanBeams {
   return result;
 }
 
-/// Tells what lies in rows [first_row, end_row) of a scan: end points win over what other beams passed.
+/// Tells what lies in rows [first_row, end_row) of a scan: end points win over what other beams
+/// passed.
 /// \param on_word  (row, column of bit 0, passed, hit); the column is a multiple of 64
 template <typename OnWord>
 void raster_scan(const ScanBeams& scan, int first_row, int end_row, ScanRaster& raster,

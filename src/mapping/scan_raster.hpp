@@ -11,13 +11,15 @@
 
 namespace loopstone {
 
-/// The cells of one scan as two bits each: passed, hit. Neighbouring beams cross the same cells near the lidar again
-/// and again; here that costs a bit in a few kilobytes, and the map itself is touched once a cell, in order.
+/// The cells of one scan as two bits each: passed, hit. Neighbouring beams cross the same cells
+/// near the lidar again and again; here that costs a bit in a few kilobytes, and the map itself is
+/// touched once a cell, in order.
 class ScanRaster {
  public:
   static constexpr int kWordBits = 64;
 
-  /// An empty raster of the cells with low.column <= column <= high.column, low.row <= row <= high.row.
+  /// An empty raster of the cells with low.column <= column <= high.column, low.row <= row <=
+  /// high.row.
   void start(Cell low, Cell high) {
     low_ = {low.column / kWordBits * kWordBits, low.row};
     words_per_row_ = static_cast<std::size_t>((high.column - low_.column) / kWordBits) + 1;
@@ -50,8 +52,8 @@ class ScanRaster {
     *word |= to_last;
   }
 
-  /// Calls on_word(row, column of bit 0, passed but not hit, hit) for every word that is not empty; leaves the
-  /// raster empty.
+  /// Calls on_word(row, column of bit 0, passed but not hit, hit) for every word that is not empty;
+  /// leaves the raster empty.
   template <typename OnWord>
   void finish(OnWord&& on_word) {
     for (int r = 0; r < rows_; ++r) {

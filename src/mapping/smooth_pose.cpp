@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kMostStep_s = 0.25;  ///< poses farther apart say nothing of each other's motion
 
-/// The cubic at t in [t1, t2] through values at t1 and t2 with the slopes that the values at t0 and t3 suggest.
+/// The cubic at t in [t1, t2] through values at t1 and t2 with the slopes that the values at t0 and
+/// t3 suggest.
 double cubic(const std::array<double, 4>& t, const std::array<double, 4>& value, double at) {
   const double step = t[2] - t[1];
   const auto slope = [&](std::size_t i) {

@@ -11,7 +11,8 @@ namespace loopstone {
 
 namespace {
 
-/// The coarse level's cell is three times the fine one: the nine cells that a point enters cover one cell above.
+/// The coarse level's cell is three times the fine one: the nine cells that a point enters cover
+/// one cell above.
 constexpr double kLevelRatio = 3.0;
 /// Thinned surfaces: one piece a cell of this size and side.
 constexpr double kThinCellM = 0.1;
@@ -26,7 +27,8 @@ std::array<double, 2> level_resolutions(double finest_m) {
   return {finest_m, finest_m * kLevelRatio};
 }
 
-/// How near to a surface a cell counts as, by the squared distance of its centre in hundredths of the blur squared.
+/// How near to a surface a cell counts as, by the squared distance of its centre in hundredths of
+/// the blur squared.
 class Nearness {
  public:
   Nearness() {

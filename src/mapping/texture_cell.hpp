@@ -17,12 +17,13 @@ struct TextureMode {
   std::uint16_t weight = 0;            ///< in 1 / kWeightUnit; stays at its maximum
 };
 
-/// What is known of a cell's colour: the colour that most speaks for, and its strongest rival. A sample joins the colour it
-/// agrees with; if it agrees with none, it wears down the rival and takes its place in the end. So a foot that stood here
-/// for a few frames, or a frame at a wrong pose, leaves no trace: the heavier colour is the mode of the samples where a
-/// mean would mix them. 16 bytes, whatever the number of frames.
-/// Source: Stauffer and Grimson 1999, "Adaptive background mixture models for real-time tracking", for the two modes;
-/// Boyer and Moore 1981, "A fast majority vote algorithm", for the wearing down.
+/// What is known of a cell's colour: the colour that most speaks for, and its strongest rival. A
+/// sample joins the colour it agrees with; if it agrees with none, it wears down the rival and
+/// takes its place in the end. So a foot that stood here for a few frames, or a frame at a wrong
+/// pose, leaves no trace: the heavier colour is the mode of the samples where a mean would mix
+/// them. 16 bytes, whatever the number of frames.
+/// Source: Stauffer and Grimson 1999, "Adaptive background mixture models for real-time tracking",
+/// for the two modes; Boyer and Moore 1981, "A fast majority vote algorithm", for the wearing down.
 struct TextureCell {
   TextureMode best{};
   TextureMode rival{};
@@ -49,7 +50,8 @@ struct TextureCell {
   }
 
  private:
-  /// Two samples of one colour differ by noise, blur and light: some of the value and a little of the range.
+  /// Two samples of one colour differ by noise, blur and light: some of the value and a little of
+  /// the range.
   [[nodiscard]] static bool agrees(const TextureMode& mode, const LinearRgb& sample) {
     constexpr float kShare = 0.3F;
     constexpr float kFloor = 0.02F * 65535.0F;

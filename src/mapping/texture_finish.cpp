@@ -44,7 +44,8 @@ class Window {
   std::vector<TextureMode> cells_{};
 };
 
-/// From the nearest seen cells on opposite sides, if there are some within the reach together; the nearer counts more.
+/// From the nearest seen cells on opposite sides, if there are some within the reach together; the
+/// nearer counts more.
 std::optional<LinearRgb> between_neighbours(const Window& window, int column, int row, int reach) {
   constexpr std::array<std::array<int, 2>, 4> kAxes{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
   LinearRgb sum{};
@@ -105,7 +106,8 @@ void finish_texture(const Gathered& gathered, const TextureOptions& options, dou
     };
     return TextureColour{value(rgb[0]), value(rgb[1]), value(rgb[2]), coverage};
   };
-  // A gap may lie in a tile of which nothing was seen, but only at an edge of one of which something was.
+  // A gap may lie in a tile of which nothing was seen, but only at an edge of one of which
+  // something was.
   for (const Cell tile : gathered.tiles()) {
     const Window window(gathered, tile, reach);
     TileGrid<TextureColour>::Tile* target = nullptr;

@@ -18,8 +18,8 @@ constexpr double kMostTilt_rad = 0.012;
 /// A frame's brightness may differ by so much, up or down.
 constexpr float kMostGain = 2.0F;
 
-/// The part of a convex polygon where `inside` is not negative; inside is linear. Source: Sutherland and Hodgman 1974,
-/// "Reentrant polygon clipping".
+/// The part of a convex polygon where `inside` is not negative; inside is linear. Source:
+/// Sutherland and Hodgman 1974, "Reentrant polygon clipping".
 template <typename Inside>
 std::vector<Eigen::Vector2d> clipped(const std::vector<Eigen::Vector2d>& polygon,
                                      const Inside& inside) {
@@ -165,8 +165,9 @@ bool TextureMapper::look(Cell cell, const View& view, Glimpse& glimpse) const {
 }
 
 float TextureMapper::weight_of(const Glimpse& glimpse) const {
-  // A sample that smears the floor over more than the cell says that much less about it. The fourth power lets the sharpest
-  // views of a cell decide and still averages those that are alike (of 1 to 8 the best, and flat, on simulated floors).
+  // A sample that smears the floor over more than the cell says that much less about it. The fourth
+  // power lets the sharpest views of a cell decide and still averages those that are alike (of 1 to
+  // 8 the best, and flat, on simulated floors).
   const auto cell_m = static_cast<float>(options_.resolution_m);
   const float sharpness = 1.0F / (1.0F + glimpse.blur2_m2 / (cell_m * cell_m));
   return sharpness * sharpness * sharpness * sharpness;
@@ -198,8 +199,9 @@ void TextureMapper::sample_cells(const FramePose& pose) {
 FramePose TextureMapper::refined(const FramePose& given) const {
   // The pose under which the frame agrees best with what is on the map: Gauss-Newton on
   //   sum w rho((gain * seen(cell; pose) - known(cell)) / sigma) + |pose - given|^2_prior
-  // over cells a few centimetres apart, with an unknown gain. The prior is what a good trajectory is worth; it holds the pose where the
-  // floor has nothing to hold on to. Source: Newcombe et al. 2011, "DTAM", section 2.3, for a plane.
+  // over cells a few centimetres apart, with an unknown gain. The prior is what a good trajectory
+  // is worth; it holds the pose where the floor has nothing to hold on to. Source: Newcombe et al.
+  // 2011, "DTAM", section 2.3, for a plane.
   constexpr double kSpacing_m = 0.04;
   constexpr int kSteps = 3;
   constexpr std::size_t kFewest = 100;
@@ -247,7 +249,8 @@ FramePose TextureMapper::refined(const FramePose& given) const {
         const double seen = brightness(0.0F, 0.0F);
         const auto& rgb = known->best.rgb;
         const double residual = gain * seen - (rgb[0] + rgb[1] + rgb[2]) / 3.0;
-        // A robot moved by (x, y, yaw) sees at a cell what it saw before at the cell moved back by that.
+        // A robot moved by (x, y, yaw) sees at a cell what it saw before at the cell moved back by
+        // that.
         const Eigen::Vector2d arm = cells_.centre_of(cell) - pose.map_T_robot_colour.translation();
         const Eigen::Vector4d j(-gain * slope.x(), -gain * slope.y(),
                                 gain * (slope.x() * arm.y() - slope.y() * arm.x()), seen);
@@ -283,8 +286,9 @@ FramePose TextureMapper::refined(const FramePose& given) const {
 }
 
 void TextureMapper::level_samples() {
-  // Brightness against what earlier frames saw of the same cells, each channel by itself (white balance wanders as well): the
-  // median ratio, so that what has changed on the floor does not count.
+  // Brightness against what earlier frames saw of the same cells, each channel by itself (white
+  // balance wanders as well): the median ratio, so that what has changed on the floor does not
+  // count.
   constexpr std::size_t kEvery = 7;
   constexpr std::size_t kFewest = 100;
   constexpr float kDark = 0.01F * 65535.0F;  // where the ratio is mostly noise
@@ -302,7 +306,8 @@ void TextureMapper::level_samples() {
   for (std::size_t c = 0; c < 3; ++c) {
     if (ratios_[c].size() < kFewest) return;
     const float ratio = median_of(ratios_[c]);
-    // A little less than the whole difference, so that levels a long way apart do not add up errors.
+    // A little less than the whole difference, so that levels a long way apart do not add up
+    // errors.
     constexpr float kForget = 0.98F;
     const float gain = std::pow(std::clamp(ratio, 1.0F / kMostGain, kMostGain), kForget);
     for (Sample& sample : samples_) sample.light[c] /= gain;

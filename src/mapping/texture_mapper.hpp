@@ -30,7 +30,8 @@ class TextureMapper {
   Use add(const RgbdImages& images, const FramePose& pose);
 
   [[nodiscard]] const TileGrid<TextureCell>& cells() const { return cells_; }
-  /// Brightness of the frames against the cells, which have the first frame's: its mean, and its standard deviation as share.
+  /// Brightness of the frames against the cells, which have the first frame's: its mean, and its
+  /// standard deviation as share.
   struct Brightness {
     double mean = 1.0;
     double spread = 0.0;
@@ -76,8 +77,8 @@ class TextureMapper {
   /// False when the frame does not see the cell, or not sharply enough, or something stands there.
   [[nodiscard]] bool look(Cell cell, const View& view, Glimpse& glimpse) const;
   [[nodiscard]] float weight_of(const Glimpse& glimpse) const;
-  /// The pose at which the frame agrees best with the cells known so far; the given one when there are too few, or when it
-  /// would have to move by more than a good trajectory is wrong.
+  /// The pose at which the frame agrees best with the cells known so far; the given one when there
+  /// are too few, or when it would have to move by more than a good trajectory is wrong.
   [[nodiscard]] FramePose refined(const FramePose& given) const;
   void sample_cells(const FramePose& pose);
   void level_samples();

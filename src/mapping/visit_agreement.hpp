@@ -19,8 +19,9 @@ struct WallOffset {
   float offset_m = 0.0F;
 };
 
-/// Pairs pieces of wall with the nearest one of every other visit that faces the same way and lies beside it, at most
-/// kMostOffsetM away. At most some ten thousand pieces, evenly chosen, look for theirs.
+/// Pairs pieces of wall with the nearest one of every other visit that faces the same way and lies
+/// beside it, at most kMostOffsetM away. At most some ten thousand pieces, evenly chosen, look for
+/// theirs.
 [[nodiscard]] std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches,
                                                    Threads threads);
 

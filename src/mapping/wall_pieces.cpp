@@ -14,8 +14,8 @@ namespace {
 
 /// A wall that a single scan saw may be a passer-by.
 constexpr int kLeastScans = 2;
-/// Lines fitted around a corner face everywhere between its two walls; what is a wall faces one way: the length of the mean
-/// normal, for a spread of about 14 deg.
+/// Lines fitted around a corner face everywhere between its two walls; what is a wall faces one
+/// way: the length of the mean normal, for a spread of about 14 deg.
 constexpr float kLeastStraightness = 0.97F;
 
 struct PieceSum : SurfaceSum {

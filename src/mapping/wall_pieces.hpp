@@ -32,8 +32,9 @@ struct StretchWalls {
   std::vector<float> spread_m{};  ///< of the scans' lines about the pieces, absolute values
 };
 
-/// Joins the returns of a stretch's scans to pieces: each cell of 10 cm takes the mean of everything within 1.5 cells that faces
-/// the same way, if at least two scans saw it and the mean lies in the cell.
+/// Joins the returns of a stretch's scans to pieces: each cell of 10 cm takes the mean of
+/// everything within 1.5 cells that faces the same way, if at least two scans saw it and the mean
+/// lies in the cell.
 [[nodiscard]] StretchWalls stretch_walls(std::span<const JudgedScan> scans);
 
 /// All pieces, to be found by place; in a cell in the order of the stretches.

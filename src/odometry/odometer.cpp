@@ -214,7 +214,8 @@ void Odometer::forget_rates_before(Stamp stamp) {
 }
 
 bool Odometer::gyro_covers(const Interval& interval) const {
-  // At either end of its recording the gyro may miss a part of an interval: its nearest rate holds there.
+  // At either end of its recording the gyro may miss a part of an interval: its nearest rate holds
+  // there.
   if (rates_.empty() || rates_.front().stamp - interval.from > kGyroHold ||
       interval.to - rates_.back().stamp > kGyroHold) {
     return false;
@@ -302,7 +303,8 @@ std::optional<PoseWithCovariance2> Odometer::motion_between(Stamp from, Stamp to
   const auto odom_T_from = pose_at(from);
   const auto odom_T_to = pose_at(to);
   if (!odom_T_from || !odom_T_to || to < from) return {};
-  // Steps are independent, so the motion's covariance is compounded from the steps between the two stamps.
+  // Steps are independent, so the motion's covariance is compounded from the steps between the two
+  // stamps.
   PoseWithCovariance2 from_T_now;
   Stamp now = from;
   for (std::size_t i = 1; i < nodes_.size() && now < to; ++i) {

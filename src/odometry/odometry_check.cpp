@@ -12,21 +12,25 @@ constexpr int kWrongToDistrust = 7;
 constexpr int kWrongInARow = 5;
 constexpr int kRightToTrust = 8;
 constexpr double kClearlyRight = 0.5;
-/// Twice the share of a motion by which wheels may be off (one standard deviation) before anything is known of them.
+/// Twice the share of a motion by which wheels may be off (one standard deviation) before anything
+/// is known of them.
 constexpr double kShare = 0.3;
 /// Heading lost by driving straight [rad/m].
 constexpr double kHeadingPerMetre = 0.03;
 /// A piece that takes longer is dropped: what adds up that slowly is drift, not a wrong reading.
 constexpr double kLongestPieceS = 4.0;
-/// A single step that is off by so many tolerances, and so many times what the robot moved, is a jump.
+/// A single step that is off by so many tolerances, and so many times what the robot moved, is a
+/// jump.
 constexpr double kJump = 3.0;
 constexpr double kJumpsApartS = 2.0;
 /// One side moves less than this share of the other: it stands. Squared.
 constexpr double kStands2 = 0.1 * 0.1;
-/// A factor explains the disagreement when no more than this share is left (root mean square). Squared.
+/// A factor explains the disagreement when no more than this share is left (root mean square).
+/// Squared.
 constexpr double kExplained2 = 0.25 * 0.25;
 constexpr int kPiecesForScale = 20;
-/// A motion is straight when it turns by less than this a metre, and long enough to have a direction.
+/// A motion is straight when it turns by less than this a metre, and long enough to have a
+/// direction.
 constexpr double kStraightRadPerM = 0.2;
 constexpr double kStraightM = 0.01;
 constexpr double kEnoughStraightM = 10.0;

@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t kSteps = 256;
 constexpr std::size_t kFewestSteps = 48;
 constexpr std::size_t kJudgeEvery = 16;
-/// Shifts that are tried: as long as a scan takes, but not finer than kFinest, up to kLongest or kMostShifts.
+/// Shifts that are tried: as long as a scan takes, but not finer than kFinest, up to kLongest or
+/// kMostShifts.
 constexpr double kFinestS = 0.05;
 constexpr double kLongestS = 1.0;
 constexpr int kMostShifts = 10;
@@ -21,8 +22,8 @@ constexpr double kConvincing = 4.0;
 constexpr double kAllClear = 1.5;
 /// Squared noise of one motion of the laser [m^2 + rad^2]: 4 mm and 3 mrad.
 constexpr double kNoise2 = 2.5e-5;
-/// A motion fits better when its error is smaller by so much [m or rad]; so many have to, against that many times fewer
-/// that fit worse.
+/// A motion fits better when its error is smaller by so much [m or rad]; so many have to, against
+/// that many times fewer that fit worse.
 constexpr double kClearGain = 0.01;
 constexpr int kFewestBetter = 12;
 constexpr int kBetterThanWorse = 4;

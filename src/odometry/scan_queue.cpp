@@ -10,7 +10,8 @@ namespace loopstone {
 namespace {
 
 constexpr Duration kPatience{250'000'000};
-/// Counts since the last reading are lost with the readings between; poses and counters go on, unless the robot was off.
+/// Counts since the last reading are lost with the readings between; poses and counters go on,
+/// unless the robot was off.
 constexpr Duration kSilenceOfIncrements{2'000'000'000};
 constexpr Duration kSilenceOfSums{60'000'000'000};
 

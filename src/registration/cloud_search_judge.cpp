@@ -15,8 +15,8 @@ namespace {
 constexpr double kExplainedShare = 1.0 / 14.0;
 /// So many source points tell which way the surface faces.
 constexpr std::size_t kNormals = 400;
-/// A direction with less than this share of the best one's information is unobserved. Less than what a single match asks
-/// for: shapes whose symmetry is not broken at all show as rivals.
+/// A direction with less than this share of the best one's information is unobserved. Less than
+/// what a single match asks for: shapes whose symmetry is not broken at all show as rivals.
 constexpr double kObservedShare = 1e-3;
 
 /// What the pairs say about the pose, and how noisy that is.

@@ -22,8 +22,8 @@ template <int kDimension>
     const Refined<kDimension>& refined, const CloudModel<kDimension>& model,
     double least_explained);
 
-/// The answer when another pose fits as well: either may be true, so that the covariance about the one given has grown by
-/// half the square of the difference.
+/// The answer when another pose fits as well: either may be true, so that the covariance about the
+/// one given has grown by half the square of the difference.
 template <int kDimension>
 [[nodiscard]] BasicMatchResult<kDimension> with_rival(
     BasicMatchResult<kDimension> match, const typename RigidMotion<kDimension>::Pose& rival);

@@ -12,7 +12,8 @@ namespace loopstone {
 
 namespace {
 
-/// How much motion across a residual counts in the Hessian, beside motion along it: 1 is a step of iterated closest points.
+/// How much motion across a residual counts in the Hessian, beside motion along it: 1 is a step of
+/// iterated closest points.
 constexpr double kLeastAcross = 0.1;
 constexpr double kMoreAcross = 4.0;
 constexpr double kLessAcross = 0.5;

@@ -33,11 +33,12 @@ struct RefineLimits {
   double progress_share = 1e-6;
 };
 
-/// Moves the source to the nearest minimum of sum_i |R p_i + t - nearest model point|^2 over the closest `overlap` of the
-/// points, with exact nearest points.
+/// Moves the source to the nearest minimum of sum_i |R p_i + t - nearest model point|^2 over the
+/// closest `overlap` of the points, with exact nearest points.
 ///
-/// Levenberg's scheme between two steps: Gauss-Newton on the distances (fast along the surface) and that of iterated closest
-/// points, which never goes up. Both have the same gradient, so the minimum is one of iterated closest points.
+/// Levenberg's scheme between two steps: Gauss-Newton on the distances (fast along the surface) and
+/// that of iterated closest points, which never goes up. Both have the same gradient, so the
+/// minimum is one of iterated closest points.
 /// \param points  about their centroid, for steps are solved about the origin
 /// Cost: O(iterations * points).
 template <int kDimension>

@@ -28,7 +28,8 @@ constexpr int kSizesTried = 6;
 constexpr double kNearEnough = 1.15;
 constexpr std::size_t kMaxCells = std::size_t{1} << 20;
 
-/// The points of each occupied cell: `order` lists the points cell by cell, `begins` where each cell starts, and the end.
+/// The points of each occupied cell: `order` lists the points cell by cell, `begins` where each
+/// cell starts, and the end.
 struct Cells {
   std::vector<std::size_t> order;
   std::vector<std::size_t> begins;
@@ -102,7 +103,8 @@ std::vector<std::size_t> spread_sample(std::span<const Eigen::Matrix<float, kDim
   float extent = 0.0F;
   for (const Point& point : points) extent = std::max(extent, point.norm());
   if (!(extent > 0.0F)) return {0};
-  // Points lie on a surface (a curve, in the plane): their number goes with the size of cells to the power 1 - D.
+  // Points lie on a surface (a curve, in the plane): their number goes with the size of cells to
+  // the power 1 - D.
   double size_m = 2.0 * extent / std::pow(static_cast<double>(count), 1.0 / (kDimension - 1));
   Cells cells;
   for (int tried = 0; tried < kSizesTried; ++tried) {

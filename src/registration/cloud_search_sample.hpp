@@ -21,9 +21,9 @@ template <int kDimension>
     std::span<const Eigen::Matrix<double, kDimension, 1>> points,
     const PrincipalFrame<kDimension>& frame);
 
-/// Which of the points stand for all: of each cell of a grid that holds any, the one nearest to their mean. The cells are
-/// of a size that leaves about `count`; the grid is laid through the origin. Does not depend on the order of points, but
-/// for rounding.
+/// Which of the points stand for all: of each cell of a grid that holds any, the one nearest to
+/// their mean. The cells are of a size that leaves about `count`; the grid is laid through the
+/// origin. Does not depend on the order of points, but for rounding.
 /// Cost: O(points).
 template <int kDimension>
 [[nodiscard]] std::vector<std::size_t> spread_sample(

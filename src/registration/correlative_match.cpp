@@ -71,7 +71,8 @@ Parabola parabola_at(std::span<const Eigen::Vector2d> source, const MaxPyramid& 
   return fit;
 }
 
-/// The inverse of minus the curvature, in steps, along the directions where there is one; nothing along the others.
+/// The inverse of minus the curvature, in steps, along the directions where there is one; nothing
+/// along the others.
 struct Peak {
   Eigen::Matrix3d directions;
   Eigen::Vector3d information;  // ascending, at least 0
@@ -87,7 +88,8 @@ struct Refined {
   Peak peak;
 };
 
-/// Newton's steps on the smooth score, none of them longer than half a step of the lattice and all together within one.
+/// Newton's steps on the smooth score, none of them longer than half a step of the lattice and all
+/// together within one.
 Refined refined(std::span<const Eigen::Vector2d> source, const MaxPyramid& target,
                 const Pose2& start, const Eigen::Vector3d& lattice_step) {
   constexpr int kIterations = 6;
@@ -116,7 +118,8 @@ Refined refined(std::span<const Eigen::Vector2d> source, const MaxPyramid& targe
     fit = parabola_at(source, target, pose, step);
     if (longest < 0.01) break;
   }
-  // The width of the peak is that of its lattice neighbourhood: half steps see the corners of single cells.
+  // The width of the peak is that of its lattice neighbourhood: half steps see the corners of
+  // single cells.
   return {pose, peak_of(parabola_at(source, target, pose, lattice_step))};
 }
 
@@ -130,7 +133,8 @@ Eigen::Matrix3d covariance_within_step(const Peak& peak, const Eigen::Vector3d& 
   return step.asDiagonal() * information.inverse() * step.asDiagonal();
 }
 
-/// A ridge: along it the score changes next to nothing, or the likely poses reach over several cells.
+/// A ridge: along it the score changes next to nothing, or the likely poses reach over several
+/// cells.
 bool is_ridge(const Peak& peak, const ScoreVolume& volume) {
   constexpr double kFlat = 0.01;
   constexpr double kCells = 2.0;

@@ -18,7 +18,8 @@ constexpr int kLanes = MaxPyramid::kLanes;
 constexpr std::size_t kChunk = 128;
 static_assert(kChunk <= ScanOnLevel::kMaxCells);
 
-/// From a level to the one that its blocks are split into: a block of four by four children is summed in four reads a point.
+/// From a level to the one that its blocks are split into: a block of four by four children is
+/// summed in four reads a point.
 int level_below(int level) { return level % 2 == 1 ? level - 1 : level - 2; }
 
 /// The coarsest level worth starting with: the window in no more blocks than are read at once.
@@ -83,7 +84,8 @@ class Search {
     return blocks;
   }
 
-  /// One row of blocks, `line` blocks above the corner that the scan was laid at: those that may win.
+  /// One row of blocks, `line` blocks above the corner that the scan was laid at: those that may
+  /// win.
   void add_children(const ScanOnLevel& scan, const SearchBlock& corner, int line, int count,
                     int side, std::vector<SearchBlock>& blocks) {
     LaneSums sums{};
@@ -152,7 +154,8 @@ class Search {
            std::abs(wrap_angle(pose.yaw - excluded_->pose.yaw)) < excluded_->half_yaw_rad;
   }
 
-  /// Are all shifts of the block left out? A disc that holds the corners holds what lies between them.
+  /// Are all shifts of the block left out? A disc that holds the corners holds what lies between
+  /// them.
   [[nodiscard]] bool is_excluded(const SearchBlock& block, int level) const {
     constexpr double kRounding = 1e-9;
     const int last = (1 << level) - 1;

@@ -18,7 +18,8 @@ MaxPyramid make_correlative_target(std::span<const Eigen::Vector2d> points, doub
   Grid<std::uint8_t> cells(frame_covering(low, high, options.cell_m, reach_m + options.cell_m),
                            kUnknown);
   const GridFrame& frame = cells.frame();
-  // The bump is read from a table over the squared distance, as there are many more cells to fill than values to take.
+  // The bump is read from a table over the squared distance, as there are many more cells to fill
+  // than values to take.
   constexpr int kSteps = 256;
   std::array<std::uint8_t, kSteps + 1> bump{};
   for (int i = 0; i <= kSteps; ++i) {

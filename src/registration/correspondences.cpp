@@ -249,7 +249,8 @@ NearestPoint BearingIndex::nearest_point(const Eigen::Vector2d& query, double ma
     best.offer(entry.index, squared_distance<2>(entry.point, query));
   }
   const double squared_range = query.squaredNorm();
-  // The least squared distance of the query to points on this bearing, or farther away from its own.
+  // The least squared distance of the query to points on this bearing, or farther away from its
+  // own.
   const auto bound = [&](const Entry& entry) {
     if (entry.direction.dot(query) <= 0.0) return squared_range * kRounding;
     const double across = entry.direction.x() * query.y() - entry.direction.y() * query.x();

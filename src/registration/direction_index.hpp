@@ -5,8 +5,8 @@
 
 namespace loopstone {
 
-/// Directions in the plane cut into kDirectionBins bins, counter-clockwise, by the angle on a diamond instead of a circle:
-/// it grows with the true angle and costs one division.
+/// Directions in the plane cut into kDirectionBins bins, counter-clockwise, by the angle on a
+/// diamond instead of a circle: it grows with the true angle and costs one division.
 inline constexpr int kDirectionBins = 1024;
 
 [[nodiscard]] inline int direction_bin(double x, double y) {

@@ -25,8 +25,8 @@ struct Line {
   std::vector<std::int32_t> site;
 };
 
-/// The lower envelope of the parabolas squared[q] + (x - q)^2 along a line. All numbers are whole, but for where two
-/// parabolas meet.
+/// The lower envelope of the parabolas squared[q] + (x - q)^2 along a line. All numbers are whole,
+/// but for where two parabolas meet.
 class LowerEnvelope {
  public:
   /// Replaces the line by the envelope's values and the sites that they come from.
@@ -82,7 +82,8 @@ VoxelFrame<kDimension> voxels_covering(std::span<const Eigen::Matrix<float, kDim
     low = low.cwiseMin(point);
     high = high.cwiseMax(point);
   }
-  // Finer voxels than this can't be told apart, or counted, in single precision; none can be of no size.
+  // Finer voxels than this can't be told apart, or counted, in single precision; none can be of no
+  // size.
   const float farthest = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff() + margin_m;
   VoxelFrame<kDimension> frame;
   for (frame.resolution_m = std::max({resolution_m, farthest * 1e-6F, 1e-15F});;

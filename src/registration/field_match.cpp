@@ -19,7 +19,8 @@ constexpr int kMinPairs = 10;
 /// A step smaller than this share of a cell ends a level, as does a turn of so much.
 constexpr double kStepShare = 0.002;
 constexpr double kStepRad = 2e-5;
-/// So does a cost that has not fallen by this share for some steps: the field has kinks where steps go to and fro.
+/// So does a cost that has not fallen by this share for some steps: the field has kinks where steps
+/// go to and fro.
 constexpr double kGainShare = 1e-3;
 constexpr int kStalledSteps = 2;
 
@@ -92,9 +93,10 @@ Observability<2> observability_at(std::span<const Pair> pairs, const Eigen::Matr
   return observability_of<2>(hessian, centre, std::max(arm, 1e-3));
 }
 
-/// What the errors of the points and of the walls add up to in the gradient. A face is rounded to cells, so all points on it
-/// share one error of variance resolution^2 / 12. Points share a face when it looks the same way and lies as far along that
-/// way; a slanted wall falls into several pieces, as its rounding changes along it.
+/// What the errors of the points and of the walls add up to in the gradient. A face is rounded to
+/// cells, so all points on it share one error of variance resolution^2 / 12. Points share a face
+/// when it looks the same way and lies as far along that way; a slanted wall falls into several
+/// pieces, as its rounding changes along it.
 Eigen::Matrix3d noise_of(std::span<const Pair> pairs, const Eigen::Vector2d& translation,
                          double sigma_m, double resolution_m) {
   constexpr double kEighth = kPi / 4.0;
@@ -104,7 +106,8 @@ Eigen::Matrix3d noise_of(std::span<const Pair> pairs, const Eigen::Vector2d& tra
   for (const Pair& pair : pairs) {
     const Eigen::Vector3d jacobian = pair.weight * pair.jacobian();
     noise.noalias() += sigma_m * sigma_m * jacobian * jacobian.transpose();
-    // Either side of a face pulls it the same way: count the gradient with the sign that points to the upper half plane.
+    // Either side of a face pulls it the same way: count the gradient with the sign that points to
+    // the upper half plane.
     double sign = 1.0;
     const Eigen::Vector2d& g = pair.gradient;
     if (g.y() < -1e-9 || (std::abs(g.y()) <= 1e-9 && g.x() < 0.0)) sign = -1.0;

@@ -12,18 +12,20 @@ namespace loopstone {
 namespace {
 
 constexpr int kMinPairs = 10;
-/// A step smaller than this ends the finest level: the next one would be a few times smaller still, less than what the
-/// grid itself is wrong by.
+/// A step smaller than this ends the finest level: the next one would be a few times smaller still,
+/// less than what the grid itself is wrong by.
 constexpr double kStepM = 1e-3;
 constexpr double kStepRad = 2e-4;
 /// On coarser levels so many times as long a step does.
 constexpr double kCoarseSteps = 10.0;
-/// Translation counts as unobserved along a direction that has less than this share of the best direction's information.
+/// Translation counts as unobserved along a direction that has less than this share of the best
+/// direction's information.
 constexpr double kDegenerateShare = 0.01;
 /// ... or less than so many points facing along it give. Observability, by which the other matchers
-/// judge, has no such floor: of 26,209 matches while mapping ACES, Intel and MIT CSAIL this rule calls
-/// 898 degenerate, that one 304 of these and 2 others; it never found a heading open. Without the
-/// floor maps are as accurate (35 and 15 mm), with 3.6 m of degenerate travel in ACES, not 28 m.
+/// judge, has no such floor: of 26,209 matches while mapping ACES, Intel and MIT CSAIL this rule
+/// calls 898 degenerate, that one 304 of these and 2 others; it never found a heading open. Without
+/// the floor maps are as accurate (35 and 15 mm), with 3.6 m of degenerate travel in ACES, not 28
+/// m.
 constexpr double kDegeneratePoints = 2.0;
 /// Information [1/m^2, 1/rad^2] that stands in for none, so that matrices can be inverted.
 constexpr double kDamping = 1e-3;
@@ -79,9 +81,11 @@ Eigen::Vector3d difference(const Pose2& pose, const Pose2& from) {
   return {pose.x - from.x, pose.y - from.y, wrap_angle(pose.yaw - from.yaw)};
 }
 
-/// Takes out of the normal equations the direction of translation that the points leave open, if there is one: what little
-/// they say along it is noise of the normals. Then only a prior holds the pose there.
-/// Source: Zhang, Kaess and Singh 2016, "On degeneracy of optimization-based state estimation problems".
+/// Takes out of the normal equations the direction of translation that the points leave open, if
+/// there is one: what little they say along it is noise of the normals. Then only a prior holds the
+/// pose there.
+/// Source: Zhang, Kaess and Singh 2016, "On degeneracy of optimization-based state estimation
+/// problems".
 bool remove_unobserved(Linearisation& sum) {
   // Information on the translation once the heading is free too: the Schur complement.
   const double heading = sum.hessian(2, 2);

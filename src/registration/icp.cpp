@@ -12,12 +12,14 @@ namespace loopstone {
 
 namespace {
 
-/// Pairs may change to and fro for ever. When the residuals have not shrunk by the tolerance for so many steps, that is it.
+/// Pairs may change to and fro for ever. When the residuals have not shrunk by the tolerance for so
+/// many steps, that is it.
 constexpr int kPatientSteps = 5;
 /// After unobserved directions went back to the guess, the observed ones settle in so many steps.
 constexpr int kSettlingSteps = 5;
 
-/// The pair distance shrinks at once to so many times the last step's length: what is left is no longer than that.
+/// The pair distance shrinks at once to so many times the last step's length: what is left is no
+/// longer than that.
 constexpr double kStepsAhead = 10.0;
 
 /// The pair distance and the kernel's width of the next step.

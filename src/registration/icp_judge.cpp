@@ -49,8 +49,8 @@ struct Noise {
   double target_sigma_m = 0.0;
 };
 
-/// The residual across a patch that averages k points has the variance s_p^2 + s_q^2 / k; s_q shows in the patch's
-/// thickness.
+/// The residual across a patch that averages k points has the variance s_p^2 + s_q^2 / k; s_q shows
+/// in the patch's thickness.
 template <int kDimension>
 Noise noise_of(std::span<const IcpPair<kDimension>> pairs, const IcpCloud<kDimension>& target,
                const typename RigidMotion<kDimension>::Vector& translation, IcpMetric metric,
@@ -86,13 +86,13 @@ struct SurfaceInformation {
 
   IcpEquations<kDimension> equations{};  ///< information: sum_i w_i J_i^T P_i J_i; no gradient
   Matrix source_noise = Matrix::Zero();  ///< sum_i w_i^2 J_i^T P_i J_i
-  /// sum over target points j of G_j G_j^T, G_j the sum of w_i J_i^T P_i over the pairs of j: noise of a target point moves
-  /// all its pairs alike.
+  /// sum over target points j of G_j G_j^T, G_j the sum of w_i J_i^T P_i over the pairs of j: noise
+  /// of a target point moves all its pairs alike.
   Matrix target_noise = Matrix::Zero();
 };
 
-/// Edges and corners are no surfaces; taken for landmarks, the edges of a corridor would hold its axis. So points
-/// without a surface count only when most are such.
+/// Edges and corners are no surfaces; taken for landmarks, the edges of a corridor would hold its
+/// axis. So points without a surface count only when most are such.
 template <int kDimension>
 bool surfaces_alone(std::span<const IcpPair<kDimension>> pairs,
                     const IcpCloud<kDimension>& target) {

@@ -8,13 +8,15 @@
 
 namespace loopstone {
 
-/// What the surfaces around the target points say about the motion, whatever the metric: a point on a surface holds the
-/// motion across it. Where most points lie on no surface, those hold all directions.
+/// What the surfaces around the target points say about the motion, whatever the metric: a point on
+/// a surface holds the motion across it. Where most points lie on no surface, those hold all
+/// directions.
 template <int kDimension>
 [[nodiscard]] Observability<kDimension> surface_observability(
     std::span<const IcpPair<kDimension>> pairs, const IcpCloud<kDimension>& target);
 
-/// Fills in how well the pairs at the final pose agree: everything of the result but the pose and the iterations.
+/// Fills in how well the pairs at the final pose agree: everything of the result but the pose and
+/// the iterations.
 ///
 /// \param pairs        weighed
 /// \param overlapping  source points that have a target point within options.max_pair_distance_m

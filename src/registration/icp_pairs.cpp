@@ -15,9 +15,11 @@ namespace {
 constexpr double kAcross = 1e-3;
 /// The ends of a segment are chosen among so many neighbours.
 constexpr std::size_t kSegmentNeighbours = 16;
-/// A segment should be this many times longer than the noise at its ends is wide, or its direction is chance.
+/// A segment should be this many times longer than the noise at its ends is wide, or its direction
+/// is chance.
 constexpr double kSegmentThicknesses = 6.0;
-/// Points without a partner are looked for a bit farther than asked, so that they need not be looked for each time.
+/// Points without a partner are looked for a bit farther than asked, so that they need not be
+/// looked for each time.
 constexpr double kBeyondReach = 1.25;
 constexpr double kRounding = 1.0 - 1e-12;
 
@@ -58,7 +60,8 @@ NearestPoint IcpPairFinder<kDimension>::nearest(Query& query, const Vector& move
     answer.squared_distance_m2 =
         (moved - target_.points()[static_cast<std::size_t>(query.nearest)]).squaredNorm();
   }
-  // The others have come no closer than the point has moved. While the last answer is nearer than that, it stands.
+  // The others have come no closer than the point has moved. While the last answer is nearer than
+  // that, it stands.
   if (query.others_m > 0.0) {
     const double others_m = query.others_m * kRounding - (moved - query.asked_at).norm();
     if (others_m > 0.0 && query.nearest < 0 && others_m > reach_m) return answer;

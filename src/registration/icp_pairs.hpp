@@ -53,7 +53,8 @@ class IcpPairFinder {
   IcpPairFinder(const IcpSource<kDimension>& source, const IcpCloud<kDimension>& target,
                 IcpMetric metric);
 
-  /// Pairs no farther apart than this, in the source's order, all with weight 1. Valid until the next call.
+  /// Pairs no farther apart than this, in the source's order, all with weight 1. Valid until the
+  /// next call.
   [[nodiscard]] std::span<Pair> find(const typename Motion::Pose& target_T_source,
                                      double max_pair_distance_m);
 
@@ -65,7 +66,8 @@ class IcpPairFinder {
   [[nodiscard]] std::size_t finite_points() const { return queries_.size(); }
 
  private:
-  /// The last answer for a source point. It stands while the point has moved less than the gap to the others.
+  /// The last answer for a source point. It stands while the point has moved less than the gap to
+  /// the others.
   struct Query {
     Vector point;
     Vector asked_at = Vector::Zero();
@@ -96,11 +98,13 @@ class IcpPairFinder {
   std::vector<Segments> segments_{};
 };
 
-/// The weight matrix of generalised ICP for two unit normals n, m on the target's axes (zero: no surface),
+/// The weight matrix of generalised ICP for two unit normals n, m on the target's axes (zero: no
+/// surface),
 ///
 ///   M = 2 e (C_n + C_m)^-1, C_n = 1 - (1 - e) n n^T,
 ///
-/// which by Woodbury's identity is a unit matrix and two dyads: M = scale (1 + same (n n^T + m m^T) + cross (n m^T + m n^T)).
+/// which by Woodbury's identity is a unit matrix and two dyads: M = scale (1 + same (n n^T + m m^T)
+/// + cross (n m^T + m n^T)).
 struct GicpWeight {
   double scale;
   double same;
@@ -110,7 +114,8 @@ struct GicpWeight {
   explicit GicpWeight(double cosine);
 };
 
-/// Sets the weight of all but the closest share to 0, of the others by the kernel. Returns the mean cost of those.
+/// Sets the weight of all but the closest share to 0, of the others by the kernel. Returns the mean
+/// cost of those.
 template <int kDimension>
 double weigh(std::span<IcpPair<kDimension>> pairs, double trim_fraction, RobustKernel kernel,
              double kernel_width_m);

@@ -129,7 +129,8 @@ Pose<kDimension> step(std::span<const IcpPair<kDimension>> pairs, IcpMetric metr
     }
   }
   typename Motion::Tangent motion = observability.solve(equations.gradient);
-  // The shift is judged at the middle of the points, not at the source's origin, which may be far away.
+  // The shift is judged at the middle of the points, not at the source's origin, which may be far
+  // away.
   const typename Motion::Tangent at_centre = observability.to_scaled * motion;
   const double shift_m = at_centre.template head<kDimension>().norm();
   const double turn_rad = motion.template tail<kTurns>().norm();

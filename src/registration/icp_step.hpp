@@ -8,7 +8,8 @@
 
 namespace loopstone {
 
-/// The normal equations of a set of pairs in the small motion of target_T_source, and how the pairs lie.
+/// The normal equations of a set of pairs in the small motion of target_T_source, and how the pairs
+/// lie.
 template <int kDimension>
 struct IcpEquations {
   using Tangent = typename RigidMotion<kDimension>::Tangent;
@@ -25,8 +26,8 @@ struct IcpEquations {
   }
 };
 
-/// The metric's normal equations: information = sum_i w_i J_i^T J_i and gradient = sum_i w_i J_i^T r_i (half of the
-/// cost's derivative), weights held.
+/// The metric's normal equations: information = sum_i w_i J_i^T J_i and gradient = sum_i w_i J_i^T
+/// r_i (half of the cost's derivative), weights held.
 template <int kDimension>
 [[nodiscard]] IcpEquations<kDimension> equations_of(std::span<const IcpPair<kDimension>> pairs,
                                                     IcpMetric metric);
@@ -35,8 +36,8 @@ template <int kDimension>
 template <int kDimension>
 void set_extent(IcpEquations<kDimension>& equations, std::span<const IcpPair<kDimension>> pairs);
 
-/// The pose after one step: closed form for the metrics point and line, Gauss-Newton for the others and wherever a
-/// direction is unobserved; along that the pose stays.
+/// The pose after one step: closed form for the metrics point and line, Gauss-Newton for the others
+/// and wherever a direction is unobserved; along that the pose stays.
 template <int kDimension>
 [[nodiscard]] typename RigidMotion<kDimension>::Pose step(
     std::span<const IcpPair<kDimension>> pairs, IcpMetric metric,

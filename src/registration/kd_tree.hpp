@@ -13,9 +13,10 @@
 
 namespace loopstone {
 
-/// The tree inside PointIndex. Leaves hold up to kLeafSize points, side by side in memory; an inner node keeps how far its
-/// two halves reach along the axis that divides them. Squared distances are summed x, y, z from their first term, so the
-/// distance to a box, rounded, never exceeds that to a point in it, and pruning loses nothing, not even ties.
+/// The tree inside PointIndex. Leaves hold up to kLeafSize points, side by side in memory; an inner
+/// node keeps how far its two halves reach along the axis that divides them. Squared distances are
+/// summed x, y, z from their first term, so the distance to a box, rounded, never exceeds that to a
+/// point in it, and pruning loses nothing, not even ties.
 template <int kDimension>
 class KdTree {
  public:
@@ -73,7 +74,8 @@ class KdTree {
     return search.size;
   }
 
-  /// visit(point, index, squared distance) for every point no farther than this, in the tree's order.
+  /// visit(point, index, squared distance) for every point no farther than this, in the tree's
+  /// order.
   template <typename Visitor>
   void for_each_within(const Point& query, double radius_m, Visitor&& visit) const {
     if (entries_.empty() || !is_usable_point(query)) return;
@@ -82,7 +84,8 @@ class KdTree {
     descend(0, offsets, search);
   }
 
-  /// visit(point, index) for all points in the order of the leaves: neighbours come soon after each other.
+  /// visit(point, index) for all points in the order of the leaves: neighbours come soon after each
+  /// other.
   template <typename Visitor>
   void for_each(Visitor&& visit) const {
     for (const Entry& entry : entries_) visit(entry.point, entry.index);
@@ -183,7 +186,8 @@ class KdTree {
   void descend(std::int32_t index, std::array<double, kDimension>& offsets, Search& search) const {
     const Node& node = nodes_[static_cast<std::size_t>(index)];
     if (node.axis < 0) {
-      // Of points at one place the first ones say it all: the nearest of equals is the one of least index.
+      // Of points at one place the first ones say it all: the nearest of equals is the one of least
+      // index.
       const std::int32_t end =
           node.axis == kOnePlace
               ? node.begin + std::min(node.end - node.begin, search.equals_matter())

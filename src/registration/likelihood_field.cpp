@@ -9,7 +9,8 @@ namespace loopstone {
 
 namespace {
 
-/// Cells of twice the size, with the field's value at their centres: the mean of the four cells around each.
+/// Cells of twice the size, with the field's value at their centres: the mean of the four cells
+/// around each.
 Grid<float> halved(const Grid<float>& fine) {
   GridFrame frame = fine.frame();
   frame.resolution *= 2.0;

@@ -4,13 +4,14 @@
 
 namespace loopstone {
 
-/// The normal equations of point-to-line distances in the plane, H = sum w J^T J and g = sum w r J with
-/// J = d r / d (x, y, yaw). Held as single numbers, which stay in registers while a scan is summed up.
+/// The normal equations of point-to-line distances in the plane, H = sum w J^T J and g = sum w r J
+/// with J = d r / d (x, y, yaw). Held as single numbers, which stay in registers while a scan is
+/// summed up.
 class LineEquations {
  public:
   /// \param normal_x, normal_y  of the line, unit
-  /// \param arm_x, arm_y        from the source's origin to the point, target axes: turning by dyaw moves the point by
-  ///                            dyaw * (-arm_y, arm_x)
+  /// \param arm_x, arm_y        from the source's origin to the point, target axes: turning by dyaw
+  ///                            moves the point by dyaw * (-arm_y, arm_x)
   void add(double normal_x, double normal_y, double arm_x, double arm_y, double residual,
            double weight) {
     const double turn = normal_y * arm_x - normal_x * arm_y;

@@ -118,7 +118,8 @@ class MapLatticeSearch {
     return false;
   }
 
-  /// Sums the points for one row of blocks or shifts, or says early that none of them reaches the floor.
+  /// Sums the points for one row of blocks or shifts, or says early that none of them reaches the
+  /// floor.
   bool sum(const ScanOnLevel& scan, int row_shift, LaneSums& sums) const {
     for (std::size_t begin = 0; begin < count_; begin += kChunk) {
       const std::size_t end = std::min(begin + kChunk, count_);
@@ -130,8 +131,9 @@ class MapLatticeSearch {
     return true;
   }
 
-  /// A good pose found early spares most of the work: blocks that can't come near it are given up after a few points. So looks
-  /// at some headings only, and into the most promising blocks at the headings between them too.
+  /// A good pose found early spares most of the work: blocks that can't come near it are given up
+  /// after a few points. So looks at some headings only, and into the most promising blocks at the
+  /// headings between them too.
   void raise_floor() {
     constexpr int kStride = 8;
     constexpr std::size_t kBlocks = 256;

@@ -13,7 +13,8 @@ namespace loopstone {
 
 namespace {
 
-/// Lattice poses that score so much less than the best are not refined: off the lattice, a pose gains less than that.
+/// Lattice poses that score so much less than the best are not refined: off the lattice, a pose
+/// gains less than that.
 constexpr double kMargin = 0.12;
 constexpr std::size_t kRefinePoints = 400;
 /// The best of them are started again from around where they came to rest.
@@ -28,7 +29,8 @@ constexpr double kInFrontM = 0.35;
 
 using Points = std::vector<Eigen::Vector2d>;
 
-/// Points at an even spacing along the surfaces: a beam's share of a scan is larger the nearer the surface is.
+/// Points at an even spacing along the surfaces: a beam's share of a scan is larger the nearer the
+/// surface is.
 Points evenly_spaced(std::span<const Eigen::Vector2d> points, double spacing_m) {
   Points kept;
   for (const auto& point : points) {
@@ -65,7 +67,8 @@ bool same_place(const Pose2& a, const Pose2& b, const MapMatchOptions& options) 
   return is_within(a, b, options.distinct_m, options.distinct_rad);
 }
 
-/// Does the way from the laser to the point lead past every wall? Steps as far as the nearest wall is away.
+/// Does the way from the laser to the point lead past every wall? Steps as far as the nearest wall
+/// is away.
 /// Source: Hart 1996, "Sphere tracing".
 bool is_clear(const MapField& field, const Eigen::Vector2d& laser, const Eigen::Vector2d& point) {
   const Grid<float>& distances = field.distances();
@@ -84,8 +87,9 @@ bool is_clear(const MapField& field, const Eigen::Vector2d& laser, const Eigen::
   return true;
 }
 
-/// Is the wall that the point lies on seen from its other side, so that what lies in front of the point is the wall itself? A
-/// thin wall's two faces look alike but for that. Looks along the normal, as a beam may graze the wall.
+/// Is the wall that the point lies on seen from its other side, so that what lies in front of the
+/// point is the wall itself? A thin wall's two faces look alike but for that. Looks along the
+/// normal, as a beam may graze the wall.
 bool is_behind_wall(const MapField& field, const Eigen::Vector2d& laser,
                     const Eigen::Vector2d& point, const Eigen::Vector2d& gradient) {
   constexpr double kClearGradient = 0.3;  // in the middle of a wall's cell there is none
@@ -123,8 +127,8 @@ double explained_share(std::span<const Eigen::Vector2d> source, const MapField& 
   return sum / static_cast<double>(source.size());
 }
 
-/// The best of a match and of what is found from other starts: by the share of points explained, or by cost where that is
-/// much the same.
+/// The best of a match and of what is found from other starts: by the share of points explained, or
+/// by cost where that is much the same.
 MatchResult best_from(const Points& points, const MapField& field, const MatchResult& match,
                       std::span<const Pose2> starts) {
   constexpr double kSameShare = 0.01;
@@ -154,7 +158,8 @@ MatchResult best_from(const Points& points, const MapField& field, const MatchRe
   return best;
 }
 
-/// The lattice is coarse, and between furniture the field has more than one valley: looks all around.
+/// The lattice is coarse, and between furniture the field has more than one valley: looks all
+/// around.
 MatchResult polished(const Points& points, const MapField& field, const MatchResult& match) {
   const Pose2& middle = match.target_T_source;
   std::vector<Pose2> starts;
@@ -165,7 +170,8 @@ MatchResult polished(const Points& points, const MapField& field, const MatchRes
   return best_from(points, field, match, starts);
 }
 
-/// With every point of the scan, from headings to either side as well: the last hundredths of a degree.
+/// With every point of the scan, from headings to either side as well: the last hundredths of a
+/// degree.
 MatchResult finished(const Points& points, const MapField& field, const MatchResult& match) {
   constexpr double kTurnRad = 0.015;
   const Pose2& middle = match.target_T_source;

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kLevels = 5;
 
-/// The map's cells as a search sees them, in cells of the search: the least distance to a wall within the cell decides, as a
-/// point anywhere in it must not be judged too harshly.
+/// The map's cells as a search sees them, in cells of the search: the least distance to a wall
+/// within the cell decides, as a point anywhere in it must not be judged too harshly.
 struct SearchGrids {
   Grid<std::uint8_t> values;
   Grid<std::uint8_t> standable;

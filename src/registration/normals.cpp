@@ -40,7 +40,8 @@ struct Shape {
 };
 
 Shape<2> shape_of(const Eigen::Matrix2d& scatter) {
-  // Eigenvalues of a symmetric 2x2 matrix: middle +- spread; the line runs at half the angle of (difference, 2 xy).
+  // Eigenvalues of a symmetric 2x2 matrix: middle +- spread; the line runs at half the angle of
+  // (difference, 2 xy).
   const double middle = 0.5 * (scatter(0, 0) + scatter(1, 1));
   const double difference = 0.5 * (scatter(0, 0) - scatter(1, 1));
   const double spread = std::sqrt(difference * difference + scatter(0, 1) * scatter(0, 1));
@@ -100,7 +101,8 @@ std::vector<SurfacePatch<kDimension>> surface_patches(const PointIndex<kDimensio
   std::array<typename Tree::Found, kMostNeighbours> found;
   std::int32_t before = -1;
   tree.for_each([&](const Vector& point, std::int32_t number) {
-    // Points at one place have one patch; a cloud of nothing else would take the square of their number.
+    // Points at one place have one patch; a cloud of nothing else would take the square of their
+    // number.
     if (before >= 0 && index.points()[static_cast<std::size_t>(before)] == point) {
       patches[static_cast<std::size_t>(number)] = patches[static_cast<std::size_t>(before)];
       return;

@@ -6,8 +6,8 @@ namespace loopstone {
 
 namespace {
 
-/// A direction with less than this share of the best one's information counts as unobserved: noise of normals alone
-/// pretends to a few thousandths.
+/// A direction with less than this share of the best one's information counts as unobserved: noise
+/// of normals alone pretends to a few thousandths.
 constexpr double kObservedShare = 0.01;
 
 }  // namespace

@@ -6,9 +6,11 @@
 
 namespace loopstone {
 
-/// Which small motions a set of residuals observes: the information matrix of the motion about a centre, with turns in
-/// units of a typical arm so that metres compare with metres, in its eigenbasis.
-/// Source: Zhang, Kaess and Singh 2016, "On degeneracy of optimization-based state estimation problems".
+/// Which small motions a set of residuals observes: the information matrix of the motion about a
+/// centre, with turns in units of a typical arm so that metres compare with metres, in its
+/// eigenbasis.
+/// Source: Zhang, Kaess and Singh 2016, "On degeneracy of optimization-based state estimation
+/// problems".
 template <int kDimension>
 struct Observability {
   static constexpr int kDof = RigidMotion<kDimension>::kDof;
@@ -26,12 +28,14 @@ struct Observability {
   [[nodiscard]] Tangent observed_part(const Tangent& motion) const;
   /// The step that the information and a gradient give, none along unobserved directions.
   [[nodiscard]] Tangent solve(const Tangent& gradient) const;
-  /// inverse(information) * noise * inverse(information) along observed directions, a large variance along the others.
-  /// With noise = sigma^2 * information this is sigma^2 * inverse(information).
+  /// inverse(information) * noise * inverse(information) along observed directions, a large
+  /// variance along the others. With noise = sigma^2 * information this is sigma^2 *
+  /// inverse(information).
   [[nodiscard]] Matrix covariance(const Matrix& noise) const;
 };
 
-/// \param information  of the small motion of target_T_source: turns are about the origin of the source frame
+/// \param information  of the small motion of target_T_source: turns are about the origin of the
+///                     source frame
 /// \param centre       about which turns are judged, relative to that origin, target axes [m]
 /// \param arm_m        typical distance of points from the centre, > 0
 template <int kDimension>

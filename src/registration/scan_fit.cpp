@@ -19,7 +19,8 @@ constexpr double kGateM = 0.1;
 constexpr double kGateWidths = 4.0;
 /// A residual within so many widths is explained.
 constexpr double kExplainedWidths = 2.0;
-/// Along a wall seen at a grazing angle a range says more about the wall's place than its noise and the beam's width allow.
+/// Along a wall seen at a grazing angle a range says more about the wall's place than its noise and
+/// the beam's width allow.
 constexpr double kLeastCosine = 0.3;
 constexpr double kLeastSigmaM = 0.002;
 
@@ -95,7 +96,8 @@ bool seen_through(const ScanView& target, const Moved& point, int at) {
   return point_x * point_x + point_y * point_y < end_x * end_x + end_y * end_y;
 }
 
-/// A surface as the returns that it was fitted to: how they spread, seen along the normal, in ranges' variance.
+/// A surface as the returns that it was fitted to: how they spread, seen along the normal, in
+/// ranges' variance.
 struct Returns {
   double cosine2;  ///< of the angle of incidence: a range's noise along the normal
   double density;  ///< returns per metre of surface

@@ -19,7 +19,8 @@ struct Agreement {
   [[nodiscard]] double visible() const { return explained + mismatched + contradicted; }
 };
 
-/// Normal equations of point-to-line distances at a pose: H = sum w J^T J, g = sum w J^T r, J = dr / d(x, y, yaw).
+/// Normal equations of point-to-line distances at a pose: H = sum w J^T J, g = sum w J^T r, J = dr
+/// / d(x, y, yaw).
 struct ScanEquations {
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
@@ -35,7 +36,8 @@ struct FitScale {
   double width_m = 0.03;   ///< of the Cauchy kernel
 };
 
-/// Pairs every surface of the source with the nearest one of those that the target's lidar sees in about that direction.
+/// Pairs every surface of the source with the nearest one of those that the target's lidar sees in
+/// about that direction.
 ///
 ///   r = n_j^T (T p_i - m_j),   w = w_i w_j / (1 + (r / width)^2)
 ///
@@ -53,8 +55,8 @@ struct ScanKnowledge {
   double arm_m = 1.0;           ///< their typical distance from it
 };
 
-/// Every return of both scans counts once, however many fitted lines it takes part in; the noise of one range is told from
-/// the residuals.
+/// Every return of both scans counts once, however many fitted lines it takes part in; the noise of
+/// one range is told from the residuals.
 [[nodiscard]] ScanKnowledge scan_knowledge(const ScanView& source, const ScanView& target,
                                            const Pose2& target_T_source, const FitScale& scale);
 

@@ -18,7 +18,8 @@ constexpr int kMinPairs = 8;
 /// A step smaller than this is the last one.
 constexpr double kStepM = 5e-5;
 constexpr double kStepRad = 1e-5;
-/// Pairs may change to and fro for ever: after so many steps, that much longer ones are good enough.
+/// Pairs may change to and fro for ever: after so many steps, that much longer ones are good
+/// enough.
 constexpr int kPatientSteps = 10;
 constexpr double kFlipSlack = 20.0;
 /// Candidates are compared by this many surfaces of each scan.
@@ -29,7 +30,8 @@ constexpr double kLookWidthM = 0.05;
 /// Both scans explain each other so well that no other candidate needs a look.
 constexpr double kSureExplained = 0.95;
 constexpr double kSureVisible = 0.6;
-/// Each scan has to explain this share of what it could see of the other, and this share of the whole other.
+/// Each scan has to explain this share of what it could see of the other, and this share of the
+/// whole other.
 constexpr double kLeastOfVisible = 0.8;
 constexpr double kLeastOfWhole = 0.45;
 

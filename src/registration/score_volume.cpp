@@ -96,7 +96,8 @@ ScoreVolume score_volume(std::span<const Eigen::Vector2d> source, const MaxPyram
                          const SearchWindow& window, const Pose2& peak, double evidence) {
   Strips strips(source, target, peak);
   const double resolution = target.frame().resolution;
-  // The peak, counted from the window's centre; a pose outside of the window by more than rounding isn't looked at.
+  // The peak, counted from the window's centre; a pose outside of the window by more than rounding
+  // isn't looked at.
   const Eigen::Vector2d offset = strips.pivot_in_target() - window.centre * strips.pivot();
   const double turned = wrap_angle(peak.yaw - window.centre.yaw);
   const auto is_inside = [&](int heading, int column, int row) {

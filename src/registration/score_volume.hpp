@@ -17,7 +17,8 @@ struct ScoreVolume {
   std::int64_t evaluations = 0;
 };
 
-/// Grows outwards from the peak over all lattice poses that are joined to it and whose likelihood is at least exp(-12) of its.
+/// Grows outwards from the peak over all lattice poses that are joined to it and whose likelihood
+/// is at least exp(-12) of its.
 ///
 /// \param peak      a pose of the search's lattice
 /// \param evidence  log likelihood of a point on a surface against one on nothing known

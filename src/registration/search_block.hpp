@@ -9,7 +9,8 @@
 // What the branch-and-bound searches over a lattice of poses share.
 namespace loopstone {
 
-/// Square block of shifts at one heading, by its first column and row, and what none of them exceeds.
+/// Square block of shifts at one heading, by its first column and row, and what none of them
+/// exceeds.
 struct SearchBlock {
   std::int32_t bound = 0;  ///< sum of the cells of all points
   std::int32_t heading = 0;

@@ -9,8 +9,8 @@
 
 namespace loopstone {
 
-/// A search window cut into headings and whole-cell shifts around its centre. The scan turns about its own centre of mass,
-/// so that a step of heading moves its points as little as can be.
+/// A search window cut into headings and whole-cell shifts around its centre. The scan turns about
+/// its own centre of mass, so that a step of heading moves its points as little as can be.
 struct SearchLattice {
   Eigen::Vector2d pivot;            ///< the scan's centre of mass, source frame
   Eigen::Vector2d pivot_in_target;  ///< where the window's centre puts it

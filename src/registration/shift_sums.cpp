@@ -27,7 +27,8 @@ void ScanOnLevel::choose_lanes(int blocks) {
 }
 
 void ScanOnLevel::add(int row_shift, std::size_t begin, std::size_t end, LaneSums& sums) const {
-  // 16 bits hold 256 values of 8 bits. The compiler keeps this array in registers, eight lanes in each.
+  // 16 bits hold 256 values of 8 bits. The compiler keeps this array in registers, eight lanes in
+  // each.
   std::array<std::uint16_t, MaxPyramid::kLanes> lanes{};
   const std::uint8_t* const data = level_->data.data();
   const std::uint32_t* const rows = rows_->data() + row_shift;

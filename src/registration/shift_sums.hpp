@@ -21,8 +21,8 @@ struct CellList {
   [[nodiscard]] std::size_t size() const { return columns.size(); }
 };
 
-/// Where the rows of a pyramid's level begin in memory, for every row that a search can ask for: a look-up in place of a
-/// test whether the row is inside.
+/// Where the rows of a pyramid's level begin in memory, for every row that a search can ask for: a
+/// look-up in place of a test whether the row is inside.
 class RowTable {
  public:
   /// \param reach  rows up to this far from the level's are asked for
@@ -63,8 +63,8 @@ class ScanOnLevel {
   /// Chooses the kLanes blocks that begin `blocks` blocks (of 2^level columns) to the right.
   void choose_lanes(int blocks);
 
-  /// The sums of the chosen blocks for cells [begin, end), `row_shift` rows further up, added to `sums`.
-  /// No more than kMaxCells cells at once.
+  /// The sums of the chosen blocks for cells [begin, end), `row_shift` rows further up, added to
+  /// `sums`. No more than kMaxCells cells at once.
   static constexpr std::size_t kMaxCells = 256;
   void add(int row_shift, std::size_t begin, std::size_t end, LaneSums& sums) const;
 

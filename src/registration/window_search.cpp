@@ -126,8 +126,9 @@ struct Shifts {
   [[nodiscard]] int width() const { return runs * kLanes; }
 };
 
-/// Adds up the cells of all points for kLanes neighbouring shifts. Sums and cells are in arrays of their own, which
-/// nothing else can point to, so the compiler keeps all lanes in registers (and does so only when this isn't inlined).
+/// Adds up the cells of all points for kLanes neighbouring shifts. Sums and cells are in arrays of
+/// their own, which nothing else can point to, so the compiler keeps all lanes in registers (and
+/// does so only when this isn't inlined).
 [[gnu::noinline]] void sum_lanes(const std::uint8_t* cells, std::span<const std::int32_t> offsets,
                                  std::int16_t start, Lanes& result) {
   std::int16_t sums[kLanes];  // NOLINT(modernize-avoid-c-arrays)

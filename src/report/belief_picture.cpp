@@ -102,7 +102,8 @@ BeliefPainter::Layout::Layout(const CellStates& occupancy, Stamp start_stamp,
   double side = width * 0.8;
   if (options.whole_map) {
     const Eigen::Vector2d size = (known.high - known.low).cwiseMax(1e-3);
-    // The close-up is a square, the whole map beside it as high: widths add up where the map's shape allows.
+    // The close-up is a square, the whole map beside it as high: widths add up where the map's
+    // shape allows.
     side = std::round(
         std::clamp((width - 3.0 * gap) / (1.0 + size.x() / size.y()), 0.3 * width, 0.5 * width));
     whole = {gap, top, width - 3.0 * gap - side, side};

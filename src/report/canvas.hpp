@@ -19,7 +19,8 @@ struct Colour {
 
 [[nodiscard]] Colour hex_colour(unsigned rgb, double alpha = 1.0);
 
-/// From the beginning (0) of a run to its end (1): blue, violet, red, amber. All stand out from white and from black.
+/// From the beginning (0) of a run to its end (1): blue, violet, red, amber. All stand out from
+/// white and from black.
 [[nodiscard]] Colour time_colour(double share);
 
 struct Point {
@@ -37,7 +38,8 @@ class Canvas {
   void disc(Point centre, double radius, const Colour& fill, double edge_width, const Colour& edge);
   void polygon(const std::vector<Point>& points, const Colour& fill, double edge_width,
                const Colour& edge);
-  /// \param x_anchor 0: x is the left end of the text, 0.5: its middle, 1: its right end. y is the base line.
+  /// \param x_anchor 0: x is the left end of the text, 0.5: its middle, 1: its right end. y is the
+  ///                 base line.
   void text(Point at, const std::string& words, double size_px, const Colour& colour,
             double x_anchor = 0.0, bool bold = false);
   [[nodiscard]] double text_width(const std::string& words, double size_px, bool bold = false);
@@ -51,7 +53,8 @@ class Canvas {
                    double off);
   /// A circle that is not filled.
   void ring(Point centre, double radius, double width, const Colour& colour);
-  /// Lays an opaque picture on the canvas, pixel on pixel; what reaches beyond the right and lower edge is cut.
+  /// Lays an opaque picture on the canvas, pixel on pixel; what reaches beyond the right and lower
+  /// edge is cut.
   void paste(const Image& rgb, int left_px, int top_px);
 
   [[nodiscard]] Image image() const;

@@ -165,7 +165,8 @@ Image draw_graph_picture(const GraphScene& scene, const GraphPictureOptions& opt
   const double text = std::clamp(options.panel_px / 50.0, 11.0, 26.0);
   const double line_px = std::clamp(options.panel_px / 500.0, 1.0, 3.0);
   const double gap = 1.2 * text;
-  // Each box fills its panel as far as its shape allows; both panels have the shape of the larger need.
+  // Each box fills its panel as far as its shape allows; both panels have the shape of the larger
+  // need.
   double scales[2];
   Eigen::Vector2d needed = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < 2; ++i) {

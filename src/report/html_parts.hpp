@@ -8,7 +8,8 @@
 #include "loopstone/report/run_info.hpp"
 #include "report/output_files.hpp"
 
-// Pieces that every report is put together from. What is called html is put in as it is, what is called text is escaped.
+// Pieces that every report is put together from. What is called html is put in as it is, what is
+// called text is escaped.
 
 namespace loopstone {
 

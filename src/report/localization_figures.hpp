@@ -40,10 +40,12 @@ struct StateRun {
     const std::vector<LocalizationEstimate>& estimates,
     const std::function<bool(std::size_t)>& breaks_before = {});
 
-/// True when the pose is farther from the one before than a robot drives in the time between: it was found elsewhere.
+/// True when the pose is farther from the one before than a robot drives in the time between: it
+/// was found elsewhere.
 [[nodiscard]] bool is_jump(const LocalizationEstimate& before, const LocalizationEstimate& after);
 
-/// The last estimate at or before the stamp, the first one when all come later. Nothing when there are none.
+/// The last estimate at or before the stamp, the first one when all come later. Nothing when there
+/// are none.
 [[nodiscard]] const LocalizationEstimate* estimate_at(const LocalizationResult& result,
                                                       Stamp stamp);
 

@@ -29,7 +29,8 @@ namespace {
 /// Places of 50 cm need fewer pixels than walls.
 constexpr int kQualitySidePx = 1200;
 
-/// A run that ended before its first scan still leaves a map that every tool can open: one unknown cell.
+/// A run that ended before its first scan still leaves a map that every tool can open: one unknown
+/// cell.
 CellStates states_to_write(const OccupancyMap& map) {
   if (!map.log_odds.empty()) return cell_states(map);
   const GridFrame frame{.resolution = OccupancyOptions{}.resolution_m, .columns = 1, .rows = 1};

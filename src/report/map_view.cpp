@@ -46,7 +46,8 @@ Rgb mix(const Rgb& a, const Rgb& b, double share) {
   return {channel(0), channel(1), channel(2)};
 }
 
-/// Colours by log-odds in steps of 1/16 from -4 to 4; belief counts fully from p = 0.27 down and 0.82 up.
+/// Colours by log-odds in steps of 1/16 from -4 to 4; belief counts fully from p = 0.27 down and
+/// 0.82 up.
 class Palette {
  public:
   Palette() {
@@ -114,7 +115,8 @@ MapView view_of_known(const GridFrame& frame, const IsKnown& is_known, const Tra
   return view;
 }
 
-/// Calls visit(cell) for the cells of a square block that lie on the map; a path may lead far beyond it.
+/// Calls visit(cell) for the cells of a square block that lie on the map; a path may lead far
+/// beyond it.
 template <typename Visit>
 void for_each_on_map(const GridFrame& frame, Cell low, int side, Visit&& visit) {
   const int end_row = std::min(low.row + side, frame.rows);

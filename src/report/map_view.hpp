@@ -15,7 +15,8 @@ inline const Colour kUnseenGround = hex_colour(0xd9dde3);
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// How a cell is shown that is occupied by so many percent: free white, occupied near black; -1, unknown, and even odds grey.
+/// How a cell is shown that is occupied by so many percent: free white, occupied near black; -1,
+/// unknown, and even odds grey.
 [[nodiscard]] Rgb cell_rgb(int percent);
 
 /// Which part of a map is shown, and how large: the one place where metres become pixels.
@@ -32,15 +33,16 @@ struct MapView {
   [[nodiscard]] double pixels_per_metre() const;
 };
 
-/// Crops to what was seen and to the path. A few stray beams out of a window do not blow up the view: rows and columns
-/// at the edges are cut as long as they hold at most 0.3 % of the observed cells.
+/// Crops to what was seen and to the path. A few stray beams out of a window do not blow up the
+/// view: rows and columns at the edges are cut as long as they hold at most 0.3 % of the observed
+/// cells.
 [[nodiscard]] MapView view_of(const OccupancyMap& map, const Trajectory& trajectory,
                               int target_side_px, int most_side_px);
 [[nodiscard]] MapView view_of(const CellStates& map, const Trajectory& trajectory,
                               int target_side_px, int most_side_px);
 
-/// The map's cells as colours: free white, occupied near black, unknown grey; in between by belief. Where several cells
-/// share a pixel the most occupied one shows, so that walls stay.
+/// The map's cells as colours: free white, occupied near black, unknown grey; in between by belief.
+/// Where several cells share a pixel the most occupied one shows, so that walls stay.
 [[nodiscard]] Image shade_map(const OccupancyMap& map, const MapView& view);
 [[nodiscard]] Image shade_map(const CellStates& map, const MapView& view);
 

@@ -13,7 +13,8 @@
 
 namespace loopstone {
 
-/// Level of the pictures' packing. Low: they are flat areas, and a second more would save some ten kilobytes.
+/// Level of the pictures' packing. Low: they are flat areas, and a second more would save some ten
+/// kilobytes.
 inline constexpr int kPngCompression = 2;
 
 /// A file that stands beside the report.
@@ -24,7 +25,8 @@ struct ListedFile {
 };
 
 /// The output folder; one that was made here goes away again unless it is kept.
-/// Throws UsageError when it holds something and that was not forced, or is a file; DataError when it can't be made.
+/// Throws UsageError when it holds something and that was not forced, or is a file; DataError when
+/// it can't be made.
 class OutputFolder {
  public:
   OutputFolder(const std::string& path, bool force);
@@ -42,9 +44,10 @@ class OutputFolder {
   bool kept_ = false;
 };
 
-/// The results of a run. All files are complete on disk before the first appears: commit() makes them safe, all at once, then
-/// renames them, summary.json last. Where an older set is replaced, its summary.json says first that the set is incomplete, and
-/// what the new one lacks goes, so that whoever ends the process leaves no mixture that looks whole.
+/// The results of a run. All files are complete on disk before the first appears: commit() makes
+/// them safe, all at once, then renames them, summary.json last. Where an older set is replaced,
+/// its summary.json says first that the set is incomplete, and what the new one lacks goes, so that
+/// whoever ends the process leaves no mixture that looks whole.
 class FileSet {
  public:
   explicit FileSet(const OutputFolder& folder) : folder_(folder) {}
@@ -54,7 +57,8 @@ class FileSet {
   void add(const std::string& name, const std::string& content,
            const std::function<void(AtomicFile&)>& write);
   [[nodiscard]] const std::vector<ListedFile>& listed() const { return listed_; }
-  /// What was added so far is on disk, though not under its names; a failure from now on leaves it complete.
+  /// What was added so far is on disk, though not under its names; a failure from now on leaves it
+  /// complete.
   void make_safe();
   /// Drops what was added since make_safe().
   void forget_the_rest();

@@ -14,7 +14,8 @@ std::int64_t peak_memory_bytes() {
     std::int64_t kibibytes = 0;
     if (word == "VmHWM:" && status >> kibibytes) return kibibytes * kBytesPerKibibyte;
   }
-  // The kernel carries ru_maxrss across fork and exec, so a program started by a large one looks large.
+  // The kernel carries ru_maxrss across fork and exec, so a program started by a large one looks
+  // large.
   rusage usage{};
   if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
 #if defined(__APPLE__)

@@ -8,7 +8,8 @@
 #include "report/canvas.hpp"
 #include "report/map_view.hpp"
 
-// What the pictures of a whole map have in common: sizes, marks, the strip with scale bar and legend below.
+// What the pictures of a whole map have in common: sizes, marks, the strip with scale bar and
+// legend below.
 
 namespace loopstone {
 
@@ -36,7 +37,8 @@ class Footer {
 
   void add_scale_bar(double pixels_per_metre);
   void add_axes();
-  /// Words, a symbol, words; both words may be empty. `draw` gets the left end of the symbol, at half its height.
+  /// Words, a symbol, words; both words may be empty. `draw` gets the left end of the symbol, at
+  /// half its height.
   void add(const std::string& before, double symbol_width, const std::string& after,
            std::function<void(Canvas&, Point)> draw);
 

@@ -50,7 +50,8 @@ Image PlanePanel::shade(const CellStates& map) const {
   const double top = std::ceil(corner_.y);
   Image image = make_image(static_cast<int>(width_px_), static_cast<int>(height_px_), 3);
   std::uint8_t* pixel = image.bytes.data();
-  // A pixel is as dark as the darkest cell under it, so that walls stay when cells are smaller than pixels.
+  // A pixel is as dark as the darkest cell under it, so that walls stay when cells are smaller than
+  // pixels.
   const double pixel_m = 1.0 / pixels_per_metre_;
   const int reach = static_cast<int>(pixel_m / map.frame().resolution);
   for (int y = 0; y < image.height; ++y) {

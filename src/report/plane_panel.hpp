@@ -18,7 +18,8 @@ struct ViewBox {
 /// "5 mm", "20 cm", "1 m".
 [[nodiscard]] std::string readable_length(double length_m);
 
-/// A rectangle of a canvas that shows a box of the plane: the one place where its metres become pixels.
+/// A rectangle of a canvas that shows a box of the plane: the one place where its metres become
+/// pixels.
 class PlanePanel {
  public:
   /// The box is centred in the rectangle; what the rectangle shows beyond the box, it shows too.

@@ -12,7 +12,8 @@
 namespace loopstone {
 namespace {
 
-// The report's colours of trust (state_style.hpp): told apart by hue, and by lightness where eyes tell no hues.
+// The report's colours of trust (state_style.hpp): told apart by hue, and by lightness where eyes
+// tell no hues.
 const Colour kTogether = hex_colour(0x0072b2, 0.42);
 const Colour kBeside = hex_colour(0xe69f00, 0.62);
 const Colour kApart = hex_colour(0xb0004e, 0.66);

@@ -7,8 +7,8 @@
 
 namespace loopstone {
 
-/// Blue, amber and a dark pink: told apart by hue, and by lightness where eyes tell no hues (tests/unit/report). The style
-/// sheet (report_style.hpp) has the same on a light ground.
+/// Blue, amber and a dark pink: told apart by hue, and by lightness where eyes tell no hues
+/// (tests/unit/report). The style sheet (report_style.hpp) has the same on a light ground.
 [[nodiscard]] inline Colour state_colour(LocalizationState state) {
   switch (state) {
     case LocalizationState::kTracking:

@@ -32,8 +32,8 @@ struct PlotSpec {
   bool equal_axes = false;  ///< a metre is as long in x as in y; the height follows from the data
 };
 
-/// An <svg> element without scripts or references, styled by classes, with axes, grid, and a legend when there are several
-/// curves. Empty text when no curve has two points.
+/// An <svg> element without scripts or references, styled by classes, with axes, grid, and a legend
+/// when there are several curves. Empty text when no curve has two points.
 [[nodiscard]] std::string svg_plot(PlotSpec spec);
 
 /// Round values from low to high, about `count` of them.

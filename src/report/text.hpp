@@ -15,7 +15,8 @@ namespace loopstone {
 /// 13631 as "13,631".
 [[nodiscard]] std::string with_thousands(std::int64_t value);
 
-/// Three significant digits and never an exponent for everyday sizes: 0.0123, 1.23, 12.3, 1,234. "n/a" when not finite.
+/// Three significant digits and never an exponent for everyday sizes: 0.0123, 1.23, 12.3, 1,234.
+/// "n/a" when not finite.
 [[nodiscard]] std::string readable(double value);
 
 /// 75.2 as "1 min 15 s", 3700 as "1 h 01 min"; below a minute "12.3 s".

@@ -8,11 +8,12 @@ namespace loopstone {
 
 namespace {
 
-/// Neighbouring returns farther apart than kGap + kSlant * spacing of the beams belong to different surfaces;
-/// a wall seen at 80 deg from its normal spreads the beams by 1 / cos(80 deg) = 5.8.
+/// Neighbouring returns farther apart than kGap + kSlant * spacing of the beams belong to different
+/// surfaces; a wall seen at 80 deg from its normal spreads the beams by 1 / cos(80 deg) = 5.8.
 constexpr double kGapM = 0.1;
 constexpr double kSlant = 6.0;
-/// A neighbourhood is a line when its thickness (standard deviation) stays below this share of its length.
+/// A neighbourhood is a line when its thickness (standard deviation) stays below this share of its
+/// length.
 constexpr double kLineThickness = 0.35;
 constexpr float kGuessedNormalWeight = 0.25F;
 
@@ -23,15 +24,16 @@ struct Return {
   std::size_t beam = 0;
 };
 
-/// Where the lidar was at each beam, in the frame of the robot at the scan's stamp. Goes from beam to beam by one small
-/// motion, so that no beam costs a sine.
+/// Where the lidar was at each beam, in the frame of the robot at the scan's stamp. Goes from beam
+/// to beam by one small motion, so that no beam costs a sine.
 class MovingLidar {
  public:
   MovingLidar(const LaserScan& scan, const Pose2& robot_T_lidar, const Tangent2& velocity)
       : moves_(scan.time_increment_s != 0.0 && !velocity.isZero(0.0)),
         rotation_(robot_T_lidar.rotation()),
         translation_(robot_T_lidar.translation()) {
-    // robot_T_beam(i) = exp(i step) * robot_T_lidar = robot_T_lidar * exp(i step seen from the lidar)
+    // robot_T_beam(i) = exp(i step) * robot_T_lidar = robot_T_lidar * exp(i step seen from the
+    // lidar)
     const Pose2 step =
         robot_T_lidar.inverse() * exp(Tangent2(velocity * scan.time_increment_s)) * robot_T_lidar;
     step_rotation_ = step.rotation();
@@ -70,7 +72,8 @@ std::vector<Return> returns_of(const LaserScan& scan, const Pose2& robot_T_lidar
   return returns;
 }
 
-/// Sums over a prefix of the returns, so that the moments of any run of neighbours are one subtraction.
+/// Sums over a prefix of the returns, so that the moments of any run of neighbours are one
+/// subtraction.
 struct Moments {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double xx = 0.0;
@@ -116,8 +119,8 @@ std::vector<Run> unbroken_runs(const std::vector<Return>& returns, double beam_s
   return runs;
 }
 
-/// Whether the beams on both sides of the run [first, last) see farther: then it is a small thing that stands free, not a
-/// piece of a wall seen at a grazing angle.
+/// Whether the beams on both sides of the run [first, last) see farther: then it is a small thing
+/// that stands free, not a piece of a wall seen at a grazing angle.
 bool stands_free(const std::vector<Return>& returns, std::size_t first, std::size_t last) {
   const bool before = first == 0 || returns[first - 1].beam + 1 < returns[first].beam ||
                       returns[first - 1].range > returns[first].range;
@@ -126,7 +129,8 @@ bool stands_free(const std::vector<Return>& returns, std::size_t first, std::siz
   return before && after;
 }
 
-/// Fits a line to the returns [first, last) and projects return i on it. Nothing when no line fits and none can be guessed.
+/// Fits a line to the returns [first, last) and projects return i on it. Nothing when no line fits
+/// and none can be guessed.
 std::optional<SurfacePoint> fit_line(const std::vector<Return>& returns,
                                      const std::vector<Moments>& prefix, const Run& run,
                                      std::size_t i, std::size_t first, std::size_t last) {

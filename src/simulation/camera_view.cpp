@@ -11,8 +11,8 @@
 namespace loopstone {
 namespace {
 
-/// Bearings at which walls are looked up, for each pixel of a focal length: rays between two of them that see the same
-/// wall are exact, others look again.
+/// Bearings at which walls are looked up, for each pixel of a focal length: rays between two of
+/// them that see the same wall are exact, others look again.
 constexpr double kBearingsPerPixel = 2.0;
 
 /// Where a ray meets the floor, per unit change of its pixel: with p = c + t d and t = -c_z / d_z,

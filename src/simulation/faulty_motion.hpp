@@ -15,7 +15,8 @@ class FaultyMotion {
     double travelled_m = 0.0;
     double turned_rad = 0.0;
   };
-  /// The motion since the last call as the wheels see it, before their own errors. Times grow from call to call.
+  /// The motion since the last call as the wheels see it, before their own errors. Times grow from
+  /// call to call.
   [[nodiscard]] Motion until(double time_s);
 
   /// The mean rate of turning around a time as a gyro sees it, before its own errors [rad/s].

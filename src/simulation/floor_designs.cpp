@@ -13,8 +13,8 @@
 #include "loopstone/simulation/floor_pattern.hpp"
 #include "simulation/letters.hpp"
 
-// The built-in patterns, as functions of a point of the patch. Everything in them repeats after kPatch, which is a whole
-// number of tiles, planks and flecks.
+// The built-in patterns, as functions of a point of the patch. Everything in them repeats after
+// kPatch, which is a whole number of tiles, planks and flecks.
 
 namespace loopstone {
 namespace {
@@ -35,8 +35,8 @@ float even_of(std::uint64_t seed, std::int64_t a, std::int64_t b) {
   return static_cast<float>(h >> 40U) * 0x1p-24F;
 }
 
-/// Even numbers at the corners of cells, smoothly joined (Perlin's value noise); repeats with the patch when its sides are
-/// whole numbers of cells. Mean 0.5.
+/// Even numbers at the corners of cells, smoothly joined (Perlin's value noise); repeats with the
+/// patch when its sides are whole numbers of cells. Mean 0.5.
 float noise_at(const Eigen::Vector2d& p, double cell_x_m, double cell_y_m, std::uint64_t seed) {
   const auto nx = static_cast<std::int64_t>(std::lround(kPatch / cell_x_m));
   const auto ny = static_cast<std::int64_t>(std::lround(kPatch / cell_y_m));
@@ -175,7 +175,8 @@ LinearColour background_at(std::string_view name, const Eigen::Vector2d& p, std:
   return is_upper ? wood_at(p, seed + 200) : tiles_at(p, seed + 300);
 }
 
-/// Blends ink over the texels that a letter's dots cover, by the covered share of 4 x 4 points of each.
+/// Blends ink over the texels that a letter's dots cover, by the covered share of 4 x 4 points of
+/// each.
 void paint(const FloorLetter& letter, std::vector<LinearColour>& texels) {
   constexpr int kPoints = 4;
   const LinearColour ink(0.02F, 0.02F, 0.03F);

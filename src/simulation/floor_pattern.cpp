@@ -163,7 +163,8 @@ LinearColour FloorPattern::seen_over(const Eigen::Vector2d& point,
   const Eigen::Vector2f step(axis.x() / static_cast<float>(texel_m_.x()),
                              axis.y() / static_cast<float>(texel_m_.y()));
 
-  // Level whose texels are as wide as the minor axis: log2 by its binary exponent, straight in between.
+  // Level whose texels are as wide as the minor axis: log2 by its binary exponent, straight in
+  // between.
   const float ratio = minor / texel;
   const auto bits = std::bit_cast<std::uint32_t>(ratio);
   auto level = static_cast<std::size_t>((bits >> 23U) - 127U);

@@ -30,8 +30,9 @@ class Furnisher {
  private:
   /// Claims a rectangle; false when it leaves the room or touches something.
   bool claim(const Extent& area, double gap_m);
-  /// The pose of something `length_m` long and `depth_m` deep with its back to a random wall, x along the wall and y
-  /// into the room, when a free spot was found; `front_m` more stays free before it.
+  /// The pose of something `length_m` long and `depth_m` deep with its back to a random wall, x
+  /// along the wall and y into the room, when a free spot was found; `front_m` more stays free
+  /// before it.
   std::optional<Pose2> spot_at_wall(double length_m, double depth_m, double front_m);
   std::optional<Pose2> spot_inside(double length_m, double width_m, double gap_m);
 

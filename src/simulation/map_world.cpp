@@ -17,8 +17,8 @@ bool is_solid(const CellStates& map, Cell cell) {
   return occupancy < 0 || occupancy >= kOccupied;
 }
 
-/// The borders between free and solid cells, neighbouring ones joined to one surface. So ranges in the world are exact
-/// for the map's cells.
+/// The borders between free and solid cells, neighbouring ones joined to one surface. So ranges in
+/// the world are exact for the map's cells.
 std::vector<Segment> borders(const CellStates& map) {
   const GridFrame& frame = map.frame();
   const auto corner = [&](int column, int row) {

@@ -7,7 +7,8 @@
 
 namespace loopstone {
 
-/// An office building: two long corridors (along x) with rooms on both sides, joined by crossings (along y).
+/// An office building: two long corridors (along x) with rooms on both sides, joined by crossings
+/// (along y).
 ///
 ///      +--------------------------------------+
 ///      |    |     | north rooms   |      |    |

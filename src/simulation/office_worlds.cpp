@@ -8,7 +8,8 @@
 namespace loopstone {
 namespace {
 
-/// The corners of the loops that corridors and crossings form: (first, last crossing) x (south, north corridor).
+/// The corners of the loops that corridors and crossings form: (first, last crossing) x (south,
+/// north corridor).
 struct Corners {
   Eigen::Vector2d south_west, south_middle, south_east, north_west, north_middle, north_east;
 };
@@ -76,7 +77,8 @@ void build_office(World& world, Rng rng) {
 }
 
 void build_campus(World& world, Rng rng) {
-  // Two rows of three buildings, not quite parallel, joined to two big loops that share the middle passage.
+  // Two rows of three buildings, not quite parallel, joined to two big loops that share the middle
+  // passage.
   const auto shape_of = [&](double width, double middle) {
     OfficeShape shape;
     shape.width_m = width;
@@ -144,7 +146,8 @@ void build_campus(World& world, Rng rng) {
   }
   in_hall.place({8.0, 0.6 * hall_depth});
   in_hall.place({38.0, 0.3 * hall_depth});
-  // The visit ends in the southern middle. Close the outer ring, then go round the western loop the other way.
+  // The visit ends in the southern middle. Close the outer ring, then go round the western loop the
+  // other way.
   in_s.return_to(c_s.south_middle);
   in_sw.return_to(c_sw.north_east);
   in_nw.return_to(c_nw.south_middle);

@@ -10,7 +10,8 @@
 
 namespace loopstone {
 
-/// People who walk to and fro, each between a few spots, and step back when the robot comes near. A laser sees their legs.
+/// People who walk to and fro, each between a few spots, and step back when the robot comes near. A
+/// laser sees their legs.
 class Crowd {
  public:
   Crowd(const World& world, const Drive& drive, int count, Rng rng);

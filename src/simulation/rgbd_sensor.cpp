@@ -99,8 +99,9 @@ RawDepthImage RgbdSensor::depth_at(double time_s) {
   const auto noise = static_cast<float>(options_.depth.noise_steps) * kKinectStep_per_m;
   const auto shift = static_cast<float>(options_.depth.projector_baseline_m * depth_focal_px_);
   for (int row = 0; row < image.height; ++row) {
-    // The projector sits to the right of the camera and sees a point of inverse depth q in its column u - shift q. What has
-    // another point before it there lies in the shadow; coming from the right, columns that are not new have one.
+    // The projector sits to the right of the camera and sees a point of inverse depth q in its
+    // column u - shift q. What has another point before it there lies in the shadow; coming from
+    // the right, columns that are not new have one.
     float lit_from = std::numeric_limits<float>::infinity();
     for (int column = image.width - 1; column >= 0; --column) {
       const std::size_t i = static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +

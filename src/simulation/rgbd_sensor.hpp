@@ -12,8 +12,8 @@
 
 namespace loopstone {
 
-/// Normal numbers fast: one of 4096 quantiles, five from each 64 random bits. Standard deviation 1 within 0.1 %; none
-/// beyond 3.7.
+/// Normal numbers fast: one of 4096 quantiles, five from each 64 random bits. Standard deviation 1
+/// within 0.1 %; none beyond 3.7.
 class QuickNormals {
  public:
   explicit QuickNormals(Rng rng);

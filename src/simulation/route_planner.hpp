@@ -17,25 +17,29 @@ using Path = std::vector<Eigen::Vector2d>;  ///< map frame, points about 0.1 m a
 /// What keeps a robot out: all that a laser sees, and the keep-out boxes.
 [[nodiscard]] FloorPlan obstacles_of(const World& world);
 
-/// Finds ways for a round robot over a grid of clearances. Cells that a way went through before may be made dearer, so
-/// that the next way prefers others.
+/// Finds ways for a round robot over a grid of clearances. Cells that a way went through before may
+/// be made dearer, so that the next way prefers others.
 class RoutePlanner {
  public:
   /// \param clearance_m  distance that the robot's centre keeps from every obstacle
   RoutePlanner(const SurfaceIndex& obstacles, const Extent& extent, double clearance_m);
 
-  /// Restricts the free cells to those that can be reached from here. False when here itself is blocked.
+  /// Restricts the free cells to those that can be reached from here. False when here itself is
+  /// blocked.
   bool reach_from(const Eigen::Vector2d& start);
-  /// Restricts the free cells to the largest connected region, in which a start is then returned: the cell with the
-  /// most room among those near the region's middle. Nothing when no cell is free.
-  /// \param is_inside  regions that begin where this says no are left out: a solid given by its surfaces alone is hollow
+  /// Restricts the free cells to the largest connected region, in which a start is then returned:
+  /// the cell with the most room among those near the region's middle. Nothing when no cell is
+  /// free.
+  /// \param is_inside  regions that begin where this says no are left out: a solid given by its
+  ///                   surfaces alone is hollow
   [[nodiscard]] std::optional<Eigen::Vector2d> reach_largest_region(
       const std::function<bool(const Eigen::Vector2d&)>& is_inside);
 
   /// The free cell nearest to a point, within `limit_m`.
   [[nodiscard]] std::optional<Cell> nearest_free(const Eigen::Vector2d& point,
                                                  double limit_m) const;
-  /// Points spread over the free region, none nearer to another than the spacing; the roomiest first.
+  /// Points spread over the free region, none nearer to another than the spacing; the roomiest
+  /// first.
   [[nodiscard]] std::vector<Eigen::Vector2d> spread_points(double spacing_m) const;
   [[nodiscard]] const std::vector<std::uint32_t>& free_cells() const { return free_cells_; }
   [[nodiscard]] const GridFrame& frame() const { return clearance_.frame(); }

@@ -52,7 +52,8 @@ WheelSensor::WheelSensor(FaultyMotion motion, const WheelModel& model, const Sim
 std::array<std::int64_t, 4> WheelSensor::read(double time_s) {
   const FaultyMotion::Motion motion = motion_.until(time_s);
   const double ahead = motion.travelled_m;
-  // The track is an effective one, found by turning the robot, so it has absorbed the wheels' common error.
+  // The track is an effective one, found by turning the robot, so it has absorbed the wheels'
+  // common error.
   const double aside = 0.5 * model_.track_width_m * turn_scale_ * motion.turned_rad;
   const double right = right_scale_ * ahead + aside;
   const double left = left_scale_ * ahead - aside;
@@ -83,7 +84,8 @@ ImuSensor::ImuSensor(const Drive& drive, FaultyMotion motion, const SimulatedImu
       noise_(noise),
       rng_(rng),
       bias_rad_s_(systematic(noise.bias_rad_s, rng_)) {
-  // Half a degree off level leaks 0.085 m/s^2 of gravity; it is noise of the mount, so none without noise.
+  // Half a degree off level leaks 0.085 m/s^2 of gravity; it is noise of the mount, so none without
+  // noise.
   const double leak = noise.acceleration_noise_m_s2;
   tilt_m_s2_ = {systematic(leak, rng_), systematic(leak, rng_), 0.0};
 }
@@ -94,7 +96,8 @@ ImuSample ImuSensor::read(double time_s) {
   const double to = time_s + 0.5 * period;
   const double yaw_rate = motion_.yaw_rate(time_s, period);
   const double speed = (drive_.travelled_m(to) - drive_.travelled_m(from)) / period;
-  // The drive changes its speed in steps; over five of them the difference is what a body with mass would feel.
+  // The drive changes its speed in steps; over five of them the difference is what a body with mass
+  // would feel.
   constexpr double kSpan = 5.0 * Drive::kStep;
   const double gain =
       (drive_.speed_m_s(time_s + 0.5 * kSpan) - drive_.speed_m_s(time_s - 0.5 * kSpan)) / kSpan;
@@ -150,7 +153,8 @@ LaserScan LaserSensor::read(double time_s) {
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     double range = true_range(time_s + static_cast<double>(beam) * scan.time_increment_s,
                               scan.angle_rad(beam), legs);
-    // The same draws for every beam, whatever it meets: one change in a world changes nothing elsewhere.
+    // The same draws for every beam, whatever it meets: one change in a world changes nothing
+    // elsewhere.
     const double noise = rng_.normal(0.0, 1.0) * options_.noise_m;
     const bool is_dropped = rng_.uniform() < options_.dropout_probability;
     if (std::isfinite(range)) {

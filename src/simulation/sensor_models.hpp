@@ -11,7 +11,8 @@
 
 namespace loopstone {
 
-/// Moments of a sensor that fires at a steady rate, on whole microseconds, so that every format keeps the stamps exactly.
+/// Moments of a sensor that fires at a steady rate, on whole microseconds, so that every format
+/// keeps the stamps exactly.
 class Clock {
  public:
   Clock(double rate_hz, double first_s) : period_s_(1.0 / rate_hz), first_s_(first_s) {}
@@ -23,7 +24,8 @@ class Clock {
   double first_s_;
 };
 
-/// Encoder counts of the four wheels over a drive; the fraction of a count that a reading can't hold goes into the next.
+/// Encoder counts of the four wheels over a drive; the fraction of a count that a reading can't
+/// hold goes into the next.
 class WheelSensor {
  public:
   /// \param motion  what the wheels see of the drive

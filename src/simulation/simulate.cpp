@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// Streams of the seed; each sensor draws from its own, so that one can be changed without the others.
+// Streams of the seed; each sensor draws from its own, so that one can be changed without the
+// others.
 enum Stream : std::uint64_t { kClocks = 10, kWheels, kImu, kLaser, kPeople, kCamera, kFaults };
 
 /// Fires the sensors one after the other, by their stamps.

@@ -8,8 +8,8 @@
 
 namespace loopstone {
 
-/// The solids around a point: the first surface at each of many bearings, from which the exact range along any ray between
-/// them follows by one division.
+/// The solids around a point: the first surface at each of many bearings, from which the exact
+/// range along any ray between them follows by one division.
 class Skyline {
  public:
   /// Legs are numbered from here on.

@@ -9,7 +9,8 @@ namespace loopstone {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Surfaces also belong to cells that they miss by less, so that rounding at a cell's border loses none [m].
+/// Surfaces also belong to cells that they miss by less, so that rounding at a cell's border loses
+/// none [m].
 constexpr double kBorder = 1e-6;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {

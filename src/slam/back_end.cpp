@@ -14,7 +14,8 @@ namespace loopstone {
 
 namespace {
 
-/// A closure whose residual is less likely than this (chi-square, 3 degrees of freedom, 1e-5) does not stand.
+/// A closure whose residual is less likely than this (chi-square, 3 degrees of freedom, 1e-5) does
+/// not stand.
 constexpr double kRevokeChi2 = 26.0;
 /// A closure that would bend the map and that is consistent with no other one needs at least this.
 constexpr double kLoneOverlap = 0.5;
@@ -123,7 +124,8 @@ void BackEnd::take(std::vector<LoopClosure> found) {
     events_.emplace_back(ClosureChanged{closure});
     closures_.push_back(closure);
   }
-  // Each solution brings the map nearer to the truth, so that more of those that wait may agree with it.
+  // Each solution brings the map nearer to the truth, so that more of those that wait may agree
+  // with it.
   const auto settle = [this] {
     return accept_consistent(closures_, {outline_.poses, chain_.travelled_m()});
   };

@@ -16,9 +16,9 @@
 
 namespace loopstone {
 
-/// The back end and the scans that it decides about, on a thread of its own. What it is given comes in
-/// an order that does not depend on how fast it is, and nothing of it flows back into the front end:
-/// so the result is the same however both threads take turns.
+/// The back end and the scans that it decides about, on a thread of its own. What it is given comes
+/// in an order that does not depend on how fast it is, and nothing of it flows back into the front
+/// end: so the result is the same however both threads take turns.
 class BackEndWorker {
  public:
   /// \param board  where the map so far is put up; outlives the worker
@@ -29,10 +29,12 @@ class BackEndWorker {
   /// Waits only when it has fallen behind by several submaps.
   void add_submaps(std::vector<FinishedSubmap> submaps);
 
-  /// These chunks, and what the back end and its scans are after all that was handed over until now.
+  /// These chunks, and what the back end and its scans are after all that was handed over until
+  /// now.
   [[nodiscard]] std::future<std::vector<StateChunk>> add_state(std::vector<StateChunk> chunks);
   void restore(std::span<const StateChunk> chunks);
-  /// After restore(): whether the scans are those of the key scans, and all among the first `scans`.
+  /// After restore(): whether the scans are those of the key scans, and all among the first
+  /// `scans`.
   [[nodiscard]] bool scans_fit(std::size_t scans) const;
   /// After that: puts the map so far on the board.
   void show_restored();

@@ -7,8 +7,8 @@
 
 namespace loopstone {
 
-/// When the laser said nothing, what carried the path across, and what ties both sides: in plain words, with times since the
-/// first scan.
+/// When the laser said nothing, what carried the path across, and what ties both sides: in plain
+/// words, with times since the first scan.
 [[nodiscard]] std::vector<std::string> break_warnings(const MapResult& result);
 
 }  // namespace loopstone

@@ -10,8 +10,8 @@
 
 namespace loopstone {
 
-/// From the drifting frame of the front end to the map, all along the path. Scans between two nodes share the correction of
-/// both, blended by time.
+/// From the drifting frame of the front end to the map, all along the path. Scans between two nodes
+/// share the correction of both, blended by time.
 class DriftCorrection {
  public:
   /// \param map_T_key  solved pose of each key scan

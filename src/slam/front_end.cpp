@@ -16,15 +16,17 @@ namespace {
 constexpr std::size_t kMinPoints = 20;
 /// Where a robot is looked for that was lost.
 constexpr double kLostM = 2.0;
-/// Scans in a row that contradict the map are left out of it; after so many the place itself must have changed.
+/// Scans in a row that contradict the map are left out of it; after so many the place itself must
+/// have changed.
 constexpr int kMostLost = 5;
-/// How far a match may go against the guesses. A scan is worth about 50 independent points, and that one is explained speaks
-/// for a match by ln(0.93 / 0.07) when one in fourteen never is: 50 * 2.6 of log-likelihood against half a chi-square.
-/// Beyond 5 standard deviations the guess was an error, however far.
+/// How far a match may go against the guesses. A scan is worth about 50 independent points, and
+/// that one is explained speaks for a match by ln(0.93 / 0.07) when one in fourteen never is: 50 *
+/// 2.6 of log-likelihood against half a chi-square. Beyond 5 standard deviations the guess was an
+/// error, however far.
 constexpr double kScorePerChi2 = 0.004;
 constexpr double kMostChi2 = 25.0;
-/// A match farther from its guess than chance explains (chi-square, 3 degrees of freedom, 0.05) shows that the guess was
-/// wrong; then it keeps this share of its weight.
+/// A match farther from its guess than chance explains (chi-square, 3 degrees of freedom, 0.05)
+/// shows that the guess was wrong; then it keeps this share of its weight.
 constexpr double kSurprise = 7.8;
 constexpr double kOutvoted = 0.01;
 /// Scores that differ by less say the same.
@@ -40,7 +42,8 @@ constexpr double kBendRad = 0.005;
 /// Each pass takes away what the sweep is of the time between scans: half of the error or more.
 constexpr int kStraightenings = 3;
 
-/// What speaks for a match: how much of the scan it explains, less how far it is from the nearest guess.
+/// What speaks for a match: how much of the scan it explains, less how far it is from the nearest
+/// guess.
 double merit(const MatchResult& match, std::span<const PosePrior2> priors) {
   if (match.status == MatchStatus::kTooFewPairs) return -1.0;
   double nearest = kMostChi2;
@@ -226,7 +229,8 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
   SearchWindow window{likeliest.target_T_source, options_.search_half_xy_m,
                       options_.search_half_yaw_rad};
   if (!likeliest.holds_unobserved) {
-    // Without odometry the robot may have turned back as well as gone on: what counts is where it was.
+    // Without odometry the robot may have turned back as well as gone on: what counts is where it
+    // was.
     window.centre = target.local_T_submap.inverse() * predictor_.last_pose();
     window.half_xy_m *= kFreeWindow;
     window.half_yaw_rad *= kFreeWindow;
@@ -239,8 +243,8 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
             agreement_at(points, pyramid, result.match.target_T_source) < kSearchMinScore);
   };
   if (!is_lost()) return result;
-  // It contradicts what was seen before: scans are missing, or the robot was carried. It may face anywhere; among so
-  // many poses only one that explains what scans usually explain is no chance.
+  // It contradicts what was seen before: scans are missing, or the robot was carried. It may face
+  // anywhere; among so many poses only one that explains what scans usually explain is no chance.
   const SearchWindow anywhere{likeliest.target_T_source, std::max(kLostM, window.half_xy_m), kPi};
   result.match = best_of(result.match, frozen.search_pyramid(submap_options_, anywhere.half_xy_m),
                          anywhere, least_score());

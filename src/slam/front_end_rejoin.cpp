@@ -16,18 +16,20 @@ namespace loopstone {
 
 namespace {
 
-/// Without a scan for so long, and for so many of the usual times between scans, the motion is not followed but bridged.
+/// Without a scan for so long, and for so many of the usual times between scans, the motion is not
+/// followed but bridged.
 constexpr double kBlindS = 1.0;
 constexpr double kBlindSteps = 4.0;
 constexpr double kUsualMemory = 20.0;
-/// A scan that fits within what odometry allows (chi-square, 3 degrees of freedom, 0.01), and leaves the pose no more
-/// uncertain than a submap's cell and a half, goes on in the same submap.
+/// A scan that fits within what odometry allows (chi-square, 3 degrees of freedom, 0.01), and
+/// leaves the pose no more uncertain than a submap's cell and a half, goes on in the same submap.
 constexpr double kFitsChi2 = 11.3;
 constexpr double kTightM = 0.15;
 /// After so little motion a scan shows what the one before showed.
 constexpr double kShortM = 0.5;
 constexpr double kShortRad = 0.5;
-/// Where a robot is looked for that nothing is known of, and what a second place may score beside the best.
+/// Where a robot is looked for that nothing is known of, and what a second place may score beside
+/// the best.
 constexpr double kAroundM = 10.0;
 constexpr double kAmbiguous = 0.85;
 constexpr double kElsewhereM = 1.0;
@@ -113,8 +115,9 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
   return in_local(match);
 }
 
-/// With odometry, a scan that does not fit where it says shows a place that the submap does not know: one scan by itself is no reason
-/// to look for the robot elsewhere. A robot that was carried while it stood is noticed by the scans that contradict the map.
+/// With odometry, a scan that does not fit where it says shows a place that the submap does not
+/// know: one scan by itself is no reason to look for the robot elsewhere. A robot that was carried
+/// while it stood is noticed by the scans that contradict the map.
 FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
                                 Stamp stamp, TrackedScan& tracked) {
   const std::optional<MatchResult> match = blind.prior.holds_unobserved

@@ -18,8 +18,8 @@ namespace {
 
 /// A certificate is an answer within a fraction of a second up to about this size.
 constexpr std::size_t kMostNodes = 20000;
-/// Of the cost: a solution that is better by less says the same of the edges (chi-square of hundreds of
-/// loops varies by more).
+/// Of the cost: a solution that is better by less says the same of the edges (chi-square of
+/// hundreds of loops varies by more).
 constexpr double kOpenShare = 0.01;
 
 /// Largest distance between two sets of positions after the best alignment.
@@ -40,8 +40,8 @@ double largest_shift_m(std::span<const Pose2> poses, std::span<const Pose2> othe
 }
 
 /// Where the solver arrives from the optimum that was proven. That one is of another objective, of
-/// isotropic edges: corridors, which edges hold across and not along, come out differently there, though
-/// both have their minimum in one valley.
+/// isotropic edges: corridors, which edges hold across and not along, come out differently there,
+/// though both have their minimum in one valley.
 std::vector<Pose2> solved_from(PoseGraph graph, const std::vector<Pose2>& proven) {
   graph.poses = proven;
   return optimize(graph, closure_solver()).poses;
@@ -62,8 +62,9 @@ int independent_loops(const PoseGraph& graph) {
 
 bool GraphQuality::is_proven() const {
   if (!certificate) return false;
-  return certificate->certified() || (certificate->status == CertificateStatus::kGapOpen &&
-                                      certificate->optimality_gap <= kOpenShare * certificate->cost);
+  return certificate->certified() ||
+         (certificate->status == CertificateStatus::kGapOpen &&
+          certificate->optimality_gap <= kOpenShare * certificate->cost);
 }
 
 GraphQuality assess_graph(const PoseGraph& solved, std::span<const Pose2> delivered,

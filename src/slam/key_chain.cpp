@@ -9,7 +9,8 @@ namespace loopstone {
 
 namespace {
 
-/// What matching against a submap leaves uncertain between consecutive key scans, however good the match: its slow drift.
+/// What matching against a submap leaves uncertain between consecutive key scans, however good the
+/// match: its slow drift.
 constexpr double kChainRestM = 0.004;
 constexpr double kChainShare = 0.006;
 constexpr double kChainRestRad = 0.0012;

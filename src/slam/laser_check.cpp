@@ -29,7 +29,8 @@ bool is_blocked(const LaserScan& scan) {
          static_cast<double>(near) >= kBlockedShare * static_cast<double>(returns);
 }
 
-/// To the last bit: that two scans of a laser that works are so is a matter of its resolution, and of standing still.
+/// To the last bit: that two scans of a laser that works are so is a matter of its resolution, and
+/// of standing still.
 bool same_ranges(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && !a.empty() &&
          std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;

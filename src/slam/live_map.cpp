@@ -44,7 +44,8 @@ bool intersect(const std::vector<TileId>& a, const std::set<TileId>& b) {
 LiveMap::LiveMap(const OccupancyOptions& options, double footprint_radius_m)
     : tiles_(options, footprint_radius_m) {}
 
-/// Whether what is drawn of a submap is not what it is now: thinned, moved, or come to from elsewhere.
+/// Whether what is drawn of a submap is not what it is now: thinned, moved, or come to from
+/// elsewhere.
 bool LiveMap::is_stale(const Drawn& drawn, const SubmapSnapshot& submap,
                        const std::optional<Eigen::Vector2d>& before) const {
   if (submap.scans->size() < drawn.count) return true;

@@ -44,8 +44,8 @@ struct LoopCandidate {
   bool by_appearance = false;
 };
 
-/// Shortest travel from a submap to each other: Dijkstra, neighbours in sequence by the path between
-/// them, closures at a fixed price. Infinite beyond `enough_m`.
+/// Shortest travel from a submap to each other: Dijkstra, neighbours in sequence by the path
+/// between them, closures at a fixed price. Infinite beyond `enough_m`.
 [[nodiscard]] std::vector<double> travel_from(std::span<const LoopSubmap> submaps, SubmapId from,
                                               double enough_m);
 
@@ -61,8 +61,8 @@ struct LoopCandidates {
                                             const LoopOptions& options,
                                             const std::function<bool(SubmapId older)>& skips);
 
-/// The few of the far ones whose place descriptors are nearest, best first. Which these are does not
-/// depend on poses. Describes submaps that were not described yet.
+/// The few of the far ones whose place descriptors are nearest, best first. Which these are does
+/// not depend on poses. Describes submaps that were not described yet.
 [[nodiscard]] std::vector<LoopCandidate> most_alike(std::vector<LoopSubmap>& submaps,
                                                     SubmapId newer,
                                                     std::span<const LoopCandidate> far, int most);

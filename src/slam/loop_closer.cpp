@@ -170,8 +170,8 @@ std::vector<LoopClosure> LoopCloser::close_all(std::span<const Pose2> map_T_subm
   return closures;
 }
 
-/// A submap can't be at two places. Where one found by appearance is contradicted by another closure
-/// of the same submap, nobody knows which is right.
+/// A submap can't be at two places. Where one found by appearance is contradicted by another
+/// closure of the same submap, nobody knows which is right.
 void LoopCloser::reject_rivals(std::vector<LoopClosure>& closures,
                                std::span<const Pose2> map_T_submap) const {
   std::vector<std::size_t> rejected;

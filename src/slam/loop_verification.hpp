@@ -13,9 +13,10 @@ struct VerifiedClosure {
   std::vector<bool> seen{};
 };
 
-/// Looks for the newer submap in the older one: the best pose of the whole window (branch and bound),
-/// whether another one comes near it, refined on the surfaces, judged by overlap and agreement. What
-/// passes waits for the graph. Nothing where no pose scores well enough to be spoken of.
+/// Looks for the newer submap in the older one: the best pose of the whole window (branch and
+/// bound), whether another one comes near it, refined on the surfaces, judged by overlap and
+/// agreement. What passes waits for the graph. Nothing where no pose scores well enough to be
+/// spoken of.
 /// Deterministic. Cost: milliseconds; by appearance, tens of them.
 [[nodiscard]] std::optional<VerifiedClosure> verify(const LoopCandidate& candidate,
                                                     const FrozenSubmap& older,

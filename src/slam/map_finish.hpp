@@ -51,7 +51,8 @@ struct PlacedScans {
 [[nodiscard]] std::vector<LoopClosure> at_poses_of(const PoseGraph& graph,
                                                    std::vector<LoopClosure> closures);
 
-/// What the user should know about the run, in plain words: what went wrong first, then how it fared.
+/// What the user should know about the run, in plain words: what went wrong first, then how it
+/// fared.
 [[nodiscard]] std::vector<std::string> warnings_of(const MapResult& result,
                                                    const MapOptions& options, bool has_gyro);
 

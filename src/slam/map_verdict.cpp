@@ -143,15 +143,15 @@ QualityMeasure certified(const GraphQuality& g) {
   const bool near = g.certified_shift_m <= kCertifiedNearM;
   measure.verdict = near ? Verdict::kGood : Verdict::kDoubtful;
   const double open = g.certificate->optimality_gap / std::max(g.certificate->cost, 1e-12);
-  const std::string best =
-      g.certificate->certified()
-          ? "The graph's best solution is known and proven"
-          : "No solution of the graph is better by more than " + number(100.0 * open, 2) +
-                " % than one that is known, which is proven";
-  measure.sentence =
-      best + "; the solver that begins there arrives within " +
-      centimetres(g.certified_shift_m) + " of the one that was found. Surfaces that scans share " +
-      "moved it by another " + centimetres(g.adjusted_shift_m) + " at most.";
+  const std::string best = g.certificate->certified()
+                               ? "The graph's best solution is known and proven"
+                               : "No solution of the graph is better by more than " +
+                                     number(100.0 * open, 2) +
+                                     " % than one that is known, which is proven";
+  measure.sentence = best + "; the solver that begins there arrives within " +
+                     centimetres(g.certified_shift_m) +
+                     " of the one that was found. Surfaces that scans share " +
+                     "moved it by another " + centimetres(g.adjusted_shift_m) + " at most.";
   return measure;
 }
 
@@ -159,7 +159,8 @@ QualityMeasure degenerate(const MapStatistics& s) {
   QualityMeasure measure{
       .name = "degenerate_travel_share",
       .title = "Degenerate travel",
-      // Travel is counted scan by scan, the path from key scan to key scan: the part may come out longer than the whole.
+      // Travel is counted scan by scan, the path from key scan to key scan: the part may come out
+      // longer than the whole.
       .value =
           s.path_length_m > 0.0 ? std::min(s.degenerate_travel_m / s.path_length_m, 1.0) : 0.0};
   if (!(s.path_length_m > kShortM)) return unknown(std::move(measure), kNoTravel);
@@ -254,7 +255,8 @@ std::string overall_sentence(Verdict overall, bool compared,
 void conclude(MapVerdict& verdict) {
   Verdict worst = Verdict::kUnknown;
   for (const QualityMeasure& measure : verdict.measures) worst = std::max(worst, measure.verdict);
-  // That the graph agrees with itself is no evidence about the walls: without two visits nothing is called good.
+  // That the graph agrees with itself is no evidence about the walls: without two visits nothing is
+  // called good.
   const bool compared = verdict.measures[0].verdict != Verdict::kUnknown ||
                         verdict.measures[2].verdict != Verdict::kUnknown;
   verdict.overall = worst == Verdict::kGood && !compared ? Verdict::kUnknown : worst;

@@ -348,7 +348,8 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
   release_unused_memory();
   const PoseGraph solved = result.graph;
   if (goes_on_to(1)) adjust(result);
-  // How well edges agree is judged at the graph's own solution: the adjustment knows more than they do.
+  // How well edges agree is judged at the graph's own solution: the adjustment knows more than they
+  // do.
   const Stopwatch judging_graph;
   if (goes_on_to(2))
     result.graph_quality = assess_graph(solved, result.graph.poses, result.loop_closures);

@@ -7,7 +7,8 @@ namespace loopstone {
 
 namespace {
 
-/// Wheels: share of the motion that may be wrong, and what is uncertain even at rest (stamps, quantisation).
+/// Wheels: share of the motion that may be wrong, and what is uncertain even at rest (stamps,
+/// quantisation).
 constexpr double kWheelShare = 0.15;
 constexpr double kWheelRestM = 0.01;
 constexpr double kWheelRestRad = 0.01;
@@ -16,7 +17,8 @@ constexpr double kWheelRadPerM = 0.03;
 constexpr double kTurnShare = 0.02;
 /// A velocity is the mean over so many motions.
 constexpr std::size_t kSteps = 3;
-/// A velocity says nothing of what comes later: after so long, and after so many of the usual times between scans.
+/// A velocity says nothing of what comes later: after so long, and after so many of the usual times
+/// between scans.
 constexpr double kLongestCoastS = 1.0;
 constexpr double kLongestCoastSteps = 4.0;
 /// Where nothing tells how far the robot went: as fast as a person walks, either way.
@@ -25,13 +27,15 @@ constexpr double kWalkingRad_s = 1.0;
 /// Motions that differ by less start the same alignment.
 constexpr double kSameM = 0.05;
 constexpr double kSameRad = 0.03;
-/// How wrong a motion that goes on is: never less, never more, and over how many scans it is learned.
+/// How wrong a motion that goes on is: never less, never more, and over how many scans it is
+/// learned.
 constexpr double kCoastLeastM = 0.05;
 constexpr double kCoastMostM = 0.3;
 constexpr double kCoastLeastRad = 0.05;
 constexpr double kCoastMostRad = 0.4;
 constexpr double kCoastMemory = 30.0;
-/// Odometry that differs from the motion so far by so many standard deviations is one of two guesses.
+/// Odometry that differs from the motion so far by so many standard deviations is one of two
+/// guesses.
 constexpr double kUnlikely = 3.0;
 
 Eigen::Matrix3d information_of(double sigma, double sigma_yaw) {

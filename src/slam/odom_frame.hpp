@@ -9,8 +9,8 @@
 namespace loopstone {
 
 /// The frame in which a controller may drive: it goes on with the robot and never jumps. The front
-/// end's local frame does, when a robot that was lost is found somewhere else; then the difference goes
-/// into local_T_odom.
+/// end's local frame does, when a robot that was lost is found somewhere else; then the difference
+/// goes into local_T_odom.
 class OdomFrame {
  public:
   /// \param guess      where the robot was expected, local frame

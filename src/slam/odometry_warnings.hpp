@@ -7,7 +7,8 @@
 
 namespace loopstone {
 
-/// What the user should know of the odometry of a run, in plain words; times count from the first scan.
+/// What the user should know of the odometry of a run, in plain words; times count from the first
+/// scan.
 [[nodiscard]] std::vector<std::string> odometry_warnings(const MapResult& result);
 
 }  // namespace loopstone

@@ -19,7 +19,8 @@ constexpr double kHarmlessRad = 0.04;
 constexpr double kAgreesChi2 = 11.345;
 /// A second closure must tell the correction from none by three standard deviations.
 constexpr double kNoticesChi2 = 9.0;
-/// What the path between the closures' ends adds: standard deviations at rest and a metre of travel.
+/// What the path between the closures' ends adds: standard deviations at rest and a metre of
+/// travel.
 constexpr double kPathRestM = 0.05;
 constexpr double kPathM = 0.01;
 constexpr double kPathRestRad = 0.01;
@@ -37,15 +38,16 @@ double travel_between(const MapSoFar& map, NodeId a, NodeId b) {
                   map.travelled_m[static_cast<std::size_t>(b.index)]);
 }
 
-/// By how much the map would have to move `to`, axes of `from` (as the closure's covariance has it).
+/// By how much the map would have to move `to`, axes of `from` (as the closure's covariance has
+/// it).
 Eigen::Vector3d correction_of(const LoopClosure& closure, const MapSoFar& map) {
   const Pose2 now = present(map, closure.from, closure.to);
   const Pose2& measured = closure.from_T_to;
   return {measured.x - now.x, measured.y - now.y, wrap_angle(measured.yaw - now.yaw)};
 }
 
-/// The part of the correction that the closure insists on. Directions that it does not hold fade out, compared with a harmless
-/// correction.
+/// The part of the correction that the closure insists on. Directions that it does not hold fade
+/// out, compared with a harmless correction.
 Eigen::Vector3d pull_of(const LoopClosure& closure, const MapSoFar& map) {
   const Eigen::Vector3d harmless(kHarmlessM * kHarmlessM, kHarmlessM * kHarmlessM,
                                  kHarmlessRad * kHarmlessRad);
@@ -70,8 +72,9 @@ double chi2(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   return error.dot(covariance.ldlt().solve(error));
 }
 
-/// Neighbours along the path hold scans of each other: what deceives the one deceives the other. Closures between submaps of
-/// which both pairs are neighbours are hardly two, and must each be this good.
+/// Neighbours along the path hold scans of each other: what deceives the one deceives the other.
+/// Closures between submaps of which both pairs are neighbours are hardly two, and must each be
+/// this good.
 constexpr double kSharedOverlap = 0.75;
 constexpr double kSharedAgreement = 0.85;
 

@@ -13,8 +13,8 @@ namespace loopstone {
 
 namespace {
 
-/// Least sum of the edges' variances from one node to another [m^2], leaving out the edges that join the two themselves along
-/// the path. Infinite when nothing else leads there.
+/// Least sum of the edges' variances from one node to another [m^2], leaving out the edges that
+/// join the two themselves along the path. Infinite when nothing else leads there.
 double variance_between(const PoseGraph& graph, int from, int to) {
   std::vector<std::vector<std::pair<int, double>>> neighbours(graph.poses.size());
   for (const RelativePoseEdge& edge : graph.edges) {

@@ -1,5 +1,5 @@
-// Whether what comes from a file hangs together: every index lies inside what it points into. A run that goes on from a state
-// where one does not would read what is not there.
+// Whether what comes from a file hangs together: every index lies inside what it points into. A run
+// that goes on from a state where one does not would read what is not there.
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,8 @@
 
 namespace loopstone {
 
-/// Closures that disagree by more standard deviations than this pull less than in proportion (Huber).
+/// Closures that disagree by more standard deviations than this pull less than in proportion
+/// (Huber).
 inline constexpr double kClosureHuberWidth = 1.5;
 
 /// How graphs with closures are solved.
@@ -24,16 +25,17 @@ inline constexpr double kClosureHuberWidth = 1.5;
 /// The motion when nothing measured it: as the last one, with little trust.
 [[nodiscard]] PoseWithCovariance2 guessed_motion(const Pose2& last_motion);
 
-/// No less uncertain than scans and wheels ever are: neighbouring points err alike, so their number does not average
-/// all noise away.
+/// No less uncertain than scans and wheels ever are: neighbouring points err alike, so their number
+/// does not average all noise away.
 [[nodiscard]] PoseWithCovariance2 with_floor(PoseWithCovariance2 motion);
 
-/// What a match is worth beside the motion that was expected: nothing (failed, or too far from it); or the match, along
-/// directions that the walls leave open as uncertain as the expectation.
+/// What a match is worth beside the motion that was expected: nothing (failed, or too far from it);
+/// or the match, along directions that the walls leave open as uncertain as the expectation.
 [[nodiscard]] std::optional<PoseWithCovariance2> believed(const MatchResult& match,
                                                           const PoseWithCovariance2& expected);
 
-/// From the covariance of (x, y, yaw) of from_T_to, axes of `from`, to the information of the edge's error, axes of `to`.
+/// From the covariance of (x, y, yaw) of from_T_to, axes of `from`, to the information of the
+/// edge's error, axes of `to`.
 [[nodiscard]] RelativePoseEdge edge_between(int from, int to, const PoseWithCovariance2& from_T_to,
                                             EdgeKind kind);
 

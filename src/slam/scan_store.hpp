@@ -11,8 +11,8 @@
 
 namespace loopstone {
 
-/// Mapped scans, in stretches as KeyChain has them: a stretch begins with the first scan of a submap.
-/// What share() handed out never changes.
+/// Mapped scans, in stretches as KeyChain has them: a stretch begins with the first scan of a
+/// submap. What share() handed out never changes.
 class ScanStore {
  public:
   void add(std::shared_ptr<const MappedScan> scan, bool starts_stretch) {

@@ -20,7 +20,8 @@ constexpr std::size_t kTold = 8;
 constexpr double kBriefS = 1.0;
 /// The same scan so often in a row, where no odometry tells whether the robot stood.
 constexpr std::int64_t kManyRepeats = 100;
-/// Wheels measured with a ruler are right to some per cent; recorded logs of calibrated robots lie within 4.
+/// Wheels measured with a ruler are right to some per cent; recorded logs of calibrated robots lie
+/// within 4.
 constexpr double kScaleOff = 0.06;
 /// A mount set by eye is right to a degree or two.
 constexpr double kMountOffRad = 3.0 / kDegrees;

@@ -28,8 +28,8 @@ constexpr int kProductsMax = 40;
 constexpr double kSharedNoise = 2.0;
 /// Points are stored to better than this.
 constexpr double kLeastSigmaM = 1e-4;
-/// Share of a key scan's own surfaces that the graph's factor takes in: enough to know which directions they hold, without
-/// holding together what moves together.
+/// Share of a key scan's own surfaces that the graph's factor takes in: enough to know which
+/// directions they hold, without holding together what moves together.
 constexpr double kOwnSurfaces = 0.1;
 
 using Blocks = std::vector<Eigen::Vector3d>;
@@ -69,7 +69,8 @@ class Adjustment {
   }
 
  private:
-  /// One Gauss-Newton step with patches found at the present poses. False when nothing is left to gain.
+  /// One Gauss-Newton step with patches found at the present poses. False when nothing is left to
+  /// gain.
   bool improve() {
     const auto keys = placed(state_.poses);
     const SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
@@ -100,7 +101,8 @@ class Adjustment {
     return solver_.factorise(matrix) && segments_->factorise(system, equations_.hessian());
   }
 
-  /// Preconditioned conjugate gradients: Saad 2003, "Iterative methods for sparse linear systems", algorithm 9.1.
+  /// Preconditioned conjugate gradients: Saad 2003, "Iterative methods for sparse linear systems",
+  /// algorithm 9.1.
   void find_step(SurfaceSystem& system) {
     for (std::size_t i = 0; i < step_.size(); ++i) {
       residual_[i] = -(equations_.gradient()[i] + system.gradient()[i]);

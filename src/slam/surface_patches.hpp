@@ -42,9 +42,9 @@ struct SurfacePatches {
   std::vector<PatchSight> sights;  ///< patch by patch, in the order of the key scans
 };
 
-/// Groups points that fall in one cell and face the same way (within 60 deg). Walls on a cell's border would fall apart into
-/// two halves that nothing holds together, so there are two grids, shifted by half a cell (Biber and Strasser 2003).
-/// The same for any number of threads.
+/// Groups points that fall in one cell and face the same way (within 60 deg). Walls on a cell's
+/// border would fall apart into two halves that nothing holds together, so there are two grids,
+/// shifted by half a cell (Biber and Strasser 2003). The same for any number of threads.
 [[nodiscard]] SurfacePatches find_patches(std::span<const PlacedKey> map_T_key,
                                           std::span<const std::vector<SurfacePoint>> surfaces,
                                           double patch_m, Threads threads = {});

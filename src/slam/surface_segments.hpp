@@ -12,15 +12,17 @@
 
 namespace loopstone {
 
-/// The adjustment as seen from afar: stretches of consecutive key scans that move as rigid bodies. The slow waves of a map,
-/// which conjugate gradients find last, are exactly those; so they are solved for directly (two-level preconditioner:
-/// Toselli and Widlund 2005, "Domain decomposition methods", chapter 2).
+/// The adjustment as seen from afar: stretches of consecutive key scans that move as rigid bodies.
+/// The slow waves of a map, which conjugate gradients find last, are exactly those; so they are
+/// solved for directly (two-level preconditioner: Toselli and Widlund 2005, "Domain decomposition
+/// methods", chapter 2).
 class SurfaceSegments {
  public:
   /// \param places  of each key scan in vectors, -1 where it is held
   SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places);
 
-  /// Factorises what the surfaces and the graph say of the segments' motions. False when that is not positive definite.
+  /// Factorises what the surfaces and the graph say of the segments' motions. False when that is
+  /// not positive definite.
   [[nodiscard]] bool factorise(const SurfaceSystem& surfaces, const BlockMatrix& graph);
 
   /// z += P (P^T S P)^-1 P^T r with P from segments' motions to those of key scans.

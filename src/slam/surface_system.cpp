@@ -28,7 +28,8 @@ struct Line {
   double c = 0.0;
 };
 
-/// A sight beside its patch: how far off along the normal, where along it, and how the distance grows with yaw.
+/// A sight beside its patch: how far off along the normal, where along it, and how the distance
+/// grows with yaw.
 struct Offset {
   double distance;
   double along;

@@ -10,14 +10,16 @@
 
 namespace loopstone {
 
-/// The part of the normal equations that patches add, with each patch's own offset and slope eliminated:
+/// The part of the normal equations that patches add, with each patch's own offset and slope
+/// eliminated:
 ///
-///   y = (A - B C^-1 B^T) x,    A = sum w J^T J,   B = sum w J^T (1, t),   C = sum w (1, t)^T (1, t)
+///   y = (A - B C^-1 B^T) x, A = sum w J^T J, B = sum w J^T (1, t), C = sum w (1, t)^T (1, t)
 ///
 /// It couples all key scans that see a patch, so it is never formed, only multiplied with.
 class SurfaceSystem {
  public:
-  /// A sight at the present poses: its distance from the patch depends on its pose as (n, turn) * step.
+  /// A sight at the present poses: its distance from the patch depends on its pose as (n, turn) *
+  /// step.
   struct Row {
     int place = -1;
     float turn = 0.0F;    ///< d residual / d yaw

@@ -1,6 +1,7 @@
-// Lets every fuzz target stand an attack: `fuzz_carmen --attack SECONDS MEGABYTES` reads inputs from standard input (four bytes
-// of length, little-endian, then the bytes) and tries each in a process of its own that may use so much processor time and
-// memory. One line an input tells how it went: `ok MS KB`, or `fault MS KB WHAT`. tests/attack/attack.py is the other end.
+// Lets every fuzz target stand an attack: `fuzz_carmen --attack SECONDS MEGABYTES` reads inputs
+// from standard input (four bytes of length, little-endian, then the bytes) and tries each in a
+// process of its own that may use so much processor time and memory. One line an input tells how it
+// went: `ok MS KB`, or `fault MS KB WHAT`. tests/attack/attack.py is the other end.
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -120,7 +121,8 @@ void judge(const std::vector<std::uint8_t>& input, const Limits& limits, int err
 }
 
 int serve(const Limits& limits) {
-  // What a target makes once and keeps is made before the first child, so that not each makes it anew.
+  // What a target makes once and keeps is made before the first child, so that not each makes it
+  // anew.
   const std::uint8_t nothing = 0;
   LLVMFuzzerTestOneInput(&nothing, 1);
   char name[] = "/tmp/attack-XXXXXX";

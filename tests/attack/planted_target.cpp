@@ -1,4 +1,5 @@
-// A target with every fault that an attack must find, each under its own word: what the attack's own test attacks.
+// A target with every fault that an attack must find, each under its own word: what the attack's
+// own test attacks.
 
 #include <cstddef>
 #include <cstdint>

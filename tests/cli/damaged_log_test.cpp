@@ -1,4 +1,5 @@
-// What commands say of logs that hardly hold one, that come through a pipe, or that want to speak to the terminal themselves.
+// What commands say of logs that hardly hold one, that come through a pipe, or that want to speak
+// to the terminal themselves.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// simulate, info, convert and odometry, one after the other on the same small log, and each with bad input.
+// simulate, info, convert and odometry, one after the other on the same small log, and each with
+// bad input.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

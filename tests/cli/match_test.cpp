@@ -95,7 +95,8 @@ TEST_F(MatchCommand, EveryMethodFindsTheMotion) {
   }
 }
 
-/// Bare points do not say which side of a wall is free, so ICP's guess must be nearer than the wall is thick.
+/// Bare points do not say which side of a wall is free, so ICP's guess must be nearer than the wall
+/// is thick.
 TEST_F(MatchCommand, EveryMethodFindsThePlaceOnAMap) {
   const Pose2 right = truth(40);
   const auto guess = [&](double off) {
@@ -196,8 +197,8 @@ TEST_F(MatchCommand, BadUsageIsOneLineThatSaysWhatToDo) {
   expect({scan(0), map_, "--require", "converge"}, 2, "must read like");
 }
 
-/// Three sides of a box and a ramp, in space: nothing in it is symmetric. At random, for a lattice fits onto itself in many
-/// ways.
+/// Three sides of a box and a ramp, in space: nothing in it is symmetric. At random, for a lattice
+/// fits onto itself in many ways.
 PointCloud furniture() {
   PointCloud cloud;
   Rng rng(5);

@@ -10,7 +10,8 @@
 
 namespace loopstone::test {
 
-/// A few seconds in a simulated office: its log, its true map and the truth of every scan. Made once for all tests of a suite.
+/// A few seconds in a simulated office: its log, its true map and the truth of every scan. Made
+/// once for all tests of a suite.
 class OfficeCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -1,4 +1,5 @@
-// What commands write: nothing that is read, nothing that is there already, nothing half done that looks whole.
+// What commands write: nothing that is read, nothing that is there already, nothing half done that
+// looks whole.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

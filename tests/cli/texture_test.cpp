@@ -34,7 +34,8 @@ std::string lens_toml(const char* table, const LensModel& lens) {
       lens.centre_y_px);
 }
 
-/// A few seconds in a simulated office with small pictures, so that it is fast. Made once for all tests.
+/// A few seconds in a simulated office with small pictures, so that it is fast. Made once for all
+/// tests.
 class TextureCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {

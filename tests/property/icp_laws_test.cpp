@@ -171,7 +171,8 @@ TEST(IcpLaws, SpaceAgreesWithThePlaneOnWalls) {
         match_icp(source, make_icp_cloud<2>(target, {.patches = planar}), {}, with_metric(metric));
     const MatchResult3 in_space =
         match_icp(extruded(source), make_icp_cloud<3>(extruded(target)), {}, with_metric(metric));
-    // Normals come from other neighbours, so they differ at corners. What walls can't tell, the height, stays.
+    // Normals come from other neighbours, so they differ at corners. What walls can't tell, the
+    // height, stays.
     EXPECT_TRUE(pose_near(in_space.target_T_source, Pose3::from_pose2(in_plane.target_T_source),
                           5e-3, 2e-3))
         << metric;
@@ -222,7 +223,8 @@ TEST(IcpLaws, TheCovarianceTellsTheErrors) {
 }
 
 TEST(IcpLaws, AWrongMinimumIsNotCalledConverged) {
-  // Started anywhere, ICP ends anywhere; nearly all ends that are wrong must be called so, and those that are right good.
+  // Started anywhere, ICP ends anywhere; nearly all ends that are wrong must be called so, and
+  // those that are right good.
   Rng rng(86);
   const auto target = make_icp_cloud<2>(room_seen_from(kWorld_T_target, 0.01, &rng));
   const Planar source = room_seen_from(kWorld_T_target * kTruth, 0.01, &rng);

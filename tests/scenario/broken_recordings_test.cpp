@@ -1,5 +1,6 @@
-// Recordings that are broken in the middle: the map may be worse for it, but the run says what broke, when, and whose fault it
-// is as far as the data tell; and it is not called good where it isn't.
+// Recordings that are broken in the middle: the map may be worse for it, but the run says what
+// broke, when, and whose fault it is as far as the data tell; and it is not called good where it
+// isn't.
 
 #include <gtest/gtest.h>
 
@@ -184,7 +185,8 @@ TEST(BrokenRecording, TwoBuildingsInOneFileAreTwoPieces) {
   EXPECT_TRUE(result.odometry_episodes.empty());
 }
 
-/// The robot is lifted at one time and set down where it will be at another; odometry does not notice.
+/// The robot is lifted at one time and set down where it will be at another; odometry does not
+/// notice.
 SimulatedLog carried(double from_s, double to_s) {
   SimulatedLog log = office();
   const Stamp start = log.truth.front().stamp;

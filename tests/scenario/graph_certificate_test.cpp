@@ -17,7 +17,8 @@ struct Benchmark {
   double chi2;
 };
 
-/// Public benchmark graphs from their edges alone: the certified optimum, and the solution that it leads to.
+/// Public benchmark graphs from their edges alone: the certified optimum, and the solution that it
+/// leads to.
 class CertifiedOptimum : public ::testing::TestWithParam<Benchmark> {};
 
 TEST_P(CertifiedOptimum, IsReachedAndProven) {

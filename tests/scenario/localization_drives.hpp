@@ -11,7 +11,8 @@
 #include "loopstone/localization/localizer.hpp"
 #include "support/test_scale.hpp"
 
-// Simulated drives, as bench/localization.py has them, and what a localizer said on the way beside the truth.
+// Simulated drives, as bench/localization.py has them, and what a localizer said on the way beside
+// the truth.
 namespace loopstone::test {
 
 using bench::error_of;

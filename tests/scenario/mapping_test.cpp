@@ -1,4 +1,5 @@
-// The whole pipeline on simulated worlds, whose truth is known, and on recorded logs, whose relations are.
+// The whole pipeline on simulated worlds, whose truth is known, and on recorded logs, whose
+// relations are.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,8 @@
 namespace loopstone::test {
 namespace {
 
-/// Accepted closures that are off by more than 0.3 m or 6 deg in a direction that they claim to know.
+/// Accepted closures that are off by more than 0.3 m or 6 deg in a direction that they claim to
+/// know.
 int false_closures(const MapResult& result, const SimulatedLog& log) {
   int wrong = 0;
   for (const LoopClosure& closure : result.loop_closures) {

@@ -1,4 +1,5 @@
-// Recorded clouds in space: partial views of objects against their models, pairs of scans with their true transforms.
+// Recorded clouds in space: partial views of objects against their models, pairs of scans with
+// their true transforms.
 
 #include <gtest/gtest.h>
 
@@ -23,8 +24,9 @@ Pose3 random_motion(Rng& rng) {
   return {{rng.normal(), rng.normal(), rng.normal()}, Eigen::Quaterniond(q).normalized()};
 }
 
-/// All four views, as they are and turned at random, are laid on the model at least as well as by the best of four peers, each
-/// from 36 headings: rmse from every observed point to the nearest model point.
+/// All four views, as they are and turned at random, are laid on the model at least as well as by
+/// the best of four peers, each from 36 headings: rmse from every observed point to the nearest
+/// model point.
 void expect_to_fit(const std::string& object, const std::array<double, 4>& reference_m) {
   const std::string folder = recorded_data("ucsd/icp_warm_up/" + object);
   if (folder.empty()) {

@@ -1,5 +1,6 @@
-// A robot that was recorded in Wean Hall, on a map of it, from anywhere. No truth is known, but odometry is good over a few
-// metres: a place that was TRACKING must not be contradicted by the next one.
+// A robot that was recorded in Wean Hall, on a map of it, from anywhere. No truth is known, but
+// odometry is good over a few metres: a place that was TRACKING must not be contradicted by the
+// next one.
 
 #include <gtest/gtest.h>
 

@@ -58,8 +58,9 @@ TEST(RecordedOdometry, UcsdSetsEndWhereOthersEnd) {
   const std::string folder = recorded_data("ucsd/sensors");
   if (folder.empty())
     GTEST_SKIP() << "ucsd/sensors is not among the recorded data; set LOOPSTONE_DATA";
-  // Others integrated the raw gyro. The last poses of others_results/*/odometry_{20,21}_imu.npz; the wheels stand by then,
-  // so it does not matter that their last stamp is the gyro's and ours the encoders'.
+  // Others integrated the raw gyro. The last poses of others_results/*/odometry_{20,21}_imu.npz;
+  // the wheels stand by then, so it does not matter that their last stamp is the gyro's and ours
+  // the encoders'.
   struct Case {
     const char* set;
     Pose2 others;

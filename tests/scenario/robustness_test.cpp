@@ -1,4 +1,5 @@
-// What goes wrong on robots, on simulated worlds whose truth is known: the map stays right, and the run says what it was.
+// What goes wrong on robots, on simulated worlds whose truth is known: the map stays right, and the
+// run says what it was.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,8 @@
 namespace loopstone::test {
 namespace {
 
-/// 180 beams and the base's own dead reckoning, as old logs have them; or all beams, counts and gyro.
+/// 180 beams and the base's own dead reckoning, as old logs have them; or all beams, counts and
+/// gyro.
 SimulatedLog office_with(const SimulatedFaults& faults, bool poses = true, int people = 0) {
   SimulationOptions options{
       .duration_s = small_scale() ? 60.0 : 150.0, .people = people, .odometry_poses = poses};

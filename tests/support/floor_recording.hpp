@@ -23,7 +23,8 @@ namespace loopstone::test {
 
 inline Stamp at_s(double seconds) { return Stamp::from_seconds(seconds); }
 
-/// Frames along a drive, rendered when they are loaded; a frame's paths hold nothing but their being there.
+/// Frames along a drive, rendered when they are loaded; a frame's paths hold nothing but their
+/// being there.
 struct Recording {
   FloorScene scene{wavy_floor};
   CameraModel truth = small_camera();

@@ -10,7 +10,8 @@
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/geometry/pose3.hpp"
 
-// Generators for laws: each covers the cases where formulas change branch, and the ordinary ones between.
+// Generators for laws: each covers the cases where formulas change branch, and the ordinary ones
+// between.
 namespace loopstone::test {
 
 /// In [low, high], both ends included; shrinks towards low.
@@ -20,7 +21,8 @@ namespace loopstone::test {
                       [=](int step) { return low + (high - low) * step / kSteps; });
 }
 
-/// Angles in (-pi, pi]: zero, tiny, close to the switches of series expansions, pi, almost +-pi, and any.
+/// Angles in (-pi, pi]: zero, tiny, close to the switches of series expansions, pi, almost +-pi,
+/// and any.
 [[nodiscard]] inline rc::Gen<double> any_angle() {
   return rc::gen::oneOf(rc::gen::element(0.0, 1e-12, -1e-9, 1e-5, -9.9e-5, 1.01e-4, 1e-3, -1.1e-3,
                                          kPi, kPi - 1e-9, -kPi + 1e-9, 0.5 * kPi, -0.5 * kPi),

@@ -27,8 +27,9 @@ struct ManhattanOptions {
   double closure_share = 0.5;  ///< how often a revisited place is recognised
 };
 
-/// A robot that drives one metre a step through the streets of a square city and turns by 90 degrees at random at
-/// crossings; loop closures where it comes within 1.5 m of where it was at least 10 steps before.
+/// A robot that drives one metre a step through the streets of a square city and turns by 90
+/// degrees at random at crossings; loop closures where it comes within 1.5 m of where it was at
+/// least 10 steps before.
 inline SimulatedGraph manhattan_graph(const ManhattanOptions& options, Rng rng) {
   constexpr int kBlockM = 5;
   SimulatedGraph result;

@@ -6,8 +6,8 @@
 
 namespace loopstone::test {
 
-/// Where a file of the recorded data lies: under LOOPSTONE_DATA, else ../shared/data beside the project.
-/// Empty when it is not there; then the test says so and is skipped.
+/// Where a file of the recorded data lies: under LOOPSTONE_DATA, else ../shared/data beside the
+/// project. Empty when it is not there; then the test says so and is skipped.
 [[nodiscard]] inline std::string recorded_data(const std::string& name) {
   const char* set = std::getenv("LOOPSTONE_DATA");
   const std::filesystem::path root =

@@ -71,8 +71,8 @@ inline CameraModel small_camera() {
   return camera;
 }
 
-/// The slow and plain way to a frame: each pixel's rays one by one, straight from project's inverse. Depth numbers are
-/// rounded to whole steps when `quantised`.
+/// The slow and plain way to a frame: each pixel's rays one by one, straight from project's
+/// inverse. Depth numbers are rounded to whole steps when `quantised`.
 /// \param samples  rays a pixel in each direction, for colour
 inline RgbdImages render(const FloorScene& scene, const CameraModel& camera,
                          const Pose2& map_T_robot_depth, const Pose2& map_T_robot_colour,

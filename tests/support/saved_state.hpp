@@ -7,7 +7,8 @@
 
 namespace loopstone::test {
 
-/// An object's state as bytes: two objects with the same bytes can't be told apart by what they do next.
+/// An object's state as bytes: two objects with the same bytes can't be told apart by what they do
+/// next.
 template <typename... Objects>
 [[nodiscard]] std::string state_of(const Objects&... objects) {
   ByteWriter writer;

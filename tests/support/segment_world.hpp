@@ -8,8 +8,8 @@
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
 
-// A place made of straight walls, and a laser in it: as small and as slow as can be, so that it can be trusted. Tests of the
-// core use it where the simulator would be more than they need.
+// A place made of straight walls, and a laser in it: as small and as slow as can be, so that it can
+// be trusted. Tests of the core use it where the simulator would be more than they need.
 namespace loopstone::test {
 
 struct Wall {
@@ -25,7 +25,8 @@ using Walls = std::vector<Wall>;
 /// The same walls, moved.
 [[nodiscard]] Walls moved(const Pose2& world_T_place, const Walls& place);
 
-/// A room of 8 m x 6 m, lower left corner at the origin, with a cabinet, a pillar and a niche: nothing in it is symmetric.
+/// A room of 8 m x 6 m, lower left corner at the origin, with a cabinet, a pillar and a niche:
+/// nothing in it is symmetric.
 [[nodiscard]] Walls furnished_room();
 
 /// Distance to the first wall along a ray; +inf when there is none. `direction` has unit length.
@@ -44,14 +45,14 @@ struct Scanner {
   double noise_m = 0.0;  ///< standard deviation
 };
 
-/// What the scanner sees from a pose; the robot moves on at `velocity` (its own frame) during the sweep when the scanner has
-/// a time increment. `rng` is needed when there is noise.
+/// What the scanner sees from a pose; the robot moves on at `velocity` (its own frame) during the
+/// sweep when the scanner has a time increment. `rng` is needed when there is noise.
 [[nodiscard]] LaserScan scan_from(const Walls& walls, const Pose2& world_T_robot,
                                   const Pose2& robot_T_lidar, const Scanner& scanner,
                                   Rng* rng = nullptr, const Tangent2& velocity = Tangent2::Zero());
 
-/// Poses of a robot that drives through the points: straight from one to the next in steps of step_m, turning on the spot in
-/// steps of step_rad. Faces the second point at the start.
+/// Poses of a robot that drives through the points: straight from one to the next in steps of
+/// step_m, turning on the spot in steps of step_rad. Faces the second point at the start.
 [[nodiscard]] std::vector<Pose2> drive_through(const std::vector<Eigen::Vector2d>& points,
                                                double step_m, double step_rad);
 

@@ -21,8 +21,8 @@
 
 namespace loopstone {
 
-// The state of an object as bytes: ByteWriter takes it down, ByteReader puts it back. A class names its fields once, for both
-// directions, so that they can't diverge:
+// The state of an object as bytes: ByteWriter takes it down, ByteReader puts it back. A class names
+// its fields once, for both directions, so that they can't diverge:
 //
 //   class Counter {
 //    public:
@@ -32,10 +32,12 @@ namespace loopstone {
 //       a.check(count_ >= 0, "a negative count");  // when reading: else the bytes are refused
 //     }
 //
-// What is fixed by how an object was made (its options) and what can be computed again (caches) is left out.
+// What is fixed by how an object was made (its options) and what can be computed again (caches) is
+// left out.
 //
-// Numbers are little-endian and as wide as their type; a bool is one byte, 0 or 1. Lists, sets, maps and text begin with their count in
-// 64 bits, optional values with a bool. Matrices go column by column.
+// Numbers are little-endian and as wide as their type; a bool is one byte, 0 or 1. Lists, sets,
+// maps and text begin with their count in 64 bits, optional values with a bool. Matrices go column
+// by column.
 
 /// Whether runs of these can be copied as they are.
 template <typename T>
@@ -72,7 +74,8 @@ class ByteWriter {
       if constexpr (std::endian::native == std::endian::big) std::ranges::reverse(bytes);
       bytes_.append(bytes.data(), bytes.size());
     } else {
-      // One field list serves both directions, so it can't be const; nothing is written to while saving.
+      // One field list serves both directions, so it can't be const; nothing is written to while
+      // saving.
       const_cast<T&>(value).archive(*this);
     }
   }
@@ -133,7 +136,8 @@ class ByteWriter {
   std::string bytes_{};
 };
 
-/// Puts state back. No length is trusted: no more is ever set up than there are bytes left to fill it from.
+/// Puts state back. No length is trusted: no more is ever set up than there are bytes left to fill
+/// it from.
 /// Throws DataError with the offset at which the bytes end too early or say what cannot be.
 class ByteReader {
  public:

@@ -30,13 +30,15 @@ class DataError : public std::runtime_error {
   Location location_;
 };
 
-/// Bad usage or options: the caller asked for something that makes no sense. The program exits with 2.
+/// Bad usage or options: the caller asked for something that makes no sense. The program exits with
+/// 2.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Something in a file that was skipped, with the reason; what a reader hands to its problem callback.
+/// Something in a file that was skipped, with the reason; what a reader hands to its problem
+/// callback.
 struct Problem {
   Location location;
   std::string reason;

@@ -17,8 +17,8 @@ namespace loopstone {
   return light <= 0.0031308 ? light * 12.92 : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
 }
 
-/// Linear light of each 8-bit sRGB value, 0 to 65535. Colours are averaged in light, not in sRGB: the mean of black and
-/// white is what an eye sees from afar.
+/// Linear light of each 8-bit sRGB value, 0 to 65535. Colours are averaged in light, not in sRGB:
+/// the mean of black and white is what an eye sees from afar.
 [[nodiscard]] inline std::array<std::uint16_t, 256> linear_light_table() {
   std::array<std::uint16_t, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {

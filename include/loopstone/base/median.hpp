@@ -9,7 +9,8 @@ namespace loopstone {
 /// Standard deviation = this times the median of the absolute values, for normal noise.
 inline constexpr double kSigmaPerMedian = 1.4826;
 
-/// The middle value, of an even number the upper one; 0 for none. Reorders the values. Cost: O(values).
+/// The middle value, of an even number the upper one; 0 for none. Reorders the values. Cost:
+/// O(values).
 template <typename Value>
 [[nodiscard]] Value median_of(std::vector<Value>& values) {
   if (values.empty()) return Value{};

@@ -10,16 +10,17 @@
 
 namespace loopstone {
 
-/// How many bytes of memory a byte of an honest file may become. Packed files can make far more; what is beyond these is
-/// taken for a trap, or at least worth a question.
+/// How many bytes of memory a byte of an honest file may become. Packed files can make far more;
+/// what is beyond these is taken for a trap, or at least worth a question.
 enum class Growth : std::uint64_t {
   kNumbers = 256,   ///< arrays and clouds: packed small integers that become doubles
   kPicture = 2048,  ///< pictures: Deflate makes a thousand bytes of one where nothing changes
   kMap = 8192,      ///< maps with what is computed for each of their cells
 };
 
-/// How much memory what one file holds may take: 128 MiB for any file, beyond that so many times its size, and never more than the
-/// ceiling. Readers ask before they allocate. A value: it travels as an argument.
+/// How much memory what one file holds may take: 128 MiB for any file, beyond that so many times
+/// its size, and never more than the ceiling. Readers ask before they allocate. A value: it travels
+/// as an argument.
 struct MemoryBudget {
   /// Any file may take so much.
   static constexpr std::uint64_t kSmall = std::uint64_t{1} << 27;
@@ -34,7 +35,8 @@ struct MemoryBudget {
   [[nodiscard]] std::uint64_t allowed_bytes(std::uint64_t file_bytes, Growth growth) const;
   /// The largest text whose tables fit.
   [[nodiscard]] std::size_t most_text_bytes() const { return ceiling_bytes / kTextGrowth; }
-  /// Throws DataError at `where` when that many bytes are more than the file may take; it says how to allow them.
+  /// Throws DataError at `where` when that many bytes are more than the file may take; it says how
+  /// to allow them.
   void require(std::uint64_t needed_bytes, std::uint64_t file_bytes, Growth growth,
                const Location& where) const;
 };

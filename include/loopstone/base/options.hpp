@@ -31,8 +31,9 @@ struct OneOf {
 //     visit("max_iterations", options.max_iterations, Range{1, 1000}, "stop after so many steps");
 //   }
 //
-// Fields are bool (no rule argument: visit(name, field, help)), int, double (Range) or std::string (OneOf).
-// The struct's initialisers are the only place where defaults stand; files, flags, help texts and the written
-// options.toml all go through visit_options. Nested groups call visit.group("icp", options.icp).
+// Fields are bool (no rule argument: visit(name, field, help)), int, double (Range) or std::string
+// (OneOf). The struct's initialisers are the only place where defaults stand; files, flags, help
+// texts and the written options.toml all go through visit_options. Nested groups call
+// visit.group("icp", options.icp).
 
 }  // namespace loopstone

@@ -4,9 +4,9 @@
 
 namespace loopstone {
 
-/// A small deterministic random generator: the same seed gives the same numbers with every compiler and
-/// standard library (the distributions of <random> do not).
-/// Satisfies UniformRandomBitGenerator. Source: Blackman and Vigna 2018, xoshiro256**, seeded by splitmix64.
+/// A small deterministic random generator: the same seed gives the same numbers with every compiler
+/// and standard library (the distributions of <random> do not). Satisfies
+/// UniformRandomBitGenerator. Source: Blackman and Vigna 2018, xoshiro256**, seeded by splitmix64.
 class Rng {
  public:
   using result_type = std::uint64_t;

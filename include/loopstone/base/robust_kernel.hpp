@@ -22,17 +22,19 @@ inline constexpr std::array<std::pair<std::string_view, RobustKernel>, 6> kRobus
 /// The kernel of that name. Throws UsageError for another one.
 [[nodiscard]] RobustKernel robust_kernel_from(std::string_view name);
 
-/// What a kernel makes of a chi2: the cost rho(chi2) and the weight rho'(chi2) of the residual in the normal equations.
+/// What a kernel makes of a chi2: the cost rho(chi2) and the weight rho'(chi2) of the residual in
+/// the normal equations.
 struct RobustValue {
   double cost = 0.0;
   double weight = 1.0;
 };
 
-/// A kernel of the given width, in the residual's units: residuals within `width` count (nearly) in full. The weight
-/// depends on sqrt(chi2) / width alone, so it stays when residual and width scale together; rho(s) ~ s near zero.
-/// Beyond the width Tukey's weight is 0: such residuals say nothing at all.
-/// Source: Zhang 1997, "Parameter estimation techniques", table 1, with chi2 in place of x^2; DCS: Agarwal et al. 2013,
-/// "Robust map optimization using dynamic covariance scaling", in closed form.
+/// A kernel of the given width, in the residual's units: residuals within `width` count (nearly) in
+/// full. The weight depends on sqrt(chi2) / width alone, so it stays when residual and width scale
+/// together; rho(s) ~ s near zero. Beyond the width Tukey's weight is 0: such residuals say nothing
+/// at all.
+/// Source: Zhang 1997, "Parameter estimation techniques", table 1, with chi2 in place of x^2; DCS:
+/// Agarwal et al. 2013, "Robust map optimization using dynamic covariance scaling", in closed form.
 [[nodiscard]] inline RobustValue evaluate(RobustKernel kernel, double width, double chi2) {
   const double width2 = width * width;
   const double ratio = chi2 / width2;

@@ -17,13 +17,13 @@ struct Duration {
   friend constexpr auto operator<=>(const Duration&, const Duration&) = default;
 };
 
-/// A moment on the recording's own clock: nanoseconds since that clock's zero (often the Unix epoch).
-/// A strong type, so that a stamp is never taken for a number of seconds.
+/// A moment on the recording's own clock: nanoseconds since that clock's zero (often the Unix
+/// epoch). A strong type, so that a stamp is never taken for a number of seconds.
 struct Stamp {
   std::int64_t nanoseconds = 0;
 
-  /// Rounded to the nearest nanosecond. A double holds about 0.2 us at today's Unix times, so parsers
-  /// that need every digit build the integer themselves.
+  /// Rounded to the nearest nanosecond. A double holds about 0.2 us at today's Unix times, so
+  /// parsers that need every digit build the integer themselves.
   [[nodiscard]] static Stamp from_seconds(double seconds) {
     return {static_cast<std::int64_t>(std::llround(seconds * 1e9))};
   }

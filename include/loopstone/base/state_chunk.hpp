@@ -30,8 +30,8 @@ template <typename Object>
   return {.tag = std::move(tag), .version = version, .bytes = writer.take()};
 }
 
-/// Puts an object's fields back. Throws DataError when there is no such chunk, when it is of another version, or damaged; the
-/// object is of no use then.
+/// Puts an object's fields back. Throws DataError when there is no such chunk, when it is of
+/// another version, or damaged; the object is of no use then.
 template <typename Object>
 void load_chunk(std::span<const StateChunk> chunks, std::string_view tag, std::uint16_t version,
                 Object& object) {

@@ -7,7 +7,8 @@
 
 namespace loopstone {
 
-/// Values spread evenly over the range so that no more than `count` are left; all of them when there are no more.
+/// Values spread evenly over the range so that no more than `count` are left; all of them when
+/// there are no more.
 template <std::ranges::random_access_range Values>
 [[nodiscard]] std::vector<std::ranges::range_value_t<Values>> thinned(const Values& values,
                                                                       std::size_t count) {

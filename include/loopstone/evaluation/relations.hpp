@@ -9,7 +9,8 @@
 
 namespace loopstone {
 
-/// What is known of the motion between two moments: the pose of the robot at `to`, seen from its pose at `from`.
+/// What is known of the motion between two moments: the pose of the robot at `to`, seen from its
+/// pose at `from`.
 struct Relation {
   Stamp from;
   Stamp to;
@@ -18,7 +19,8 @@ struct Relation {
 
 /// The error's translation depends on the order of the product; its rotation does not.
 enum class RelationErrorOrder {
-  kMeasuredTimesInverseExpected,  ///< d * e^-1, as Cartographer's tool has it; the published figures
+  /// d * e^-1, as Cartographer's tool has it; the published figures
+  kMeasuredTimesInverseExpected,
   kInverseExpectedTimesMeasured,  ///< e^-1 * d, the difference as seen from the true pose at `to`
 };
 
@@ -33,8 +35,9 @@ struct RelationsError {
   std::vector<Relation> missing{};      ///< relations outside the trajectory's time
 };
 
-/// How well a trajectory keeps the motions that are known to be true. A pose with the relation's very stamp (to 0.1 ms) is
-/// taken where there is one, an interpolated one otherwise; stamps outside the trajectory are missing, never clamped.
+/// How well a trajectory keeps the motions that are known to be true. A pose with the relation's
+/// very stamp (to 0.1 ms) is taken where there is one, an interpolated one otherwise; stamps
+/// outside the trajectory are missing, never clamped.
 /// Source: Kuemmerle et al. 2009, "On measuring the accuracy of SLAM algorithms", equations 3 to 5.
 /// Cost: O(relations * log(poses)).
 [[nodiscard]] RelationsError relations_error(

@@ -30,15 +30,17 @@ struct AbsoluteError {
   std::int64_t poses_missing = 0;  ///< reference poses outside the estimate's time
 };
 
-/// The rigid motion that brings the points of `estimate` nearest to those of `reference`, pair by pair, in the sense of
-/// least squares: reference_T_estimate. Where the points do not tell the rotation (all in one place), the headings do.
+/// The rigid motion that brings the points of `estimate` nearest to those of `reference`, pair by
+/// pair, in the sense of least squares: reference_T_estimate. Where the points do not tell the
+/// rotation (all in one place), the headings do.
 /// Source: Umeyama 1991, without scale, which in the plane is an atan2.
 /// Both must have the same size.
 [[nodiscard]] Pose2 align_trajectories(const std::vector<Pose2>& estimate,
                                        const std::vector<Pose2>& reference);
 
-/// How far the estimate is from the reference at the reference's stamps (the estimate interpolated along arcs), after the
-/// alignment. Reference stamps outside the estimate's time are counted as missing, never clamped.
+/// How far the estimate is from the reference at the reference's stamps (the estimate interpolated
+/// along arcs), after the alignment. Reference stamps outside the estimate's time are counted as
+/// missing, never clamped.
 /// Source: Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems", section IV.B.
 [[nodiscard]] AbsoluteError absolute_error(const Trajectory& estimate, const Trajectory& reference,
                                            Alignment alignment);
@@ -53,9 +55,10 @@ struct RelativeError {
   std::int64_t pairs = 0;
 };
 
-/// How much the motion over a stretch differs: of (reference_i^-1 reference_j)^-1 (estimate_i^-1 estimate_j), for every
-/// reference pose i and the first j that is `delta` frames, metres of reference path or seconds later. Independent of
-/// any alignment. Source: Sturm et al. 2012, section IV.A.
+/// How much the motion over a stretch differs: of (reference_i^-1 reference_j)^-1 (estimate_i^-1
+/// estimate_j), for every reference pose i and the first j that is `delta` frames, metres of
+/// reference path or seconds later. Independent of any alignment. Source: Sturm et al. 2012,
+/// section IV.A.
 [[nodiscard]] RelativeError relative_error(const Trajectory& estimate, const Trajectory& reference,
                                            double delta, Spacing spacing);
 

@@ -64,10 +64,12 @@ using Tangent2 = Eigen::Vector3d;
 /// Jacobian of a.inverse() with respect to a, coordinates (x, y, yaw).
 [[nodiscard]] Eigen::Matrix3d inverse_jacobian(const Pose2& a);
 
-/// Between two poses: ratio 0 gives `from`, 1 gives `to`; along the arc from.inverse() * to. Extrapolates.
+/// Between two poses: ratio 0 gives `from`, 1 gives `to`; along the arc from.inverse() * to.
+/// Extrapolates.
 [[nodiscard]] Pose2 interpolate(const Pose2& from, const Pose2& to, double ratio);
 
-/// A pose and how well it is known: covariance of (x, y, yaw) in the pose's parent frame [m^2, m rad, rad^2].
+/// A pose and how well it is known: covariance of (x, y, yaw) in the pose's parent frame [m^2, m
+/// rad, rad^2].
 struct PoseWithCovariance2 {
   Pose2 pose;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

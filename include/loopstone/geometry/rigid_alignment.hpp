@@ -18,12 +18,13 @@ struct RigidAlignment {
   Eigen::Matrix<double, kDimension, kDimension> rotation =
       Eigen::Matrix<double, kDimension, kDimension>::Identity();
   Eigen::Matrix<double, kDimension, 1> translation = Eigen::Matrix<double, kDimension, 1>::Zero();
-  /// False when the points leave a rotation open: all in one place, in 3D also all on a line, or no pairs.
-  /// The rotation is then one of the many best ones.
+  /// False when the points leave a rotation open: all in one place, in 3D also all on a line, or no
+  /// pairs. The rotation is then one of the many best ones.
   bool unique = false;
 };
 
-/// Closed form by the singular value decomposition of the cross-covariance; a reflection is never returned.
+/// Closed form by the singular value decomposition of the cross-covariance; a reflection is never
+/// returned.
 ///
 /// \param source,target  as many of one as of the other
 /// \param weights        one a pair, not negative; empty: all 1
@@ -62,7 +63,8 @@ template <int kDimension>
   if (reflected) signs(kDimension - 1) = -1.0;
   result.rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   result.translation = target_mean - result.rotation * source_mean;
-  // The best rotation is unique when the two smallest singular values, the last with its sign, do not cancel.
+  // The best rotation is unique when the two smallest singular values, the last with its sign, do
+  // not cancel.
   const auto& values = svd.singularValues();
   const double open = values(kDimension - 2) + signs(kDimension - 1) * values(kDimension - 1);
   result.unique = open > 1e-12 * values(0) && values(0) > 0.0;

@@ -8,12 +8,13 @@
 
 namespace loopstone {
 
-/// The rigid motions of the plane (kDimension 2) and of space (3), under one set of names, so that an algorithm that is
-/// the same in both is written once.
+/// The rigid motions of the plane (kDimension 2) and of space (3), under one set of names, so that
+/// an algorithm that is the same in both is written once.
 ///
-/// A small motion (dt, dw) of a pose a_T_b moves frame b by dt and turns it by dw about b's own origin, both on the axes
-/// of frame a: dw is one angle in the plane, a rotation vector in space. In the plane the pose's (x, y, yaw) simply grow by
-/// the motion. Covariances of poses are those of this motion.
+/// A small motion (dt, dw) of a pose a_T_b moves frame b by dt and turns it by dw about b's own
+/// origin, both on the axes of frame a: dw is one angle in the plane, a rotation vector in space.
+/// In the plane the pose's (x, y, yaw) simply grow by the motion. Covariances of poses are those of
+/// this motion.
 template <int kDimension>
 struct RigidMotion;
 

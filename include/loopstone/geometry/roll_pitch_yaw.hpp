@@ -7,8 +7,9 @@
 
 namespace loopstone {
 
-/// Roll, pitch and yaw [rad] of a pose: the inverse of Pose3::from_roll_pitch_yaw. Pitch is in [-pi/2, pi/2]; where it is
-/// +-pi/2 only roll and yaw together are determined, and both come out of rounding.
+/// Roll, pitch and yaw [rad] of a pose: the inverse of Pose3::from_roll_pitch_yaw. Pitch is in
+/// [-pi/2, pi/2]; where it is +-pi/2 only roll and yaw together are determined, and both come out
+/// of rounding.
 [[nodiscard]] inline Eigen::Vector3d to_roll_pitch_yaw(const Pose3& pose) {
   const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
   return {std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0))),

@@ -10,16 +10,19 @@ namespace loopstone {
 
 /// What is certified is the isotropic objective of SE-Sync, which is not chi2:
 ///
-///   F = sum over edges of kappa |R_to - R_from R_edge|_F^2 + tau |t_to - t_from - R_from t_edge|^2,
-///   kappa = I33 and tau = 2 / tr((I_tt)^-1) of the edge's information (I_tt: of x and y),
+///   F = sum over edges of kappa |R_to - R_from R_edge|_F^2 + tau |t_to - t_from - R_from
+///   t_edge|^2, kappa = I33 and tau = 2 / tr((I_tt)^-1) of the edge's information (I_tt: of x and
+///   y),
 ///
 /// with priors as edges from the map, and landmark edges without their rotation term.
-/// Rosen, Carlone, Bandeira and Leonard 2019, "SE-Sync", problem 1 and its reference implementation.
+/// Rosen, Carlone, Bandeira and Leonard 2019, "SE-Sync", problem 1 and its reference
+/// implementation.
 struct CertificateOptions {
   /// Certified means: no solution is cheaper by more than this share of the cost.
   double relative_gap = 1e-7;
   int max_iterations = 100;
-  /// Of the relaxation, in complex numbers (twice as many real ones); 1: no escape from a local minimum.
+  /// Of the relaxation, in complex numbers (twice as many real ones); 1: no escape from a local
+  /// minimum.
   int max_rank = 4;
 };
 
@@ -47,7 +50,8 @@ enum class CertificateStatus {
 struct Certificate {
   CertificateStatus status = CertificateStatus::kNotConverged;
   double cost = 0.0;  ///< F at the poses
-  /// Of the dual certificate matrix S = Q - Lambda, as found by Lanczos; at an optimum 0 to rounding.
+  /// Of the dual certificate matrix S = Q - Lambda, as found by Lanczos; at an optimum 0 to
+  /// rounding.
   double min_eigenvalue = 0.0;
   /// Proven by a Cholesky factorisation: the smallest eigenvalue is above minus this.
   double eigenvalue_tolerance = 0.0;
@@ -58,7 +62,8 @@ struct Certificate {
 };
 
 /// Whether the graph's poses are a global optimum of F, up to a motion of each component.
-/// Throws UsageError as check_graph does. Cost: one or two sparse factorisations, a few more when the answer is no.
+/// Throws UsageError as check_graph does. Cost: one or two sparse factorisations, a few more when
+/// the answer is no.
 [[nodiscard]] Certificate verify_optimality(const PoseGraph& graph,
                                             const CertificateOptions& options = {});
 
@@ -72,9 +77,10 @@ struct CertifiedSolution {
   int escapes = 0;  ///< local minima that were left behind
 };
 
-/// Minimises F from the graph's poses, proves the minimum global, and when it is not, leaves it along the direction of
-/// negative curvature in a relaxation of higher rank (Riemannian staircase: Boumal 2015; Rosen et al. 2019, section 5.2),
-/// comes back to the plane and tries again. Held poses and each component's first one stay where they are.
+/// Minimises F from the graph's poses, proves the minimum global, and when it is not, leaves it
+/// along the direction of negative curvature in a relaxation of higher rank (Riemannian staircase:
+/// Boumal 2015; Rosen et al. 2019, section 5.2), comes back to the plane and tries again. Held
+/// poses and each component's first one stay where they are.
 /// Throws UsageError as check_graph does. Deterministic.
 [[nodiscard]] CertifiedSolution optimize_certified(const PoseGraph& graph,
                                                    const CertificateOptions& options = {});

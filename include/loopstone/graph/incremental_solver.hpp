@@ -12,7 +12,8 @@
 namespace loopstone {
 
 struct IncrementalOptions {
-  /// A pose that has moved farther than this from where its edges were linearised has them linearised anew.
+  /// A pose that has moved farther than this from where its edges were linearised has them
+  /// linearised anew.
   double relinearise_m = 0.1;
   double relinearise_rad = 0.02;
   /// Eliminations between two looks for such poses.
@@ -21,7 +22,8 @@ struct IncrementalOptions {
   double negligible_change = 1e-3;
   /// So many poses farther away an update gets to; the next updates go on from there.
   int poses_at_once = 1000;
-  /// Closures that agree with what is known wait until their edges cost this much in all, or for so many updates.
+  /// Closures that agree with what is known wait until their edges cost this much in all, or for so
+  /// many updates.
   double wait_chi2 = 3.0;
   int wait_updates = 10;
   std::string robust_kernel = "none";
@@ -59,36 +61,42 @@ struct IncrementalUpdate {
   std::size_t poses_changed = 0;
 };
 
-/// A pose graph that grows while it is solved. Keeps the factor of its normal equations; new edges change only what lies
-/// between their poses and the root of the elimination tree, and only that is ordered and eliminated again.
+/// A pose graph that grows while it is solved. Keeps the factor of its normal equations; new edges
+/// change only what lies between their poses and the root of the elimination tree, and only that is
+/// ordered and eliminated again.
 ///
-/// What is approximate between two calls of solve(): edges stay linearised where their poses were until these have moved by
-/// the options' bounds, kernels keep the weights of that moment, small changes are not passed on, and large ones arrive at far
-/// poses some updates later. A pose that was appended waits for the next loop closure: until then its one edge fits exactly and
-/// moves nothing, so nothing is lost. A closure that agrees with what is known waits for others, since one elimination for all
-/// of them costs little more than one for each; what its edges cost at the present poses is the most that is lost by that. The
-/// newest pose does not wait: it lies where its edges want it, the others held.
+/// What is approximate between two calls of solve(): edges stay linearised where their poses were
+/// until these have moved by the options' bounds, kernels keep the weights of that moment, small
+/// changes are not passed on, and large ones arrive at far poses some updates later. A pose that
+/// was appended waits for the next loop closure: until then its one edge fits exactly and moves
+/// nothing, so nothing is lost. A closure that agrees with what is known waits for others, since
+/// one elimination for all of them costs little more than one for each; what its edges cost at the
+/// present poses is the most that is lost by that. The newest pose does not wait: it lies where its
+/// edges want it, the others held.
 ///
 /// The first pose is held fixed. Not thread-safe. Deterministic.
-/// Source: Kaess et al. 2012, "iSAM2: Incremental smoothing and mapping using the Bayes tree", with a multifrontal Cholesky
-/// factorisation in place of QR.
+/// Source: Kaess et al. 2012, "iSAM2: Incremental smoothing and mapping using the Bayes tree", with
+/// a multifrontal Cholesky factorisation in place of QR.
 class IncrementalSolver {
  public:
   /// Starts with one pose.
   explicit IncrementalSolver(const Pose2& first, const IncrementalOptions& options = {});
-  /// Starts from a graph, solved to convergence. Throws UsageError unless it is connected and made of poses and edges alone.
+  /// Starts from a graph, solved to convergence. Throws UsageError unless it is connected and made
+  /// of poses and edges alone.
   explicit IncrementalSolver(const PoseGraph& graph, const IncrementalOptions& options = {});
   ~IncrementalSolver();
   IncrementalSolver(IncrementalSolver&&) noexcept;
   IncrementalSolver& operator=(IncrementalSolver&&) noexcept;
 
-  /// Appends a pose where the edge from an existing pose puts it. Throws UsageError for a pose that does not exist or a
-  /// measurement that check_graph would refuse. Cost: constant.
+  /// Appends a pose where the edge from an existing pose puts it. Throws UsageError for a pose that
+  /// does not exist or a measurement that check_graph would refuse. Cost: constant.
   NodeId append(NodeId from, const Pose2& from_T_new, const Eigen::Matrix3d& information,
                 EdgeKind kind = EdgeKind::kOdometry);
 
-  /// Adds an edge between existing poses and brings all poses up to date, unless it can wait. Throws as append does.
-  /// Cost: the factorisation of the part of the elimination tree above the edge's poses; next to nothing when it waits.
+  /// Adds an edge between existing poses and brings all poses up to date, unless it can wait.
+  /// Throws as append does.
+  /// Cost: the factorisation of the part of the elimination tree above the edge's poses; next to
+  /// nothing when it waits.
   IncrementalUpdate add(const RelativePoseEdge& edge);
   /// The same for several edges at once, those of a key scan. None at all: brings in what waits.
   IncrementalUpdate add(const std::vector<RelativePoseEdge>& edges);

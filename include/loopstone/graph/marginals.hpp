@@ -17,9 +17,10 @@ struct PoseMarginals {
       covariances;  ///< of (x, y, yaw) in the map frame [m^2, m rad, rad^2]; zero for fixed poses
 };
 
-/// Covariances of the chosen poses: diagonal blocks of (J^T information J)^-1 with the gauge of PoseGraph.
-/// Cost: about three factorisations, however many poses are asked for. Throws UsageError as check_graph does, and for a
-/// pose that does not exist.
+/// Covariances of the chosen poses: diagonal blocks of (J^T information J)^-1 with the gauge of
+/// PoseGraph.
+/// Cost: about three factorisations, however many poses are asked for. Throws UsageError as
+/// check_graph does, and for a pose that does not exist.
 [[nodiscard]] PoseMarginals marginal_covariances(const PoseGraph& graph,
                                                  std::span<const NodeId> nodes);
 
@@ -32,7 +33,8 @@ struct PairMarginals {
 [[nodiscard]] PairMarginals joint_covariances(const PoseGraph& graph,
                                               std::span<const std::pair<NodeId, NodeId>> pairs);
 
-/// Covariance of the motion from the first pose of a pair to the second, (x, y, yaw) in the first one's frame, to first order.
+/// Covariance of the motion from the first pose of a pair to the second, (x, y, yaw) in the first
+/// one's frame, to first order.
 [[nodiscard]] Eigen::Matrix3d relative_covariance(const Pose2& first, const Pose2& second,
                                                   const Eigen::Matrix<double, 6, 6>& joint);
 

@@ -13,7 +13,8 @@ namespace loopstone {
 
 /// Loop closures are judged, all other edges are trusted.
 struct GncOptions {
-  /// Squared standard deviations that a true closure may be off: 0.99999 of a chi-square with 3 degrees of freedom.
+  /// Squared standard deviations that a true closure may be off: 0.99999 of a chi-square with 3
+  /// degrees of freedom.
   double inlier_chi2 = 25.902;
   /// By how much the cost is bent more sharply from round to round.
   double sharpening = 1.4;
@@ -45,27 +46,32 @@ struct GncResult {
   int rounds = 0;
 };
 
-/// Poses from measurements of which many loop closures may be wrong: truncated least squares, approached from a convex
-/// cost by graduated non-convexity.
+/// Poses from measurements of which many loop closures may be wrong: truncated least squares,
+/// approached from a convex cost by graduated non-convexity.
 ///
-/// Many false closures make the factor dense, so where there are more than 200 closures the rounds are run with those alone
-/// that another one backs: the loop of both and the odometry between them closes, more narrowly than accident would have it.
+/// Many false closures make the factor dense, so where there are more than 200 closures the rounds
+/// are run with those alone that another one backs: the loop of both and the odometry between them
+/// closes, more narrowly than accident would have it.
 ///
-/// The rounds judge a closure by its own residual, which is small where a long, soft chain of odometry gives way to a false
-/// one. So at the end each closure is judged once more by what the others say (Baarda 1968, data snooping): those whose removal
-/// lowers the cost by more than inlier_chi2 go, those that agree with the prediction from the rest come back. The bound is
-/// tightened where the accepted closures agree far better than their information promises. Other starts (odometry alone,
-/// consistent closures) compete by truncated cost where there are few closures, or where the result's cost is more than
-/// twice its degrees of freedom.
+/// The rounds judge a closure by its own residual, which is small where a long, soft chain of
+/// odometry gives way to a false one. So at the end each closure is judged once more by what the
+/// others say (Baarda 1968, data snooping): those whose removal lowers the cost by more than
+/// inlier_chi2 go, those that agree with the prediction from the rest come back. The bound is
+/// tightened where the accepted closures agree far better than their information promises. Other
+/// starts (odometry alone, consistent closures) compete by truncated cost where there are few
+/// closures, or where the result's cost is more than twice its degrees of freedom.
 ///
-/// Source: Yang, Antonante, Tzoumas and Carlone 2020, "Graduated non-convexity for robust spatial perception".
+/// Source: Yang, Antonante, Tzoumas and Carlone 2020, "Graduated non-convexity for robust spatial
+/// perception".
 [[nodiscard]] GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options = {},
                                      const SolverOptions& solver = {});
 
 struct ConsistencyOptions {
-  /// Squared standard deviations that the loop of two true closures and the odometry between them may be open.
+  /// Squared standard deviations that the loop of two true closures and the odometry between them
+  /// may be open.
   double consistent_chi2 = 11.345;
-  /// Up to this many closures the greatest set is found exactly; beyond, by a greedy search that may miss it.
+  /// Up to this many closures the greatest set is found exactly; beyond, by a greedy search that
+  /// may miss it.
   int exact_up_to = 150;
 };
 
@@ -74,10 +80,12 @@ struct ConsistentClosures {
   bool exact = false;              ///< proven to be the greatest
 };
 
-/// The greatest set of loop closures that all agree pairwise, given the odometry: a maximum clique of the graph of
-/// consistent pairs. Needs odometry edges between consecutive poses; closures at poses without are left out.
-/// Cost: O(closures^2). Source: Mangelson et al. 2018, "Pairwise consistent measurement set maximization for robust
-/// multi-robot map merging"; exact cliques by Tomita and Seki 2003, greedy ones by Pattabiraman et al. 2015.
+/// The greatest set of loop closures that all agree pairwise, given the odometry: a maximum clique
+/// of the graph of consistent pairs. Needs odometry edges between consecutive poses; closures at
+/// poses without are left out.
+/// Cost: O(closures^2). Source: Mangelson et al. 2018, "Pairwise consistent measurement set
+/// maximization for robust multi-robot map merging"; exact cliques by Tomita and Seki 2003, greedy
+/// ones by Pattabiraman et al. 2015.
 [[nodiscard]] ConsistentClosures consistent_closures(const PoseGraph& graph,
                                                      const ConsistencyOptions& options = {});
 

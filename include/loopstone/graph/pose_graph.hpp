@@ -26,8 +26,8 @@ enum class EdgeKind {
   kLoopClosure,  ///< a place seen again
 };
 
-/// A measured relative pose. Error in g2o's convention: e = vector(from_T_to^-1 * (pose_from^-1 * pose_to)), so the
-/// translation part is rotated by R(measurement)^T; chi2 = e^T information e.
+/// A measured relative pose. Error in g2o's convention: e = vector(from_T_to^-1 * (pose_from^-1 *
+/// pose_to)), so the translation part is rotated by R(measurement)^T; chi2 = e^T information e.
 struct RelativePoseEdge {
   NodeId from;
   NodeId to;
@@ -42,7 +42,8 @@ struct RelativePoseEdge {
   }
 };
 
-/// What is known of one pose in the map frame (g2o's EDGE_SE2_PRIOR): e = vector(map_T_node^-1 * pose).
+/// What is known of one pose in the map frame (g2o's EDGE_SE2_PRIOR): e = vector(map_T_node^-1 *
+/// pose).
 struct PosePrior {
   NodeId node;
   Pose2 map_T_node;
@@ -81,8 +82,8 @@ struct LandmarkEdge {
 
 /// Poses and landmarks to estimate, and what was measured between them.
 ///
-/// The gauge: poses in `fixed` stay where they are. A connected component that has none and no prior holds its first
-/// pose, since measurements within it say nothing about where it lies.
+/// The gauge: poses in `fixed` stay where they are. A connected component that has none and no
+/// prior holds its first pose, since measurements within it say nothing about where it lies.
 struct PoseGraph {
   std::vector<Pose2> poses{};  ///< map_T_node
   std::vector<RelativePoseEdge> edges{};
@@ -131,13 +132,14 @@ struct LandmarkJacobians {
 /// Sum of e^T information e over all edges, priors and landmark edges (no 1/2).
 [[nodiscard]] double graph_cost(const PoseGraph& graph);
 
-/// Throws UsageError naming the first edge, prior or landmark edge that joins a node to itself or to one that does not
-/// exist, whose measurement is not finite, or whose information is not symmetric positive definite; a pose or landmark that
-/// is not finite; a fixed node that does not exist.
+/// Throws UsageError naming the first edge, prior or landmark edge that joins a node to itself or
+/// to one that does not exist, whose measurement is not finite, or whose information is not
+/// symmetric positive definite; a pose or landmark that is not finite; a fixed node that does not
+/// exist.
 void check_graph(const PoseGraph& graph);
 
-/// Which connected component each node belongs to, numbered by their lowest node. A landmark joins the poses that see it;
-/// one that no pose sees belongs to none.
+/// Which connected component each node belongs to, numbered by their lowest node. A landmark joins
+/// the poses that see it; one that no pose sees belongs to none.
 struct GraphComponents {
   std::vector<int> of_node;
   int count = 0;

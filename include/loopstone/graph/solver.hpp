@@ -15,8 +15,8 @@ struct SolverOptions {
   /// gauss_newton: undamped steps while they help, damped ones when they do not.
   std::string method = "gauss_newton";
   int max_iterations = 100;
-  /// Stop when what is left to gain is less than this share of the cost: what a step promises, or what the next one
-  /// would, going by how the promises of undamped steps shrink.
+  /// Stop when what is left to gain is less than this share of the cost: what a step promises, or
+  /// what the next one would, going by how the promises of undamped steps shrink.
   double relative_tolerance = 1e-7;
   std::string robust_kernel = "none";
   /// In standard deviations of an edge.
@@ -45,7 +45,9 @@ enum class SolveStatus {
   kConverged,
   kNotConverged,      ///< the iterations ran out; the poses are the best found
   kNumericalFailure,  ///< the normal equations could not be solved; the poses are the best found
-  kDisconnected,  ///< several components without a prior or fixed pose: each is solved, but where they lie to one another is unknown
+  /// several components without a prior or fixed pose: each is solved, but where they lie to one
+  /// another is unknown
+  kDisconnected,
 };
 
 [[nodiscard]] std::string_view to_string(SolveStatus status);
@@ -65,15 +67,18 @@ struct SolveResult {
   std::vector<double> landmark_weights;  ///< of the landmark edges
 };
 
-/// Poses and landmarks that minimise the sum of (robust) e^T information e, from where the graph has them. The gauge is
-/// that of PoseGraph.
+/// Poses and landmarks that minimise the sum of (robust) e^T information e, from where the graph
+/// has them. The gauge is that of PoseGraph.
 ///
-/// Gauss-Newton lets the cost rise for a few steps before it turns to Levenberg-Marquardt, since full steps often lead
-/// through a rise to the optimum; the poses returned are always the best found.
+/// Gauss-Newton lets the cost rise for a few steps before it turns to Levenberg-Marquardt, since
+/// full steps often lead through a rise to the optimum; the poses returned are always the best
+/// found.
 ///
-/// Throws UsageError as check_graph does, and for an unknown kernel or method. Graphs without poses or edges are solved as
-/// they are. Cost: per step, one multifrontal Cholesky factorisation with 3x3 blocks in a fill-reducing order. Deterministic.
-/// Source: Grisetti et al. 2010, "A tutorial on graph-based SLAM"; damping of Nielsen 1999; dogleg of Powell 1970.
+/// Throws UsageError as check_graph does, and for an unknown kernel or method. Graphs without poses
+/// or edges are solved as they are. Cost: per step, one multifrontal Cholesky factorisation with
+/// 3x3 blocks in a fill-reducing order. Deterministic.
+/// Source: Grisetti et al. 2010, "A tutorial on graph-based SLAM"; damping of Nielsen 1999; dogleg
+/// of Powell 1970.
 [[nodiscard]] SolveResult optimize(const PoseGraph& graph, const SolverOptions& options = {});
 
 }  // namespace loopstone

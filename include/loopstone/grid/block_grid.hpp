@@ -15,8 +15,9 @@
 
 namespace loopstone {
 
-/// A grid without edges: memory only for the 16 x 16 blocks that were written to, and 4 bytes for each block of the box around
-/// them. Cell (0, 0) has its lower left corner at the origin of the plane; cells may be negative.
+/// A grid without edges: memory only for the 16 x 16 blocks that were written to, and 4 bytes for
+/// each block of the box around them. Cell (0, 0) has its lower left corner at the origin of the
+/// plane; cells may be negative.
 template <typename T>
 class BlockGrid {
  public:
@@ -65,7 +66,8 @@ class BlockGrid {
     return cells_[offset_in(block, cell)];
   }
 
-  /// Whether a cell and the eight around it lie in one block: then they are kBlockSide apart from row to row.
+  /// Whether a cell and the eight around it lie in one block: then they are kBlockSide apart from
+  /// row to row.
   [[nodiscard]] static bool is_inside_block(Cell cell) {
     const auto inside = [](int i) {
       return static_cast<unsigned>((i & (kBlockSide - 1)) - 1) < kBlockSide - 2;
@@ -73,7 +75,8 @@ class BlockGrid {
     return inside(cell.column) && inside(cell.row);
   }
 
-  /// Calls visit(Cell, const T&) for every cell of every block, in an order that depends only on what was written where.
+  /// Calls visit(Cell, const T&) for every cell of every block, in an order that depends only on
+  /// what was written where.
   template <typename Visitor>
   void for_each(Visitor&& visit) const {
     for (int row = 0; row < block_rows_; ++row) {
@@ -95,7 +98,8 @@ class BlockGrid {
 
   [[nodiscard]] bool empty() const { return cells_.empty(); }
 
-  /// Of each block, a bit for every cell that is not as new (row by row, lowest bit first), and those cells.
+  /// Of each block, a bit for every cell that is not as new (row by row, lowest bit first), and
+  /// those cells.
   template <typename Archive>
   void archive(Archive& a) {
     double resolution_m = resolution_m_;

@@ -5,8 +5,8 @@
 
 namespace loopstone {
 
-/// The same as std::floor for values that fit, without a call on processors that have no instruction for it. Others become the
-/// nearest number that fits, NaN the lowest.
+/// The same as std::floor for values that fit, without a call on processors that have no
+/// instruction for it. Others become the nearest number that fits, NaN the lowest.
 [[nodiscard]] inline int floor_to_int(double value) {
   constexpr double kMost = 2147483647.0;
   const double fitting = value > -kMost ? (value < kMost ? value : kMost) : -kMost;
@@ -60,8 +60,8 @@ struct GridFrame {
   }
 };
 
-/// The smallest frame with that resolution, corners on whole multiples of it, that covers the box [low, high] and a
-/// margin around it. Throws UsageError when it would have more than 2^30 cells.
+/// The smallest frame with that resolution, corners on whole multiples of it, that covers the box
+/// [low, high] and a margin around it. Throws UsageError when it would have more than 2^30 cells.
 [[nodiscard]] GridFrame frame_covering(const Eigen::Vector2d& low, const Eigen::Vector2d& high,
                                        double resolution, double margin_m = 0.0);
 

@@ -9,13 +9,16 @@
 
 namespace loopstone {
 
-/// Upper bounds over windows of a grid: level k holds, at every cell, the largest value among the 2^k x 2^k cells that
-/// start there and grow in column and row. Cells outside the grid have the value `outside`.
+/// Upper bounds over windows of a grid: level k holds, at every cell, the largest value among the
+/// 2^k x 2^k cells that start there and grow in column and row. Cells outside the grid have the
+/// value `outside`.
 ///
-/// The bounds of windows that stand side by side, 2^k columns apart, are neighbours in memory: each row of level k is kept
-/// as 2^k runs, one for each remainder of the column by 2^k. A search reads kLanes of them at once.
+/// The bounds of windows that stand side by side, 2^k columns apart, are neighbours in memory: each
+/// row of level k is kept as 2^k runs, one for each remainder of the column by 2^k. A search reads
+/// kLanes of them at once.
 ///
-/// Memory: about one byte a cell and level. Cost to build: O(cells * levels), about 0.1 ns a cell and level.
+/// Memory: about one byte a cell and level. Cost to build: O(cells * levels), about 0.1 ns a cell
+/// and level.
 /// Source: Hess et al. 2016, "Real-time loop closure in 2D LIDAR SLAM", section V-B.
 class MaxPyramid {
  public:
@@ -61,7 +64,8 @@ class MaxPyramid {
   /// Bytes of all levels.
   [[nodiscard]] std::size_t memory_bytes() const;
 
-  /// The largest value in the window of 2^level cells that starts at (column, row), which may lie outside.
+  /// The largest value in the window of 2^level cells that starts at (column, row), which may lie
+  /// outside.
   [[nodiscard]] std::uint8_t bound(int level, int column, int row) const {
     const Level& at = levels_[static_cast<std::size_t>(level)];
     return at.data[at.row_offset(row) + at.run_offset(column) + at.lane_offset(column >> level)];

@@ -9,12 +9,14 @@
 
 namespace loopstone {
 
-// What a ray hits, the same for every caster of this part. A grid stands in an endless plane; outside it everything is
-// open, so a ray may come in from outside and leave again. The range of a ray is the distance at which it enters the first
-// occupied cell: 0 when it starts in one, +inf when there is none within the greatest range. A cell holds its lower and left
-// edge, so a ray along an edge meets the cells right of or above it (as in ray_walk.hpp).
+// What a ray hits, the same for every caster of this part. A grid stands in an endless plane;
+// outside it everything is open, so a ray may come in from outside and leave again. The range of a
+// ray is the distance at which it enters the first occupied cell: 0 when it starts in one, +inf
+// when there is none within the greatest range. A cell holds its lower and left edge, so a ray
+// along an edge meets the cells right of or above it (as in ray_walk.hpp).
 
-/// A half line. A direction that is not of unit length, or a number that is not finite, gives a range without meaning.
+/// A half line. A direction that is not of unit length, or a number that is not finite, gives a
+/// range without meaning.
 struct Ray {
   Eigen::Vector2d origin;     ///< map frame [m]
   Eigen::Vector2d direction;  ///< unit length

@@ -12,8 +12,8 @@
 
 namespace loopstone {
 
-/// Any of the three ways to cast rays on a map (docs/ray_casting.md says which when). Immutable and thread-safe; copies
-/// share what was built.
+/// Any of the three ways to cast rays on a map (docs/ray_casting.md says which when). Immutable and
+/// thread-safe; copies share what was built.
 class RayCaster {
  public:
   using Method = std::variant<WalkCaster, SphereCaster, TableCaster>;
@@ -28,8 +28,8 @@ class RayCaster {
   [[nodiscard]] double range(const Ray& ray) const {
     return std::visit([&](const auto& caster) { return caster.range(ray); }, method_);
   }
-  /// Ranges of many rays [m], several times faster than one by one. Throws UsageError, as the call below, when
-  /// `ranges_m` has another size than the rays.
+  /// Ranges of many rays [m], several times faster than one by one. Throws UsageError, as the call
+  /// below, when `ranges_m` has another size than the rays.
   void ranges(std::span<const Ray> rays, std::span<float> ranges_m) const {
     std::visit([&](const auto& caster) { caster.ranges(rays, ranges_m); }, method_);
   }

@@ -11,10 +11,11 @@
 
 namespace loopstone {
 
-/// Casts rays by sphere tracing: from every cell a ray may leap as far as the nearest occupied cell is away in any
-/// direction. Beside walls it walks, so its answers are those of WalkCaster to the bit. Many rays are under way at once:
-/// while one waits for memory, others go on.
-/// Immutable and thread-safe; copies share the map. Memory: one byte a cell. Cost: about 0.1 us a ray in a building.
+/// Casts rays by sphere tracing: from every cell a ray may leap as far as the nearest occupied cell
+/// is away in any direction. Beside walls it walks, so its answers are those of WalkCaster to the
+/// bit. Many rays are under way at once: while one waits for memory, others go on. Immutable and
+/// thread-safe; copies share the map. Memory: one byte a cell. Cost: about 0.1 us a ray in a
+/// building.
 /// Source: Hart 1996, "Sphere tracing"; distances after Felzenszwalb and Huttenlocher 2012.
 class SphereCaster {
  public:

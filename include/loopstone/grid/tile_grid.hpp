@@ -12,9 +12,9 @@
 
 namespace loopstone {
 
-/// A grid without edges for large maps: memory only for the 64 x 64 tiles that were written to, and no tile ever moves.
-/// Cell (0, 0) has its lower left corner at the origin of the plane; cells may be negative. For maps that are small or
-/// read at random BlockGrid is faster.
+/// A grid without edges for large maps: memory only for the 64 x 64 tiles that were written to, and
+/// no tile ever moves. Cell (0, 0) has its lower left corner at the origin of the plane; cells may
+/// be negative. For maps that are small or read at random BlockGrid is faster.
 template <typename T>
 class TileGrid {
  public:

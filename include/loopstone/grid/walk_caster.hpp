@@ -13,8 +13,9 @@ namespace loopstone {
 struct BorderedCells;
 struct CellRaySpace;
 
-/// Casts rays by walking from cell to cell: simple, exact, and what the other casters are held against.
-/// Immutable and thread-safe; copies share the map. Memory: one byte a cell. Cost: about 5 ns a cell on the way.
+/// Casts rays by walking from cell to cell: simple, exact, and what the other casters are held
+/// against. Immutable and thread-safe; copies share the map. Memory: one byte a cell. Cost: about 5
+/// ns a cell on the way.
 /// Source: Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing".
 class WalkCaster {
  public:

@@ -12,7 +12,8 @@
 
 namespace loopstone {
 
-/// What becomes of a beam: how often which of four things, and how each spreads. The weights sum to 1.
+/// What becomes of a beam: how often which of four things, and how each spreads. The weights sum to
+/// 1.
 struct BeamMixture {
   double hit_weight = 0.75;    ///< it returns from what the map says, with noise
   double short_weight = 0.1;   ///< something that the map does not know stands before that: people
@@ -35,24 +36,28 @@ void visit_options(BeamMixture& mixture, Visitor&& visit) {
         "things that stop a beam, a metre");
 }
 
-/// p(measured | expected) of one beam. Returns are densities on [0, max range) [1/m]; no return is a probability: together
-/// they sum to 1. Ranges: +inf, or the greatest range and more, is no return.
+/// p(measured | expected) of one beam. Returns are densities on [0, max range) [1/m]; no return is
+/// a probability: together they sum to 1. Ranges: +inf, or the greatest range and more, is no
+/// return.
 ///
 /// With z measured, e expected, R the greatest range, each part normalised on [0, R]:
 ///   hit     N(z; e, sigma) / (Phi((R - e) / sigma) - Phi(-e / sigma))
 ///   short   rate exp(-rate z) / (1 - exp(-rate e)) up to e, nothing beyond
 ///   max     all on "no return"
 ///   random  1 / R
-/// Where the map shows nothing within R, a hit is "no return", and things in the way may stand anywhere up to R. Where e = 0
-/// there is no room for the short part, which is spread evenly like the random one.
-/// Source: Thrun, Burgard and Fox 2005, "Probabilistic Robotics", eq. 6.3 to 6.12 and table 6.1; the book leaves e = 0 and
-/// e beyond R open, and makes "no return" a narrow uniform density at R.
+/// Where the map shows nothing within R, a hit is "no return", and things in the way may stand
+/// anywhere up to R. Where e = 0 there is no room for the short part, which is spread evenly like
+/// the random one.
+/// Source: Thrun, Burgard and Fox 2005, "Probabilistic Robotics", eq. 6.3 to 6.12 and table 6.1;
+/// the book leaves e = 0 and e beyond R open, and makes "no return" a narrow uniform density at R.
 ///
-/// \return the density, or for no return the probability; 0 for a measured range that is NaN or negative
+/// \return the density, or for no return the probability; 0 for a measured range that is NaN or
+///         negative
 [[nodiscard]] double beam_likelihood(const BeamMixture& mixture, double max_range_m,
                                      double measured_m, double expected_m);
 
-/// The probability of a return below `measured_m` (at most max_range_m): what beam_likelihood integrates to.
+/// The probability of a return below `measured_m` (at most max_range_m): what beam_likelihood
+/// integrates to.
 [[nodiscard]] double beam_distribution(const BeamMixture& mixture, double max_range_m,
                                        double measured_m, double expected_m);
 
@@ -75,20 +80,22 @@ void visit_options(BeamModelOptions& options, Visitor&& visit) {
         "step of the tabulated likelihoods");
 }
 
-/// How well a scan fits a map from each of many poses, beam by beam: unlike a likelihood field it minds what a beam went
-/// through on its way. Likelihoods are tabulated over measured and expected range, as averages over steps of the
-/// measured one, so that the table still sums to 1.
-/// Immutable and thread-safe. Memory: 4 bytes a pair of steps (1.4 MB for 30 m and 5 cm), besides the caster's.
+/// How well a scan fits a map from each of many poses, beam by beam: unlike a likelihood field it
+/// minds what a beam went through on its way. Likelihoods are tabulated over measured and expected
+/// range, as averages over steps of the measured one, so that the table still sums to 1. Immutable
+/// and thread-safe. Memory: 4 bytes a pair of steps (1.4 MB for 30 m and 5 cm), besides the
+/// caster's.
 /// Cost: a ray (docs/ray_casting.md) and about 2 ns a beam and pose.
 class BeamModel {
  public:
-  /// \param caster  on the map; its greatest range is the model's: returns from beyond count as none
-  /// Throws UsageError when a weight is negative or they don't sum to 1, or sigma, rate or step is not positive, or the
-  /// table would have more than 10^8 entries.
+  /// \param caster  on the map; its greatest range is the model's: returns from beyond count as
+  ///                none
+  /// Throws UsageError when a weight is negative or they don't sum to 1, or sigma, rate or step is
+  /// not positive, or the table would have more than 10^8 entries.
   explicit BeamModel(RayCaster caster, const BeamModelOptions& options = {});
 
-  /// One log-likelihood a pose [nats, densities in 1/m]: the sum over the beams, as if they were independent, which they
-  /// are not, so scale it. -inf when a part without weight would be needed.
+  /// One log-likelihood a pose [nats, densities in 1/m]: the sum over the beams, as if they were
+  /// independent, which they are not, so scale it. -inf when a part without weight would be needed.
   /// Poses are dealt out in chunks of a fixed size: the same bytes for any number of threads.
   /// Throws UsageError where the sizes of poses and out, or of angles and ranges, differ.
   void log_likelihoods(std::span<const Pose2> map_T_robot, const RangeBeams& beams,

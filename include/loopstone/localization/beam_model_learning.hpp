@@ -50,16 +50,19 @@ struct BeamLearningResult {
   std::vector<double> mean_log_likelihood{};
 };
 
-/// Learns the mixture from data by expectation maximisation: the mixture under which the measured ranges are most likely,
-/// reached from `initial` (a local maximum; a part that starts with weight 0 stays without).
+/// Learns the mixture from data by expectation maximisation: the mixture under which the measured
+/// ranges are most likely, reached from `initial` (a local maximum; a part that starts with weight
+/// 0 stays without).
 ///
-/// Thrun's learn_intrinsic_parameters (table 6.2), with its closed-form steps for weights, sigma and rate, but for this: those
-/// of sigma and rate leave out that the parts are cut off (at 0, R and e) and normalised again, so there the likelihood
-/// may fall. Here both are maximised with the normalisers, by a search in one dimension, and kept only when
-/// they raise the expected likelihood; so every step raises the likelihood. "No return" is a value of its own (+inf): it
-/// is explained by the max part, and by the hit part where the map shows nothing.
+/// Thrun's learn_intrinsic_parameters (table 6.2), with its closed-form steps for weights, sigma
+/// and rate, but for this: those of sigma and rate leave out that the parts are cut off (at 0, R
+/// and e) and normalised again, so there the likelihood may fall. Here both are maximised with the
+/// normalisers, by a search in one dimension, and kept only when they raise the expected
+/// likelihood; so every step raises the likelihood. "No return" is a value of its own (+inf): it is
+/// explained by the max part, and by the hit part where the map shows nothing.
 /// Cost: about 0.1 us a pair and iteration.
-/// Throws UsageError for an initial mixture that BeamModel would reject, or a greatest range that is not positive.
+/// Throws UsageError for an initial mixture that BeamModel would reject, or a greatest range that
+/// is not positive.
 [[nodiscard]] BeamLearningResult learn_beam_mixture(std::span<const RangePair> pairs,
                                                     double max_range_m,
                                                     const BeamMixture& initial = {},

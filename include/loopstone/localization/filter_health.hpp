@@ -22,7 +22,8 @@ enum class FilterDoubt {
   kNone,
   kInnovations,  ///< readings miss their predictions by more than both noises explain
   kEvidence,     ///< readings are far less probable than they would be if the model were right
-  kEffectiveSampleSize,  ///< reading after reading leaves next to no particle: the estimate hangs on single samples
+  /// reading after reading leaves next to no particle: the estimate hangs on single samples
+  kEffectiveSampleSize,
 };
 
 [[nodiscard]] std::string_view to_string(FilterDoubt doubt);
@@ -65,18 +66,21 @@ struct FilterHealth {
   double effective_share = 1.0;
 };
 
-/// "readings miss their predictions: chi2 per degree of freedom 7.2, bound 2.1". Empty without a doubt.
+/// "readings miss their predictions: chi2 per degree of freedom 7.2, bound 2.1". Empty without a
+/// doubt.
 [[nodiscard]] std::string reason(const FilterHealth& health);
 
 /// Watches whether a filter's readings are what it predicts.
-/// Source: Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and navigation", section 5.4.2
-/// (normalised innovation squared over a window). The evidence falls in jumps where a reading holds outliers, so its bound is
-/// Bernstein's inequality, with the probability exp(-z^2 / 2): Boucheron, Lugosi and Massart 2013, corollary 2.11.
+/// Source: Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to tracking and
+/// navigation", section 5.4.2 (normalised innovation squared over a window). The evidence falls in
+/// jumps where a reading holds outliers, so its bound is Bernstein's inequality, with the
+/// probability exp(-z^2 / 2): Boucheron, Lugosi and Massart 2013, corollary 2.11.
 class FilterHealthMonitor {
  public:
   explicit FilterHealthMonitor(const FilterHealthOptions& options = {});
 
-  /// Takes a reading in. Only readings for which the predictions hold belong here: while the belief is narrow.
+  /// Takes a reading in. Only readings for which the predictions hold belong here: while the belief
+  /// is narrow.
   void add(const FilterReading& reading);
   [[nodiscard]] FilterHealth judge() const { return judge(options_.z_quantile); }
   /// With bounds of another normal quantile: lower ones doubt earlier, and more often without need.

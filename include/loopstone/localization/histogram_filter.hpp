@@ -39,15 +39,17 @@ struct KernelCell {
   double probability = 0.0;
 };
 
-/// A motion along the columns by `shift_cells`, normally distributed: each whole shift gets the probability of its cell,
-/// cut at four standard deviations. Without noise a fraction of a cell is shared by the two neighbours.
+/// A motion along the columns by `shift_cells`, normally distributed: each whole shift gets the
+/// probability of its cell, cut at four standard deviations. Without noise a fraction of a cell is
+/// shared by the two neighbours.
 [[nodiscard]] std::vector<KernelCell> normal_kernel(double shift_cells, double sigma_cells);
 
 /// Independent motions along both axes; of `row_motion` the columns are read as rows.
 [[nodiscard]] std::vector<KernelCell> plane_kernel(std::span<const KernelCell> column_motion,
                                                    std::span<const KernelCell> row_motion);
 
-/// A belief over the cells of a grid: the Bayes filter that can be checked by hand. Probabilities always sum to one.
+/// A belief over the cells of a grid: the Bayes filter that can be checked by hand. Probabilities
+/// always sum to one.
 ///
 ///   HistogramFilter belief({.columns = 100, .column_edge = GridEdge::kRing});
 ///   const double evidence = belief.update([&](Cell cell) { return is_door(cell) ? 0.9 : 0.1; });
@@ -58,8 +60,8 @@ class HistogramFilter {
  public:
   /// Every cell equally likely. Throws UsageError without cells.
   explicit HistogramFilter(const HistogramShape& shape);
-  /// Cells row by row; scaled to sum to one. Throws UsageError for a wrong number of cells, for values that are not finite
-  /// or negative, and where all are zero.
+  /// Cells row by row; scaled to sum to one. Throws UsageError for a wrong number of cells, for
+  /// values that are not finite or negative, and where all are zero.
   HistogramFilter(const HistogramShape& shape, std::vector<double> probabilities);
 
   [[nodiscard]] const HistogramShape& shape() const { return shape_; }
@@ -68,12 +70,13 @@ class HistogramFilter {
     return probabilities_[shape_.index_of(cell)];
   }
 
-  /// Moves the belief. The kernel's probabilities must sum to one (UsageError). Cost: O(cells * kernel).
+  /// Moves the belief. The kernel's probabilities must sum to one (UsageError). Cost: O(cells *
+  /// kernel).
   void predict(std::span<const KernelCell> kernel);
 
-  /// Weighs every cell by likelihood(Cell) -> p(reading | cell), and returns the evidence p(reading | readings before).
-  /// 0: no cell can explain the reading; the belief stays as it was. Throws UsageError for likelihoods that are negative
-  /// or not finite.
+  /// Weighs every cell by likelihood(Cell) -> p(reading | cell), and returns the evidence p(reading
+  /// | readings before). 0: no cell can explain the reading; the belief stays as it was. Throws
+  /// UsageError for likelihoods that are negative or not finite.
   template <typename Likelihood>
   double update(const Likelihood& likelihood) {
     std::vector<double> likelihoods(probabilities_.size());

@@ -32,11 +32,14 @@ struct LandmarkEstimate {
   int explained = 0;  ///< sightings that a landmark of the map explains
 };
 
-/// Follows a robot by range and bearing to landmarks of known places, with a particle filter, and tells when it fails: when the
-/// map is another one, the sensor is not as described, or the robot is not where the particles are.
+/// Follows a robot by range and bearing to landmarks of known places, with a particle filter, and
+/// tells when it fails: when the map is another one, the sensor is not as described, or the robot
+/// is not where the particles are.
 ///
 ///   LandmarkLocalizer localizer(model, first_poses, {}, seed);
-///   localizer.predict([&](const Pose2& pose, Rng& noise) { return sample_odometry_motion(pose, motion, strays, noise); });
+///   localizer.predict([&](const Pose2& pose, Rng& noise) {
+///     return sample_odometry_motion(pose, motion, strays, noise);
+///   });
 ///   const LandmarkEstimate estimate = localizer.update(sightings);
 ///   if (estimate.status == FilterStatus::kInconsistent) complain(reason(estimate.health));
 class LandmarkLocalizer {
@@ -48,7 +51,8 @@ class LandmarkLocalizer {
   /// The robot moved: motion draws a pose after from a pose before.
   void predict(const std::function<Pose2(const Pose2& map_T_before, Rng& noise)>& motion);
 
-  /// The robot looked around. Sightings that are not finite, or of a range that is not positive, are left out.
+  /// The robot looked around. Sightings that are not finite, or of a range that is not positive,
+  /// are left out.
   LandmarkEstimate update(std::span<const LandmarkSighting> sightings);
 
   [[nodiscard]] const ParticleFilter<Pose2>& belief() const { return filter_; }
@@ -65,7 +69,8 @@ class LandmarkLocalizer {
   Threads threads_;
 };
 
-/// What a belief says of sightings before they are taken in: their squared Mahalanobis distance, and the evidence to expect.
+/// What a belief says of sightings before they are taken in: their squared Mahalanobis distance,
+/// and the evidence to expect.
 /// \param prior        the belief before, narrow enough to be a normal distribution
 /// \param association  which landmark each sighting is of, as LandmarkModel::associate tells
 /// log_evidence and effective_share are left for the caller.

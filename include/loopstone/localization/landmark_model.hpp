@@ -49,12 +49,14 @@ void visit_options(LandmarkSensor& sensor, Visitor&& visit) {
 
 /// How sightings of landmarks depend on the robot's pose. Immutable.
 ///
-/// A sighting is of its landmark with probability 1 - clutter_share, then range and bearing are normal about the true
-/// ones; else it lies anywhere within max_range_m and around the robot.
-/// Source: Thrun, Burgard and Fox 2005, sections 6.6 and 7.5 (maximum likelihood association, mutual exclusion).
+/// A sighting is of its landmark with probability 1 - clutter_share, then range and bearing are
+/// normal about the true ones; else it lies anywhere within max_range_m and around the robot.
+/// Source: Thrun, Burgard and Fox 2005, sections 6.6 and 7.5 (maximum likelihood association,
+/// mutual exclusion).
 class LandmarkModel {
  public:
-  /// Throws UsageError for an id that occurs twice, a position that is not finite, and a sensor out of its ranges.
+  /// Throws UsageError for an id that occurs twice, a position that is not finite, and a sensor out
+  /// of its ranges.
   LandmarkModel(std::vector<Landmark> landmarks, const LandmarkSensor& sensor);
 
   [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
@@ -70,8 +72,9 @@ class LandmarkModel {
                                            const LandmarkSighting& sighting,
                                            std::size_t landmark) const;
 
-  /// log p(sightings | pose): those with an id by their landmark, those without by the best association of all that uses no
-  /// landmark twice. Never -inf: there is always clutter. Cost: O(sightings * landmarks).
+  /// log p(sightings | pose): those with an id by their landmark, those without by the best
+  /// association of all that uses no landmark twice. Never -inf: there is always clutter. Cost:
+  /// O(sightings * landmarks).
   [[nodiscard]] double log_likelihood(const Pose2& map_T_robot,
                                       std::span<const LandmarkSighting> sightings) const;
 
@@ -82,8 +85,10 @@ class LandmarkModel {
   /// log p of a sighting that is clutter, the prior share included.
   [[nodiscard]] double log_clutter() const { return log_clutter_; }
 
-  /// A pose from which this would be seen: anywhere on the circle around the landmark. Without an id, around any landmark.
-  /// Source: Thrun, Burgard and Fox 2005, table 6.5. Throws UsageError when there is no such landmark.
+  /// A pose from which this would be seen: anywhere on the circle around the landmark. Without an
+  /// id, around any landmark.
+  /// Source: Thrun, Burgard and Fox 2005, table 6.5. Throws UsageError when there is no such
+  /// landmark.
   [[nodiscard]] Pose2 sample_pose(const LandmarkSighting& sighting, Rng& rng) const;
 
  private:

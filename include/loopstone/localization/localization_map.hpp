@@ -7,8 +7,8 @@
 
 namespace loopstone {
 
-/// A map made ready for localisation, once: distances to walls, bounds for searching it, free space. Immutable, so it may be
-/// shared between threads and localizers.
+/// A map made ready for localisation, once: distances to walls, bounds for searching it, free
+/// space. Immutable, so it may be shared between threads and localizers.
 class LocalizationMap {
  public:
   /// What making one takes for each cell, about; what it keeps is less.

@@ -45,7 +45,8 @@ struct PoseEvidence {
   double spread_m = 0.0;    ///< standard deviation of its particles' positions
   double spread_rad = 0.0;  ///< of their headings
   double innovation =
-      0.0;  ///< registration against prediction, squared Mahalanobis distance / 3, mean of the last ones
+      /// registration against prediction, squared Mahalanobis distance / 3, mean of the last ones
+      0.0;
   double followed_m = 0.0;  ///< path over which the hypothesis has held
 };
 

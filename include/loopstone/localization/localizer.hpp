@@ -44,8 +44,8 @@ class Localizer {
   /// most 0.25 s; one that is not newer than the last is left out.
   void add(const SensorMessage& message);
 
-  /// The oldest estimate that was not handed out yet: one a scan, in their order, from the first pose
-  /// on. All of them are in the result too.
+  /// The oldest estimate that was not handed out yet: one a scan, in their order, from the first
+  /// pose on. All of them are in the result too.
   [[nodiscard]] std::optional<LocalizationEstimate> next_update();
 
   /// Ends the recording. Call once.

@@ -8,7 +8,8 @@
 
 namespace loopstone {
 
-/// How much a robot's motion strays from what odometry says. Thrun, Burgard and Fox 2005, section 5.4.
+/// How much a robot's motion strays from what odometry says. Thrun, Burgard and Fox 2005, section
+/// 5.4.
 struct OdometryMotionNoise {
   double turn_from_turn = 0.1;       ///< alpha1 [rad/rad]
   double turn_from_travel = 0.05;    ///< alpha2 [rad/m]
@@ -37,12 +38,15 @@ struct TurnGoTurn {
 [[nodiscard]] Pose2 to_pose(const TurnGoTurn& motion);
 
 /// Where the robot may be after odometry reported a motion: one sample.
-/// Below a centimetre of travel its direction is noise: then the robot turned once, by the sum of both turns.
-/// Source: Thrun, Burgard and Fox 2005, table 5.6, with standard deviations that grow with the motion.
+/// Below a centimetre of travel its direction is noise: then the robot turned once, by the sum of
+/// both turns.
+/// Source: Thrun, Burgard and Fox 2005, table 5.6, with standard deviations that grow with the
+/// motion.
 [[nodiscard]] Pose2 sample_odometry_motion(const Pose2& map_T_from, const TurnGoTurn& motion,
                                            const OdometryMotionNoise& noise, Rng& rng);
 
-/// How much a robot's motion strays from its commanded or measured velocity: standard deviations of the speeds, section 5.3.
+/// How much a robot's motion strays from its commanded or measured velocity: standard deviations of
+/// the speeds, section 5.3.
 struct VelocityMotionNoise {
   double speed_from_speed = 0.05;  ///< alpha1 [1]
   double speed_from_rate = 0.02;   ///< alpha2 [m/rad]
@@ -62,7 +66,8 @@ void visit_options(VelocityMotionNoise& noise, Visitor&& visit) {
   visit("turn_from_rate", noise.turn_from_rate, Range{0.0, 10.0}, "alpha6 [1]");
 }
 
-/// One sample of where the robot may be after moving at a speed [m/s] and yaw rate [rad/s] for a time: an arc and a last turn.
+/// One sample of where the robot may be after moving at a speed [m/s] and yaw rate [rad/s] for a
+/// time: an arc and a last turn.
 /// Source: Thrun, Burgard and Fox 2005, table 5.3; exact on straights too.
 [[nodiscard]] Pose2 sample_velocity_motion(const Pose2& map_T_from, double speed_m_s,
                                            double yaw_rate_rad_s, double duration_s,
@@ -82,8 +87,8 @@ class GaussianMotion {
   Eigen::Matrix3d root_;  ///< root * root^T = covariance
 };
 
-/// A matrix whose product with its transpose is the given symmetric positive semidefinite one, which may be singular; negative
-/// eigenvalues of rounding count as zero.
+/// A matrix whose product with its transpose is the given symmetric positive semidefinite one,
+/// which may be singular; negative eigenvalues of rounding count as zero.
 [[nodiscard]] Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance);
 
 }  // namespace loopstone

@@ -16,17 +16,23 @@
 
 namespace loopstone {
 
-/// A belief over states, held as weighted samples: the particle filter. It knows nothing of motion, sensors or resampling;
-/// each verb takes a callable that does. Weights are logarithms and always sum to one; what a reading did to their
-/// sum is returned as its evidence, so filters can be weighed against each other (Vermaak, Doucet and Perez 2003, "Maintaining multi-modality through mixture tracking").
+/// A belief over states, held as weighted samples: the particle filter. It knows nothing of motion,
+/// sensors or resampling; each verb takes a callable that does. Weights are logarithms and always
+/// sum to one; what a reading did to their sum is returned as its evidence, so filters can be
+/// weighed against each other (Vermaak, Doucet and Perez 2003, "Maintaining multi-modality through
+/// mixture tracking").
 ///
-///   filter.predict([&](const Pose2& pose, Rng& noise) { return pose * sample(motion, noise); }, rng);
-///   const double log_evidence = filter.update([&](const Pose2& pose) { return log_likelihood(scan, map, pose); });
-///   if (filter.effective_sample_size() < 0.5 * filter.size()) filter.resample(filter.size(), resampler, rng);
+///   filter.predict(
+///       [&](const Pose2& pose, Rng& noise) { return pose * sample(motion, noise); }, rng);
+///   const double log_evidence =
+///       filter.update([&](const Pose2& pose) { return log_likelihood(scan, map, pose); });
+///   if (filter.effective_sample_size() < 0.5 * filter.size())
+///     filter.resample(filter.size(), resampler, rng);
 ///
-/// Callables may run on several threads at once. Noise and work are dealt out in chunks of a fixed size, so the result
-/// is the same for any number of threads.
-/// Source: Thrun, Burgard and Fox 2005, "Probabilistic Robotics", table 4.3; Gordon, Salmond and Smith 1993.
+/// Callables may run on several threads at once. Noise and work are dealt out in chunks of a fixed
+/// size, so the result is the same for any number of threads.
+/// Source: Thrun, Burgard and Fox 2005, "Probabilistic Robotics", table 4.3; Gordon, Salmond and
+/// Smith 1993.
 template <typename State>
 class ParticleFilter {
  public:
@@ -40,7 +46,8 @@ class ParticleFilter {
     weigh_equally();
   }
 
-  /// Weights as logarithms, on any scale. Throws UsageError where sizes differ, a weight is NaN or +inf, or all are zero.
+  /// Weights as logarithms, on any scale. Throws UsageError where sizes differ, a weight is NaN or
+  /// +inf, or all are zero.
   ParticleFilter(std::vector<State> states, std::vector<double> log_weights)
       : states_(std::move(states)), log_weights_(log_weights.size(), 0.0) {
     if (states_.empty() || states_.size() != log_weights.size()) {
@@ -83,8 +90,8 @@ class ParticleFilter {
   }
 
   /// Weighs every particle by how well it explains a reading; the sensor model is either of
-  ///   sensor(const State&) -> double                                             log p(reading | state)
-  ///   sensor(std::span<const State>, std::span<double> log_likelihoods)          at most kChunk at once
+  ///   sensor(const State&) -> double log p(reading | state)
+  ///   sensor(std::span<const State>, std::span<double> log_likelihoods) at most kChunk at once
   /// Returns and throws as reweight does.
   template <typename Sensor>
   double update(const Sensor& sensor, Threads threads = {1}) {
@@ -101,9 +108,10 @@ class ParticleFilter {
     return reweight(log_likelihoods);
   }
 
-  /// update with likelihoods computed elsewhere, one a particle. Returns the evidence log p(reading | readings before),
-  /// up to the constant that the likelihoods leave out. -inf: no particle can explain the reading; the belief stays as
-  /// it was. Throws UsageError, the belief untouched, where sizes differ or a value is NaN or +inf.
+  /// update with likelihoods computed elsewhere, one a particle. Returns the evidence log p(reading
+  /// | readings before), up to the constant that the likelihoods leave out. -inf: no particle can
+  /// explain the reading; the belief stays as it was. Throws UsageError, the belief untouched,
+  /// where sizes differ or a value is NaN or +inf.
   double reweight(std::span<const double> log_likelihoods) {
     if (log_likelihoods.size() != size()) {
       throw UsageError("a particle filter needs one likelihood for each particle");
@@ -121,7 +129,8 @@ class ParticleFilter {
   }
 
   /// Draws `count` particles in proportion to the weights, and weighs them equally.
-  /// Throws UsageError where count is 0 or the resampler's answer has another length or an index out of range.
+  /// Throws UsageError where count is 0 or the resampler's answer has another length or an index
+  /// out of range.
   void resample(std::size_t count, const Resampler& resampler, Rng& rng) {
     take(resampler(weights(), count, rng), count);
   }
@@ -129,8 +138,9 @@ class ParticleFilter {
     take(resample_indices(scheme, weights(), count, rng), count);
   }
 
-  /// Becomes the mixture of this belief and another one that weighs exp(relative_log_weight) times as much as this.
-  /// The other's particles follow this filter's. -inf leaves this belief as it is; NaN and +inf throw UsageError.
+  /// Becomes the mixture of this belief and another one that weighs exp(relative_log_weight) times
+  /// as much as this. The other's particles follow this filter's. -inf leaves this belief as it is;
+  /// NaN and +inf throw UsageError.
   void absorb(const ParticleFilter& other, double relative_log_weight) {
     if (relative_log_weight == -std::numeric_limits<double>::infinity()) return;
     if (!std::isfinite(relative_log_weight)) {

@@ -26,7 +26,9 @@ struct PoseBeliefOptions {
   double kld_epsilon = 0.05;    ///< Kullback-Leibler distance to that histogram ...
   double kld_quantile = 2.326;  ///< ... which is kept with 99 % probability
   double gap_m =
-      0.35;  ///< particles this far apart in position, or that far in heading, with none between, are two places
+      /// particles this far apart in position, or that far in heading, with none between, are two
+      /// places
+      0.35;
   double gap_rad = 0.3;
   double negligible = 1e-4;  ///< places believed in less are dropped
   int places_max = 60;       ///< and those beyond so many
@@ -43,17 +45,19 @@ struct PlaceBelief {
   AugmentedInjection injection{0.05, 0.4};
 };
 
-/// Which poses belong together: those in the same or neighbouring cells of a lattice, and so on. One label a pose, counted
-/// from 0 in the order of first appearance. Cost: O(poses) on average.
+/// Which poses belong together: those in the same or neighbouring cells of a lattice, and so on.
+/// One label a pose, counted from 0 in the order of first appearance. Cost: O(poses) on average.
 [[nodiscard]] std::vector<int> group_poses(std::span<const Pose2> poses, double cell_m,
                                            double cell_rad);
 
 /// What is believed of the robot's pose: a mixture of places, each with particles of its own.
 ///
-/// Particles of one filter that are drawn anew from all over the map drift into one of several places that explain the
-/// readings equally well, by chance. Here a place loses particles to its own alone, and the belief in each place changes by
-/// what the readings say and by nothing else. Places that grow together become one, a cloud that falls apart becomes several.
-/// Source: Vermaak, Doucet and Perez 2003, "Maintaining multi-modality through mixture tracking", equations 8 to 13.
+/// Particles of one filter that are drawn anew from all over the map drift into one of several
+/// places that explain the readings equally well, by chance. Here a place loses particles to its
+/// own alone, and the belief in each place changes by what the readings say and by nothing else.
+/// Places that grow together become one, a cloud that falls apart becomes several.
+/// Source: Vermaak, Doucet and Perez 2003, "Maintaining multi-modality through mixture tracking",
+/// equations 8 to 13.
 class PoseBelief {
  public:
   /// Log-likelihoods of a scan at many poses.
@@ -70,23 +74,23 @@ class PoseBelief {
     PoseWithCovariance2 map_T_robot;  ///< particles are drawn from this
     double log_mass = 0.0;            ///< against the other proposals
   };
-  /// Gives `share` of the belief to new places; all of it when there are none yet. Proposals that fall where the belief
-  /// already has particles add to them.
+  /// Gives `share` of the belief to new places; all of it when there are none yet. Proposals that
+  /// fall where the belief already has particles add to them.
   void add(std::span<const Proposal> proposals, double share);
 
   void predict(const MotionModel& motion);
 
-  /// Weighs all particles of each place against each other, and the places by their evidence. Where no particle can explain the
-  /// scan, nothing changes.
-  /// \param readings  independent ones that the log-likelihoods add up: what belongs to one of them tells how well a place
-  ///                  explains scans
-  /// \param evidence  log-likelihood of the scan in a place as a whole; without it the mean over its particles, which is noisy
-  ///                  where they are few
+  /// Weighs all particles of each place against each other, and the places by their evidence. Where
+  /// no particle can explain the scan, nothing changes.
+  /// \param readings  independent ones that the log-likelihoods add up: what belongs to one of them
+  ///                  tells how well a place explains scans
+  /// \param evidence  log-likelihood of the scan in a place as a whole; without it the mean over
+  ///                  its particles, which is noisy where they are few
   void update(const SensorModel& sensor, double readings = 1.0,
               const std::function<double(const PlaceBelief&)>& evidence = {});
 
-  /// Joins and parts places, drops negligible ones, draws particles anew where weights have become uneven, and where a place
-  /// explains scans worse than it used to, some of them widely around it.
+  /// Joins and parts places, drops negligible ones, draws particles anew where weights have become
+  /// uneven, and where a place explains scans worse than it used to, some of them widely around it.
   void settle();
 
   /// The most probable first.

@@ -11,8 +11,9 @@
 
 namespace loopstone {
 
-/// How many particles a belief needs: so many that their histogram over bins is close to that of the belief.
-/// A belief spread over many bins gets many particles, one in a single bin gets min_count.
+/// How many particles a belief needs: so many that their histogram over bins is close to that of
+/// the belief. A belief spread over many bins gets many particles, one in a single bin gets
+/// min_count.
 template <typename State>
 struct KldSize {
   std::function<std::uint64_t(const State&)>
@@ -50,8 +51,8 @@ struct Injection {
   std::function<State(Rng&)> sample;  ///< from where the truth may be
 };
 
-/// When and how the particles are drawn anew after a reading. The default: systematic, as many as there are, when the
-/// effective sample size has fallen to half.
+/// When and how the particles are drawn anew after a reading. The default: systematic, as many as
+/// there are, when the effective sample size has fallen to half.
 template <typename State>
 struct Renewal {
   Resampler resampler = resampler_of(ResamplingScheme::kSystematic);
@@ -68,7 +69,8 @@ struct FilterStep {
   std::size_t injected = 0;  ///< fresh samples among the particles
 };
 
-/// Draws the particles anew where the policy says so; fresh samples always cause it, so that the number is kept.
+/// Draws the particles anew where the policy says so; fresh samples always cause it, so that the
+/// number is kept.
 template <typename State>
 FilterStep renew(ParticleFilter<State>& filter, const Renewal<State>& renewal, double log_evidence,
                  Rng& rng) {
@@ -95,7 +97,8 @@ FilterStep renew(ParticleFilter<State>& filter, const Renewal<State>& renewal, d
   return step;
 }
 
-/// One round of the filter: move, weigh, draw anew. Callables as ParticleFilter's predict and update take them.
+/// One round of the filter: move, weigh, draw anew. Callables as ParticleFilter's predict and
+/// update take them.
 template <typename State, typename Motion, typename Sensor>
 FilterStep filter_step(ParticleFilter<State>& filter, const Motion& motion, const Sensor& sensor,
                        const Renewal<State>& renewal, Rng& rng, Threads threads = {1}) {

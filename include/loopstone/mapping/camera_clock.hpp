@@ -27,13 +27,15 @@ struct CameraClock {
   }
 };
 
-/// Compares how the floor moves between consecutive pictures with how the robot moved by the trajectory, both shifted in time
-/// against each other: the shift that explains the turning best is the offset of the clocks. Only moments count in
-/// which the turning changes. Offsets up to 0.3 s are found.
+/// Compares how the floor moves between consecutive pictures with how the robot moved by the
+/// trajectory, both shifted in time against each other: the shift that explains the turning best is
+/// the offset of the clocks. Only moments count in which the turning changes. Offsets up to 0.3 s
+/// are found.
 ///
 /// \param camera  as it is really mounted (FloorPlaneEstimator)
 /// Cost: about 2 ms for each pair of frames beside loading; at most `most_pairs` pairs.
-/// Source: the motion from pictures is Baker and Matthews 2004, "Lucas-Kanade 20 years on", inverse compositional.
+/// Source: the motion from pictures is Baker and Matthews 2004, "Lucas-Kanade 20 years on", inverse
+/// compositional.
 [[nodiscard]] CameraClock estimate_camera_clock(const RgbdSource& source,
                                                 const Trajectory& trajectory,
                                                 const CameraModel& camera, Threads threads = {},

@@ -10,9 +10,10 @@
 
 namespace loopstone {
 
-/// The floor as a depth camera sees it: the ray (x, y, 1) of the optical frame meets it at 1 / depth = slope . (x, y, 1).
-/// In inverse depth a plane is linear, and for cameras that triangulate the noise is the same everywhere, so the least
-/// squares fit is the best one. Source: Konolige and Mihelich 2012, "Technical description of Kinect calibration".
+/// The floor as a depth camera sees it: the ray (x, y, 1) of the optical frame meets it at 1 /
+/// depth = slope . (x, y, 1). In inverse depth a plane is linear, and for cameras that triangulate
+/// the noise is the same everywhere, so the least squares fit is the best one. Source: Konolige and
+/// Mihelich 2012, "Technical description of Kinect calibration".
 struct FloorPlane {
   Eigen::Vector3d slope = Eigen::Vector3d::Zero();  ///< [1/m]
 
@@ -22,8 +23,8 @@ struct FloorPlane {
 /// The floor (z = 0 of the robot's frame) for a camera that is mounted so.
 [[nodiscard]] FloorPlane floor_plane_of(const Pose3& robot_T_camera);
 
-/// The mount under which this plane is the robot's floor: roll, pitch and height follow from the plane; x, y and yaw, of which
-/// a floor tells nothing, are those of `robot_T_camera`.
+/// The mount under which this plane is the robot's floor: roll, pitch and height follow from the
+/// plane; x, y and yaw, of which a floor tells nothing, are those of `robot_T_camera`.
 [[nodiscard]] Pose3 mount_seeing(const FloorPlane& plane, const Pose3& robot_T_camera);
 
 enum class FloorStatus {
@@ -46,8 +47,9 @@ struct FloorEstimate {
   int frames = 0;            ///< in which the floor was seen
 };
 
-/// Fits the floor to what the camera measured in several frames. Points count that lie near the floor of the given mount
-/// (within 0.08 m and 4 deg) and then near the fit (3 standard deviations), so walls and things do not bend it.
+/// Fits the floor to what the camera measured in several frames. Points count that lie near the
+/// floor of the given mount (within 0.08 m and 4 deg) and then near the fit (3 standard
+/// deviations), so walls and things do not bend it.
 ///
 ///   FloorPlaneEstimator floor(camera);
 ///   for (const InverseDepthImage& depth : some_frames) floor.add(depth);

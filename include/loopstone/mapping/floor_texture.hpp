@@ -108,18 +108,22 @@ struct FloorTexture {
 };
 
 /// Puts the colours of the floor on the map, in these steps:
-///   1. the floor's plane in some frames tells how the camera is really mounted (FloorPlaneEstimator),
-///   2. how the floor moves through the picture tells how late the camera's stamps are (estimate_camera_clock),
-///   3. each frame that adds something gives a colour to every cell that it sees: the mean light over the cell's outline in
-///      the picture, if the depth picture measured floor there; weighted by blur, levelled in brightness, joined robustly
-///      (TextureCell); before that the frame moves by the few millimetres that make it agree with the floor seen before,
+///   1. the floor's plane in some frames tells how the camera is really mounted
+///      (FloorPlaneEstimator),
+///   2. how the floor moves through the picture tells how late the camera's stamps are
+///      (estimate_camera_clock),
+///   3. each frame that adds something gives a colour to every cell that it sees: the mean light
+///      over the cell's outline in the picture, if the depth picture measured floor there; weighted
+///      by blur, levelled in brightness, joined robustly (TextureCell); before that the frame moves
+///      by the few millimetres that make it agree with the floor seen before,
 ///   4. small gaps between seen cells are filled,
 ///   5. if asked for, every point that the depth camera measured gets its colour as well (`cloud`).
 /// The robot's pose at each picture's own stamp is interpolated on the trajectory.
 ///
 /// \param source      frames in time order; loaded when needed, at most a few at a time
 /// \param trajectory  map_T_robot
-/// Deterministic: the same bytes for any number of threads. Cost: about 4 ms a frame of 640 x 480 beside loading it.
+/// Deterministic: the same bytes for any number of threads. Cost: about 4 ms a frame of 640 x 480
+/// beside loading it.
 /// Memory: 16 bytes a cell that was seen, plus 4.
 [[nodiscard]] FloorTexture map_floor_texture(const RgbdSource& source, const Trajectory& trajectory,
                                              const CameraModel& camera,

@@ -11,17 +11,19 @@
 
 namespace loopstone {
 
-// How good is a map when nobody knows the truth? A map is a claim about many visits to the same places. What can be
-// checked is whether they agree: each wall should lie where the other visits put it, no beam should pass through a wall that
-// another visit hit, and what one visit sees the others should foretell. Within a visit poses agree because each scan was
-// aligned to the ones before; so only scans that are at least kVisitApartM of travel apart are compared.
+// How good is a map when nobody knows the truth? A map is a claim about many visits to the same
+// places. What can be checked is whether they agree: each wall should lie where the other visits
+// put it, no beam should pass through a wall that another visit hit, and what one visit sees the
+// others should foretell. Within a visit poses agree because each scan was aligned to the ones
+// before; so only scans that are at least kVisitApartM of travel apart are compared.
 //
-// What can't be seen this way: a map that is wrong everywhere alike (its scale), a stretch that was travelled once, two places
-// that look the same and were taken for one.
+// What can't be seen this way: a map that is wrong everywhere alike (its scale), a stretch that was
+// travelled once, two places that look the same and were taken for one.
 
 /// Scans are judged in stretches of this much travel.
 inline constexpr double kStretchM = 4.0;
-/// Stretches this far apart in sequence are different visits: at least 8 m, on average 12 m of travel between them.
+/// Stretches this far apart in sequence are different visits: at least 8 m, on average 12 m of
+/// travel between them.
 inline constexpr int kStretchesApart = 3;
 /// Side of a place.
 inline constexpr double kPlaceM = 0.5;
@@ -43,8 +45,8 @@ struct QualityPlace {
   [[nodiscard]] bool is_crossed() const { return crossed >= 4 && 4 * crossed >= beams; }
 };
 
-/// What a map's scans say about each other at their final poses. Figures rest on the counts beside them: where a count is
-/// 0 the figure says nothing.
+/// What a map's scans say about each other at their final poses. Figures rest on the counts beside
+/// them: where a count is 0 the figure says nothing.
 struct MapQuality {
   std::int64_t scans = 0;   ///< that were judged
   std::int64_t visits = 0;  ///< stretches of travel
@@ -59,7 +61,8 @@ struct MapQuality {
   double wall_offset_m = 0.0;        ///< between the same wall in two visits, median
   double wall_offset_worst_m = 0.0;  ///< the same, 95 of 100 are below
   double doubled_share = 0.0;        ///< of them, farther apart than kDoubledM
-  /// Of all returns about the one wall that they show: noise, own stretch and between visits together, standard deviation.
+  /// Of all returns about the one wall that they show: noise, own stretch and between visits
+  /// together, standard deviation.
   double wall_thickness_m = 0.0;
 
   std::int64_t entropy_points = 0;
@@ -79,22 +82,26 @@ struct MapQuality {
   [[nodiscard]] std::size_t places_in_trouble() const;
 };
 
-/// Judges the scans of a map against each other. Scans that add little are left out, and more than some thousands are
-/// thinned, so the cost does not grow without bound.
+/// Judges the scans of a map against each other. Scans that add little are left out, and more than
+/// some thousands are thinned, so the cost does not grow without bound.
 ///
-///   1. Every scan is read as surfaces (surface_points); the noise of its returns shows against their neighbours.
+///   1. Every scan is read as surfaces (surface_points); the noise of its returns shows against
+///      their neighbours.
 ///   2. The surfaces of a stretch of travel become pieces of wall, 10 cm long.
-///   3. Each piece is compared with the nearest piece of every other visit that faces the same way: wall offsets.
+///   3. Each piece is compared with the nearest piece of every other visit that faces the same way:
+///      wall offsets.
 ///   4. Beams that pass a piece of another visit from front to back are violations of free space.
 ///   5. Every fourth scan is held out: do other visits have a wall where it has returns?
 ///   6. Mean map entropy of the returns, of the whole map and of the stretch alone.
 ///
 /// \param scans  in time order, at final poses; those without a scan are left out
-/// Deterministic: the same bytes for any number of threads. Cost: about 0.1 ms a judged scan of 180 beams.
-/// Sources: Droeschel, Stueckler and Behnke 2014, "Local multi-resolution representation for 6D motion estimation and
-/// mapping with a continuously rotating 3D laser scanner", and Razlaw et al. 2015, "Evaluation of registration methods for
-/// sparse 3D laser scans" (mean map entropy); Haehnel, Schulz and Burgard 2002, "Map building with mobile robots in populated
-/// environments" (beams that contradict hits).
+/// Deterministic: the same bytes for any number of threads. Cost: about 0.1 ms a judged scan of 180
+/// beams.
+/// Sources: Droeschel, Stueckler and Behnke 2014, "Local multi-resolution representation for 6D
+/// motion estimation and mapping with a continuously rotating 3D laser scanner", and Razlaw et al.
+/// 2015, "Evaluation of registration methods for sparse 3D laser scans" (mean map entropy);
+/// Haehnel, Schulz and Burgard 2002, "Map building with mobile robots in populated environments"
+/// (beams that contradict hits).
 [[nodiscard]] MapQuality assess_map(std::span<const PosedScan> scans, Threads threads = {});
 
 }  // namespace loopstone

@@ -14,7 +14,8 @@
 
 namespace loopstone {
 
-/// How measurements become occupancy. Source: Moravec and Elfes 1985; Thrun, Burgard and Fox 2005, table 9.1.
+/// How measurements become occupancy. Source: Moravec and Elfes 1985; Thrun, Burgard and Fox 2005,
+/// table 9.1.
 struct OccupancyOptions {
   double resolution_m = 0.05;
   double hit_probability = 0.7;   ///< p(occupied | a beam ended here)
@@ -23,7 +24,8 @@ struct OccupancyOptions {
       0.97;                        ///< belief never leaves [1 - p, p], so a map can change its mind
   double no_return_carve_m = 5.0;  ///< a beam without return frees cells up to this far
   double max_range_m = 80.0;       ///< returns beyond are treated as beams without return
-  /// What the machine may hold, no matter of taste. The default is 820 m x 820 m at 5 cm, and takes 2 GB with what is made of it.
+  /// What the machine may hold, no matter of taste. The default is 820 m x 820 m at 5 cm, and takes
+  /// 2 GB with what is made of it.
   std::uint64_t most_cells = std::uint64_t{1} << 28U;
 };
 
@@ -42,8 +44,8 @@ void visit_options(OccupancyOptions& options, Visitor&& visit) {
         "returns beyond count as beams without return");
 }
 
-/// A scan and where its beams stood. With a sweep, the pose moves from `map_T_lidar` (first beam) to
-/// `map_T_lidar_end` (last beam).
+/// A scan and where its beams stood. With a sweep, the pose moves from `map_T_lidar` (first beam)
+/// to `map_T_lidar_end` (last beam).
 struct PosedScan {
   const LaserScan* scan = nullptr;
   Pose2 map_T_lidar;
@@ -51,7 +53,8 @@ struct PosedScan {
   Pose2 map_T_robot;
 };
 
-/// Log-odds occupancy: positive = occupied, negative = free, NaN-free; `observed` tells unknown cells from even ones.
+/// Log-odds occupancy: positive = occupied, negative = free, NaN-free; `observed` tells unknown
+/// cells from even ones.
 struct OccupancyMap {
   Grid<float> log_odds;         ///< 0 where never observed
   Grid<std::uint8_t> observed;  ///< 1 where a beam passed or ended, or the robot drove
@@ -60,10 +63,11 @@ struct OccupancyMap {
   [[nodiscard]] double probability(Cell cell) const;
 };
 
-/// Builds the map of all scans at their poses; extent grows to what was seen. Where that is more than `most_cells`, the cells
-/// are twice as wide, or four times, up to 1 m; throws UsageError when that does not help either. Cells that the robot's footprint crossed
-/// are free. Within a scan an end point wins over a pass-through, and each cell changes at most once.
-/// The same bytes for any number of threads.
+/// Builds the map of all scans at their poses; extent grows to what was seen. Where that is more
+/// than `most_cells`, the cells are twice as wide, or four times, up to 1 m; throws UsageError when
+/// that does not help either. Cells that the robot's footprint crossed are free. Within a scan an
+/// end point wins over a pass-through, and each cell changes at most once. The same bytes for any
+/// number of threads.
 /// Cost: O(cells that beams cross).
 [[nodiscard]] OccupancyMap build_occupancy_map(std::span<const PosedScan> scans,
                                                double footprint_radius_m,

@@ -34,8 +34,8 @@ struct OccupancyTile {
       observed{};  ///< 1 where a beam passed or ended, or the robot drove
 };
 
-/// An occupancy map that can be drawn anew in parts. Drawn in one go it is build_occupancy_map() of the
-/// same scans, cell for cell.
+/// An occupancy map that can be drawn anew in parts. Drawn in one go it is build_occupancy_map() of
+/// the same scans, cell for cell.
 ///
 ///   tiles.erase(dirty);                                   // unknown again
 ///   tiles.draw(older_scans, DrawWhere::kErased, before);  // on the erased tiles only

@@ -33,8 +33,9 @@ void visit_options(SubmapOptions& options, Visitor&& visit) {
         "a beam without return frees space up to this far");
 }
 
-/// What remains of a submap once it is full: its surfaces, thinned, and the space seen to be free. A few tens of
-/// kilobytes; grids for matching and searching are rebuilt from it when they are needed.
+/// What remains of a submap once it is full: its surfaces, thinned, and the space seen to be free.
+/// A few tens of kilobytes; grids for matching and searching are rebuilt from it when they are
+/// needed.
 struct FrozenSubmap {
   std::vector<SurfacePoint> surfaces;  ///< submap frame
   Grid<std::uint8_t> free;             ///< 1 where beams passed and nothing was ever hit
@@ -43,7 +44,8 @@ struct FrozenSubmap {
   [[nodiscard]] SurfaceGrid surface_grid(const SubmapOptions& options) const;
   /// With as many levels as a window of that half side can use.
   [[nodiscard]] MaxPyramid search_pyramid(const SubmapOptions& options, double half_window_m) const;
-  /// Whether nothing of it lies farther than this from its origin along either axis, or is no number; for what comes from a file.
+  /// Whether nothing of it lies farther than this from its origin along either axis, or is no
+  /// number; for what comes from a file.
   [[nodiscard]] bool lies_within(double reach_m) const;
   /// About `count` positions of its surfaces, evenly spaced, to search other submaps with.
   [[nodiscard]] std::vector<Eigen::Vector2d> probe(std::size_t count) const;
@@ -54,8 +56,8 @@ struct FrozenSubmap {
   }
 };
 
-/// A short stretch of travel within which dead reckoning and matching hardly drift, as surfaces to align the next scan to.
-/// Its frame is the pose of its first scan.
+/// A short stretch of travel within which dead reckoning and matching hardly drift, as surfaces to
+/// align the next scan to. Its frame is the pose of its first scan.
 class Submap {
  public:
   explicit Submap(const SubmapOptions& options);

@@ -23,7 +23,8 @@ struct DeadReckoningResult {
   double gyro_bias_rad_s = 0.0;  ///< as learned by the end
 };
 
-/// Feeds a log to an Odometer and collects a pose for every scan; each scan waits until odometry has come to its stamp.
+/// Feeds a log to an Odometer and collects a pose for every scan; each scan waits until odometry
+/// has come to its stamp.
 class DeadReckoner {
  public:
   explicit DeadReckoner(const WheelModel& wheels, const OdometryOptions& options = {});

@@ -22,9 +22,9 @@ struct ArcMotion {
   }
 };
 
-/// What one cumulative counter of `bits` bits moved by from one reading to the next: the difference modulo 2^bits that
-/// is nearest to zero, so a wrap in either direction is seen through as long as less than half of the range was missed.
-/// bits in [1, 62].
+/// What one cumulative counter of `bits` bits moved by from one reading to the next: the difference
+/// modulo 2^bits that is nearest to zero, so a wrap in either direction is seen through as long as
+/// less than half of the range was missed. bits in [1, 62].
 [[nodiscard]] std::int64_t count_difference(std::int64_t earlier, std::int64_t later, int bits);
 
 /// Counts of all four wheels between two readings, whether the counters are cumulative or not.
@@ -33,7 +33,8 @@ struct ArcMotion {
                                                          const WheelModel& wheels);
 
 /// The motion that counts [FR, FL, RR, RL] of a differential drive stand for:
-///   left = (FL + RL) / 2, right = (FR + RR) / 2 in metres, distance = (left + right) / 2, rotation = (right - left) / track.
+///   left = (FL + RL) / 2, right = (FR + RR) / 2 in metres, distance = (left + right) / 2, rotation
+///   = (right - left) / track.
 /// Source: Siegwart and Nourbakhsh 2004, section 5.2.4.
 [[nodiscard]] ArcMotion motion_of(const std::array<std::int64_t, 4>& counts,
                                   const WheelModel& wheels);
@@ -47,9 +48,10 @@ struct ArcMotion {
 
 /// Covariance of one step in the frame of its start, (x, y, yaw).
 ///
-/// Variances grow in proportion to distance and turn, so the uncertainty of a path does not depend on how many readings
-/// it is cut into. (Thrun, Burgard and Fox 2005, table 5.6, let standard deviations grow in proportion instead, which
-/// makes a fast encoder look better than a slow one.) The factors are the options' standard deviations, squared.
+/// Variances grow in proportion to distance and turn, so the uncertainty of a path does not depend
+/// on how many readings it is cut into. (Thrun, Burgard and Fox 2005, table 5.6, let standard
+/// deviations grow in proportion instead, which makes a fast encoder look better than a slow one.)
+/// The factors are the options' standard deviations, squared.
 /// \param yaw_from_gyro  the heading's factors count a hundredth (a tenth in standard deviation)
 [[nodiscard]] Eigen::Matrix3d motion_covariance(double distance_m, double rotation_rad,
                                                 bool yaw_from_gyro, const OdometryOptions& options);

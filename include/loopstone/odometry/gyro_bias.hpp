@@ -4,12 +4,12 @@
 
 namespace loopstone {
 
-/// The bias of a gyro, learned whenever the robot stands still: a Kalman filter with one state, a slowly wandering
-/// constant, and one measurement, the rate that the gyro shows at rest.
+/// The bias of a gyro, learned whenever the robot stands still: a Kalman filter with one state, a
+/// slowly wandering constant, and one measurement, the rate that the gyro shows at rest.
 class GyroBias {
  public:
-  /// A reading of the gyro while the robot stands still. Rates that no bias explains (somebody turns the robot by hand)
-  /// are not learned: false.
+  /// A reading of the gyro while the robot stands still. Rates that no bias explains (somebody
+  /// turns the robot by hand) are not learned: false.
   bool learn(Stamp stamp, double rate_rad_s);
 
   /// True when the rate is what this gyro could show at rest.

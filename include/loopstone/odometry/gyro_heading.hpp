@@ -8,16 +8,18 @@
 
 namespace loopstone {
 
-/// The heading of a robot of which only the gyro is known: its rate, integrated between samples as if it changed linearly.
-/// The bias stays in it, a few milliradians from one scan to the next; nothing says when the robot stands still.
-/// Memory is bounded: what is older than about 10 s is forgotten.
+/// The heading of a robot of which only the gyro is known: its rate, integrated between samples as
+/// if it changed linearly. The bias stays in it, a few milliradians from one scan to the next;
+/// nothing says when the robot stands still. Memory is bounded: what is older than about 10 s is
+/// forgotten.
 class GyroHeading {
  public:
-  /// Samples that are not newer than the last, or not finite, are ignored. Across a gap of more than 0.2 s the heading is
-  /// unknown: it starts anew.
+  /// Samples that are not newer than the last, or not finite, are ignored. Across a gap of more
+  /// than 0.2 s the heading is unknown: it starts anew.
   void add(const ImuSample& sample);
 
-  /// Heading since some start [rad], not wrapped, between samples and up to 0.05 s after the newest; otherwise nothing.
+  /// Heading since some start [rad], not wrapped, between samples and up to 0.05 s after the
+  /// newest; otherwise nothing.
   [[nodiscard]] std::optional<double> heading_at(Stamp stamp) const;
 
   [[nodiscard]] std::optional<Stamp> newest() const;

@@ -19,14 +19,16 @@ namespace loopstone {
 ///   odometer.add(ticks); odometer.add(imu); ...            // each sensor's readings in time order
 ///   if (const auto known = odometer.pose_at(scan.stamp)) use(known->pose, known->covariance);
 ///
-/// Two sources of motion: wheel counts (with a gyro for the heading when there is one), or the poses that the log's own
-/// dead reckoning reported. The kind that comes first is used to the end; the other one is ignored.
+/// Two sources of motion: wheel counts (with a gyro for the heading when there is one), or the
+/// poses that the log's own dead reckoning reported. The kind that comes first is used to the end;
+/// the other one is ignored.
 ///
-/// Wheels and gyro: counts that a reading reports were made since the reading before it, at constant speed. Within that
-/// time the heading follows the gyro, interpolated between its samples (or, `alignment = nearest`, its sample nearest to
-/// the reading's stamp). A reading therefore waits until the gyro has caught up, at most 0.1 s; where the gyro is silent the
-/// wheels turn the robot. While all wheels have stood still for half a second the gyro's bias is learned and the robot
-/// does not turn, unless the gyro says clearly that somebody turns it.
+/// Wheels and gyro: counts that a reading reports were made since the reading before it, at
+/// constant speed. Within that time the heading follows the gyro, interpolated between its samples
+/// (or, `alignment = nearest`, its sample nearest to the reading's stamp). A reading therefore
+/// waits until the gyro has caught up, at most 0.1 s; where the gyro is silent the wheels turn the
+/// robot. While all wheels have stood still for half a second the gyro's bias is learned and the
+/// robot does not turn, unless the gyro says clearly that somebody turns it.
 ///
 /// Memory is bounded: poses older than about 10 s are forgotten.
 class Odometer {
@@ -43,28 +45,31 @@ class Odometer {
 
   /// odom_T_robot at a stamp and its covariance since the start (or since restart_at).
   ///  - between readings: along the arc;
-  ///  - after the newest: at constant velocity, up to max_extrapolation_s, with a covariance that grows accordingly;
+  ///  - after the newest: at constant velocity, up to max_extrapolation_s, with a covariance that
+  ///    grows accordingly;
   ///  - before the first reading: the first pose, up to max_extrapolation_s before it;
   ///  - otherwise (no odometry, too far ahead, forgotten): nothing.
   /// With `alignment = nearest`: the pose of the nearest reading, within max_extrapolation_s.
   [[nodiscard]] std::optional<PoseWithCovariance2> pose_at(Stamp stamp) const;
 
-  /// from_T_to, and the covariance of that motion alone. Nothing when either end has no pose. from <= to.
+  /// from_T_to, and the covariance of that motion alone. Nothing when either end has no pose. from
+  /// <= to.
   [[nodiscard]] std::optional<PoseWithCovariance2> motion_between(Stamp from, Stamp to) const;
 
   /// Until when the pose is known without extrapolation; nothing while there is no odometry.
   [[nodiscard]] std::optional<Stamp> newest() const;
 
-  /// From this stamp on odom_T_robot is counted from this pose, with no uncertainty; all that depended on the old pose is
-  /// forgotten. What is known about the sensors (the gyro's bias) stays.
+  /// From this stamp on odom_T_robot is counted from this pose, with no uncertainty; all that
+  /// depended on the old pose is forgotten. What is known about the sensors (the gyro's bias)
+  /// stays.
   void restart_at(const Pose2& odom_T_robot, Stamp stamp);
 
   [[nodiscard]] double gyro_bias_rad_s() const { return bias_.bias_rad_s(); }
   /// Wheel readings whose heading came from the gyro, and from the wheels.
   [[nodiscard]] std::int64_t turned_by_gyro() const { return turned_by_gyro_; }
   [[nodiscard]] std::int64_t turned_by_wheels() const { return turned_by_wheels_; }
-  /// Correlation [-1, 1] of the turns that wheels and gyro tell, -1 when one of them has the wrong sign. Nothing before both
-  /// turned by a radian or two.
+  /// Correlation [-1, 1] of the turns that wheels and gyro tell, -1 when one of them has the wrong
+  /// sign. Nothing before both turned by a radian or two.
   [[nodiscard]] std::optional<double> wheels_with_gyro() const;
 
   template <typename Archive>

@@ -20,13 +20,14 @@ struct OdometryWindow {
 
 /// How far odometry is off after some metres, learned from where the laser could tell.
 ///
-/// The drive is cut into windows of some metres; what odometry says of each is held against the laser. Beyond a window errors add up as
-/// those of independent windows do, and a heading that is off swings what lies far away:
+/// The drive is cut into windows of some metres; what odometry says of each is held against the
+/// laser. Beyond a window errors add up as those of independent windows do, and a heading that is
+/// off swings what lies far away:
 ///
 ///   g(L) = min(L, sqrt(window L)),   sigma_rad = r g,   sigma_m^2 = (s g)^2 + (sigma_rad D / 2)^2
 ///
-/// with L the way, D how far it led, s and r the root mean squares of the errors a metre. As long as there are few windows the
-/// first guess counts: wheels that nobody calibrated.
+/// with L the way, D how far it led, s and r the root mean squares of the errors a metre. As long
+/// as there are few windows the first guess counts: wheels that nobody calibrated.
 /// Cost: some nanoseconds a scan. Deterministic.
 class OdometryAccuracy {
  public:
@@ -36,7 +37,8 @@ class OdometryAccuracy {
   /// The laser lost the robot: the window that is open says nothing.
   void interrupt() { open_.reset(); }
 
-  /// One standard deviation after a way of that length [m], [rad]. \param reach_m  from its beginning to its end
+  /// One standard deviation after a way of that length [m], [rad]. \param reach_m from its
+  /// beginning to its end
   [[nodiscard]] double sigma_m(double path_m, double reach_m) const;
   [[nodiscard]] double sigma_rad(double path_m) const;
 

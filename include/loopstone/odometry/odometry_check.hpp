@@ -57,17 +57,19 @@ struct MotionPair {
   bool odometry_has_translation = true;  ///< false: a gyro alone
 };
 
-/// One part of the motion, cut into pieces long enough that noise is small beside them. A piece is wrong when both
-/// disagree by more than twice what wheels are ever granted. Odometry loses trust when 5 in a row or 7 of the last 10 pieces are
-/// wrong, which happens once in some million pieces when one in twenty is wrong by chance (binomial), and regains it when 8 of 10 are
-/// clearly right, within half of that.
+/// One part of the motion, cut into pieces long enough that noise is small beside them. A piece is
+/// wrong when both disagree by more than twice what wheels are ever granted. Odometry loses trust
+/// when 5 in a row or 7 of the last 10 pieces are wrong, which happens once in some million pieces
+/// when one in twenty is wrong by chance (binomial), and regains it when 8 of 10 are clearly right,
+/// within half of that.
 class MotionAgreement {
  public:
   /// \param piece  length of a piece [m or rad]
   /// \param rest   disagreement that means nothing: noise of the laser, stamps
   MotionAgreement(double piece, double rest) : piece_(piece), rest_(rest) {}
 
-  /// \param slack  disagreement that this motion allows beside its own share, for example heading lost by driving
+  /// \param slack  disagreement that this motion allows beside its own share, for example heading
+  ///               lost by driving
   void add(Stamp from, Stamp to, const Eigen::Vector2d& odometry, const Eigen::Vector2d& laser,
            double slack);
 
@@ -79,7 +81,8 @@ class MotionAgreement {
   [[nodiscard]] Stamp wrong_since() const;
   /// Steps so far off that nothing but a jump explains them, while the pieces around were right.
   [[nodiscard]] int jumps() const { return jumps_; }
-  /// Odometry's motion / the laser's over all pieces that were right; nothing before there were 20 of them.
+  /// Odometry's motion / the laser's over all pieces that were right; nothing before there were 20
+  /// of them.
   [[nodiscard]] std::optional<double> scale() const;
 
   template <typename Archive>
@@ -133,8 +136,8 @@ class MotionAgreement {
 
 /// Compares odometry with the laser while the robot drives, and tells when it can't be trusted.
 ///
-/// Translation and rotation are judged apart: a stuck wheel does not spoil the gyro's heading. What the laser can't see
-/// (along a corridor) is not held against odometry.
+/// Translation and rotation are judged apart: a stuck wheel does not spoil the gyro's heading. What
+/// the laser can't see (along a corridor) is not held against odometry.
 /// Cost: some microseconds a scan. Memory: bounded. Deterministic.
 class OdometryCheck {
  public:
@@ -149,8 +152,8 @@ class OdometryCheck {
   [[nodiscard]] double distrusted_s() const { return distrusted_s_; }
   [[nodiscard]] const MotionAgreement& translation() const { return translation_; }
   [[nodiscard]] const MotionAgreement& rotation() const { return rotation_; }
-  /// Direction in which the laser sees the robot go while odometry goes straight ahead [rad]: of a laser that looks where its mount
-  /// says, 0. Nothing before 10 m of going straight.
+  /// Direction in which the laser sees the robot go while odometry goes straight ahead [rad]: of a
+  /// laser that looks where its mount says, 0. Nothing before 10 m of going straight.
   [[nodiscard]] std::optional<double> laser_heading_offset_rad() const;
 
   template <typename Archive>

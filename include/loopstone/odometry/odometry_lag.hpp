@@ -8,9 +8,10 @@
 
 namespace loopstone {
 
-/// Finds out whether odometry tells the right motions at the wrong time: over the last few hundred scans, its motions are
-/// moved in time against those of the laser; when one shift explains them four times better than none (an F-test with
-/// some hundred degrees of freedom on both sides), odometry lags by it.
+/// Finds out whether odometry tells the right motions at the wrong time: over the last few hundred
+/// scans, its motions are moved in time against those of the laser; when one shift explains them
+/// four times better than none (an F-test with some hundred degrees of freedom on both sides),
+/// odometry lags by it.
 class OdometryLag {
  public:
   struct Step {

@@ -29,7 +29,8 @@ class ScanQueue {
   [[nodiscard]] std::optional<LaserScan> next();
 
   [[nodiscard]] const Odometer& odometer() const { return odometer_; }
-  /// Dead reckoning at a scan's stamp: from wheels or the log's own poses; as long as there are none, the gyro's heading.
+  /// Dead reckoning at a scan's stamp: from wheels or the log's own poses; as long as there are
+  /// none, the gyro's heading.
   [[nodiscard]] std::optional<OdometryReading> reading_at(Stamp stamp) const;
 
   template <typename Archive>

@@ -21,7 +21,8 @@ class Trajectory {
   /// Sorts by stamp; of several poses with one stamp the last given stays.
   explicit Trajectory(std::vector<StampedPose2> poses);
 
-  /// Appends; stamps must increase (a pose with the last stamp replaces it; an earlier one is refused: false).
+  /// Appends; stamps must increase (a pose with the last stamp replaces it; an earlier one is
+  /// refused: false).
   bool append(Stamp stamp, const Pose2& pose);
   /// Makes room for so many poses.
   void reserve(std::size_t count) { poses_.reserve(count); }
@@ -34,7 +35,8 @@ class Trajectory {
 
   /// The pose at a stamp, along the arc between its neighbours; nothing outside the covered time.
   [[nodiscard]] std::optional<Pose2> at(Stamp stamp) const;
-  /// As at(), but before the start the first pose and after the end the last one. Nothing when empty.
+  /// As at(), but before the start the first pose and after the end the last one. Nothing when
+  /// empty.
   [[nodiscard]] std::optional<Pose2> at_clamped(Stamp stamp) const;
   /// The pose with exactly this stamp, within the tolerance; the nearest of several.
   [[nodiscard]] std::optional<Pose2> nearest(Stamp stamp, Duration tolerance) const;

@@ -93,7 +93,8 @@ struct RobotScan {
 ///         map where another pose explains the scan as well it is kDegenerate.
 /// Throws UsageError for a method that does not go with the two sides or with the search that is
 /// asked for.
-/// Cost: of the matchers, docs/matching.md. Deterministic: the same bytes for any number of threads.
+/// Cost: of the matchers, docs/matching.md. Deterministic: the same bytes for any number of
+/// threads.
 /// Thread-safe.
 [[nodiscard]] AlignResult<2> align(const RobotScan& source, const RobotScan& target,
                                    const AlignRequest<2>& request = {});

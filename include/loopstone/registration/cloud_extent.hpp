@@ -20,8 +20,8 @@ template <int kDimension>
 [[nodiscard]] CloudExtent<kDimension> cloud_extent(
     std::span<const Eigen::Matrix<double, kDimension, 1>> points);
 
-/// Options for clouds of any size: the defaults of IcpOptions are made for rooms, whose radius is about 5 m; here every length
-/// keeps its ratio to the radius.
+/// Options for clouds of any size: the defaults of IcpOptions are made for rooms, whose radius is
+/// about 5 m; here every length keeps its ratio to the radius.
 [[nodiscard]] IcpOptions icp_options_for_radius(double radius_m);
 /// The same for the search of neighbours.
 template <int kDimension>

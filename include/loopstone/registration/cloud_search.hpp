@@ -20,14 +20,14 @@ struct PrincipalFrame {
   using Motion = RigidMotion<kDimension>;
 
   typename Motion::Vector centre = Motion::Vector::Zero();  ///< the centroid [m]
-  /// Turns the cloud's axes onto the principal ones, shortest first; their signs and, where lengths are equal, their order
-  /// are arbitrary.
+  /// Turns the cloud's axes onto the principal ones, shortest first; their signs and, where lengths
+  /// are equal, their order are arbitrary.
   typename Motion::Matrix rotation = Motion::Matrix::Identity();
   double radius_m = 0.0;  ///< root mean square distance of the points from the centre
 };
 
-/// A cloud that others are aligned to, without a guess: its distance field, on its principal axes. Made once, then searched by
-/// any number of threads.
+/// A cloud that others are aligned to, without a guess: its distance field, on its principal axes.
+/// Made once, then searched by any number of threads.
 template <int kDimension>
 class CloudModel {
  public:
@@ -56,16 +56,19 @@ class CloudModel {
 };
 
 struct CloudSearchOptions {
-  /// Which turns are tried: "any", or "about_z" for clouds that both stand upright (refinement may tilt them). In the
-  /// plane there is but one.
+  /// Which turns are tried: "any", or "about_z" for clouds that both stand upright (refinement may
+  /// tilt them). In the plane there is but one.
   std::string turns = "any";
   /// About so many, evenly spread.
   int starts = 256;
-  /// So many source points stand for the cloud while all starts are tried; four times as many for the best of them.
+  /// So many source points stand for the cloud while all starts are tried; four times as many for
+  /// the best of them.
   int points = 80;
-  /// The share of the source's surface that the model holds; the rest, the points farthest from it, is left out. 1: all.
+  /// The share of the source's surface that the model holds; the rest, the points farthest from it,
+  /// is left out. 1: all.
   double overlap = 1.0;
-  /// Another pose whose rmse is less than so many times the best one's fits as well: the answer is ambiguous.
+  /// Another pose whose rmse is less than so many times the best one's fits as well: the answer is
+  /// ambiguous.
   double rival_ratio = 1.1;
   /// This share of the source must lie within a fourteenth of the model's radius from it.
   double least_explained = 0.5;
@@ -110,27 +113,31 @@ struct CloudSearchResult {
       false;  ///< the runner-up fits as well: a symmetric shape, or too small a part of it
 };
 
-/// Aligns a cloud, which may be a part of the model alone, to the model from no guess at all: lays the source on the
-/// model with many turns, in the two most promising of many places each, lets each start slide down the model's distance field by Gauss-Newton with few points, drops the worse
-/// ones as it goes, and refines the best distinct ones with all points against exact nearest points, to the minimum of
+/// Aligns a cloud, which may be a part of the model alone, to the model from no guess at all: lays
+/// the source on the model with many turns, in the two most promising of many places each, lets
+/// each start slide down the model's distance field by Gauss-Newton with few points, drops the
+/// worse ones as it goes, and refines the best distinct ones with all points against exact nearest
+/// points, to the minimum of
 ///
-///   rmse^2 = mean over source points of |T p_i - nearest model point|^2   (over the closest `overlap` of them)
+///   rmse^2 = mean over source points of |T p_i - nearest model point|^2
+///            (over the closest `overlap` of them)
 ///
-/// Both clouds are described on their principal axes and the rotations are symmetric about these, so moving a cloud moves the
-/// answer with it and changes nothing else.
+/// Both clouds are described on their principal axes and the rotations are symmetric about these,
+/// so moving a cloud moves the answer with it and changes nothing else.
 ///
 /// \param source  [m], source frame, on the model's scale; points that are not finite are ignored
 /// \return match: target_T_source with rmse_m over all points (the closest `overlap` of them).
 ///         score = share of the source within 1/14 of the model's radius from it.
 ///         kTooFewPairs: fewer than 3 finite points; the pose is the identity.
 ///         kNotConverged: score < least_explained, or the iterations ran out.
-///         kDegenerate: a motion is unobserved (a turn about a bottle's axis), or the runner-up fits as well (`ambiguous`);
-///         the covariance is that of the answer and its rival together.
-///         Else the covariance is H^-1 M H^-1, with H of the distances across the model's surface and M of the residuals as
-///         they are, those that share a model point counted as one.
-/// Cost: O(starts * points + iterations * source). Deterministic: the same bytes for any number of threads. Thread-safe.
-/// Source: Fitzgibbon 2003, "Robust registration of 2D and 3D point sets" (distance field, Gauss-Newton); Chetverikov 2002
-/// (overlap).
+///         kDegenerate: a motion is unobserved (a turn about a bottle's axis), or the runner-up
+///         fits as well (`ambiguous`); the covariance is that of the answer and its rival together.
+///         Else the covariance is H^-1 M H^-1, with H of the distances across the model's surface
+///         and M of the residuals as they are, those that share a model point counted as one.
+/// Cost: O(starts * points + iterations * source). Deterministic: the same bytes for any number of
+/// threads. Thread-safe.
+/// Source: Fitzgibbon 2003, "Robust registration of 2D and 3D point sets" (distance field,
+/// Gauss-Newton); Chetverikov 2002 (overlap).
 template <int kDimension>
 [[nodiscard]] CloudSearchResult<kDimension> search_alignment(
     std::span<const Eigen::Matrix<double, kDimension, 1>> source,

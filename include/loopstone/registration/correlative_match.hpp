@@ -22,7 +22,8 @@ void visit_options(CorrelativeTargetOptions& options, Visitor&& visit) {
         "standard deviation of the bump around each target point");
 }
 
-/// A reference scan or cloud as a grid to search on: kSurface at its points, fading to kUnknown around them.
+/// A reference scan or cloud as a grid to search on: kSurface at its points, fading to kUnknown
+/// around them.
 ///
 /// \param points       target frame [m]; not empty
 /// \param half_xy_m    of the windows that will be searched: a wider one deserves more levels
@@ -60,22 +61,27 @@ struct CorrelativeMatch {
   std::optional<Pose2> second_pose{};  ///< where it is, when there is one above half the best score
 };
 
-/// The best pose of a whole window, refined between the steps of the lattice, with the covariance of the score volume.
+/// The best pose of a whole window, refined between the steps of the lattice, with the covariance
+/// of the score volume.
 ///
-/// With sums S(x) of the cells that the points fall in at pose x, likelihood p(x) = exp(evidence (S(x) - S_best)):
+/// With sums S(x) of the cells that the points fall in at pose x, likelihood p(x) = exp(evidence
+/// (S(x) - S_best)):
 ///
-///   covariance = sum p x x^T / sum p - (sum p x)(sum p x)^T / (sum p)^2 + that within one step of the lattice,
+///   covariance = sum p x x^T / sum p - (sum p x)(sum p x)^T / (sum p)^2 + that within one step of
+///   the lattice,
 ///
-/// over the poses around the best one whose likelihood counts. Within a step it is the inverse of the curvature of S, bounded
-/// by the step itself.
+/// over the poses around the best one whose likelihood counts. Within a step it is the inverse of
+/// the curvature of S, bounded by the step itself.
 ///
 /// \param source  points in the source frame [m]
 /// \param target  cells with the meaning of correlative_search.hpp
-/// \return status kNotConverged: no pose in the window scores min_score, the pose is the window's centre. kDegenerate: the peak
-///         is a ridge (a corridor) or runs out of the window, or a second one is as good; the covariance covers them.
-///         score: of the pose on the lattice, at least 0; iterations: poses and blocks that were scored; pairs: points on
-///         or near a surface; rmse_m is 0, a score has no residuals.
-/// Cost: of search_branch_and_bound, twice, and some 0.1 ms; a ridge of metres takes more. Deterministic. Thread-safe.
+/// \return status kNotConverged: no pose in the window scores min_score, the pose is the window's
+///         centre. kDegenerate: the peak is a ridge (a corridor) or runs out of the window, or a
+///         second one is as good; the covariance covers them. score: of the pose on the lattice, at
+///         least 0; iterations: poses and blocks that were scored; pairs: points on or near a
+///         surface; rmse_m is 0, a score has no residuals.
+/// Cost: of search_branch_and_bound, twice, and some 0.1 ms; a ridge of metres takes more.
+/// Deterministic. Thread-safe.
 /// Source: Olson 2009, "Real-time correlative scan matching", sections III and IV.B.
 [[nodiscard]] CorrelativeMatch match_correlative(std::span<const Eigen::Vector2d> source,
                                                  const MaxPyramid& target,

@@ -11,11 +11,12 @@
 
 namespace loopstone {
 
-// Two more ways to the nearest point, beside the k-d tree of PointIndex. Both give the same answers as it does, to the
-// bit: the nearest point, of equally near ones the one with the lowest number.
+// Two more ways to the nearest point, beside the k-d tree of PointIndex. Both give the same answers
+// as it does, to the bit: the nearest point, of equally near ones the one with the lowest number.
 
-/// Points in hashed cells. Looks into the query's cell and then into rings of cells around it, so it is quick when the
-/// nearest point is about a cell away, and slow when there is none for many cells.
+/// Points in hashed cells. Looks into the query's cell and then into rings of cells around it, so
+/// it is quick when the nearest point is about a cell away, and slow when there is none for many
+/// cells.
 /// Cost: O(points) to build; a query O((distance / cell)^kDimension).
 template <int kDimension>
 class CellIndex {
@@ -54,12 +55,14 @@ class CellIndex {
 extern template class CellIndex<2>;
 extern template class CellIndex<3>;
 
-/// Points of a scan in the order of their bearings, seen from the origin of their frame. A query starts at its own bearing
-/// and walks both ways; a side is done when the ray of its next bearing passes the query at a greater distance than the best
-/// point, for every further point lies behind that ray. Always exact; quick when few points share a bearing, as
-/// in one scan, and when the query comes from nearby.
+/// Points of a scan in the order of their bearings, seen from the origin of their frame. A query
+/// starts at its own bearing and walks both ways; a side is done when the ray of its next bearing
+/// passes the query at a greater distance than the best point, for every further point lies behind
+/// that ray. Always exact; quick when few points share a bearing, as in one scan, and when the
+/// query comes from nearby.
 /// Cost: O(points log points) to build; a query O(log points + bearings within reach).
-/// Source: Censi 2008, "An ICP variant using a point-to-line metric", section IV (without the jump tables).
+/// Source: Censi 2008, "An ICP variant using a point-to-line metric", section IV (without the jump
+/// tables).
 class BearingIndex {
  public:
   explicit BearingIndex(std::span<const Eigen::Vector2d> points);

@@ -10,8 +10,8 @@
 
 namespace loopstone {
 
-/// Where a dense block of square (cubic) cells lies, in the plane or in space. Corners of cells are whole multiples of the
-/// resolution, so mirroring the axes mirrors the cells.
+/// Where a dense block of square (cubic) cells lies, in the plane or in space. Corners of cells are
+/// whole multiples of the resolution, so mirroring the axes mirrors the cells.
 template <int kDimension>
 struct VoxelFrame {
   using Point = Eigen::Matrix<float, kDimension, 1>;
@@ -34,7 +34,8 @@ struct VoxelFrame {
     }
     return true;
   }
-  /// Of the voxel that holds the point, or of the voxel of the block that is nearest to it. The first axis runs fastest.
+  /// Of the voxel that holds the point, or of the voxel of the block that is nearest to it. The
+  /// first axis runs fastest.
   [[nodiscard]] std::size_t nearest_voxel(const Point& point) const {
     std::size_t index = 0;
     for (int axis = kDimension - 1; axis >= 0; --axis) {
@@ -48,16 +49,17 @@ struct VoxelFrame {
   }
 };
 
-/// The smallest block of voxels that covers the points and so many metres around them. The resolution is coarsened until there
-/// are no more than max_voxels.
+/// The smallest block of voxels that covers the points and so many metres around them. The
+/// resolution is coarsened until there are no more than max_voxels.
 /// \param points  finite, at least one
 template <int kDimension>
 [[nodiscard]] VoxelFrame<kDimension> voxels_covering(
     std::span<const Eigen::Matrix<float, kDimension, 1>> points, float resolution_m, float margin_m,
     std::size_t max_voxels);
 
-/// For every voxel around a cloud the nearest voxel that holds points, and the mean of those: what is near a place is known
-/// from one look-up, to about the size of a voxel. From there the nearest point is found exactly, in the few voxels that can hold it.
+/// For every voxel around a cloud the nearest voxel that holds points, and the mean of those: what
+/// is near a place is known from one look-up, to about the size of a voxel. From there the nearest
+/// point is found exactly, in the few voxels that can hold it.
 template <int kDimension>
 class DistanceField {
  public:
@@ -71,8 +73,9 @@ class DistanceField {
   /// \param points  finite, at least one, all within the frame
   /// Distances between voxels' centres are exact; of equally near voxels any, but always the same.
   /// Cost: O(voxels + points).
-  /// Source: Felzenszwalb and Huttenlocher 2012, "Distance transforms of sampled functions", section 2.1, carried to D
-  /// dimensions, with the number of the nearest site kept beside its distance.
+  /// Source: Felzenszwalb and Huttenlocher 2012, "Distance transforms of sampled functions",
+  /// section 2.1, carried to D dimensions, with the number of the nearest site kept beside its
+  /// distance.
   DistanceField(std::span<const Point> points, const VoxelFrame<kDimension>& frame);
 
   [[nodiscard]] const VoxelFrame<kDimension>& frame() const { return frame_; }

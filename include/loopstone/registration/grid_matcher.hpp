@@ -34,13 +34,13 @@ void visit_options(GridMatchOptions& options, Visitor&& visit) {
 struct PosePrior2 {
   Pose2 target_T_source;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of (x, y, yaw) in the target frame
-  /// Along a direction that the points leave open: true, it alone holds the pose there; false, it is a mere guess, and
-  /// what little the points say counts beside it.
+  /// Along a direction that the points leave open: true, it alone holds the pose there; false, it
+  /// is a mere guess, and what little the points say counts beside it.
   bool holds_unobserved = true;
 };
 
-/// Aligns surface points to a surface grid: Gauss-Newton on point-to-line distances, coarse level to fine, with a
-/// Cauchy kernel and an optional prior that holds what the points do not observe.
+/// Aligns surface points to a surface grid: Gauss-Newton on point-to-line distances, coarse level
+/// to fine, with a Cauchy kernel and an optional prior that holds what the points do not observe.
 ///
 ///   minimise  sum_i w_i rho(n_i^T (T p_i - m_i)) / sigma^2  +  (T - T_prior)^T Omega (T - T_prior)
 ///
@@ -49,9 +49,11 @@ struct PosePrior2 {
 /// \param source         points with normals, source frame [m]
 /// \param guess          start; converges from about the coarsest cell's size and 15 deg
 /// \param coarsest_level start there (0 = finest only)
-/// \return target_T_source; score = share of the source's weight that lies within two kernel widths of a surface facing the
-///         same way; covariance includes the prior. kTooFewPairs: fewer than 10 points found a surface, the pose is the guess.
-///         kDegenerate: the points leave a direction of translation open (corridor), only the prior holds it.
+/// \return target_T_source; score = share of the source's weight that lies within two kernel widths
+///         of a surface facing the same way; covariance includes the prior. kTooFewPairs: fewer
+///         than 10 points found a surface, the pose is the guess.
+///         kDegenerate: the points leave a direction of translation open (corridor), only the prior
+///                      holds it.
 /// Cost: O(iterations * points). Deterministic. Thread-safe.
 [[nodiscard]] MatchResult match_to_grid(std::span<const SurfacePoint> source,
                                         const SurfaceGrid& target, const Pose2& guess,

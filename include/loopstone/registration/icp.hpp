@@ -11,15 +11,16 @@
 namespace loopstone {
 
 struct IcpOptions {
-  /// What is made small: "point": distances to the nearest points; "line": to the segments between them, in the plane;
-  /// "plane": to the lines or planes fitted around them; "gicp": to planes of both clouds.
+  /// What is made small: "point": distances to the nearest points; "line": to the segments between
+  /// them, in the plane; "plane": to the lines or planes fitted around them; "gicp": to planes of
+  /// both clouds.
   std::string metric = "plane";
   /// Pairs farther apart are ignored: at the start up to here,
   double max_pair_distance_m = 3.0;
   /// in the end up to here; 0: as at the start.
   double final_pair_distance_m = 0.2;
-  /// The distance shrinks by the same factor in each of so many steps, at once when steps get short; the kernel's width
-  /// shrinks alike.
+  /// The distance shrinks by the same factor in each of so many steps, at once when steps get
+  /// short; the kernel's width shrinks alike.
   int shrink_iterations = 20;
   /// Only this share of the pairs, the closest ones, is used.
   double trim_fraction = 0.9;
@@ -34,7 +35,8 @@ struct IcpOptions {
   double tolerance_cost = 0.002;
   /// Of one point. Points within three of it of the target's surface are explained.
   double point_sigma_m = 0.02;
-  /// Of the points that have a target point within max_pair_distance_m, this share must be explained in the end.
+  /// Of the points that have a target point within max_pair_distance_m, this share must be
+  /// explained in the end.
   double least_explained = 0.5;
 };
 
@@ -69,37 +71,49 @@ void visit_options(IcpOptions& options, Visitor&& visit) {
         "share of the points near the target that must be explained, else not_converged");
 }
 
-/// Aligns a cloud to a reference by iterated closest points, in the plane (kDimension 2) or in space (3): pairs every
-/// source point p with the nearest target point q, then moves the source to lower
+/// Aligns a cloud to a reference by iterated closest points, in the plane (kDimension 2) or in
+/// space (3): pairs every source point p with the nearest target point q, then moves the source to
+/// lower
 ///
 ///   point:  sum_i w_i |T p_i - q_i|^2              closed form (Kabsch 1976)
-///   line:   sum_i w_i (n_i^T (T p_i - q_i))^2      n_i the normal of the segment from q_i to its neighbour on the side of
-///                                                  T p_i; closed form (Censi 2008); in the plane only
-///   plane:  sum_i w_i (n_i^T (T p_i - m_i))^2      m_i, n_i of the line or plane fitted around q_i; Gauss-Newton
-///   gicp:   sum_i w_i d_i^T M_i d_i, d_i = T p_i - q_i, M_i = 2 e (C_q + R C_p R^T)^-1, both covariances 1 along the
-///           surface and e = 0.001 across it (Segal 2009), scaled so that across two parallel surfaces M_i is 1
+///   line: sum_i w_i (n_i^T (T p_i - q_i))^2 n_i the normal of the segment from q_i to its
+///   neighbour on the side of
+///                                                  T p_i; closed form (Censi 2008); in the plane
+///                                                  only
+///   plane: sum_i w_i (n_i^T (T p_i - m_i))^2 m_i, n_i of the line or plane fitted around q_i;
+///   Gauss-Newton
+///   gicp: sum_i w_i d_i^T M_i d_i, d_i = T p_i - q_i, M_i = 2 e (C_q + R C_p R^T)^-1, both
+///   covariances 1 along the
+///           surface and e = 0.001 across it (Segal 2009), scaled so that across two parallel
+///           surfaces M_i is 1
 ///
-/// until steps are small, or residuals no longer shrink. The farthest pairs are trimmed, the rest weighted by the kernel.
+/// until steps are small, or residuals no longer shrink. The farthest pairs are trimmed, the rest
+/// weighted by the kernel.
 ///
-/// \param source                 points in the source frame [m]; the metric "gicp" uses their patches
+/// \param source                 points in the source frame [m]; the metric "gicp" uses their
+///                               patches
 /// \param guess_target_T_source  start; scans of rooms converge from about 0.4 m and 30 deg
-/// \return target_T_source and its covariance. score = share of the source that is explained: within 3 point_sigma_m of
-///         the target's surface. Overlapping is what has a target point within max_pair_distance_m.
+/// \return target_T_source and its covariance. score = share of the source that is explained:
+///         within 3 point_sigma_m of the target's surface. Overlapping is what has a target point
+///         within max_pair_distance_m.
 ///         kTooFewPairs: fewer pairs than degrees of freedom, the pose is the guess.
-///         kNotConverged: the iterations ran out, or less than least_explained of the overlapping part is explained: a
+///         kNotConverged: the iterations ran out, or less than least_explained of the overlapping
+///                        part is explained: a
 ///         wrong minimum, as a rule.
-///         kDegenerate: a direction is unobserved (a corridor's axis, a turn about a circle's centre): it has less than
-///         1 % of the information of the best one, turns measured at the cloud's radius. Along it the pose is the guess
-///         and the standard deviation 10 m.
-/// The covariance is that of independent noise of both clouds, the source's estimated from the residuals (their median, with
-/// the degrees of freedom taken off), the target's from the thickness of its patches:
-/// H^-1 (s_p^2 sum_i w_i^2 J_i^T J_i + s_q^2 sum_j G_j^T G_j) H^-1, where G_j sums w_i J_i of all source points that share
-/// target point j (Censi 2007, "An accurate closed-form estimate of ICP's covariance"). It does not know of wrong pairs.
+///         kDegenerate: a direction is unobserved (a corridor's axis, a turn about a circle's
+///                      centre): it has less than
+///         1 % of the information of the best one, turns measured at the cloud's radius. Along it
+///         the pose is the guess and the standard deviation 10 m.
+/// The covariance is that of independent noise of both clouds, the source's estimated from the
+/// residuals (their median, with the degrees of freedom taken off), the target's from the thickness
+/// of its patches: H^-1 (s_p^2 sum_i w_i^2 J_i^T J_i + s_q^2 sum_j G_j^T G_j) H^-1, where G_j sums
+/// w_i J_i of all source points that share target point j (Censi 2007, "An accurate closed-form
+/// estimate of ICP's covariance"). It does not know of wrong pairs.
 /// Throws UsageError for an unknown metric or kernel, and for "line" in space.
-/// Cost: O(iterations * source * log target); while the nearest point can't have changed it is not searched for
-/// (Greenspan and Godin 2001). Deterministic. Thread-safe.
-/// Source: Besl and McKay 1992; Chen and Medioni 1992; trimming of Chetverikov 2002; remapping of degenerate directions of
-/// Zhang, Kaess and Singh 2016.
+/// Cost: O(iterations * source * log target); while the nearest point can't have changed it is not
+/// searched for (Greenspan and Godin 2001). Deterministic. Thread-safe.
+/// Source: Besl and McKay 1992; Chen and Medioni 1992; trimming of Chetverikov 2002; remapping of
+/// degenerate directions of Zhang, Kaess and Singh 2016.
 template <int kDimension>
 [[nodiscard]] BasicMatchResult<kDimension> match_icp(
     const IcpCloud<kDimension>& source, const IcpCloud<kDimension>& target,

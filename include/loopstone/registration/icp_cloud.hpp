@@ -15,7 +15,8 @@ namespace loopstone {
 
 template <int kDimension>
 struct IcpCloudOptions {
-  /// How nearest points are looked up. All three find the same ones; "projection" is for single scans in the plane.
+  /// How nearest points are looked up. All three find the same ones; "projection" is for single
+  /// scans in the plane.
   std::string search = "kd_tree";
   /// Of the search "grid".
   double cell_size_m = 0.1;
@@ -30,8 +31,8 @@ void visit_options(IcpCloudOptions<kDimension>& options, Visitor&& visit) {
   visit.group("patches", options.patches);
 }
 
-/// A cloud as ICP wants it: points that can be asked for the nearest one, and the surface around each.
-/// Made once, then matched with as many clouds as you like, by any number of threads.
+/// A cloud as ICP wants it: points that can be asked for the nearest one, and the surface around
+/// each. Made once, then matched with as many clouds as you like, by any number of threads.
 template <int kDimension>
 struct IcpCloud {
   using Vector = Eigen::Matrix<double, kDimension, 1>;

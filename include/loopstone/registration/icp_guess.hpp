@@ -8,8 +8,8 @@
 
 namespace loopstone {
 
-/// Where an alignment starts when nothing better is known. A guess that is given needs no help; to find one from nothing
-/// there are the searches.
+/// Where an alignment starts when nothing better is known. A guess that is given needs no help; to
+/// find one from nothing there are the searches.
 enum class IcpGuess {
   kIdentity,   ///< the clouds lie as they are
   kCentroids,  ///< the source is shifted, not turned, so that the means of both clouds coincide
@@ -18,7 +18,8 @@ enum class IcpGuess {
 /// "identity" or "centroids". Throws UsageError for another name.
 [[nodiscard]] IcpGuess icp_guess_from(std::string_view name);
 
-/// The guess target_T_source. Points that are not finite are ignored; a cloud without points leaves the identity.
+/// The guess target_T_source. Points that are not finite are ignored; a cloud without points leaves
+/// the identity.
 template <int kDimension>
 [[nodiscard]] typename RigidMotion<kDimension>::Pose initial_guess(
     IcpGuess guess, std::span<const Eigen::Matrix<double, kDimension, 1>> source,

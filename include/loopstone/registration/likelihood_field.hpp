@@ -30,15 +30,19 @@ struct FieldSample {
   Eigen::Vector2d gradient{0.0, 0.0};  ///< of the distance; zero where nothing is within reach
 };
 
-/// The walls of an occupancy grid as a smooth function of the place: the distance to the nearest cell that a laser could
-/// have hit, cut off at a reach, interpolated between cell centres, on several resolutions.
+/// The walls of an occupancy grid as a smooth function of the place: the distance to the nearest
+/// cell that a laser could have hit, cut off at a reach, interpolated between cell centres, on
+/// several resolutions.
 ///
-/// A laser sees the faces of solids, so only occupied cells beside a free one count (all of them where nothing is free).
-/// Within its cell a face may be anywhere, so the cell's centre is the best guess of it.
+/// A laser sees the faces of solids, so only occupied cells beside a free one count (all of them
+/// where nothing is free). Within its cell a face may be anywhere, so the cell's centre is the best
+/// guess of it.
 ///
-/// Memory: 4 bytes a cell, and a third more for the coarser levels. Cost to build: O(cells), about 20 ns each.
-/// Source: Kohlbrecher et al. 2011, "A flexible and scalable SLAM system with full 3D motion estimation", section IV, for
-/// the levels and the interpolation; Thrun, Burgard and Fox 2005, section 6.4, for distances in place of occupancies.
+/// Memory: 4 bytes a cell, and a third more for the coarser levels. Cost to build: O(cells), about
+/// 20 ns each.
+/// Source: Kohlbrecher et al. 2011, "A flexible and scalable SLAM system with full 3D motion
+/// estimation", section IV, for the levels and the interpolation; Thrun, Burgard and Fox 2005,
+/// section 6.4, for distances in place of occupancies.
 class MapField {
  public:
   /// What making one takes for each cell, about; what it keeps is less.
@@ -56,12 +60,13 @@ class MapField {
   }
   /// Of the map that it was built from.
   [[nodiscard]] const GridFrame& frame() const { return levels_.front().frame(); }
-  /// Of the finest level: from each cell's centre to the nearest wall, up to the coarsest level's reach [m].
+  /// Of the finest level: from each cell's centre to the nearest wall, up to the coarsest level's
+  /// reach [m].
   [[nodiscard]] const Grid<float>& distances() const { return levels_.front(); }
   [[nodiscard]] std::size_t memory_bytes() const;
 
-  /// Bilinear between the centres of cells; the gradient is that of the interpolation, exactly. Cost: O(1).
-  /// Outside the grid there are no walls.
+  /// Bilinear between the centres of cells; the gradient is that of the interpolation, exactly.
+  /// Cost: O(1). Outside the grid there are no walls.
   [[nodiscard]] FieldSample sample(std::size_t level, const Eigen::Vector2d& point) const;
 
  private:
@@ -69,8 +74,8 @@ class MapField {
   std::vector<Grid<float>> levels_{};
 };
 
-/// The cells that a laser can have hit: occupied ones that touch a free cell, by a side or a corner; every occupied cell
-/// where the map shows nothing free.
+/// The cells that a laser can have hit: occupied ones that touch a free cell, by a side or a
+/// corner; every occupied cell where the map shows nothing free.
 [[nodiscard]] Grid<std::uint8_t> visible_walls(const Grid<std::int8_t>& occupancy,
                                                int occupied_percent);
 

@@ -35,8 +35,8 @@ void visit_options(MapSearchOptions& options, Visitor&& visit) {
   visit.group("field", options.field);
 }
 
-/// A map made ready for finding scans on it, once: where walls are, how far each place is from one, and where a robot can
-/// stand. Immutable, so it may be shared between threads.
+/// A map made ready for finding scans on it, once: where walls are, how far each place is from one,
+/// and where a robot can stand. Immutable, so it may be shared between threads.
 class MapSearch {
  public:
   /// \param occupancy  in percent, -1 unknown, as nav_msgs/OccupancyGrid has it
@@ -90,11 +90,12 @@ void visit_options(MapMatchOptions& options, Visitor&& visit) {
 
 /// Where a scan fits on a map.
 struct MapMatch {
-  /// Distinct poses, best score first; refined, with covariances. match.score: share of the scan's points that lie on a wall
-  /// with nothing in the way.
+  /// Distinct poses, best score first; refined, with covariances. match.score: share of the scan's
+  /// points that lie on a wall with nothing in the way.
   std::vector<MatchResult> poses{};
   bool sure =
-      false;  ///< there is a best pose, it explains the scan, and no other one explains it nearly as well
+      /// there is a best pose, it explains the scan, and no other one explains it nearly as well
+      false;
   bool complete = true;          ///< false: more places look alike than were refined or returned
   std::int64_t evaluations = 0;  ///< poses and blocks of poses that were scored in the search
 
@@ -103,15 +104,18 @@ struct MapMatch {
 
 /// Finds a scan on a map, anywhere or in a window.
 ///
-/// All poses of the search's lattice (cells of the map by headings that move the farthest point by one cell) where a robot
-/// can stand are compared by branch and bound; those nearly as good as the best are refined on the map's distance field and
-/// scored again, with every point and with what stands between it and the laser.
+/// All poses of the search's lattice (cells of the map by headings that move the farthest point by
+/// one cell) where a robot can stand are compared by branch and bound; those nearly as good as the
+/// best are refined on the map's distance field and scored again, with every point and with what
+/// stands between it and the laser.
 ///
 /// \param source  a scan's returns in the laser's frame [m]: beams start at its origin
 /// \param window  of the pose of that frame on the map; none: the whole map
-/// \return the best few distinct poses. Nothing is dropped silently: a lattice pose that scores within 0.12 of the best is
-///         refined, unless it is one of more than refined_max distinct ones, and then the match isn't called sure.
-/// Cost: about 0.3 s (0.8 at most) for 10,000 m2 and 1081 beams, 6 ms for a window of 1 m and 50 deg. Deterministic. Thread-safe.
+/// \return the best few distinct poses. Nothing is dropped silently: a lattice pose that scores
+///         within 0.12 of the best is refined, unless it is one of more than refined_max distinct
+///         ones, and then the match isn't called sure.
+/// Cost: about 0.3 s (0.8 at most) for 10,000 m2 and 1081 beams, 6 ms for a window of 1 m and 50
+/// deg. Deterministic. Thread-safe.
 /// Source: Olson 2009; Hess et al. 2016, section V; Kohlbrecher et al. 2011 for the refinement.
 [[nodiscard]] MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& map,
                                     const std::optional<SearchWindow>& window = {},

@@ -13,7 +13,8 @@ enum class MatchStatus {
   kConverged,
   kNotConverged,  ///< the iterations ran out, or the search found nothing good enough
   kTooFewPairs,   ///< too little to align; the pose is the guess, of unknown covariance
-  kDegenerate,  ///< converged, but a direction is unobserved (corridor, circle): the covariance is large along it
+  /// converged, but a direction is unobserved (corridor, circle): the covariance is large along it
+  kDegenerate,
 };
 
 [[nodiscard]] constexpr std::string_view to_string(MatchStatus status) {
@@ -35,16 +36,17 @@ enum class MatchStatus {
   return status == MatchStatus::kConverged || status == MatchStatus::kDegenerate;
 }
 
-/// Where a scan or cloud lies in the frame of another one, or of a map, and how far to trust that. Every matcher, in the
-/// plane and in space, answers with this, so matchers can be swapped and chained.
+/// Where a scan or cloud lies in the frame of another one, or of a map, and how far to trust that.
+/// Every matcher, in the plane and in space, answers with this, so matchers can be swapped and
+/// chained.
 template <int kDimension>
 struct BasicMatchResult {
   using Motion = RigidMotion<kDimension>;
 
   typename Motion::Pose target_T_source{};
-  /// Of the small motion of target_T_source: (x, y, yaw), or (x, y, z, rotation vector), on the target's axes, turns about
-  /// the source's origin [m^2, m rad, rad^2]. Infinite variances where no pose was found: with
-  /// kTooFewPairs, and when a search found nothing.
+  /// Of the small motion of target_T_source: (x, y, yaw), or (x, y, z, rotation vector), on the
+  /// target's axes, turns about the source's origin [m^2, m rad, rad^2]. Infinite variances where
+  /// no pose was found: with kTooFewPairs, and when a search found nothing.
   Eigen::Matrix<double, Motion::kDof, Motion::kDof> covariance = unknown_covariance();
   double rmse_m = 0.0;           ///< of the residuals of the pairs used
   double inlier_fraction = 0.0;  ///< [0, 1], share of the source points that were paired

@@ -30,21 +30,22 @@ struct SweepResult {
   [[nodiscard]] const BasicMatchResult<kDimension>& best() const { return endings.front().match; }
 };
 
-/// Whether one match is better than another: a pose that the data support before one that they don't, then the one that
-/// explains more of the source, then the one with the smaller residuals.
+/// Whether one match is better than another: a pose that the data support before one that they
+/// don't, then the one that explains more of the source, then the one with the smaller residuals.
 template <int kDimension>
 [[nodiscard]] bool is_better(const BasicMatchResult<kDimension>& a,
                              const BasicMatchResult<kDimension>& b);
 
-/// Matches from every start and sorts out where they ended. Two poses are the same when no point within the source's radius
-/// of its centre is moved by more than `same_m` from one to the other.
+/// Matches from every start and sorts out where they ended. Two poses are the same when no point
+/// within the source's radius of its centre is moved by more than `same_m` from one to the other.
 /// \param starts  at least one: guesses of target_T_source
 template <int kDimension>
 [[nodiscard]] SweepResult<kDimension> match_from(
     std::span<const typename RigidMotion<kDimension>::Pose> starts,
     const Matcher<kDimension>& matcher, const CloudExtent<kDimension>& source, double same_m);
 
-/// So many headings, evenly spread from the guess's own: the guess turned about the (vertical) axis through the source's centre.
+/// So many headings, evenly spread from the guess's own: the guess turned about the (vertical) axis
+/// through the source's centre.
 template <int kDimension>
 [[nodiscard]] std::vector<typename RigidMotion<kDimension>::Pose> headings_from(
     const typename RigidMotion<kDimension>::Pose& guess_target_T_source,

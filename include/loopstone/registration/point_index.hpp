@@ -14,8 +14,8 @@ struct Neighbour {
   double distance_m = 0.0;
 };
 
-/// The nearest point, and how long the answer stands: while the query moves by less than half the gap between the two
-/// distances, the nearest point stays the same.
+/// The nearest point, and how long the answer stands: while the query moves by less than half the
+/// gap between the two distances, the nearest point stays the same.
 struct NearestPoint {
   std::int32_t index = -1;           ///< -1: no point within reach
   double squared_distance_m2 = 0.0;  ///< to that point
@@ -25,10 +25,11 @@ struct NearestPoint {
 template <int kDimension>
 class KdTree;
 
-/// Points that can be asked for the nearest ones: a k-d tree. Built once, then read by any number of threads.
-/// kDimension is 2 or 3. Of equally near points the one with the lowest number is the nearest, so the answers are those
-/// of a search through all points, to the bit.
-/// Source: Friedman, Bentley and Finkel 1977; distances to boxes kept along the way, Arya and Mount 1993.
+/// Points that can be asked for the nearest ones: a k-d tree. Built once, then read by any number
+/// of threads. kDimension is 2 or 3. Of equally near points the one with the lowest number is the
+/// nearest, so the answers are those of a search through all points, to the bit.
+/// Source: Friedman, Bentley and Finkel 1977; distances to boxes kept along the way, Arya and Mount
+/// 1993.
 template <int kDimension>
 class PointIndex {
  public:
@@ -45,8 +46,8 @@ class PointIndex {
   /// The nearest point no farther than this.
   [[nodiscard]] std::optional<Neighbour> nearest(const Point& query, double max_distance_m) const;
   /// The same with the distance of the others.
-  /// \param hint  the number of a point that may be near, such as the answer to a query like this one; it makes the
-  ///              search short, and changes nothing else. -1: none.
+  /// \param hint  the number of a point that may be near, such as the answer to a query like this
+  ///              one; it makes the search short, and changes nothing else. -1: none.
   [[nodiscard]] NearestPoint nearest_point(const Point& query, double max_distance_m,
                                            std::int32_t hint = -1) const;
   /// The `count` nearest points (fewer when there are fewer), nearest first.

@@ -12,7 +12,8 @@
 
 namespace loopstone {
 
-/// A scan made ready for matching: its surfaces, and which of them lies in which direction from the lidar.
+/// A scan made ready for matching: its surfaces, and which of them lies in which direction from the
+/// lidar.
 struct ScanView {
   std::vector<SurfacePoint> surfaces{};  ///< frame of the robot at the scan's stamp
   Eigen::Vector2d lidar{0.0, 0.0};       ///< where the lidar stood, same frame [m]
@@ -22,7 +23,8 @@ struct ScanView {
   std::vector<std::int16_t> by_direction{};  ///< index into surfaces, -1: nothing that way
 };
 
-/// \param velocity  of the robot in its own frame [m/s, m/s, rad/s]; undoes the motion during the sweep
+/// \param velocity  of the robot in its own frame [m/s, m/s, rad/s]; undoes the motion during the
+///                  sweep
 /// Cost: O(beams).
 [[nodiscard]] ScanView view_scan(const LaserScan& scan, const Pose2& robot_T_lidar,
                                  const Tangent2& velocity, BeamTable& beams,
@@ -49,20 +51,25 @@ void visit_options(ScanMatchOptions& options, Visitor&& visit) {
         "distances beyond this count less and less (Cauchy kernel)");
 }
 
-/// Where one scan was taken, seen from another one. The guess is pulled in and judged from both sides, by what each scan
-/// explains of the other and what it saw through; when that leaves a doubt, every pose of a coarse lattice around the guess is
-/// scored, and the best distinct ones are pulled in and judged alike. The best of all is refined by Gauss-Newton on point-to-line distances with a Cauchy kernel.
-/// A point's partner is looked up by its direction from the target's lidar, so nothing is searched and no map is built.
+/// Where one scan was taken, seen from another one. The guess is pulled in and judged from both
+/// sides, by what each scan explains of the other and what it saw through; when that leaves a
+/// doubt, every pose of a coarse lattice around the guess is scored, and the best distinct ones are
+/// pulled in and judged alike. The best of all is refined by Gauss-Newton on point-to-line
+/// distances with a Cauchy kernel. A point's partner is looked up by its direction from the
+/// target's lidar, so nothing is searched and no map is built.
 ///
 /// \param guess_target_T_source  wrong by up to the search window of the options
-/// \return target_T_source of the robot frames, with a covariance from the noise of the ranges that the residuals show.
-///         score = share of the source that the target explains. kTooFewPairs: fewer than 8 pairs, the pose is the guess.
-///         kDegenerate: a direction is unobserved (a corridor's axis, a circle's heading); along it the pose is the guess and
-///         the covariance is large. kNotConverged: the scans explain too little of each other to be of the same place,
-///         less than 80 % of what they could see or 45 % of the whole.
-/// Cost: O(headings * shifts + iterations * surfaces); docs/benchmarks.md. Deterministic. Thread-safe.
-/// Source: Olson 2009 for the search; Censi 2008 for point-to-line; Blais and Levine 1995 for projection;
-/// Zhang, Kaess and Singh 2016 for degenerate directions.
+/// \return target_T_source of the robot frames, with a covariance from the noise of the ranges that
+///         the residuals show. score = share of the source that the target explains. kTooFewPairs:
+///         fewer than 8 pairs, the pose is the guess.
+///         kDegenerate: a direction is unobserved (a corridor's axis, a circle's heading); along it
+///                      the pose is the guess and
+///         the covariance is large. kNotConverged: the scans explain too little of each other to be
+///         of the same place, less than 80 % of what they could see or 45 % of the whole.
+/// Cost: O(headings * shifts + iterations * surfaces); docs/benchmarks.md. Deterministic.
+/// Thread-safe.
+/// Source: Olson 2009 for the search; Censi 2008 for point-to-line; Blais and Levine 1995 for
+/// projection; Zhang, Kaess and Singh 2016 for degenerate directions.
 [[nodiscard]] MatchResult match_scans(const ScanView& source, const ScanView& target,
                                       const Pose2& guess_target_T_source,
                                       const ScanMatchOptions& options = {});

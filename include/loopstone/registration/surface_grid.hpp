@@ -13,8 +13,8 @@
 
 namespace loopstone {
 
-/// The mean of the surface points that fell in and next to a cell and face the same way. Position is relative to the
-/// cell's centre; position and normal are sums of weight times value.
+/// The mean of the surface points that fell in and next to a cell and face the same way. Position
+/// is relative to the cell's centre; position and normal are sums of weight times value.
 struct SurfaceSum {
   float weight = 0.0F;
   float x = 0.0F;
@@ -41,7 +41,8 @@ struct SurfaceCell {
 /// cos(60 deg): surfaces that face the same way may be the same.
 inline constexpr float kSameSurfaceCosine = 0.5F;
 
-/// Whether a sum faces like a unit normal, within the angle of that cosine (> 0). Compares squares, so no root is needed.
+/// Whether a sum faces like a unit normal, within the angle of that cosine (> 0). Compares squares,
+/// so no root is needed.
 [[nodiscard]] inline bool faces_like(const SurfaceSum& sum, float normal_x, float normal_y,
                                      float cosine = kSameSurfaceCosine) {
   const float dot = sum.normal_x * normal_x + sum.normal_y * normal_y;
@@ -49,8 +50,8 @@ inline constexpr float kSameSurfaceCosine = 0.5F;
   return dot > 0.0F && dot * dot > cosine * cosine * length2;
 }
 
-/// Adds a point to the cell's sum that faces the same way (within 60 deg), else to an empty one; left out when there is
-/// neither. `offset` is from the cell's centre [m], `normal` is unit.
+/// Adds a point to the cell's sum that faces the same way (within 60 deg), else to an empty one;
+/// left out when there is neither. `offset` is from the cell's centre [m], `normal` is unit.
 void add_to(SurfaceCell& cell, const Eigen::Vector2d& offset, const Eigen::Vector2f& normal,
             float weight);
 
@@ -70,10 +71,11 @@ struct SurfaceLine {
   Eigen::Vector2d normal;
 };
 
-/// Surfaces of a place on grids of several resolutions, to align scans to. Each cell knows the line through all points
-/// within 1.5 cells of its centre, so finding the surface near a point is a single look-up.
-/// Compared with an occupancy grid of the same size, the line's position is not rounded to cells.
-/// Related: Biber and Strasser 2003, "The Normal Distributions Transform"; Kohlbrecher 2011 for the grid levels.
+/// Surfaces of a place on grids of several resolutions, to align scans to. Each cell knows the line
+/// through all points within 1.5 cells of its centre, so finding the surface near a point is a
+/// single look-up. Compared with an occupancy grid of the same size, the line's position is not
+/// rounded to cells. Related: Biber and Strasser 2003, "The Normal Distributions Transform";
+/// Kohlbrecher 2011 for the grid levels.
 class SurfaceGrid {
  public:
   /// \param resolutions_m  finest first, at least one
@@ -87,8 +89,8 @@ class SurfaceGrid {
     return levels_[level].resolution_m();
   }
 
-  /// The surface near a point that faces like `normal` (within 60 deg), if there is one. Cost: O(1).
-  /// Here, so that a matcher's loop has it inline.
+  /// The surface near a point that faces like `normal` (within 60 deg), if there is one. Cost:
+  /// O(1). Here, so that a matcher's loop has it inline.
   [[nodiscard]] std::optional<SurfaceLine> line_near(std::size_t level,
                                                      const Eigen::Vector2d& point,
                                                      const Eigen::Vector2d& normal) const {

@@ -10,7 +10,8 @@ namespace loopstone {
 template <int kDimension>
 struct WeakestDirection {
   bool is_turn = false;  ///< a turn about the source's origin, else a shift
-  /// Target's axes, unit, the first component that is not 0 positive; of a turn in space its axis, in the plane zero.
+  /// Target's axes, unit, the first component that is not 0 positive; of a turn in space its axis,
+  /// in the plane zero.
   Eigen::Matrix<double, kDimension, 1> direction = Eigen::Matrix<double, kDimension, 1>::Zero();
   double sigma = 0.0;  ///< standard deviation [m, or rad]
 };

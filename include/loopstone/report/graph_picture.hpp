@@ -23,8 +23,9 @@ struct GraphPictureOptions {
   double set_aside_below = 0.5;
 };
 
-/// Before and after side by side: the path from its beginning to its end in colour, loop closures thin, by how badly they fit
-/// (light grey to ink), those set aside red and dashed, landmarks as dots. Both at one scale, unless one is much larger. 8-bit RGB.
+/// Before and after side by side: the path from its beginning to its end in colour, loop closures
+/// thin, by how badly they fit (light grey to ink), those set aside red and dashed, landmarks as
+/// dots. Both at one scale, unless one is much larger. 8-bit RGB.
 /// Throws UsageError when there are no poses, or not as many before as after.
 [[nodiscard]] Image draw_graph_picture(const GraphScene& scene,
                                        const GraphPictureOptions& options = {});

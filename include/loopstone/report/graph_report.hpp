@@ -35,8 +35,8 @@ struct GraphRun {
 /// Before and after, with what they cost above them.
 [[nodiscard]] Image draw_graph_run(const GraphRun& run, int panel_px = 1000);
 
-/// One self-contained HTML page: the picture, all figures with units, what was certified, the edges that fit worst and those
-/// that were set aside. `info` says who made it from what.
+/// One self-contained HTML page: the picture, all figures with units, what was certified, the edges
+/// that fit worst and those that were set aside. `info` says who made it from what.
 [[nodiscard]] std::string format_graph_report(const GraphRun& run, const RunInfo& info);
 
 /// `edge,kind,from,to,chi2,weight`, one line an edge, ids as in the file.

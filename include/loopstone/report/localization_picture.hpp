@@ -15,9 +15,9 @@ struct LocalizationPictureOptions {
   int most_clouds = 12;       ///< snapshots whose particles are shown, spread over the run
 };
 
-/// The map with the path coloured by state (TRACKING, DOUBTFUL, LOST), the particles of some snapshots with their time,
-/// the places of searches, jumps of the pose, start and end, scale bar, axes and legend. 8-bit RGB; the top of the picture
-/// is the largest y.
+/// The map with the path coloured by state (TRACKING, DOUBTFUL, LOST), the particles of some
+/// snapshots with their time, the places of searches, jumps of the pose, start and end, scale bar,
+/// axes and legend. 8-bit RGB; the top of the picture is the largest y.
 /// \param occupancy  the map, in percent, -1 unknown
 [[nodiscard]] Image draw_localization_picture(const LocalizationResult& result,
                                               const Grid<std::int8_t>& occupancy,
@@ -27,11 +27,12 @@ struct BeliefPictureOptions {
   int width_px = 1280;
   double close_up_m = 12.0;  ///< side of the close-up around the estimate
   bool whole_map =
-      true;  ///< beside the close-up; else one picture: the close-up, or where the belief is wide the whole
+      /// beside the close-up; else one picture: the close-up, or where the belief is wide the whole
+      true;
 };
 
-/// Draws the belief of one moment after another at the same size: the particles, the hypotheses with their probabilities,
-/// the scan at the estimate, the state. The map is drawn once.
+/// Draws the belief of one moment after another at the same size: the particles, the hypotheses
+/// with their probabilities, the scan at the estimate, the state. The map is drawn once.
 class BeliefPainter {
  public:
   /// \param occupancy  must outlive the painter

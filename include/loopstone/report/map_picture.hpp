@@ -13,8 +13,8 @@ struct MapPictureOptions {
   bool loop_closures = true;
 };
 
-/// The occupancy map cropped to what was seen, the path coloured from start to end, accepted loop closures,
-/// scale bar, axes and legend. 8-bit RGB; the top of the picture is the largest y.
+/// The occupancy map cropped to what was seen, the path coloured from start to end, accepted loop
+/// closures, scale bar, axes and legend. 8-bit RGB; the top of the picture is the largest y.
 [[nodiscard]] Image draw_map_picture(const MapResult& result,
                                      const MapPictureOptions& options = {});
 

@@ -32,9 +32,10 @@ struct MatchPictureOptions {
   double far_m = 0.0;
 };
 
-/// Before and after side by side at one scale: the target grey, the source by the guess blue, by the match coloured by the
-/// distance to the nearest target point (green to red). With a map, the map underneath. In space three views, from above, from
-/// the side and from the front. With a scale bar, axes and legend. 8-bit RGB.
+/// Before and after side by side at one scale: the target grey, the source by the guess blue, by
+/// the match coloured by the distance to the nearest target point (green to red). With a map, the
+/// map underneath. In space three views, from above, from the side and from the front. With a scale
+/// bar, axes and legend. 8-bit RGB.
 /// Throws UsageError when there are no finite points.
 template <int kDimension>
 [[nodiscard]] Image draw_match_picture(const MatchScene<kDimension>& scene,

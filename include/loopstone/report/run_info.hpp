@@ -34,7 +34,8 @@ struct RunInfo {
   double wall_time_s =
       0.0;  ///< from opening the log to the finished result, without the writing of these files
   double cpu_time_s = 0.0;  ///< of all threads
-  /// Of the process so far. Unless 0, what is written tells the peak of when maps and pictures are made, too.
+  /// Of the process so far. Unless 0, what is written tells the peak of when maps and pictures are
+  /// made, too.
   std::int64_t peak_memory_bytes = 0;
   LeftOut left_out{};  ///< of the log, as far as it was read
   int threads = 0;
@@ -42,7 +43,8 @@ struct RunInfo {
   bool force = false;                 ///< files of an earlier run may be replaced
   /// What could not be made of the finished result, and why; it makes the files incomplete.
   std::string failure{};
-  /// All that determines the result beside version and options, by name: two runs that agree in it have the same files.
+  /// All that determines the result beside version and options, by name: two runs that agree in it
+  /// have the same files.
   using Terms = std::vector<std::pair<std::string, std::string>>;
   Terms terms{};
 };

@@ -13,7 +13,8 @@ struct TexturePictureOptions {
   bool trajectory = true;
 };
 
-/// The floor in its colours with the walls of the map over it, the path of the robot, scale bar and axes.
+/// The floor in its colours with the walls of the map over it, the path of the robot, scale bar and
+/// axes.
 /// \param map  may be empty: then the picture shows the floor alone
 [[nodiscard]] Image draw_texture_picture(const FloorTexture& texture, const OccupancyMap& map,
                                          const Trajectory& trajectory,

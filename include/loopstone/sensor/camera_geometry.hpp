@@ -8,7 +8,8 @@
 
 namespace loopstone {
 
-/// Rotation from an optical frame (z forward, x right, y down) to its body-like frame (x forward, y left, z up).
+/// Rotation from an optical frame (z forward, x right, y down) to its body-like frame (x forward, y
+/// left, z up).
 [[nodiscard]] Eigen::Matrix3d body_R_optical();
 
 /// Where the optical frame of the depth camera lies on the robot.
@@ -24,12 +25,12 @@ namespace loopstone {
 /// Source: Brown 1966, "Decentering distortion of lenses"; the form is OpenCV's.
 [[nodiscard]] Eigen::Vector2d project(const LensModel& lens, const Eigen::Vector3d& p_optical);
 
-/// The point at z = 1 of the optical frame that is seen at a pixel: the inverse of project, by Newton's method when the lens
-/// is distorted (to 1e-10 within the picture of any usual lens).
+/// The point at z = 1 of the optical frame that is seen at a pixel: the inverse of project, by
+/// Newton's method when the lens is distorted (to 1e-10 within the picture of any usual lens).
 [[nodiscard]] Eigen::Vector3d ray_through(const LensModel& lens, const Eigen::Vector2d& pixel);
 
-/// 1 / depth [1/m] of every 16-bit number of a depth picture; 0 for what is no measurement. Throws UsageError for an unknown
-/// kind.
+/// 1 / depth [1/m] of every 16-bit number of a depth picture; 0 for what is no measurement. Throws
+/// UsageError for an unknown kind.
 [[nodiscard]] std::vector<float> inverse_depth_table(const DepthEncoding& encoding);
 
 }  // namespace loopstone

@@ -6,8 +6,9 @@
 
 namespace loopstone {
 
-/// A pinhole with the lens distortion of Brown and Conrady (radial k1 k2 k3, tangential p1 p2, as OpenCV orders and names
-/// them). The centre of the first pixel is (0, 0); columns u grow to the right, rows v down.
+/// A pinhole with the lens distortion of Brown and Conrady (radial k1 k2 k3, tangential p1 p2, as
+/// OpenCV orders and names them). The centre of the first pixel is (0, 0); columns u grow to the
+/// right, rows v down.
 struct LensModel {
   double focal_x_px = 585.05108211;
   double focal_y_px = 585.05108211;
@@ -22,10 +23,11 @@ struct LensModel {
   double k3 = 0.0;
 };
 
-/// What the numbers of a depth picture mean. Depth is measured along the optical axis, not along the ray.
+/// What the numbers of a depth picture mean. Depth is measured along the optical axis, not along
+/// the ray.
 struct DepthEncoding {
-  /// "disparity": depth = numerator / (slope * number + offset); "depth": depth = metres_per_unit * number.
-  /// 0 is no measurement in both.
+  /// "disparity": depth = numerator / (slope * number + offset); "depth": depth = metres_per_unit *
+  /// number. 0 is no measurement in both.
   std::string kind = "disparity";
   double disparity_slope = -0.00304;
   double disparity_offset = 3.31;
@@ -35,14 +37,16 @@ struct DepthEncoding {
   double range_max_m = 10.0;
 };
 
-/// A camera that measures depth and a camera that sees colour, side by side. The frames `camera` and `colour` are body-like
-/// (x forward, y left, z up), as the robot's; the optical frames (z forward, x right, y down) follow from them by
-/// camera_geometry.hpp. `camera` is the depth camera.
+/// A camera that measures depth and a camera that sees colour, side by side. The frames `camera`
+/// and `colour` are body-like (x forward, y left, z up), as the robot's; the optical frames (z
+/// forward, x right, y down) follow from them by camera_geometry.hpp. `camera` is the depth camera.
 ///
 /// The defaults are the UCSD robot's Kinect. Its published registration,
-///   column = (526.37 u + 19276 - 7877.07 dd) / 585.051,   row = (526.37 v + 16662) / 585.051,   depth = 1.03 / dd,
+///   column = (526.37 u + 19276 - 7877.07 dd) / 585.051, row = (526.37 v + 16662) / 585.051, depth
+///   = 1.03 / dd,
 /// is that of a pinhole of focal length 526.37 at (317.107, 247.054), which sits
-/// (7877.07 / 585.051) * 1.03 / 526.37 = 0.026346 m to the right of the depth camera and looks the same way.
+/// (7877.07 / 585.051) * 1.03 / 526.37 = 0.026346 m to the right of the depth camera and looks the
+/// same way.
 struct CameraModel {
   Pose3 robot_T_camera = Pose3::from_roll_pitch_yaw({0.18, 0.005, 0.36}, 0.0, 0.36, 0.021);
   LensModel depth{};

@@ -8,12 +8,13 @@
 
 namespace loopstone {
 
-/// One sweep of a planar laser scanner. Beam i points to angle_min_rad + i * angle_increment_rad, counter-clockwise
-/// from the lidar's x axis.
+/// One sweep of a planar laser scanner. Beam i points to angle_min_rad + i * angle_increment_rad,
+/// counter-clockwise from the lidar's x axis.
 ///
-/// Ranges follow REP-117: a finite value in [range_min_m, range_max_m] is a return; +inf means nothing within range
-/// (the beam is free up to range_max_m); NaN means the beam is bad and says nothing. Readers translate whatever a
-/// format uses (0, 81.83, max + 1) to these two and nothing else.
+/// Ranges follow REP-117: a finite value in [range_min_m, range_max_m] is a return; +inf means
+/// nothing within range (the beam is free up to range_max_m); NaN means the beam is bad and says
+/// nothing. Readers translate whatever a format uses (0, 81.83, max + 1) to these two and nothing
+/// else.
 struct LaserScan {
   Stamp stamp;  ///< of the first beam
   double angle_min_rad = 0.0;

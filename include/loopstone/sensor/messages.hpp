@@ -47,7 +47,8 @@ struct ImuSample {
   }
 };
 
-/// Which pictures an RGB-D camera took and where they are; the pixels are loaded when somebody needs them.
+/// Which pictures an RGB-D camera took and where they are; the pixels are loaded when somebody
+/// needs them.
 struct RgbdFrame {
   Stamp stamp;              ///< of the depth picture, or of the colour picture when it is alone
   Stamp colour_stamp;       ///< the cameras need not be synchronised

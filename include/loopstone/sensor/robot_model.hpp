@@ -35,7 +35,8 @@ struct RobotModel {
   CameraModel camera{};
 };
 
-/// The mount of a scan's lidar: what the scan itself says, else the model's, else the robot's centre.
+/// The mount of a scan's lidar: what the scan itself says, else the model's, else the robot's
+/// centre.
 template <typename Scan>
 [[nodiscard]] Pose2 mount_of(const Scan& scan, const RobotModel& robot) {
   if (scan.robot_T_lidar) return *scan.robot_T_lidar;

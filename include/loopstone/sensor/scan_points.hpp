@@ -30,7 +30,8 @@ struct SurfacePoint {
   Eigen::Vector2f position;  ///< [m]
   Eigen::Vector2f normal;    ///< unit, towards free space (the side it was seen from)
   float weight =
-      1.0F;  ///< 1: normal fitted to neighbours; less: a small thing, its normal a guess along the beam
+      /// 1: normal fitted to neighbours; less: a small thing, its normal a guess along the beam
+      1.0F;
 
   template <typename Archive>
   void archive(Archive& a) {
@@ -38,11 +39,11 @@ struct SurfacePoint {
   }
 };
 
-/// The returns of a scan as points in the robot frame at the scan's stamp, in beam order; beams without a return are
-/// left out.
+/// The returns of a scan as points in the robot frame at the scan's stamp, in beam order; beams
+/// without a return are left out.
 ///
-/// \param velocity  of the robot in its own frame [m/s, m/s, rad/s]; undoes the motion during the sweep when the
-///                  scan has a time increment (zero: no correction)
+/// \param velocity  of the robot in its own frame [m/s, m/s, rad/s]; undoes the motion during the
+///                  sweep when the scan has a time increment (zero: no correction)
 [[nodiscard]] std::vector<Eigen::Vector2d> scan_points(const LaserScan& scan,
                                                        const Pose2& robot_T_lidar,
                                                        const Tangent2& velocity = Tangent2::Zero());
@@ -56,9 +57,9 @@ struct SurfaceOptions {
 };
 
 /// Surfaces seen by a scan, in the robot frame at the scan's stamp, thinned to an even spacing.
-/// Each point lies on the line through its neighbours, so noise is averaged, not thrown away; breaks in the surface
-/// (neighbours farther apart than a slanted wall explains) are not bridged, and lone returns on a wall seen at a grazing
-/// angle, whose normal can't be told, are left out.
+/// Each point lies on the line through its neighbours, so noise is averaged, not thrown away;
+/// breaks in the surface (neighbours farther apart than a slanted wall explains) are not bridged,
+/// and lone returns on a wall seen at a grazing angle, whose normal can't be told, are left out.
 /// Cost: O(beams).
 [[nodiscard]] std::vector<SurfacePoint> surface_points(const LaserScan& scan,
                                                        const Pose2& robot_T_lidar,

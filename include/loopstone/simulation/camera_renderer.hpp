@@ -34,10 +34,11 @@ struct ExposedPose {
   double turned_rad = 0.0;
 };
 
-/// Draws what a camera on the robot sees of a world: its floor (z = 0), its plan's solids as straight walls up to the
-/// ceiling, and the ceiling. Each pixel is a ray through its centre, exact within the world; the floor's colour is the
-/// mean over the part of the floor that the pixel sees while the picture is exposed. Outlines of solids are not smoothed.
-/// Keeps references to the world and its index. Cost: about 20 ms a colour picture and 5 ms a depth picture of 640 x 480.
+/// Draws what a camera on the robot sees of a world: its floor (z = 0), its plan's solids as
+/// straight walls up to the ceiling, and the ceiling. Each pixel is a ray through its centre, exact
+/// within the world; the floor's colour is the mean over the part of the floor that the pixel sees
+/// while the picture is exposed. Outlines of solids are not smoothed. Keeps references to the world
+/// and its index. Cost: about 20 ms a colour picture and 5 ms a depth picture of 640 x 480.
 class CameraRenderer {
  public:
   /// The floor is the world's, or "mixed" when it has none.

@@ -18,8 +18,8 @@ struct DriveOptions {
   int laps = 1;               ///< times that it goes the whole route, each time back to the start
 };
 
-/// A motion of constant speed and yaw rate in each of many short steps, so that the pose, the distance and the angle
-/// turned are exact at every time, not only at samples.
+/// A motion of constant speed and yaw rate in each of many short steps, so that the pose, the
+/// distance and the angle turned are exact at every time, not only at samples.
 class Drive {
  public:
   static constexpr double kStep = 0.02;  ///< [s]
@@ -57,11 +57,14 @@ class Drive {
   std::vector<double> yaw_rates_{};  ///< [rad/s]
 };
 
-/// Visits the world's places, each time the cheapest to reach of those that are left, ways driven before being dearer;
-/// then passes its returns in order. Without returns it comes back to the start. Places that a robot of that radius
-/// can't reach are left out. With more than one lap it goes on to the start and along the same way again. The robot's centre never comes nearer to an obstacle than the radius.
+/// Visits the world's places, each time the cheapest to reach of those that are left, ways driven
+/// before being dearer; then passes its returns in order. Without returns it comes back to the
+/// start. Places that a robot of that radius can't reach are left out. With more than one lap it
+/// goes on to the start and along the same way again. The robot's centre never comes nearer to an
+/// obstacle than the radius.
 /// Throws UsageError when the start itself has no room for the robot.
-/// Source of the steering: Coulter 1992, "Implementation of the pure pursuit path tracking algorithm".
+/// Source of the steering: Coulter 1992, "Implementation of the pure pursuit path tracking
+/// algorithm".
 [[nodiscard]] Drive drive_route(const World& world, double robot_radius_m,
                                 const DriveOptions& options = {});
 

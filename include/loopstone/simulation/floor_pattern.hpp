@@ -15,22 +15,25 @@ namespace loopstone {
 /// Red, green, blue in linear light; 1 is white.
 using LinearColour = Eigen::Vector3f;
 
-/// A letter painted on the floor. Its frame: origin at the lower left corner, x along the line of text.
+/// A letter painted on the floor. Its frame: origin at the lower left corner, x along the line of
+/// text.
 struct FloorLetter {
   char letter = ' ';
   Pose2 map_T_letter{};
   double height_m = 0.0;
 };
 
-/// The part of the floor that one pixel sees, as the covariance of where its light comes from [m^2].
+/// The part of the floor that one pixel sees, as the covariance of where its light comes from
+/// [m^2].
 struct FloorFootprint {
   float xx = 0.0F;
   float xy = 0.0F;
   float yy = 0.0F;
 };
 
-/// The true colour of the floor: a patch of square texels that repeats in x and y, as halved and halved again copies for
-/// averages over larger areas (Williams 1983, "Pyramidal parametrics"). Immutable, so it may be shared between threads.
+/// The true colour of the floor: a patch of square texels that repeats in x and y, as halved and
+/// halved again copies for averages over larger areas (Williams 1983, "Pyramidal parametrics").
+/// Immutable, so it may be shared between threads.
 class FloorPattern {
  public:
   /// \param columns, rows  texels of the patch, powers of two
@@ -43,8 +46,9 @@ class FloorPattern {
   [[nodiscard]] LinearColour mean_over(const Extent& rectangle) const;
   /// The mean over a square cell of any heading, by sampling it at every half texel.
   [[nodiscard]] LinearColour mean_over(const Pose2& map_T_centre, double side_m) const;
-  /// What a pixel sees around a point: about the Gaussian mean over its footprint, from several samples along the
-  /// footprint's longer axis (McCormack et al. 1999, "Feline"). From 1 to 12 samples, about 10 ns each.
+  /// What a pixel sees around a point: about the Gaussian mean over its footprint, from several
+  /// samples along the footprint's longer axis (McCormack et al. 1999, "Feline"). From 1 to 12
+  /// samples, about 10 ns each.
   [[nodiscard]] LinearColour seen_over(const Eigen::Vector2d& point,
                                        const FloorFootprint& footprint) const;
   /// The mean over the whole patch.
@@ -82,7 +86,8 @@ class FloorPattern {
 /// Throws UsageError for another name.
 [[nodiscard]] FloorPattern make_floor(std::string_view name, std::uint64_t seed);
 
-/// A picture that repeats; its lower left corner lies at the origin of the map. Throws UsageError for an empty picture.
+/// A picture that repeats; its lower left corner lies at the origin of the map. Throws UsageError
+/// for an empty picture.
 [[nodiscard]] FloorPattern make_floor(const ColourImage& picture, double width_m);
 
 }  // namespace loopstone

@@ -27,7 +27,8 @@ struct Box {
   bool is_wall = false;  ///< else a thing that stands before one
 };
 
-/// What stands in a building at the height of the laser. Solids may overlap; a ray sees the outline of their union.
+/// What stands in a building at the height of the laser. Solids may overlap; a ray sees the outline
+/// of their union.
 struct FloorPlan {
   std::vector<Box> boxes{};
   std::vector<Circle> circles{};

@@ -15,8 +15,8 @@
 
 namespace loopstone {
 
-/// A planar laser scanner. The defaults are the UCSD robot's Hokuyo UTM-30LX, but for the rate: it sweeps 40 times a
-/// second, of which every fourth is kept so that logs stay small.
+/// A planar laser scanner. The defaults are the UCSD robot's Hokuyo UTM-30LX, but for the rate: it
+/// sweeps 40 times a second, of which every fourth is kept so that logs stay small.
 struct SimulatedLaser {
   double rate_hz = 10.0;
   int beams = 1081;
@@ -29,8 +29,8 @@ struct SimulatedLaser {
   double clock_offset_s = 0.005;       ///< its stamps are this late
 };
 
-/// Wheel encoders, and how wheels differ from their model. Systematic errors are drawn once for each seed: between
-/// half and all of the given size, either sign.
+/// Wheel encoders, and how wheels differ from their model. Systematic errors are drawn once for
+/// each seed: between half and all of the given size, either sign.
 struct SimulatedWheels {
   double rate_hz = 40.0;
   double scale_error = 0.02;  ///< both sides too large or too small, share of the distance
@@ -133,8 +133,8 @@ struct SimulatedFrame {
 /// Where a simulation's output goes. Called in the order of the stamps; each may be empty.
 struct SimulationSink {
   std::function<void(SensorMessage)> message{};
-  /// Keeps the pictures of a frame and returns the message that says where they are, which then goes to `message`. Without
-  /// it nothing is rendered.
+  /// Keeps the pictures of a frame and returns the message that says where they are, which then
+  /// goes to `message`. Without it nothing is rendered.
   std::function<RgbdFrame(const SimulatedFrame&)> frame{};
   /// map_T_robot at the first beam of every scan, with the scan's stamp.
   std::function<void(const StampedPose2&)> truth{};
@@ -152,10 +152,11 @@ struct SimulationSummary {
   bool complete = true;  ///< false when progress asked to stop
 };
 
-/// Drives the robot through the world and lets its sensors measure: WheelTicks and ImuSample (or OdometryPose, one with
-/// each scan's stamp and one with each encoder reading's), LaserScan of the robot's first lidar, and RgbdFrame of its
-/// camera when the sink takes frames. The same arguments give the same messages to the bit, and those of the other sensors
-/// are the same with and without the camera. Memory: the drive (about 3 kB a second) and the world.
+/// Drives the robot through the world and lets its sensors measure: WheelTicks and ImuSample (or
+/// OdometryPose, one with each scan's stamp and one with each encoder reading's), LaserScan of the
+/// robot's first lidar, and RgbdFrame of its camera when the sink takes frames. The same arguments
+/// give the same messages to the bit, and those of the other sensors are the same with and without
+/// the camera. Memory: the drive (about 3 kB a second) and the world.
 /// Cost: about 0.3 us a beam, 50 ms an RGB-D frame.
 SimulationSummary simulate(const World& world, const RobotModel& robot,
                            const SimulationOptions& options, std::uint64_t seed,

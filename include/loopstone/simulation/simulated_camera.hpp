@@ -5,8 +5,8 @@
 
 namespace loopstone {
 
-/// What makes depths uncertain. The defaults are a Kinect's of the first kind (Khoshelham and Elberink 2012, "Accuracy and
-/// resolution of Kinect depth data").
+/// What makes depths uncertain. The defaults are a Kinect's of the first kind (Khoshelham and
+/// Elberink 2012, "Accuracy and resolution of Kinect depth data").
 struct SimulatedDepth {
   double noise_steps = 0.7;            ///< standard deviation in steps of the Kinect's disparity
   double dropout_probability = 0.003;  ///< share of pixels without depth for no visible reason
@@ -23,8 +23,8 @@ struct SimulatedColour {
   double lag_s = 0.013;       ///< colour is taken this much after depth, and stamped so
 };
 
-/// An RGB-D camera on a robot, and how it differs from what the robot's file says. The default mount errors are what a
-/// bracket bent by hand has.
+/// An RGB-D camera on a robot, and how it differs from what the robot's file says. The default
+/// mount errors are what a bracket bent by hand has.
 struct SimulatedCamera {
   double rate_hz = 5.0;
   double clock_offset_s = 0.0;      ///< all its stamps are this late
@@ -72,8 +72,8 @@ void visit_options(SimulatedCamera& options, Visitor&& visit) {
   visit.group("colour", options.colour);
 }
 
-/// The camera as it truly is: the model with the mount errors in it. Roll, pitch and yaw are those of
-/// Pose3::from_roll_pitch_yaw; the errors add to them.
+/// The camera as it truly is: the model with the mount errors in it. Roll, pitch and yaw are those
+/// of Pose3::from_roll_pitch_yaw; the errors add to them.
 [[nodiscard]] CameraModel true_camera(const CameraModel& model, const SimulatedCamera& options);
 
 }  // namespace loopstone

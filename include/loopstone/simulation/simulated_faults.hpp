@@ -8,9 +8,10 @@ namespace loopstone {
 
 /// What goes wrong on a robot beyond noise. Off by default.
 struct SimulatedFaults {
-  /// "missing": wheels are not read (a gyro still is); "stuck": they say that the robot stands; "scaled": distances, and
-  /// headings from wheels, are `strength` times too large; "mirrored": left is right, of the gyro too; "lagging": wheels and
-  /// gyro are `strength` seconds late; "jumping": every 10 s or so up to `strength` metres and radians come at once.
+  /// "missing": wheels are not read (a gyro still is); "stuck": they say that the robot stands;
+  /// "scaled": distances, and headings from wheels, are `strength` times too large; "mirrored":
+  /// left is right, of the gyro too; "lagging": wheels and gyro are `strength` seconds late;
+  /// "jumping": every 10 s or so up to `strength` metres and radians come at once.
   std::string odometry = "none";
   double strength = 0.0;       ///< 0: the usual one: 1.6, 0.4 s, 1 m
   double from_s = 0.0;         ///< when the fault begins

@@ -25,14 +25,15 @@ struct SurfaceHit {
       kNothing;  ///< below the number of flat_surfaces: one of them; then the plan's circles
 };
 
-/// Answers exact range and distance queries on a floor plan by looking only at the surfaces near the ray: each cell of
-/// a uniform grid knows the surfaces that cross it (Amanatides and Woo 1987, "A fast voxel traversal algorithm").
-/// Immutable, so it may be shared between threads.
+/// Answers exact range and distance queries on a floor plan by looking only at the surfaces near
+/// the ray: each cell of a uniform grid knows the surfaces that cross it (Amanatides and Woo 1987,
+/// "A fast voxel traversal algorithm"). Immutable, so it may be shared between threads.
 class SurfaceIndex {
  public:
   explicit SurfaceIndex(const FloorPlan& plan, double cell_m = 0.5);
 
-  /// Range to the first surface along the ray [m], exactly as the minimum over all surfaces; +inf beyond `max_range_m`.
+  /// Range to the first surface along the ray [m], exactly as the minimum over all surfaces; +inf
+  /// beyond `max_range_m`.
   [[nodiscard]] double cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
                             double max_range_m) const;
 
@@ -48,7 +49,8 @@ class SurfaceIndex {
 
  private:
   void for_each_in(Cell cell, auto&& visit) const;
-  /// Calls visit(cell), which returns the nearest range so far, for the cells along a ray until none can hold a nearer surface.
+  /// Calls visit(cell), which returns the nearest range so far, for the cells along a ray until
+  /// none can hold a nearer surface.
   void walk(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction, double max_range_m,
             auto&& visit) const;
 

@@ -34,7 +34,8 @@ struct World {
 [[nodiscard]] const std::vector<std::string_view>& world_names();
 
 /// A built-in world. Different seeds differ in walls, doors and furniture, not in kind.
-///   office     about 1,000 m2: two corridors, cross corridors, rooms with doors, furniture; loops of 60 to 130 m
+///   office about 1,000 m2: two corridors, cross corridors, rooms with doors, furniture; loops of
+///   60 to 130 m
 ///   campus     about 10,000 m2: six buildings joined by passages; loops of several hundred metres
 ///   corridor   100 m straight between two small rooms, nothing to hold on to on the way
 ///   rooms      rows of rooms that are all alike
@@ -42,14 +43,16 @@ struct World {
 /// Throws UsageError for another name.
 [[nodiscard]] World make_world(std::string_view name, std::uint64_t seed);
 
-/// A world from a map: occupancy of the cells in percent, -1 where unknown, as nav_msgs/OccupancyGrid has it. Cells that
-/// are unknown or occupied by 65 % or more are solid. The start and the places are chosen in its largest free region.
+/// A world from a map: occupancy of the cells in percent, -1 where unknown, as
+/// nav_msgs/OccupancyGrid has it. Cells that are unknown or occupied by 65 % or more are solid. The
+/// start and the places are chosen in its largest free region.
 /// Throws UsageError when there is no room for a robot of that radius.
 [[nodiscard]] World make_world(const Grid<std::int8_t>& map, const std::string& name,
                                double robot_radius_m);
 
-/// The map that a perfect robot would draw: 100 where a solid covers a cell's centre or comes within half a cell of it,
-/// 0 where the rest can be reached from the start, -1 elsewhere. A given map is returned as it is.
+/// The map that a perfect robot would draw: 100 where a solid covers a cell's centre or comes
+/// within half a cell of it, 0 where the rest can be reached from the start, -1 elsewhere. A given
+/// map is returned as it is.
 [[nodiscard]] Grid<std::int8_t> true_map(const World& world, double resolution_m = 0.05);
 
 }  // namespace loopstone

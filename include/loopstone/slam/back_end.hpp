@@ -21,8 +21,8 @@ namespace loopstone {
 /// Keeps the graph: key scans in a chain, closures across it, solved whenever a closure was found.
 /// Depends only on what it is given and in which order, so it may run beside the front end.
 ///
-/// Memory: grows with the area, not with time. What older submaps cover is thinned: of such a stretch the first key scan stays,
-/// some hundred bytes for metres of travel.
+/// Memory: grows with the area, not with time. What older submaps cover is thinned: of such a
+/// stretch the first key scan stays, some hundred bytes for metres of travel.
 class BackEnd {
  public:
   BackEnd(const MapOptions& options, Threads threads);
@@ -30,7 +30,8 @@ class BackEnd {
   void add_key(const KeyScan& key);
   /// Submaps come in the order of the key scans that they start with.
   void add_submap(FinishedSubmap submap);
-  /// Looks once more for closures everywhere, settles which stand, and makes the graph of all key scans. Call once, at the end.
+  /// Looks once more for closures everywhere, settles which stand, and makes the graph of all key
+  /// scans. Call once, at the end.
   void finish(const std::function<bool()>& goes_on = {});
 
   /// The stretches thinned since the last call: only their first key scans are still of use.

@@ -89,10 +89,11 @@ struct HeldScan {
 ///
 /// Frame `local`: that of the first scan; continuous, never corrected by loop closures.
 ///
-/// Where the laser has not held the pose for a while, the next scan may show a place that no submap knows. It stands where
-/// odometry says, unless it fits the active submap there; then a new piece of the path begins with a submap of its own, tied to
-/// the piece before by odometry's motion and its covariance alone. Without odometry the robot is looked for around where it was last;
-/// where it isn't found, nothing but loop closures can tie the new piece.
+/// Where the laser has not held the pose for a while, the next scan may show a place that no submap
+/// knows. It stands where odometry says, unless it fits the active submap there; then a new piece
+/// of the path begins with a submap of its own, tied to the piece before by odometry's motion and
+/// its covariance alone. Without odometry the robot is looked for around where it was last; where
+/// it isn't found, nothing but loop closures can tie the new piece.
 class FrontEnd {
  public:
   FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match,

@@ -20,7 +20,8 @@ struct KeyScan {
       Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
   std::size_t scan = 0;         ///< its place among all scans
   bool starts_submap = false;
-  /// Of the motion from the key scan before, where the laser did not hold it: (x, y, yaw), local frame.
+  /// Of the motion from the key scan before, where the laser did not hold it: (x, y, yaw), local
+  /// frame.
   std::optional<Eigen::Matrix3d> across{};
 
   template <typename Archive>
@@ -29,18 +30,20 @@ struct KeyScan {
   }
 };
 
-/// Whether the lengths of a path at places along it are what they can be: finite, and nowhere less than before. For what comes from
-/// a file.
+/// Whether the lengths of a path at places along it are what they can be: finite, and nowhere less
+/// than before. For what comes from a file.
 [[nodiscard]] bool only_grows(std::span<const double> travelled_m);
 
-/// The path as key scans, cut into stretches: a stretch begins with the key scan that a submap begins with.
+/// The path as key scans, cut into stretches: a stretch begins with the key scan that a submap
+/// begins with.
 ///
-/// Loop closing needs the stretches' first poses alone, so that is what it solves for: some hundred nodes instead of some thousand.
-/// What happened between them is one edge, compounded from the motions, until expand() spells it out.
+/// Loop closing needs the stretches' first poses alone, so that is what it solves for: some hundred
+/// nodes instead of some thousand. What happened between them is one edge, compounded from the
+/// motions, until expand() spells it out.
 class KeyChain {
  public:
-  /// \param drift_per_m  position uncertainty gained by a metre of travel: what is uncertain across a break of the path counts as the
-  ///                     travel that would have made it so
+  /// \param drift_per_m  position uncertainty gained by a metre of travel: what is uncertain across
+  ///                     a break of the path counts as the travel that would have made it so
   explicit KeyChain(double drift_per_m) : drift_per_m_(drift_per_m) {}
 
   /// The first key scan begins a stretch in any case.
@@ -62,7 +65,8 @@ class KeyChain {
   [[nodiscard]] std::vector<KeyScan> keys() const;
   /// Of each stretch, the place of its first key scan among them.
   [[nodiscard]] std::vector<NodeId> first_nodes() const;
-  /// Their graph, edges along the path only. \param map_T_stretch  pose of each stretch's first key scan
+  /// Their graph, edges along the path only. \param map_T_stretch pose of each stretch's first key
+  /// scan
   [[nodiscard]] PoseGraph expand(std::span<const Pose2> map_T_stretch) const;
 
   template <typename Archive>

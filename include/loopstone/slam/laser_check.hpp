@@ -34,10 +34,12 @@ struct LaserEpisode {
   }
 };
 
-/// Tells scans that show the laser's cover, or are one scan again and again, from those that show the surroundings.
+/// Tells scans that show the laser's cover, or are one scan again and again, from those that show
+/// the surroundings.
 ///
-/// A robot that stands still in a world without noise repeats itself too; so a scan counts as frozen only once odometry has moved
-/// since the scan that it repeats. Without odometry nothing tells the two apart; then repetition is counted and not judged.
+/// A robot that stands still in a world without noise repeats itself too; so a scan counts as
+/// frozen only once odometry has moved since the scan that it repeats. Without odometry nothing
+/// tells the two apart; then repetition is counted and not judged.
 /// Cost: one pass over the ranges. Deterministic.
 class LaserCheck {
  public:
@@ -47,8 +49,8 @@ class LaserCheck {
   [[nodiscard]] const std::vector<LaserEpisode>& episodes() const { return episodes_; }
   /// Whether the last episode goes on.
   [[nodiscard]] bool is_faulty() const { return open_; }
-  /// Most scans in a row that were the same to the last bit while no odometry told whether the robot stood, the first one not
-  /// counted.
+  /// Most scans in a row that were the same to the last bit while no odometry told whether the
+  /// robot stood, the first one not counted.
   [[nodiscard]] std::size_t most_repeated() const { return most_repeated_; }
 
   template <typename Archive>

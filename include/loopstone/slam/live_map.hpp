@@ -12,23 +12,23 @@
 
 namespace loopstone {
 
-/// The occupancy map of a robot that still drives: all scans so far, each with its submap, at the poses
-/// that submaps have now.
+/// The occupancy map of a robot that still drives: all scans so far, each with its submap, at the
+/// poses that submaps have now.
 ///
 ///   LiveMap live(options.map, robot.footprint_radius_m);
 ///   live.refresh(mapper.snapshot());                       // whenever it is wanted, on any thread
 ///   for (const OccupancyTile& tile : live.tiles_since(shown)) show(tile);
 ///   shown = live.revision();
 ///
-/// Where nothing moved, only new scans are drawn; where a submap moved, the tiles that it touched before
-/// and after are drawn anew from all scans that touch them. A submap that moves its farthest cell by
-/// less than a quarter of a cell has not moved.
+/// Where nothing moved, only new scans are drawn; where a submap moved, the tiles that it touched
+/// before and after are drawn anew from all scans that touch them. A submap that moves its farthest
+/// cell by less than a quarter of a cell has not moved.
 ///
-/// Against the finished map: the same scans, drawn by the same rule. The finished map bends submaps to
-/// share out what closes loops, and moves key scans onto common surfaces: docs/accuracy.md says how far
-/// both are apart.
-/// Cost: that of drawing the new scans, 20 us each at 180 beams; after a closure, of all scans of what
-/// moved. Memory: 21 kB a tile that was observed. Not thread-safe; one thread at a time.
+/// Against the finished map: the same scans, drawn by the same rule. The finished map bends submaps
+/// to share out what closes loops, and moves key scans onto common surfaces: docs/accuracy.md says
+/// how far both are apart.
+/// Cost: that of drawing the new scans, 20 us each at 180 beams; after a closure, of all scans of
+/// what moved. Memory: 21 kB a tile that was observed. Not thread-safe; one thread at a time.
 class LiveMap {
  public:
   LiveMap(const OccupancyOptions& options, double footprint_radius_m);

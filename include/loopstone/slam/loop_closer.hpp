@@ -82,13 +82,13 @@ class LoopCloser {
   void add(FinishedSubmap submap, double travelled_m);
 
   /// Compares the newest submap with older ones within reach at the present poses, nearest first,
-  /// until those that match saw nearly all of it; then with those that look like it, where the poses
-  /// may be wrong by more than the largest window. Everything tried that scored well enough to be
-  /// considered is returned, waiting or rejected; its nodes are submaps.
+  /// until those that match saw nearly all of it; then with those that look like it, where the
+  /// poses may be wrong by more than the largest window. Everything tried that scored well enough
+  /// to be considered is returned, waiting or rejected; its nodes are submaps.
   [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<const Pose2> map_T_submap);
 
-  /// Compares all pairs within reach that have not been closed yet; for the end of a run, when poses
-  /// are good.
+  /// Compares all pairs within reach that have not been closed yet; for the end of a run, when
+  /// poses are good.
   /// \param goes_on  asked now and then; once it returns false, what was found until then is
   ///                 returned. May be empty.
   [[nodiscard]] std::vector<LoopClosure> close_all(std::span<const Pose2> map_T_submap,

@@ -55,7 +55,8 @@ struct KeyScanSnapshot {
   Pose2 map_T_robot{};
 };
 
-/// The map as it is at one moment, all of a piece. Copies share the scans: some hundred bytes a submap.
+/// The map as it is at one moment, all of a piece. Copies share the scans: some hundred bytes a
+/// submap.
 struct MapSnapshot {
   std::vector<SubmapSnapshot> submaps{};  ///< by their ids
   std::vector<LoopClosure> closures{};    ///< nodes are submaps

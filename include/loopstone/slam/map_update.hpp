@@ -67,15 +67,15 @@ struct MapUpdate {
   std::int64_t scan = 0;  ///< its number among all scans, from 0
   Pose2 odom_T_robot{};
   Pose2 map_T_odom{};
-  /// Of map_T_robot() against what is around it, (x, y, yaw), map axes [m^2, m rad, rad^2]. What the
-  /// path has drifted since the place was first seen is not in it.
+  /// Of map_T_robot() against what is around it, (x, y, yaw), map axes [m^2, m rad, rad^2]. What
+  /// the path has drifted since the place was first seen is not in it.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   TrackingStatus status = TrackingStatus::kTracked;
   /// kDegenerate: the direction that the laser leaves open, map axes [rad], in [0, pi).
   std::optional<double> open_direction_rad{};
   std::optional<std::size_t> key_scan{};  ///< its number among the key scans, if it is one
-  /// The front end's events are those of this scan. Those of loop closing come with the first update
-  /// after they happened: which one that is depends on how fast the machine is.
+  /// The front end's events are those of this scan. Those of loop closing come with the first
+  /// update after they happened: which one that is depends on how fast the machine is.
   std::vector<MapEvent> events{};
   std::int64_t missed = 0;  ///< updates given up before this one, because nobody took them
 

@@ -26,17 +26,18 @@ enum class Verdict {
 struct GraphQuality {
   int loops = 0;  ///< independent ones: edges less nodes plus 1
   double reduced_chi2 =
-      0.0;  ///< sum of e^T Omega e a degree of freedom (3 a loop); 1 is what the covariances promise
+      /// sum of e^T Omega e a degree of freedom (3 a loop); 1 is what the covariances promise
+      0.0;
   int closures_revoked = 0;  ///< that had been accepted and contradicted the rest
   int closures = 0;          ///< accepted or revoked
-  /// Of the isotropic objective (certificate.hpp), from the graph's poses; nothing when the graph has
-  /// no loop or is too large.
+  /// Of the isotropic objective (certificate.hpp), from the graph's poses; nothing when the graph
+  /// has no loop or is too large.
   std::optional<Certificate> certificate{};
-  /// Whether it is proven that no solution is cheaper by more than a hundredth. In large graphs rounding
-  /// keeps the bound from closing; a solution of another shape costs many times as much.
+  /// Whether it is proven that no solution is cheaper by more than a hundredth. In large graphs
+  /// rounding keeps the bound from closing; a solution of another shape costs many times as much.
   [[nodiscard]] bool is_proven() const;
-  /// Largest distance of a node, best aligned, of the graph's solution from where the solver arrives
-  /// when it begins at the proven optimum.
+  /// Largest distance of a node, best aligned, of the graph's solution from where the solver
+  /// arrives when it begins at the proven optimum.
   double certified_shift_m = 0.0;
   /// Of the delivered map from the graph's solution: what the adjustment to surfaces made of it.
   double adjusted_shift_m = 0.0;
@@ -64,12 +65,14 @@ struct MapVerdict {
   std::vector<QualityMeasure> measures{};  ///< always the same ones, in the same order
 };
 
-/// Turns the figures of quality, graph_quality and statistics into words. The thresholds come from what the figures mean, and were checked on simulated runs that were
-/// spoiled on purpose (bench/quality.py, docs/quality.md). Overall: the worst of what is known.
+/// Turns the figures of quality, graph_quality and statistics into words. The thresholds come from
+/// what the figures mean, and were checked on simulated runs that were spoiled on purpose
+/// (bench/quality.py, docs/quality.md). Overall: the worst of what is known.
 [[nodiscard]] MapVerdict judge_map(const MapResult& result);
 
-/// Adds what the map can't know: which share [0, 1] of the log, of its scans or of its records, could not be used. A map of the
-/// rest may be right and still not be the map of that drive. Does nothing when there is no verdict.
+/// Adds what the map can't know: which share [0, 1] of the log, of its scans or of its records,
+/// could not be used. A map of the rest may be right and still not be the map of that drive. Does
+/// nothing when there is no verdict.
 void judge_left_out(MapVerdict& verdict, double share);
 
 }  // namespace loopstone

@@ -32,23 +32,25 @@ namespace loopstone {
 ///   MapResult result = mapper.finish();
 ///
 /// Messages may come live. The clock is that of their stamps:
-///   - A scan waits until odometry of its time or later has come, so that the motion up to it is known;
-///     at most 0.25 s, counted by the newest stamp of any message. Without odometry and gyro in the
-///     stream every scan is worked on as soon as a message 0.25 s younger comes, or at finish().
-///   - Scans that come late are worked on in the order in which they come. Odometry is remembered for
-///     10 s: a scan that is up to so late gets the motion of its own time.
-///   - Odometry that is not newer than the last of its kind is ignored. What comes for a scan that was
-///     worked on without it no longer changes that scan.
+///   - A scan waits until odometry of its time or later has come, so that the motion up to it is
+///     known; at most 0.25 s, counted by the newest stamp of any message. Without odometry and gyro
+///     in the stream every scan is worked on as soon as a message 0.25 s younger comes, or at
+///     finish().
+///   - Scans that come late are worked on in the order in which they come. Odometry is remembered
+///     for 10 s: a scan that is up to so late gets the motion of its own time.
+///   - Odometry that is not newer than the last of its kind is ignored. What comes for a scan that
+///     was worked on without it no longer changes that scan.
 ///   - A sensor that stops is bridged by the others, and said so: status, events, breaks.
 ///
-/// Threads: add(), next_update(), finish(), save_state() and restore_state() are called from one thread
-/// at a time; snapshot() from any, at any time. The front end works inside add(), a fraction of a
-/// millisecond a scan (some tens where a lost robot is looked for). Search for loops, the graph and
-/// what follows from them live on a thread of their own, so add() waits for them only when they have
-/// fallen behind by eight submaps.
+/// Threads: add(), next_update(), finish(), save_state() and restore_state() are called from one
+/// thread at a time; snapshot() from any, at any time. The front end works inside add(), a fraction
+/// of a millisecond a scan (some tens where a lost robot is looked for). Search for loops, the
+/// graph and what follows from them live on a thread of their own, so add() waits for them only
+/// when they have fallen behind by eight submaps.
 ///
-/// The result is the same bytes for any number of threads, and whether or not anybody asks for updates
-/// and snapshots. When a correction of the map shows in updates depends on how fast the machine is.
+/// The result is the same bytes for any number of threads, and whether or not anybody asks for
+/// updates and snapshots. When a correction of the map shows in updates depends on how fast the
+/// machine is.
 class Mapper {
  public:
   /// \param threads  that search for loops and draw the final map, beside the front end's
@@ -58,29 +60,31 @@ class Mapper {
   /// Throws nothing for what a sensor may send; memory may run out.
   void add(const SensorMessage& message);
 
-  /// The oldest update that was not handed out yet: one a scan, in their order. Of updates that nobody
-  /// takes the newest thousand are kept.
+  /// The oldest update that was not handed out yet: one a scan, in their order. Of updates that
+  /// nobody takes the newest thousand are kept.
   [[nodiscard]] std::optional<MapUpdate> next_update();
 
   /// The map as it is now: submaps and key scans at their present poses, closures, faults so far.
   /// Consistent: all of it is of one moment. Cost: microseconds a submap; the scans are shared.
   [[nodiscard]] MapSnapshot snapshot() const;
 
-  /// Ends the recording: last closures, last solution, the final map of all scans. Call once. A map that
-  /// is too large leaves all else and says so in `map_failure`.
-  /// \param progress  told before each stage and while loops are closed, maybe from another thread but
-  ///                  never from two at once; once it returns false the run is cancelled
-  /// \param cancel    asked whenever progress is told. Cancelled, the last search for loops ends, what
-  ///                  only refines or judges the map is left out, and the result is marked incomplete
+  /// Ends the recording: last closures, last solution, the final map of all scans. Call once. A map
+  /// that is too large leaves all else and says so in `map_failure`.
+  /// \param progress  told before each stage and while loops are closed, maybe from another thread
+  ///                  but never from two at once; once it returns false the run is cancelled
+  /// \param cancel    asked whenever progress is told. Cancelled, the last search for loops ends,
+  ///                  what only refines or judges the map is left out, and the result is marked
+  ///                  incomplete
   [[nodiscard]] MapResult finish(const ProgressCallback& progress = {},
                                  const std::stop_token& cancel = {});
 
-  /// Everything that the messages so far have led to. A new mapper of the same robot and options that
-  /// is given it goes on to the same bytes. Returns once the front end is saved; the rest follows when
-  /// the back end has come as far, on its thread. Updates that wait are not part of it.
+  /// Everything that the messages so far have led to. A new mapper of the same robot and options
+  /// that is given it goes on to the same bytes. Returns once the front end is saved; the rest
+  /// follows when the back end has come as far, on its thread. Updates that wait are not part of
+  /// it.
   [[nodiscard]] std::future<std::vector<StateChunk>> save_state();
-  /// Before the first message. Throws DataError when a part is missing, of another version or damaged;
-  /// this mapper is of no use then.
+  /// Before the first message. Throws DataError when a part is missing, of another version or
+  /// damaged; this mapper is of no use then.
   void restore_state(std::span<const StateChunk> chunks);
 
   [[nodiscard]] std::int64_t scans() const;

@@ -27,25 +27,26 @@ struct ToldMotion {
   double sigma_rad = 0.0;
 };
 
-/// Guesses the motion to the next scan: odometry's as long as it can be trusted, else the motion goes on as it was.
+/// Guesses the motion to the next scan: odometry's as long as it can be trusted, else the motion
+/// goes on as it was.
 ///
-/// How wrong a motion that goes on may be is learned from how wrong it was: a robot that turns on the spot and a scanner
-/// with irregular stamps need wider windows than a steady drive.
+/// How wrong a motion that goes on may be is learned from how wrong it was: a robot that turns on
+/// the spot and a scanner with irregular stamps need wider windows than a steady drive.
 class MotionPredictor {
  public:
   /// \param check  false: odometry is trusted whatever the laser says
   explicit MotionPredictor(bool check = true) : checks_(check) {}
 
-  /// At least one guess, the likeliest first. More than one where odometry says what the motion so far makes unlikely, or
-  /// where the stamps leave in doubt how far a motion goes on.
+  /// At least one guess, the likeliest first. More than one where odometry says what the motion so
+  /// far makes unlikely, or where the stamps leave in doubt how far a motion goes on.
   [[nodiscard]] std::vector<MotionGuess> guesses(
       Stamp stamp, const std::optional<OdometryReading>& odometry) const;
 
   /// Without odometry: the motion goes on. Nothing when it is too long ago for that to mean much.
   [[nodiscard]] std::vector<MotionGuess> coast_guesses(Stamp stamp) const;
 
-  /// What odometry says of the motion between two readings, with what is known of its scale. Nothing when it can't be trusted with
-  /// the translation, or was silent in between.
+  /// What odometry says of the motion between two readings, with what is known of its scale.
+  /// Nothing when it can't be trusted with the translation, or was silent in between.
   [[nodiscard]] std::optional<ToldMotion> told(const OdometryReading& from, Stamp from_stamp,
                                                const OdometryReading& to) const;
 

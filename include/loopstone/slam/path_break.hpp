@@ -37,7 +37,8 @@ struct PathBreak {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   // Told when the map is finished:
   int closures = 0;  ///< that stand and lead from one side to the other
-  /// How far both sides may be off to one another [m], one standard deviation, by the best of bridge and closures.
+  /// How far both sides may be off to one another [m], one standard deviation, by the best of
+  /// bridge and closures.
   double tie_sigma_m = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] double bridge_sigma_m() const;

@@ -23,7 +23,8 @@ struct ScanToScanOptions {
   int interval = 10;
   /// Also edges from all nodes in between to the last one.
   bool interval_all = false;
-  /// A scan becomes a node only when the robot moved or turned this far since the last node; 0 and 0: every scan.
+  /// A scan becomes a node only when the robot moved or turned this far since the last node; 0 and
+  /// 0: every scan.
   double node_distance_m = 0.0;
   double node_angle_rad = 0.0;
   /// Points of a scan nearer to the last one kept are left out.
@@ -50,16 +51,17 @@ void visit_options(ScanToScanOptions& options, Visitor&& visit) {
   visit.group("map", options.map);
 }
 
-/// The pipeline of textbooks, as the baseline that others are compared with: dead reckoning; ICP between consecutive
-/// scans, started from odometry; ICP over fixed intervals; a pose graph of both, solved by Gauss-Newton; the map of all
-/// scans. It never looks for places seen before.
+/// The pipeline of textbooks, as the baseline that others are compared with: dead reckoning; ICP
+/// between consecutive scans, started from odometry; ICP over fixed intervals; a pose graph of
+/// both, solved by Gauss-Newton; the map of all scans. It never looks for places seen before.
 ///
 ///   ScanToScanMapper mapper(robot, options, threads);
 ///   while (auto message = log.next()) mapper.add(*message);
 ///   MapResult result = mapper.finish(progress);
 ///
-/// Where ICP fails (too few pairs, no convergence, far from odometry) odometry stands in; without odometry the motion
-/// of the pair before. The result is the same bytes for any number of threads. Keeps all scans in memory.
+/// Where ICP fails (too few pairs, no convergence, far from odometry) odometry stands in; without
+/// odometry the motion of the pair before. The result is the same bytes for any number of threads.
+/// Keeps all scans in memory.
 /// Cost: O(scans * points * log points), about 1 ms a scan.
 /// Source: Lu and Milios 1997, "Globally consistent range scan alignment for environment mapping".
 class ScanToScanMapper {
@@ -67,11 +69,12 @@ class ScanToScanMapper {
   explicit ScanToScanMapper(const RobotModel& robot, const ScanToScanOptions& options = {},
                             Threads threads = {});
 
-  /// Messages come in time order. A scan waits until odometry for its time has come, at most 0.25 s.
+  /// Messages come in time order. A scan waits until odometry for its time has come, at most 0.25
+  /// s.
   void add(const SensorMessage& message);
 
-  /// Matches, solves and draws. Call once. When progress asks to stop, the scans matched so far are solved and drawn and
-  /// the result is marked incomplete.
+  /// Matches, solves and draws. Call once. When progress asks to stop, the scans matched so far are
+  /// solved and drawn and the result is marked incomplete.
   [[nodiscard]] MapResult finish(const ProgressCallback& progress = {});
 
   [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(records_.size()); }

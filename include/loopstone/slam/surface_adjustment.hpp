@@ -30,7 +30,8 @@ void visit_options(SurfaceAdjustmentOptions& options, Visitor&& visit) {
 
 struct SurfaceAdjustment {
   std::vector<Pose2> poses{};  ///< of the graph, adjusted
-  /// Of points about the surfaces that key scans share: the standard deviation of most of them, 1.48 times the median.
+  /// Of points about the surfaces that key scans share: the standard deviation of most of them,
+  /// 1.48 times the median.
   double spread_before_m = 0.0;
   double spread_after_m = 0.0;
   int rounds = 0;    ///< Gauss-Newton steps taken
@@ -41,18 +42,21 @@ struct SurfaceAdjustment {
 ///
 ///   minimise  sum_i w_i rho( (n_c^T (T_k p_i) - d_c - s_c t_i) / sigma )  +  the graph's own cost
 ///
-/// over the poses T_k and, for each patch c of surface that several key scans saw, its offset d_c and slope s_c; rho is
-/// Cauchy's, sigma comes from the residuals. Patches are eliminated in closed form; what remains is solved by conjugate
-/// gradients with two preconditioners: the graph's factor, and one of stretches of key scans as rigid bodies.
+/// over the poses T_k and, for each patch c of surface that several key scans saw, its offset d_c
+/// and slope s_c; rho is Cauchy's, sigma comes from the residuals. Patches are eliminated in closed
+/// form; what remains is solved by conjugate gradients with two preconditioners: the graph's
+/// factor, and one of stretches of key scans as rigid bodies.
 ///
-/// \param graph     its poses are the start, good to about half a patch; held poses stay; its edges hold what surfaces leave
-///                  open (a corridor's axis)
+/// \param graph     its poses are the start, good to about half a patch; held poses stay; its edges
+///                  hold what surfaces leave open (a corridor's axis)
 /// \param surfaces  of each pose, its own frame [m]
-/// \return the poses, no worse than the graph's: a round that does not lower the spread is not taken.
+/// \return the poses, no worse than the graph's: a round that does not lower the spread is not
+///         taken.
 /// Throws UsageError unless there are as many scans as poses, and as check_graph does.
 /// Cost: O(points) a product, about 15 products. The same bytes for any number of threads.
-/// Source: Liu and Zhang 2021, "BALM: Bundle adjustment for lidar mapping", in the plane; Triggs et al. 2000, "Bundle
-/// adjustment - a modern synthesis", section 6, for the elimination of what is seen.
+/// Source: Liu and Zhang 2021, "BALM: Bundle adjustment for lidar mapping", in the plane; Triggs et
+/// al. 2000, "Bundle adjustment - a modern synthesis", section 6, for the elimination of what is
+/// seen.
 [[nodiscard]] SurfaceAdjustment adjust_to_surfaces(
     const PoseGraph& graph, std::span<const std::vector<SurfacePoint>> surfaces,
     const SurfaceAdjustmentOptions& options = {}, Threads threads = {});

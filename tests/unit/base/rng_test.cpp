@@ -15,7 +15,8 @@ namespace {
 static_assert(std::uniform_random_bit_generator<Rng>);
 
 TEST(Rng, GivesTheNumbersOfThePublishedAlgorithm) {
-  // Computed apart from this code, from Blackman and Vigna's definitions of splitmix64 and xoshiro256**.
+  // Computed apart from this code, from Blackman and Vigna's definitions of splitmix64 and
+  // xoshiro256**.
   Rng zero(0);
   EXPECT_EQ(zero(), 0x99ec5f36cb75f2b4U);
   EXPECT_EQ(zero(), 0xbf6e1f784956452aU);

@@ -181,7 +181,8 @@ TEST(Covariance, CompoundAgreesWithMonteCarlo) {
   const auto c = compound(a, b);
   EXPECT_TRUE(pose_near(c.pose, a.pose * b.pose, 1e-15, 1e-15));
   const auto drawn = monte_carlo(a, b, [](const Pose2& x, const Pose2& y) { return x * y; });
-  // To first order: what is left out has the size of scale^2, the draws' own error is 1/sqrt(200,000).
+  // To first order: what is left out has the size of scale^2, the draws' own error is
+  // 1/sqrt(200,000).
   EXPECT_LT((c.covariance - drawn).norm(), 0.015 * drawn.norm()) << c.covariance << "\n\n" << drawn;
 }
 

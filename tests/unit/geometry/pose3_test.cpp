@@ -19,7 +19,8 @@ TEST(Pose3, RollPitchYawTurnAboutFixedAxes) {
   const double quarter = 0.5 * kPi;
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
-  // REP-103: positive pitch tips the nose down, positive yaw turns left, positive roll lifts the left side.
+  // REP-103: positive pitch tips the nose down, positive yaw turns left, positive roll lifts the
+  // left side.
   EXPECT_TRUE((Pose3::from_roll_pitch_yaw(none, 0.0, quarter, 0.0) * x)
                   .isApprox(-Eigen::Vector3d::UnitZ()));
   EXPECT_TRUE(

@@ -47,8 +47,8 @@ PoseGraph ring(int nodes, int turns, double noise = 0.0) {
   return graph;
 }
 
-/// S of the definition, without any sparsity: the whole quadratic form over positions and headings, the positions
-/// eliminated by a pseudoinverse.
+/// S of the definition, without any sparsity: the whole quadratic form over positions and headings,
+/// the positions eliminated by a pseudoinverse.
 Eigen::MatrixXcd dense_certificate(const PoseGraph& graph) {
   using Complex = std::complex<double>;
   const auto n = static_cast<Eigen::Index>(graph.poses.size());

@@ -55,7 +55,8 @@ Eigen::MatrixXcd dense(const Block& block) {
   }
 }
 
-/// A sum of r r^H over pairs, r = (B at one node, C at the other): positive definite with a little on the diagonal.
+/// A sum of r r^H over pairs, r = (B at one node, C at the other): positive definite with a little
+/// on the diagonal.
 template <typename Block>
 struct Example {
   ConnectionCholesky<Block> sparse;

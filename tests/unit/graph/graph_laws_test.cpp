@@ -51,8 +51,9 @@ TEST_P(GraphLaw, OrderOfEdgesDoesNotMatter) {
 
 TEST_P(GraphLaw, ReversedEdgesWithTransportedInformationAreTheSame) {
   PoseGraph graph = random_graph(GetParam());
-  // e = vector(Z^-1 X) of an edge and e' = vector(Z X^-1) of the reversed one: with E = Z^-1 X, E' is Z E^-1 Z^-1, so at
-  // e = 0 e' = -Ad(Z) e. Exact for perfect measurements only, so those are compared, from a bad start.
+  // e = vector(Z^-1 X) of an edge and e' = vector(Z X^-1) of the reversed one: with E = Z^-1 X, E'
+  // is Z E^-1 Z^-1, so at e = 0 e' = -Ad(Z) e. Exact for perfect measurements only, so those are
+  // compared, from a bad start.
   std::vector<Pose2> truth = initial_poses(graph, Initialisation::kOdometryChain);
   for (RelativePoseEdge& edge : graph.edges) {
     edge.from_T_to = truth[static_cast<std::size_t>(edge.from.index)].inverse() *

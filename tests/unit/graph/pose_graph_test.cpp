@@ -44,7 +44,8 @@ TEST(EdgeError, IsZeroForAPerfectMeasurement) {
 
 TEST(EdgeError, IsRotatedToTheMeasuredAxes) {
   const RelativePoseEdge edge{{0}, {1}, {1.0, 0.0, 0.5 * kPi}};
-  // The second pose is 0.1 m too far along the first one's x axis, which is the measured pose's -y axis.
+  // The second pose is 0.1 m too far along the first one's x axis, which is the measured pose's -y
+  // axis.
   const Eigen::Vector3d error = edge_error(edge, {}, {1.1, 0.0, 0.5 * kPi});
   EXPECT_NEAR(error.x(), 0.0, 1e-15);
   EXPECT_NEAR(error.y(), -0.1, 1e-15);

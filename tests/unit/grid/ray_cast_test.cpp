@@ -104,7 +104,8 @@ Occupied random_grid(Rng& rng) {
   return grid;
 }
 
-/// From cell corners, edges, centres and anywhere, inside and outside; along axes, diagonals, through corners and anyhow.
+/// From cell corners, edges, centres and anywhere, inside and outside; along axes, diagonals,
+/// through corners and anyhow.
 Ray random_ray(const GridFrame& frame, Rng& rng) {
   const auto coordinate = [&](double low, int cells) {
     const auto cell = static_cast<double>(rng.below(static_cast<std::uint64_t>(cells) + 9)) - 4.0;

@@ -13,8 +13,9 @@ namespace {
 
 using CellSet = std::set<std::pair<int, int>>;
 
-/// Naive twin of the definition: {floor(p) : p on the segment}. Exact rationals, as scaled whole numbers (short rays: all fits 64 bits): the part of
-/// the segment in a half-open column band and that in a half-open row band must share a point.
+/// Naive twin of the definition: {floor(p) : p on the segment}. Exact rationals, as scaled whole
+/// numbers (short rays: all fits 64 bits): the part of the segment in a half-open column band and
+/// that in a half-open row band must share a point.
 struct Interval {  // of t * scale in [0, scale]; ends may be open
   std::int64_t low;
   std::int64_t high;

@@ -87,7 +87,8 @@ TEST(BeamLearning, FindsTheMixtureThatMadeTheData) {
   }
 }
 
-/// Where ranges are cut off, the closed form takes the rest for the whole and finds too small a sigma.
+/// Where ranges are cut off, the closed form takes the rest for the whole and finds too small a
+/// sigma.
 TEST(BeamLearning, SigmaIsRightBesideTheEnds) {
   Rng rng(5);
   const BeamMixture truth{.hit_weight = 0.9,
@@ -141,8 +142,8 @@ TEST(BeamLearning, LeavesOutWhatSaysNothing) {
   EXPECT_THROW((void)learn_beam_mixture(pairs, 5.0, {.hit_weight = 0.1}), UsageError);
 }
 
-/// Scans of an office in which people stand about, on the office's map: what is learned is what was put in, but for the
-/// map's cells, which widen sigma.
+/// Scans of an office in which people stand about, on the office's map: what is learned is what was
+/// put in, but for the map's cells, which widen sigma.
 TEST(BeamLearning, LearnsFromScansOfAWorld) {
   const World world = make_world("office", 3);
   const SurfaceIndex surfaces(world.plan);

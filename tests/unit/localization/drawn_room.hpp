@@ -24,8 +24,8 @@ namespace loopstone::test {
   return map;
 }
 
-/// A rectangle that is free inside and solid outside. Its sides lie on the borders of cells, so that the cells that show them
-/// have their centres half a cell behind what a laser measures.
+/// A rectangle that is free inside and solid outside. Its sides lie on the borders of cells, so
+/// that the cells that show them have their centres half a cell behind what a laser measures.
 [[nodiscard]] inline Grid<std::int8_t> drawn_solid(const Eigen::Vector2d& low,
                                                    const Eigen::Vector2d& high,
                                                    double resolution_m = 0.05) {

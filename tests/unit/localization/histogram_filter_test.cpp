@@ -27,7 +27,8 @@ std::vector<int> peaks(const HistogramFilter& belief, double threshold) {
   return found;
 }
 
-// Thrun, Burgard and Fox 2005, figure 1.2: a robot in a corridor with three doors, told nothing but "I see a door".
+// Thrun, Burgard and Fox 2005, figure 1.2: a robot in a corridor with three doors, told nothing but
+// "I see a door".
 TEST(HistogramFilter, FindsItselfInTheCorridorWithThreeDoors) {
   constexpr int kDoors[] = {20, 35, 75};
   const auto sees_door = [&](Cell cell) {

@@ -127,7 +127,8 @@ TEST(LandmarkLocalizer, ReportsItsOwnFailure) {
       const auto steps = drive(failure.options, seed);
       SCOPED_TRACE(failure.name + ", seed " + std::to_string(seed));
       EXPECT_GT(late_share(steps, FilterStatus::kInconsistent), 0.5);
-      // Never believed while far off, but for the readings that it takes to notice being carried away.
+      // Never believed while far off, but for the readings that it takes to notice being carried
+      // away.
       EXPECT_LE(std::count_if(steps.begin(), steps.end(),
                               [](const DriveStep& step) {
                                 return step.error_m() > 0.5 &&
@@ -195,7 +196,8 @@ TEST(LandmarkLocalizer, LeavesOutSightingsThatAreNone) {
   EXPECT_EQ(estimate.step.log_evidence, 0.0);
 }
 
-// Where prior and sensor are normal, chi2 has its mean and the expected evidence is the mean of the evidence.
+// Where prior and sensor are normal, chi2 has its mean and the expected evidence is the mean of the
+// evidence.
 TEST(CompareWithPrediction, ExpectsWhatHappens) {
   LandmarkSensor sensor;
   sensor.clutter_share = 1e-6;

@@ -19,7 +19,8 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Runs a body once for each instruction set that this processor has and the library was compiled for.
+/// Runs a body once for each instruction set that this processor has and the library was compiled
+/// for.
 template <typename Body>
 void on_each_instruction_set(const Body& body) {
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
@@ -29,7 +30,8 @@ void on_each_instruction_set(const Body& body) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-// The naive twin: one pose and one point at a time, from the public costs of cells, with the same roundings.
+// The naive twin: one pose and one point at a time, from the public costs of cells, with the same
+// roundings.
 
 struct SinCos {
   double sin;

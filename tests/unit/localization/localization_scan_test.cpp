@@ -96,7 +96,8 @@ TEST(BeamFitLaws, BeamsThatGoThroughAWallOfTheMapViolateIt) {
   const Pose2 pose{3.0, 3.0, 0.0};
   const LocalizationMap map(drawn(rectangle({0.0, 0.0}, {5.0, 6.0}), kLow, kHigh));
   const BeamFit fit = fit_beams(view_from(rectangle(kLow, kHigh), pose), map, pose);
-  // From 1.8 m its far side is seen under 2 atan(3 / 1.8), about 118 of 270 deg, of which a few beams end near its corners.
+  // From 1.8 m its far side is seen under 2 atan(3 / 1.8), about 118 of 270 deg, of which a few
+  // beams end near its corners.
   EXPECT_GT(fit.violations, 0.35);
   EXPECT_LT(fit.violations, 0.45);
   EXPECT_LT(fit.unexpected, 0.01);

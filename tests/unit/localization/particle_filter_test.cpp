@@ -189,7 +189,8 @@ TEST(ParticleFilter, AbsorbsAnotherBeliefByItsWeight) {
   EXPECT_THROW(filter.absorb(ParticleFilter<int>({9}), kInfinity), UsageError);
 }
 
-// Two beliefs with weights of their own are one belief: evidences of the parts, weighed, are the evidence of the whole.
+// Two beliefs with weights of their own are one belief: evidences of the parts, weighed, are the
+// evidence of the whole.
 TEST(ParticleFilter, AMixtureOfFiltersIsOneFilter) {
   ParticleFilter<double> left({-1.0, -2.0});
   ParticleFilter<double> right({1.0, 2.0, 3.0});

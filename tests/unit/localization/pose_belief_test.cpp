@@ -99,7 +99,8 @@ TEST(PoseBelief, EqualPlacesKeepEqualBelief) {
     });
     belief.update(alike);
     belief.settle();
-    // What was injected around a place may be one of its own for a moment, with next to no belief in it.
+    // What was injected around a place may be one of its own for a moment, with next to no belief
+    // in it.
     ASSERT_GE(belief.places().size(), 2U) << "after " << step;
     // Their evidence is estimated with particles, so belief does a random walk, but a short one.
     ASSERT_GT(std::exp(belief.places()[1].log_mass), 0.02) << "after " << step;

@@ -81,7 +81,8 @@ TEST(Resampling, IsUnbiasedInEveryScheme) {
   }
 }
 
-// Douc, Cappe and Moulines 2005: stratified and residual never scatter more than multinomial. Systematic scatters least here.
+// Douc, Cappe and Moulines 2005: stratified and residual never scatter more than multinomial.
+// Systematic scatters least here.
 TEST(Resampling, SchemesScatterInTheirOrder) {
   const std::vector<double> weights{0.05, 0.1, 0.31, 0.14, 0.4};
   const auto scatter = [&](ResamplingScheme scheme) {

@@ -139,7 +139,8 @@ TEST(CloudGatherer, OrderIsThatOfTheCubesWhateverCameFirst) {
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(one[i].rgb[c], other[i].rgb[c], 16);
   }
   for (std::size_t i = 1; i < one.size(); ++i) {
-    // The floor is the side of two cubes, so of z only the order within a column of cubes off the floor is told.
+    // The floor is the side of two cubes, so of z only the order within a column of cubes off the
+    // floor is told.
     const auto before = cube_of(one[i - 1]);
     const auto here = cube_of(one[i]);
     ASSERT_LE((std::array<int, 2>{before[0], before[1]}), (std::array<int, 2>{here[0], here[1]}));
@@ -164,7 +165,8 @@ TEST(CloudGatherer, WhatIsTooFarForItsNoiseIsLeftOut) {
 }
 
 TEST(CloudGatherer, PixelsBetweenThingsMakeNoPoints) {
-  // At the sides of things cameras measure depths between near and far: points that hang in the air.
+  // At the sides of things cameras measure depths between near and far: points that hang in the
+  // air.
   const test::FloorScene scene{slow_floor, {kBox}};
   const CameraModel camera = test::small_camera();
   CloudGatherer gatherer(camera, kExact_per_m, kCube_m);

@@ -127,7 +127,8 @@ TEST(FloorTexture, PosesAreThoseOfEachPicturesOwnStamp) {
 TEST(FloorTexture, ThingsThatStandOnTheFloorLeaveNoColour) {
   Recording recording;
   recording.trajectory = winding(4.0);
-  // Red boxes beside the path: where the colour camera sees them the depth camera, 2.6 cm to the left, may see floor.
+  // Red boxes beside the path: where the colour camera sees them the depth camera, 2.6 cm to the
+  // left, may see floor.
   for (const double x : {0.9, 1.3, 1.7}) {
     recording.scene.boxes.push_back({{x, -0.15, 0.0}, {x + 0.1, -0.05, 0.3}});
     recording.scene.boxes.push_back({{x, 0.75, 0.0}, {x + 0.1, 0.85, 0.3}});
@@ -160,7 +161,8 @@ TEST(FloorTexture, BrightnessIsLevelled) {
   const FloorTexture plain =
       map_floor_texture(recording.source(10.0), recording.trajectory, recording.truth, options);
   EXPECT_GT(levelled.statistics.gain_spread, 0.1);
-  // The first frame's brightness is the level; compare what is left when the best common gain is taken out.
+  // The first frame's brightness is the level; compare what is left when the best common gain is
+  // taken out.
   const auto after_gain = [&](const FloorTexture& texture) {
     double best = 0.0;
     for (double gain = 0.75; gain < 1.3; gain += 0.01) {

@@ -43,7 +43,8 @@ struct Drive {
   [[nodiscard]] std::vector<PosedScan> posed() const {
     return posed([](std::size_t) { return Pose2{}; });
   }
-  /// The second round moved: every wall of the room, all along x or y, lies `offset_m` beside itself.
+  /// The second round moved: every wall of the room, all along x or y, lies `offset_m` beside
+  /// itself.
   [[nodiscard]] std::vector<PosedScan> doubled(double offset_m) const {
     return posed([&](std::size_t i) {
       return round[i] == 0 ? Pose2{} : Pose2{offset_m, offset_m, 0.0};
@@ -306,7 +307,8 @@ TEST(BeamMeetings, CrossOnlyWhatASearchThroughAllPiecesCrosses) {
 }
 
 TEST(MapEntropy, GrowsByTheLogarithmOfTheThickness) {
-  // Two visits to one straight wall, each with noise of 1 cm, the second beside the first: variance s^2 + (d / 2)^2.
+  // Two visits to one straight wall, each with noise of 1 cm, the second beside the first: variance
+  // s^2 + (d / 2)^2.
   const auto wall = [](double offset_m) {
     Rng rng(11);
     std::vector<JudgedScan> scans(2);
@@ -326,7 +328,8 @@ TEST(MapEntropy, GrowsByTheLogarithmOfTheThickness) {
     EXPECT_GT(entropy.points, 1000);
     const double ratio = std::hypot(0.01, 0.5 * offset_m) / 0.01;
     EXPECT_NEAR(entropy.mean_nats - entropy.stretch_nats, std::log(ratio), 0.08) << offset_m;
-    // Along the wall: a uniform spread over 2 r = 0.6 m, variance r^2 / 3; a little less at the ends.
+    // Along the wall: a uniform spread over 2 r = 0.6 m, variance r^2 / 3; a little less at the
+    // ends.
     EXPECT_NEAR(entropy.stretch_nats,
                 std::log(2.0 * kPi) + 1.0 + 0.5 * std::log(0.09 / 3.0 * 1.0e-4), 0.15)
         << offset_m;

@@ -13,8 +13,8 @@
 namespace loopstone {
 namespace {
 
-/// The drive as a laser's trajectory tells it: each pose is a little off, but for those of the first frames, which say where the
-/// texture lies.
+/// The drive as a laser's trajectory tells it: each pose is a little off, but for those of the
+/// first frames, which say where the texture lies.
 Trajectory jittered(const Trajectory& truth, double jitter_m, double jitter_rad,
                     std::uint64_t seed) {
   Rng rng(seed);

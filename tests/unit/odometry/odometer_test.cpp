@@ -24,8 +24,8 @@ struct Motion {
   double rate_rad_s;
 };
 
-/// A robot that drives at known speeds, and what its perfect wheels and its biased gyro say. Wheel readings every 25 ms,
-/// gyro every 10 ms and 3 ms off, so that the two never meet.
+/// A robot that drives at known speeds, and what its perfect wheels and its biased gyro say. Wheel
+/// readings every 25 ms, gyro every 10 ms and 3 ms off, so that the two never meet.
 struct Drive {
   double gyro_bias_rad_s = 0.0;
   double duration_s = 10.0;

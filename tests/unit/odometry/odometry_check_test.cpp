@@ -16,7 +16,8 @@ constexpr double kInterval = 0.1;
 
 Stamp stamp_at(int scan) { return Stamp::from_seconds(100.0 + kInterval * scan); }
 
-/// A robot that drives, stops, and turns left and right by about a quarter: its motions from scan to scan.
+/// A robot that drives, stops, and turns left and right by about a quarter: its motions from scan
+/// to scan.
 std::vector<Pose2> motions(int count, std::uint64_t seed) {
   Rng rng(seed);
   std::vector<Pose2> result;

@@ -22,7 +22,8 @@ using test::state_of;
 
 Stamp at(double seconds) { return Stamp::from_seconds(1000.0 + seconds); }
 
-/// Gives an object the inputs one by one. Whenever `save` says so, a new one is made, given the state and goes on in its place.
+/// Gives an object the inputs one by one. Whenever `save` says so, a new one is made, given the
+/// state and goes on in its place.
 /// Returns the state after each input.
 template <typename Object, typename Inputs, typename Add, typename Save>
 std::vector<std::string> states_of_run(Object object, const Object& fresh, const Inputs& inputs,

@@ -79,7 +79,8 @@ inline std::vector<Facet<2>> outline() {
                   {0.0, 1.7}});
 }
 
-/// Points spread over those facets that face the viewer (all when there is no viewing direction), with noise.
+/// Points spread over those facets that face the viewer (all when there is no viewing direction),
+/// with noise.
 template <int kDimension>
 std::vector<Eigen::Matrix<double, kDimension, 1>> sample_surface(
     const std::vector<Facet<kDimension>>& facets, std::size_t count, double noise_m,

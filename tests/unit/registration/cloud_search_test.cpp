@@ -50,8 +50,8 @@ Points<3> tool_seen_from(const Eigen::Vector3d& viewer, std::size_t count, Rng& 
   return sample_surface<3>(test::tool(), count, kToolNoiseM, viewer, rng);
 }
 
-/// What is left between two answers, in the frame of the model: the source's origin may lie metres away, where a small turn
-/// is a long way.
+/// What is left between two answers, in the frame of the model: the source's origin may lie metres
+/// away, where a small turn is a long way.
 Pose3 difference(const Pose3& a, const Pose3& b) { return a * b.inverse(); }
 
 TEST(CloudSearch, FindsAPartSeenFromOneSideHoweverItIsTurned) {
@@ -155,7 +155,8 @@ TEST(CloudSearch, ASymmetricShapeIsAmbiguousAndSaysHowMuch) {
   EXPECT_EQ(result.match.status, MatchStatus::kDegenerate);
   ASSERT_TRUE(result.runner_up.has_value());
   EXPECT_LT(result.runner_up->rmse_m, 1.1 * result.best_sampled_rmse_m);
-  // Either pose may be true: the covariance holds the rival within about one and a half standard deviations.
+  // Either pose may be true: the covariance holds the rival within about one and a half standard
+  // deviations.
   const Tangent3 apart =
       RigidMotion<3>::difference(result.runner_up->target_T_source, result.match.target_T_source);
   const double squared_distance = apart.dot(result.match.covariance.inverse() * apart);

@@ -137,7 +137,8 @@ RC_GTEST_PROP(BranchAndBoundLaws, IsExactOnRandomGrids, ()) {
 }
 
 RC_GTEST_PROP(BranchAndBoundLaws, IsExactInWideWindows, ()) {
-  // Several levels and more blocks than are read at once; most points fall beside the grid at times.
+  // Several levels and more blocks than are read at once; most points fall beside the grid at
+  // times.
   Rng rng(*rc::gen::arbitrary<std::uint64_t>());
   const auto grid = *rc::gen::arbitrary<bool>() ? random_grid(rng, true) : grid_of_strokes(rng);
   const MaxPyramid pyramid(grid, *rc::gen::inRange(1, 8), kUnknown);

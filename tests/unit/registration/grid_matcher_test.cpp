@@ -218,9 +218,10 @@ TEST(GridMatcher, CovarianceIsOfTheOrderOfTheErrors) {
     variance += match.covariance.diagonal() / kTrials;
   }
   RecordProperty("mean_nees", std::to_string(nees));
-  // A perfect estimate of the covariance gives 3. The matcher is careful on purpose: residual_sigma_m and the floors stand
-  // for what neighbouring points share and for a world that changes, of which there is nothing here (measured: 0.2, errors
-  // of 1.3 mm against a standard deviation of 4.6 mm). Above 3 the graph would trust matches more than it may.
+  // A perfect estimate of the covariance gives 3. The matcher is careful on purpose:
+  // residual_sigma_m and the floors stand for what neighbouring points share and for a world that
+  // changes, of which there is nothing here (measured: 0.2, errors of 1.3 mm against a standard
+  // deviation of 4.6 mm). Above 3 the graph would trust matches more than it may.
   EXPECT_GT(nees, 0.05);
   EXPECT_LT(nees, 3.0);
   EXPECT_LT(std::sqrt(variance.x()), 0.02) << "careful, but not useless";

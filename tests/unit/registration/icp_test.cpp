@@ -78,7 +78,8 @@ TEST(Icp, RecoversTheMotionOfTheSamePointsExactly) {
   };
   expect_found({0.05, -0.03, 0.02}, "line");
   expect_found({-0.15, 0.1, -0.1}, "line");
-  // Beams stand 0.5 deg apart: point to point also settles where every point has its neighbour's partner.
+  // Beams stand 0.5 deg apart: point to point also settles where every point has its neighbour's
+  // partner.
   expect_found({0.02, -0.01, 0.003}, "point");
 }
 

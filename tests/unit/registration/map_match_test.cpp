@@ -87,7 +87,8 @@ TEST(MatchOnMap, AScanOfAnotherPlaceIsNotSure) {
   EXPECT_FALSE(match_on_map(scan, room().search, off_the_map).found());
 }
 
-/// All poses of the lattice, one after the other; the best of each block of 8 x 8 cells that counts.
+/// All poses of the lattice, one after the other; the best of each block of 8 x 8 cells that
+/// counts.
 std::map<std::tuple<int, int, int>, int> exhaustive(const std::vector<Eigen::Vector2d>& points,
                                                     const MapSearch& map, const MapLattice& lattice,
                                                     double min_score, double margin) {

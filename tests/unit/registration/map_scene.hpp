@@ -25,7 +25,8 @@ inline void add_room(FloorPlan& plan, double low_x, double low_y, double high_x,
   plan.boxes.push_back(block(high_x, low_y, high_x + 0.2, high_y));
 }
 
-/// A room of 9.3 by 6.1 m with a cabinet, a slanted partition and a column: it looks different from everywhere.
+/// A room of 9.3 by 6.1 m with a cabinet, a slanted partition and a column: it looks different from
+/// everywhere.
 inline World room_with_cabinet() {
   World world;
   add_room(world.plan, 0.03, 0.01, 9.33, 6.11);

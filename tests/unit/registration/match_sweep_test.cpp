@@ -7,7 +7,8 @@
 namespace loopstone {
 namespace {
 
-/// A matcher that ends at the nearest of two headings, and tells of the second that it explains less.
+/// A matcher that ends at the nearest of two headings, and tells of the second that it explains
+/// less.
 MatchResult two_minima(const Pose2& guess) {
   MatchResult match;
   const bool right = std::abs(guess.yaw) <= kPi / 2 + 0.1;

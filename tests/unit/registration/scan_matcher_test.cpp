@@ -45,7 +45,8 @@ struct Trial {
   Pose2 target_T_source;
 };
 
-/// Two places in the furnished room, the second at most `reach_m` and `turn_rad` away, both with room around them.
+/// Two places in the furnished room, the second at most `reach_m` and `turn_rad` away, both with
+/// room around them.
 Trial random_trial(Rng& rng, const Scanner& scanner, double reach_m, double turn_rad) {
   const Walls room = test::furnished_room();
   while (true) {
@@ -162,7 +163,8 @@ TEST(ScanMatcher, InACorridorTheGuessStandsAlongIt) {
   const Pose2 guess{0.2, 0.0, 0.0};
   const MatchResult match = match_scans(source, target, guess);
   EXPECT_EQ(match.status, MatchStatus::kDegenerate);
-  // Across and turn are found; along, on the target's axes (cos 0.1, -sin 0.1), it stays where it was.
+  // Across and turn are found; along, on the target's axes (cos 0.1, -sin 0.1), it stays where it
+  // was.
   const Eigen::Vector2d along(std::cos(0.1), -std::sin(0.1));
   const Eigen::Vector2d across(std::sin(0.1), std::cos(0.1));
   const Pose2 truth = Pose2{0.0, 1.0, 0.1}.inverse() * Pose2{0.4, 1.1, 0.0};

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::array<double, 2> kResolutions{0.1, 0.3};
 
-/// The same rules, told slowly: for each cell the points themselves, in the order they came; sums are made when asked.
+/// The same rules, told slowly: for each cell the points themselves, in the order they came; sums
+/// are made when asked.
 class SlowSurfaceGrid {
  public:
   explicit SlowSurfaceGrid(double resolution_m) : resolution_m_(resolution_m) {}
@@ -79,7 +80,8 @@ class SlowSurfaceGrid {
   std::map<std::pair<int, int>, std::vector<Seen>> cells_{};
 };
 
-/// Normals within 10 deg of one of four directions: whether two surfaces are one is never a matter of rounding.
+/// Normals within 10 deg of one of four directions: whether two surfaces are one is never a matter
+/// of rounding.
 rc::Gen<Eigen::Vector2d> any_normal() {
   return rc::gen::map(rc::gen::pair(rc::gen::inRange(0, 4), test::between(-10.0, 10.0)),
                       [](const auto& pick) {

@@ -7,7 +7,8 @@
 
 namespace loopstone::test {
 
-/// A page needs nothing else: no network, no script, no other file. Its pictures lie in it. Every tag that is opened is closed.
+/// A page needs nothing else: no network, no script, no other file. Its pictures lie in it. Every
+/// tag that is opened is closed.
 inline void expect_self_contained(std::string html) {
   for (auto picture = html.find("data:image/png;base64,"); picture != std::string::npos;
        picture = html.find("data:image/png;base64,", picture)) {

@@ -22,7 +22,8 @@ inline Grid<std::int8_t> small_room() {
   return map;
 }
 
-/// Lost for 2 s, doubtful for 1 s, then tracking, with a short loss in between: 20 s along a line of 10 m.
+/// Lost for 2 s, doubtful for 1 s, then tracking, with a short loss in between: 20 s along a line
+/// of 10 m.
 inline LocalizationResult small_localization() {
   LocalizationResult result;
   const Stamp start{1'500'000'000'000'000'000};

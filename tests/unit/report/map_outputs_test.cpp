@@ -335,7 +335,8 @@ TEST(MapPicture, APathThatLeadsFarOffTheMapIsDrawnAllTheSame) {
 }
 
 TEST(MapPicture, WallsKeepTheirPlace) {
-  // One occupied cell in free space, no path: the only dark pixels of the map lie where the cell is, y upwards.
+  // One occupied cell in free space, no path: the only dark pixels of the map lie where the cell
+  // is, y upwards.
   MapResult result;
   const GridFrame frame{.origin = {10.0, 20.0}, .resolution = 0.1, .columns = 50, .rows = 40};
   result.map = {Grid<float>(frame, -3.0F), Grid<std::uint8_t>(frame, 1)};

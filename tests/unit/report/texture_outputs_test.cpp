@@ -85,7 +85,8 @@ TEST(TextureOutputs, FrameReadsBackAndTheWorldFileIsRight) {
   EXPECT_EQ(info.image, dir / "out/texture.png");
   EXPECT_EQ(info.coverage, dir / "out/coverage.png");
   EXPECT_EQ(info.frame(test::kTextureColumns, test::kTextureRows), texture.frame);
-  // A D B E C F: metres a pixel, no rotation, and the middle of the upper left pixel: -0.6 + 0.01, 1.7 + 40 * 0.02 - 0.01.
+  // A D B E C F: metres a pixel, no rotation, and the middle of the upper left pixel: -0.6 + 0.01,
+  // 1.7 + 40 * 0.02 - 0.01.
   const std::string world = dir.read("out/texture.pgw");
   std::vector<double> values;
   std::istringstream lines(world);

@@ -12,7 +12,8 @@ namespace loopstone::test {
 inline constexpr int kTextureColumns = 70;
 inline constexpr int kTextureRows = 40;
 
-/// Seen in the left half, a filled column, then nothing, and one lone cell in the upper right corner.
+/// Seen in the left half, a filled column, then nothing, and one lone cell in the upper right
+/// corner.
 inline TextureColour texture_scene_at(Cell cell) {
   const auto level = static_cast<std::uint8_t>(3 * cell.column);
   const auto other = static_cast<std::uint8_t>(5 * cell.row);

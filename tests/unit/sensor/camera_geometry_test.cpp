@@ -106,8 +106,8 @@ TEST(OpticalFrame, PitchLooksDownAndYawLooksLeft) {
 }
 
 TEST(OpticalFrame, RotationsFollowYawThenPitchThenRoll) {
-  // R = Rz(yaw) Ry(pitch) Rx(roll). Quarter turns by hand: roll sends left (y) up (z); yaw leaves up as it is. In the other
-  // order left would go backwards.
+  // R = Rz(yaw) Ry(pitch) Rx(roll). Quarter turns by hand: roll sends left (y) up (z); yaw leaves
+  // up as it is. In the other order left would go backwards.
   const Pose3 yaw_roll = Pose3::from_roll_pitch_yaw(Vector3d::Zero(), kPi / 2, 0.0, kPi / 2);
   EXPECT_LT((yaw_roll * Vector3d::UnitY() - Vector3d::UnitZ()).norm(), 1e-12);
   // Pitch sends forward (x) down; yaw leaves it there. In the other order it would end on the left.
@@ -118,7 +118,8 @@ TEST(OpticalFrame, RotationsFollowYawThenPitchThenRoll) {
   EXPECT_LT((pitch_roll * Vector3d::UnitY() - Vector3d::UnitX()).norm(), 1e-12);
 }
 
-/// The Kinect's published registration (it comes with the UCSD data), which was fitted by others, against our geometry.
+/// The Kinect's published registration (it comes with the UCSD data), which was fitted by others,
+/// against our geometry.
 TEST(Registration, AgreesWithThePublishedFormulas) {
   const CameraModel camera;
   const Pose3 colour_T_depth =
@@ -140,7 +141,8 @@ TEST(Registration, AgreesWithThePublishedFormulas) {
 
 TEST(Registration, TheColourCameraSitsToTheRight) {
   const CameraModel camera;
-  // A near point moves to the left in the camera that sits to its right: the disparity term lowers the column.
+  // A near point moves to the left in the camera that sits to its right: the disparity term lowers
+  // the column.
   const Pose3 colour_T_depth =
       robot_T_colour_optical(camera).inverse() * robot_T_depth_optical(camera);
   const Vector2d near = project(camera.colour, colour_T_depth * Vector3d(0.0, 0.0, 0.5));

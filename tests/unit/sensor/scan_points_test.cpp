@@ -28,7 +28,8 @@ std::vector<SurfacePoint> surfaces_of(const LaserScan& scan, const Pose2& robot_
   return surface_points(scan, robot_T_lidar, velocity, options, beams);
 }
 
-/// The side of the wall that a point lies on must be the side of the sensor, and the normal that of the wall.
+/// The side of the wall that a point lies on must be the side of the sensor, and the normal that of
+/// the wall.
 double normal_error(const Walls& walls, const SurfacePoint& surface) {
   const Eigen::Vector2d at = surface.position.cast<double>();
   double error = kPi;
@@ -202,7 +203,8 @@ TEST(SurfacePoints, SmallThingsWithoutALineAreGuessesAlongTheBeam) {
 }
 
 TEST(SurfacePoints, LoneReturnsOnAGrazingWallAreLeftOut) {
-  // Seen at 1 deg the returns lie metres apart: their normals can't be told, and along the beam would be wrong by 89 deg.
+  // Seen at 1 deg the returns lie metres apart: their normals can't be told, and along the beam
+  // would be wrong by 89 deg.
   const Walls wall{{{1.0, 0.3}, {60.0, 1.3}}};
   const Scanner coarse{
       .angle_min_rad = 0.0, .angle_increment_rad = radians(0.25), .beams = 60, .range_max_m = 50.0};

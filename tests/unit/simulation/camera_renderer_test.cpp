@@ -20,7 +20,8 @@ namespace {
 
 constexpr double kPatch = 16.0;  ///< [m]
 
-/// Red grows with x and green with y, from 0 to 1 over 16 m, so that a colour says which point of the floor is seen.
+/// Red grows with x and green with y, from 0 to 1 over 16 m, so that a colour says which point of
+/// the floor is seen.
 std::shared_ptr<const FloorPattern> ramps() {
   constexpr int kTexels = 128;
   std::vector<LinearColour> texels;
@@ -49,7 +50,8 @@ World world_with(FloorPlan plan) {
   return world;
 }
 
-/// A quarter of the Kinect's pixels; both cameras look along the robot's x axis from 0.5 m above its centre.
+/// A quarter of the Kinect's pixels; both cameras look along the robot's x axis from 0.5 m above
+/// its centre.
 CameraModel level_camera() {
   CameraModel camera;
   camera.robot_T_camera = Pose3{{0.0, 0.0, 0.5}, Eigen::Quaterniond::Identity()};
@@ -79,8 +81,9 @@ std::size_t at(int width, int column, int row) {
 }
 
 TEST(CameraRenderer, AFloorPointHasThePixelAndTheDepthThatGeometrySays) {
-  // Half a metre up and 30 deg down: the axis meets the floor after 1 m, 0.866 m ahead. A ray 15 deg below it meets the
-  // floor at 45 deg, 0.5 m ahead, after 0.7071 m, of which 0.7071 cos 15 deg = 0.6830 m are along the axis.
+  // Half a metre up and 30 deg down: the axis meets the floor after 1 m, 0.866 m ahead. A ray 15
+  // deg below it meets the floor at 45 deg, 0.5 m ahead, after 0.7071 m, of which 0.7071 cos 15 deg
+  // = 0.6830 m are along the axis.
   CameraModel camera = level_camera();
   camera.robot_T_camera = Pose3::from_roll_pitch_yaw({0.2, 0.1, 0.5}, 0.0, radians(30.0), 0.0);
   camera.camera_T_colour = Pose3{};
@@ -126,7 +129,8 @@ TEST(CameraRenderer, RollPitchAndYawTurnInTheirOrder) {
   const LightImage light = scene.renderer.light({map_T_robot});
   const TrueDepth depth = scene.renderer.depth(map_T_robot);
   for (const auto& [column, row] : {std::pair{80, 60}, {0, 110}, {160, 120}, {30, 70}}) {
-    // By hand: forward 1, right (u - cx) / f, down (v - cy) / f; then roll about x, pitch about y, yaw about z.
+    // By hand: forward 1, right (u - cx) / f, down (v - cy) / f; then roll about x, pitch about y,
+    // yaw about z.
     Eigen::Vector3d ray(1.0, -(column - 80.0) / 100.0, -(row - 60.0) / 100.0);
     ray = Eigen::Vector3d(ray.x(), std::cos(roll) * ray.y() - std::sin(roll) * ray.z(),
                           std::sin(roll) * ray.y() + std::cos(roll) * ray.z());
@@ -154,7 +158,8 @@ TEST(CameraRenderer, AWallAcrossTheViewHasOneDepth) {
   }
   EXPECT_NEAR(depth.facing[at(161, 80, 60)], 1.0, 1e-6);
   EXPECT_NEAR(depth.facing[at(161, 160, 60)], std::cos(std::atan(0.8)), 1e-6);
-  // The wall stands on the floor: 20 px below the axis is its foot at 2.5 m; below that the floor is nearer.
+  // The wall stands on the floor: 20 px below the axis is its foot at 2.5 m; below that the floor
+  // is nearer.
   EXPECT_NEAR(depth.depth.at(80, 79), 0.4, 1e-6);
   EXPECT_NEAR(depth.depth.at(80, 90), 0.30 / 0.5, 1e-6);
 }

@@ -67,7 +67,8 @@ TEST(MapWorld, RangesAreExactForTheCells) {
 }
 
 TEST(MapWorld, StartsWhereTheMapIsFreeHoweverLargeTheUnknownIs) {
-  // A small room in a wide unknown plane: the plane has no surfaces in it, but nobody can drive there.
+  // A small room in a wide unknown plane: the plane has no surfaces in it, but nobody can drive
+  // there.
   const GridFrame frame{{0.0, 0.0}, 0.1, 400, 400};
   Grid<std::int8_t> map(frame, -1);
   for (int row = 100; row < 160; ++row) {

@@ -252,8 +252,8 @@ TEST(RgbdSensor, DepthIsLostBesideNearThingsAndOnGrazedFloor) {
   options.depth.projector_baseline_m = 0.075;
   RgbdSensor sensor(world, drive, surfaces, nobody, camera, options, Rng(1));
   const RawDepthImage image = sensor.depth_at(0.0);
-  // The projector sits on the right, so the shadow on the wall (2.4 m) lies left of the pole (0.84 m): 146 px times
-  // 0.075 m (1 / 0.84 - 1 / 2.4) = 8.5 px.
+  // The projector sits on the right, so the shadow on the wall (2.4 m) lies left of the pole (0.84
+  // m): 146 px times 0.075 m (1 / 0.84 - 1 / 2.4) = 8.5 px.
   const int row = 60;
   std::vector<int> dark;
   for (int column = 0; column < 160; ++column) {

@@ -160,7 +160,8 @@ TEST(Simulate, CountsWithoutNoiseAddUpToThePath) {
     if (ticks == nullptr) continue;
     for (std::size_t wheel = 0; wheel < 4; ++wheel) total[wheel] += ticks->counts[wheel];
     last = ticks->stamp;
-    // A fraction of a count is carried on, never lost: after any time each sum is right to one count.
+    // A fraction of a count is carried on, never lost: after any time each sum is right to one
+    // count.
     const double time = ticks->stamp.seconds() - options.start_s;
     const double aside = 0.5 * wheels.track_width_m * drive.turned_rad(time);
     const double right = (drive.travelled_m(time) + aside) / wheels.metres_per_count;

@@ -121,7 +121,8 @@ TEST(World, SeedsDifferAndRepeat) {
 TEST(World, RoomsOfTheSymmetricWorldLookAlike) {
   const World world = make_world("rooms", 1);
   const SurfaceIndex index(world.plan);
-  // Every second place is the same spot of a neighbouring room: from two of one row the near walls are equal.
+  // Every second place is the same spot of a neighbouring room: from two of one row the near walls
+  // are equal.
   const Eigen::Vector2d first = world.places[1];
   const Eigen::Vector2d second = world.places[2];
   EXPECT_NEAR((second - first).norm(), 5.0, 1e-9);

@@ -35,8 +35,8 @@ std::vector<KeyScan> round_trip(double bias_rad) {
   return keys;
 }
 
-/// The trip with a submap every ten keys; the first is of the furnished room, the last of the same room as seen from where
-/// the robot stands in it then.
+/// The trip with a submap every ten keys; the first is of the furnished room, the last of the same
+/// room as seen from where the robot stands in it then.
 BackEnd after_round_trip(double bias_rad, const Pose2& room_T_last, bool loop_closure = true) {
   MapOptions options;
   options.loop_closure = loop_closure;
@@ -80,7 +80,8 @@ TEST(BackEnd, AClosurePullsTheDriftOutOfTheLoop) {
 }
 
 TEST(BackEnd, RevokesAClosureThatContradictsTheChain) {
-  // The chain is good; a room that looks like the first one stands a metre beside the place where that would be.
+  // The chain is good; a room that looks like the first one stands a metre beside the place where
+  // that would be.
   auto back_end = after_round_trip(0.0, kStart * Pose2{0.8, -0.7, 0.0});
   back_end.finish();
   ASSERT_FALSE(back_end.closures().empty())

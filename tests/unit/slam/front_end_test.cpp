@@ -169,7 +169,8 @@ TEST(FrontEnd, BlindFromTheStartIsNoFailure) {
   EXPECT_TRUE(front_end.finish().empty());
 }
 
-/// Drives with exact wheels that once claim a jump and a turn that never were. How many scans were searched for.
+/// Drives with exact wheels that once claim a jump and a turn that never were. How many scans were
+/// searched for.
 int searches_when_the_wheels_jump(const FrontEndOptions& options) {
   FrontEnd front_end(options, {}, {});
   Rng rng(1);
@@ -264,7 +265,8 @@ TEST(FrontEnd, AScanThatContradictsTheMapStaysOutOfIt) {
 }
 
 TEST(FrontEnd, ASlowSweepIsStraightenedByTheMotionThatTheLaserSaw) {
-  // The robot starts to spin at once: the first prediction, to stand still, bends the sweep by 0.1 rad.
+  // The robot starts to spin at once: the first prediction, to stand still, bends the sweep by 0.1
+  // rad.
   FrontEnd front_end({}, {}, {});
   const Pose2 place{3.0, 2.5, 0.2};
   const double rate_rad_s = 1.0;

@@ -81,7 +81,8 @@ TEST(KeyChain, AThinnedStretchIsOneEdgeThatSaysTheSame) {
   EXPECT_EQ(thinned.keys().size(), kKeys - 8);
   EXPECT_EQ(thinned.keys()[6].scan, keys[10].scan);
 
-  // With its ends pulled apart, the chain of single motions costs to first order what the one edge does.
+  // With its ends pulled apart, the chain of single motions costs to first order what the one edge
+  // does.
   auto ends = firsts(keys);
   for (std::size_t s = 0; s < ends.size(); ++s)
     ends[s] =

@@ -28,7 +28,8 @@ const std::vector<Pose2> kFirstVisit{
 const std::vector<Pose2> kSecondVisit{
     {3.4, 2.2, 1.7}, {3.3, 3.0, 2.6}, {2.6, 2.4, -1.0}, {4.6, 2.8, 0.2}};
 
-/// Five submaps, 15 m of travel apart; the last one is of the place of the first one, and the others saw nothing.
+/// Five submaps, 15 m of travel apart; the last one is of the place of the first one, and the
+/// others saw nothing.
 LoopCloser closer_with(FinishedSubmap first, FinishedSubmap last, Threads threads = {1},
                        double leg_m = 15.0) {
   LoopCloser closer({}, {}, {}, threads);
@@ -259,7 +260,8 @@ TEST(LoopCloser, EdgeCarriesTheCovarianceIntoTheFrameOfTheGraphsError) {
       (Eigen::Matrix3d() << 0.04, 0.01, 0.001, 0.01, 0.01, 0.0, 0.001, 0.0, 0.0025).finished();
   const auto edge = edge_of(closure);
   EXPECT_EQ(edge.kind, EdgeKind::kLoopClosure);
-  // An error d of from_T_to, in its own coordinates, must cost d^T C^-1 d wherever the two poses are.
+  // An error d of from_T_to, in its own coordinates, must cost d^T C^-1 d wherever the two poses
+  // are.
   const Eigen::Vector3d d(0.02, -0.03, 0.01);
   const Pose2 from{-3.0, 5.0, -2.0};
   const Pose2 off{closure.from_T_to.x + d.x(), closure.from_T_to.y + d.y(),

@@ -25,7 +25,8 @@ using test::Scanner;
 using test::state_of;
 using test::Walls;
 
-/// Twice around a block: places are seen again, submaps fill up, sweeps take time. Odometry is 3 % off and stops for a while.
+/// Twice around a block: places are seen again, submaps fill up, sweeps take time. Odometry is 3 %
+/// off and stops for a while.
 const std::vector<SensorMessage>& recording() {
   static const std::vector<SensorMessage> result = [] {
     const Walls ring = test::together(
@@ -90,7 +91,8 @@ std::string bytes_of(const MapResult& result) {
   return bytes;
 }
 
-/// The result of a run that is broken off after each of these numbers of messages and goes on in a new mapper.
+/// The result of a run that is broken off after each of these numbers of messages and goes on in a
+/// new mapper.
 MapResult run(const std::vector<std::size_t>& breaks, int threads) {
   auto mapper = std::make_unique<Mapper>(RobotModel{}, options(), Threads{threads});
   for (std::size_t i = 0; i < recording().size(); ++i) {

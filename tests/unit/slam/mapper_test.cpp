@@ -19,7 +19,8 @@ using test::Walls;
 
 const Pose2 kMount{0.14, 0.0, 0.0};
 
-/// A corridor around a block, with cabinets, so that the robot comes back to where it was by a way of its own.
+/// A corridor around a block, with cabinets, so that the robot comes back to where it was by a way
+/// of its own.
 Walls ring() {
   return test::together(
       {test::rectangle({0.0, 0.0}, {14.0, 10.0}), test::rectangle({3.0, 3.0}, {11.0, 7.0}),

@@ -15,7 +15,8 @@ constexpr int kSteps = 200;
 constexpr double kStepM = 0.5;
 constexpr int kStepsPerSubmap = 4;
 
-/// Twice around a circle of 50 m; the map has every step turned a bit too far, so the second lap lies off the first.
+/// Twice around a circle of 50 m; the map has every step turned a bit too far, so the second lap
+/// lies off the first.
 struct Laps {
   std::vector<Pose2> truth{Pose2{}};
   std::vector<Pose2> poses{Pose2{}};

@@ -14,7 +14,8 @@ namespace {
 
 using test::pose_near;
 
-/// A robot that drives about the furnished room and believes that it turns and drives 5 % more than it does.
+/// A robot that drives about the furnished room and believes that it turns and drives 5 % more than
+/// it does.
 struct RoomDrive {
   std::vector<SensorMessage> messages;
   Trajectory truth;
