@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
+
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/formats/robot_file.hpp"

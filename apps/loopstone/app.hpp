@@ -16,7 +16,6 @@
 // run_info returns an ExitCode and reports failure by throwing DataError or UsageError; main()
 // turns that into one line on stderr and the exit code.
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
@@ -25,6 +24,11 @@
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/sensor/robot_model.hpp"
+
+// Not its header, which costs seconds in every file that reads it (commands.hpp has it).
+namespace CLI {
+class App;
+}
 
 namespace loopstone::app {
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/options_file.hpp"
 

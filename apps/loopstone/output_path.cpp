@@ -1,5 +1,6 @@
 #include "output_path.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
