@@ -1,6 +1,6 @@
 # A thin front door; the build itself is CMake (see CMakePresets.json and CONTRIBUTING.md).
 .DEFAULT_GOAL := build
-.PHONY: help deps deps-all build test demo bench format tidy asan tsan fuzz attack coverage clean
+.PHONY: help deps deps-all build test demo bench compare format tidy asan tsan fuzz attack coverage clean
 
 JOBS ?= $(shell nproc)
 export JOBS
@@ -29,6 +29,9 @@ demo: deps  ## simulate an office, map it, compare with the truth
 
 bench: deps-all  ## speed of the inner loops, and the tables of docs/
 	@scripts/bench.sh
+
+compare: deps  ## speed against BASE (a commit; else the parent of HEAD), on this machine
+	@scripts/compare_speed.sh $(BASE)
 
 format: deps-all  ## rewrite the sources by .clang-format
 	@scripts/format.sh

@@ -9,6 +9,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "bench")]
 
+import compare_speed  # noqa: E402
 import program  # noqa: E402
 import provenance  # noqa: E402
 import skipped_tests  # noqa: E402
@@ -90,8 +91,18 @@ def check_skipped_tests():
         "2 tests skipped, they need recorded data (LOOPSTONE_DATA): test_a S.One, S.Two"]
 
 
+def check_comparison():
+    """Slower is what nearly every pair says; one busy moment, or a little, is not."""
+    base = [1.0, 1.1, 0.9, 1.0, 1.05, 1.0, 0.95, 1.0, 1.0]
+    assert compare_speed.judge(base, [1.4 * seconds for seconds in base])[3]
+    assert not compare_speed.judge(base, [1.2 * seconds for seconds in base])[3]
+    assert not compare_speed.judge(base, [*base[:5], 9.0, 9.0, 9.0, 9.0])[3]
+    assert not compare_speed.judge(base, [0.5 * seconds for seconds in base])[3]
+
+
 def main():
     check_skipped_tests()
+    check_comparison()
     check_peak_memory()
     check_scripts_load()
     check_provenance()
