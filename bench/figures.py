@@ -27,7 +27,7 @@ from doc_blocks import write_block  # noqa: E402
 from program import Loopstone, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
 
-SECTIONS = ["speed", "laps", "online", "peers", "real", "simulated", "demo"]  # the timing first, while nothing else has warmed or filled the machine
+SECTIONS = ["speed", "laps", "online", "peers", "real", "simulated", "live_map", "demo"]  # the timing first, while nothing else has warmed or filled the machine
 
 
 def measure_section(name, loopstone, data, quick):
@@ -35,7 +35,8 @@ def measure_section(name, loopstone, data, quick):
     measures = {
         "speed": lambda: measure.speed(loopstone, data, repeats),
         "laps": lambda: measure.laps(loopstone),
-        "online": lambda: measure.online(loopstone, data),
+        "online": lambda: measure.online(loopstone, data, quick),
+        "live_map": lambda: measure.live_map(loopstone, data),
         "peers": lambda: measure.peers(loopstone, data, repeats),
         "real": lambda: measure.real_logs(loopstone, data),
         "simulated": lambda: measure.simulated(loopstone, quick),
@@ -53,6 +54,7 @@ BLOCKS = [
     ("laps", "docs/benchmarks.md", "laps", tables.laps_table),
     ("peers", "docs/benchmarks.md", "peers", tables.peers_table),
     ("online", "docs/benchmarks.md", "online", tables.online_table),
+    ("live_map", "docs/accuracy.md", "live-map", tables.live_map_table),
     ("demo", "README.md", "demo", tables.session),
 ]
 # page, block, the sections whose targets a page begins with

@@ -1,4 +1,5 @@
 """What is measured: each function returns plain figures for one section of the tables."""
+import json
 import pathlib
 import shutil
 
@@ -142,10 +143,7 @@ def speed(loopstone, data, repeats):
 
 
 LAPS = [1, 10]
-PACE = 10.0  # times the log's own
-PACED_S = 600.0
-
-
+PACES = [(1.0, 120.0), (10.0, 1200.0)]  # times the log's own, and how much of the log [s]
 def laps(loopstone):
     """The same way once and ten times: what the second to the tenth time cost."""
     rows = []
@@ -159,17 +157,46 @@ def laps(loopstone):
     return rows
 
 
-def online(loopstone, data):
-    """Intel's first minutes, replayed: how long after a scan is due its pose is known."""
-    log = data / "carmen" / "intel.clf"
-    if not log.exists():
-        say(f"  {log}: not there, skipped")
+def paced(loopstone, log, name, speed, duration_s, threads):
+    """How long after a scan arrives its pose is known. One thread: everything on one processor."""
+    flags = ["--threads", threads, "--realtime", speed, "--duration", duration_s]
+    pinned = ["taskset", "--cpu-list", "0"] if threads == 1 else []
+    folder = loopstone.work / "map-online"
+    run([*pinned, loopstone.program, "map", log, "-o", folder, "--force", "--quiet", *flags])
+    summary = json.loads((folder / "summary.json").read_text())
+    waits = {key: value for key, value in summary["realtime"].items() if key != "speed"}
+    say(f"  {name}, {speed:.0f} x, {threads}: computing takes {1e3 * waits['worst_computing_s']:.1f} ms at worst")
+    return {"log": name, "speed": speed, "threads": threads, "duration_s": summary["duration_s"], "scans": summary["scans"],
+            "submaps": summary["submaps"], **waits}
+
+
+def online(loopstone, data, quick):
+    """Logs replayed at their own pace and at ten times it, on one processor and on two."""
+    logs = []
+    if (data / "carmen" / "intel.clf").exists():
+        logs.append(("Intel", data / "carmen" / "intel.clf", 2700.0))
+    campus = loopstone.simulate("campus", 1, ["--format", "carmen", "--beams", 1081, "--fov", 270, "--scan-rate", 40])
+    logs.append(("campus, 1081 beams at 40 Hz", campus, 3600.0))
+    rows = []
+    for name, log, whole_s in logs:
+        for speed, duration_s in PACES:
+            length_s = 20.0 * speed if quick else (whole_s if speed > 1.0 else duration_s)
+            rows += [paced(loopstone, log, name, speed, length_s, threads) for threads in (1, 2)]
+    return rows
+
+
+def live_map(loopstone, data):
+    """How far the map that exists while a robot drives is from the finished one, refreshed every ten seconds."""
+    program = loopstone.program.with_name("measure_live_map")
+    if not program.exists():
+        say(f"  {program}: not built, skipped (scripts/bench.sh builds it)")
         return None
-    _, summary, _ = map_row(loopstone, log, "online",
-                            ["--threads", "1", "--realtime", PACE, "--duration", PACED_S])
-    pace = {key.removesuffix("_latency_s") + "_s": value for key, value in summary["realtime"].items() if key != "speed"}
-    say(f"  worst {1e3 * pace['worst_s']:.1f} ms")
-    return {"speed": PACE, "duration_s": summary["duration_s"], "scans": summary["scans"], **pace}
+    logs = [(title, data / "carmen" / f"{name}.clf")
+            for name, title in [("intel", "Intel"), ("aces", "ACES"), ("mit-csail", "MIT CSAIL")]]
+    logs = [(title, log) for title, log in logs if log.exists()]
+    logs += [(f"{world}, simulated", loopstone.simulate(world, 1, ["--format", "carmen", "--beams", 181, "--fov", 180]))
+             for world in ("office", "warehouse", "campus")]
+    return [{"log": title, **json.loads(run([program, log, "10"])[0])} for title, log in logs]
 
 
 def peers(loopstone, data, repeats):

@@ -125,12 +125,25 @@ def peers_table(section):
 
 
 def online_table(section):
-    pace = section["figures"]
-    rows = [[f"{pace['scans']}", f"{pace['speed']:.0f} x", f"{1e3 * pace['median_s']:.2f}", f"{1e3 * pace['p99_s']:.1f}",
-             f"{1e3 * pace['worst_s']:.1f}"]]
-    return "\n".join([provenance(section), "",
-                      table(["scans>", "pace>", "median [ms]>", "99 % within [ms]>", "worst [ms]>"], rows), "",
-                      targets_table(targets.of_online(pace))])
+    rows = []
+    for row in section["figures"]:
+        times = [f"{1e3 * row[f'{which}_{what}_s']:.{digits}f}" for what, digits in (("latency", 1), ("computing", 2))
+                 for which in ("median", "p99", "worst")]
+        rows.append([row["log"], f"{row['speed']:.0f} x", "one" if row["threads"] == 1 else "two", f"{row['scans']}",
+                     f"{row['submaps']}", *times])
+    header = ["log", "pace>", "processors>", "scans>", "submaps>", "pose after: median [ms]>", "99 % [ms]>", "worst [ms]>",
+              "of it computing: median [ms]>", "99 % [ms]>", "worst [ms]>"]
+    return "\n".join([provenance(section), "", table(header, rows), "",
+                      targets_table(targets.of_online(section["figures"]))])
+
+
+def live_map_table(section):
+    rows = [[row["log"], f"{row['scans']}", f"{row['refreshes']}", f"{row['tiles']}", f"{1e3 * row['refresh_median_s']:.1f}",
+             f"{1e3 * row['refresh_worst_s']:.0f}", f"{100.0 * row['equal_share']:.2f} %",
+             f"{100.0 * row['opposite_share']:.2f} %"] for row in section["figures"]]
+    header = ["log", "scans>", "refreshed>", "tiles>", "refresh: median [ms]>", "worst [ms]>", "cells the same>",
+              "cells the opposite>"]
+    return "\n".join([provenance(section), "", table(header, rows)])
 
 
 STAGES = [("front_end_wall_s", "front end: filter, predict, align, insert"),

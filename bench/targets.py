@@ -70,10 +70,10 @@ def of_laps(rows):
              times <= LAPS_TIMES)]
 
 
-def of_online(pace):
-    worst_ms = 1e3 * pace["worst_s"]
-    return [("Intel on one thread, in real time: longest wait for a pose", f"<= {LATENCY_MS:.0f} ms", f"{worst_ms:.1f} ms",
-             worst_ms <= LATENCY_MS)]
+def of_online(rows):
+    worst_ms = 1e3 * max(row["worst_computing_s"] for row in rows)
+    return [("in real time: longest wait for a pose beyond that for odometry", f"<= {LATENCY_MS:.0f} ms",
+             f"{worst_ms:.1f} ms", worst_ms <= LATENCY_MS)]
 
 
 # By section of figures.json.

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -22,13 +21,12 @@
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/robot_file.hpp"
+#include "loopstone/report/map_figures.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/sensor/messages.hpp"
-#include "loopstone/slam/map_options.hpp"
-#include "loopstone/slam/mapper.hpp"
-#include "loopstone/slam/scan_to_scan.hpp"
 #include "loopstone/version.hpp"
+#include "map_pipeline.hpp"
 #include "output_path.hpp"
 #include "pace.hpp"
 #include "result.hpp"
@@ -37,30 +35,13 @@ namespace loopstone::app {
 
 namespace {
 
-struct Arguments {
-  std::string log;
-  std::string out;
-  std::string pipeline = "submaps";
-  LogCut cut;
-  std::optional<std::string> odometry;
-  bool no_loop_closure = false;
-  bool no_texture = false;
-  bool cloud = false;
-  bool force = false;
-  bool strict = false;
-  double realtime = 0.0;  ///< speed of the replay; 0: as fast as it goes
-  CheckpointFlags checkpoint;
-};
-
 void print_result(const MapResult& result, const FloorTexture* texture, const RunInfo& info,
                   const std::string& out, const AppContext& context) {
-  const std::string summary = format_summary(result, info, texture);
   if (context.json()) {
-    print_to_stdout(summary);
+    print_to_stdout(format_summary(result, info, texture));
     return;
   }
   const MapStatistics& s = result.statistics;
-  const double free_m2 = nlohmann::json::parse(summary).at("map_free_area_m2").get<double>();
   Result table;
   table.add("scans", "scans", s.scans);
   if (info.left_out.skipped.records > 0) {
@@ -69,7 +50,7 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   }
   table.add("duration_s", "recording", s.duration_s, "s", 1);
   table.add("path_length_m", "path", s.path_length_m, "m", 1);
-  table.add("map_free_area_m2", "free area mapped", free_m2, "m2", 1);
+  table.add("map_free_area_m2", "free area mapped", figures_of(result.map).free_area_m2, "m2", 1);
   table.add("submaps", "submaps", s.submaps);
   table.add_row("loop closures", fmt::format("{} accepted, {} rejected", s.loop_closures_accepted,
                                              s.loop_closures_rejected));
@@ -92,36 +73,8 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   table.print(context);
 }
 
-void check_usage(const Arguments& arguments) {
-  if (arguments.pipeline != "scan_to_scan") return;
-  if (arguments.realtime > 0.0) {
-    throw UsageError(
-        "--realtime: the textbook pipeline works when the log is over; leave out --pipeline");
-  }
-  if (arguments.checkpoint.any()) {
-    throw UsageError("--checkpoint, --resume: the textbook pipeline can't go on from a session");
-  }
-  if (arguments.odometry) {
-    throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
-  }
-}
-
-MapOptions options_of(const Arguments& arguments, const AppContext& context) {
-  auto options = context.load_options<MapOptions>();
-  if (arguments.no_loop_closure) options.loop_closure = false;
-  if (arguments.odometry) options.front_end.odometry = *arguments.odometry;
-  return options;
-}
-
-/// A map beyond what the machine or --max-memory allows is drawn with wider cells.
-std::uint64_t most_cells(const AppContext& context) {
-  // A cell takes five bytes, and as many again in what is made of it for the files.
-  constexpr std::uint64_t kBytesPerCell = 10;
-  return std::min(OccupancyOptions{}.most_cells, context.memory().ceiling_bytes / kBytesPerCell);
-}
-
 /// What the camera has to do with the files.
-std::string colour_of(const Arguments& arguments) {
+std::string colour_of(const MapArguments& arguments) {
   if (arguments.no_texture) return "none";
   return arguments.cloud ? "floor, cloud" : "floor";
 }
@@ -129,7 +82,7 @@ std::string colour_of(const Arguments& arguments) {
 /// Whether the folder holds the results of this very run: it may have been killed when nothing was
 /// left to do but to say so, and who starts it again must not fail for it. Throws UsageError when
 /// they are of another one.
-ExitCode show_results(CutLog& log, const Arguments& arguments, const RunTerms& terms,
+ExitCode show_results(CutLog& log, const MapArguments& arguments, const RunTerms& terms,
                       const AppContext& context) {
   LogDigest digest;
   while (const auto message = log.next()) digest.add(*message);
@@ -145,42 +98,60 @@ ExitCode show_results(CutLog& log, const Arguments& arguments, const RunTerms& t
   return kExitDone;
 }
 
-MapResult map_textbook(CutLog& log, CameraFrames& camera, const RobotModel& robot,
-                       const ScanToScanOptions& options, const AppContext& context,
-                       ProgressDisplay& display) {
-  ScanToScanMapper mapper(robot, options, context.threads());
-  while (const auto message = log.next()) {
-    camera.take(*message);
-    mapper.add(*message);
-  }
-  return mapper.finish(display.callback());
+/// What the log itself gives reason to say of the map.
+void add_judgement(const LogSummary& judged, std::vector<std::string> changes, bool interrupted_log,
+                   MapResult& result) {
+  const std::vector<std::string> of_log = warnings_of(judged);
+  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
+  judge_left_out(result.verdict, judged.left_out.share());
+  result.complete = result.complete && !interrupted_log;
+  for (std::string& change : changes) result.warnings.push_back(std::move(change));
 }
 
-MapResult map_submaps(CutLog& log, CameraFrames& camera, Mapper& mapper, std::optional<Pace>& pace,
-                      Checkpoint& checkpoint) {
-  while (const auto message = log.next()) {
-    if (pace) pace->wait_for(stamp_of(*message), [] { return !interrupted(); });
-    camera.take(*message);
-    if (pace && std::holds_alternative<LaserScan>(*message)) pace->note_scan();
-    mapper.add(*message);
-    while (mapper.next_update()) {
-      if (pace) pace->note_pose();
-    }
-    checkpoint.after(*message, mapper);
+/// The floor in colour, if the log has pictures. A failure leaves all else and is told in `info`.
+std::optional<FloorTexture> colour(CameraFrames& camera, const MapArguments& arguments,
+                                   TextureOptions options, const RobotModel& robot,
+                                   const AppContext& context, ProgressDisplay& display,
+                                   MapResult& result, RunInfo& info) {
+  if (arguments.no_texture || camera.complete() == 0 || !result.complete) return {};
+  if (arguments.cloud) gather_cloud(options);
+  try {
+    auto texture = colour_floor(camera, result.trajectory, robot, options, context, display);
+    result.complete = texture.complete;
+    return texture;
+  } catch (const std::exception& error) {
+    info.failure = std::string("the floor could not be coloured: ") + error.what();
+    return {};
   }
-  checkpoint.after_last(mapper);
-  return mapper.finish([](const Progress&) { return !interrupted(); });
 }
 
-ExitCode run_map(const Arguments& arguments, const AppContext& context) {
+/// What this run took, and those before it that led to the same result.
+void note_cost(std::chrono::steady_clock::time_point start, const Checkpoint& checkpoint,
+               RunInfo& info) {
+  info.cpu_time_s = cpu_seconds() + checkpoint.earlier_cpu_s();
+  info.peak_memory_bytes = peak_memory_bytes();
+  info.wall_time_s =
+      checkpoint.earlier_wall_s() +
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Prints warnings and figures; the exit code says how the run ended.
+ExitCode tell(const MapResult& result, const FloorTexture* floor, const RunInfo& info,
+              const MapArguments& arguments, const AppContext& context) {
+  for (const auto& warning : result.warnings) context.warn(warning);
+  print_result(result, floor, info, arguments.out, context);
+  if (!info.failure.empty()) {
+    throw std::runtime_error(info.failure + "; all else is in " + arguments.out);
+  }
+  if (result.complete) return kExitDone;
+  context.warn(std::string("interrupted: the map is of what was read until then") +
+               (arguments.checkpoint.any() ? "; --resume goes on from there" : ""));
+  return kExitInterrupted;
+}
+
+ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
-  check_usage(arguments);
-  const bool textbook = arguments.pipeline == "scan_to_scan";
-  auto options = textbook ? MapOptions{} : options_of(arguments, context);
-  auto textbook_options =
-      textbook ? context.load_options<ScanToScanOptions>() : ScanToScanOptions{};
-
-  options.map.most_cells = textbook_options.map.most_cells = most_cells(context);
+  MapPipeline pipeline(arguments, context);
 
   const RunStart begin = find_start(arguments.out, arguments.checkpoint, arguments.force);
   const LogFiles log_files(arguments.log);
@@ -198,7 +169,7 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping", display);
   Checkpoint checkpoint(arguments.checkpoint, arguments.out,
                         {.version = std::string(kVersion),
-                         .options_toml = options_to_toml(list_options(options)),
+                         .options_toml = pipeline.options_toml(),
                          .robot_toml = robot_to_toml(robot),
                          .mounts_from_log = !context.robot_given(),
                          .cut = arguments.cut},
@@ -215,72 +186,41 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   CameraFrames camera;
   std::optional<Pace> pace;
   if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
-  MapResult result;
   std::optional<HeldInterrupt> held;
-  if (textbook) {
-    held.emplace();
-    result = map_textbook(log, camera, robot, textbook_options, context, display);
-  } else {
-    Mapper mapper(robot, options, context.threads());
-    if (begin == RunStart::kSession) checkpoint.resume(mapper, log, camera, arguments.log);
-    held.emplace();
-    result = map_submaps(log, camera, mapper, pace, checkpoint);
-  }
+  MapResult result = pipeline.map({.log = log,
+                                   .camera = camera,
+                                   .checkpoint = checkpoint,
+                                   .pace = pace,
+                                   .display = display,
+                                   .log_path = arguments.log,
+                                   .resumes = begin == RunStart::kSession},
+                                  robot, context.threads(), held);
   ProgressDisplay::clear_line();
   const LogSummary judged = log.judge(arguments.log);
-  const std::vector<std::string> of_log = warnings_of(judged);
-  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
-  judge_left_out(result.verdict, judged.left_out.share());
-  result.complete = result.complete && !log.interrupted();
-  for (std::string& change : log_files.changes()) result.warnings.push_back(std::move(change));
+  add_judgement(judged, log_files.changes(), log.interrupted(), result);
 
   RunInfo info = run_info(arguments.log, judged.left_out,
                           arguments.force || arguments.checkpoint.any(), context);
-  std::optional<FloorTexture> texture;
-  if (!arguments.no_texture && camera.complete() > 0 && result.complete) {
-    TextureOptions texture_options = options.texture;
-    if (arguments.cloud) gather_cloud(texture_options);
-    try {
-      texture = colour_floor(camera, result.trajectory, robot, texture_options, context, display);
-      result.complete = texture->complete;
-    } catch (const std::exception& error) {
-      info.failure = std::string("the floor could not be coloured: ") + error.what();
-    }
-  }
+  const std::optional<FloorTexture> texture =
+      colour(camera, arguments, pipeline.texture(), robot, context, display, result, info);
   const FloorTexture* floor = texture ? &*texture : nullptr;
 
-  info.cpu_time_s = cpu_seconds() + checkpoint.earlier_cpu_s();
-  info.peak_memory_bytes = peak_memory_bytes();
   if (pace) info.pace = pace->figures();
-  info.options_toml =
-      options_to_toml(textbook ? list_options(textbook_options) : list_options(options));
-  if (!textbook)
+  info.options_toml = pipeline.options_toml();
+  if (pipeline.has_sessions())
     info.terms = result_terms(checkpoint.terms(), colour_of(arguments), checkpoint.log());
-  info.wall_time_s =
-      checkpoint.earlier_wall_s() +
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  note_cost(start, checkpoint, info);
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
   info.peak_memory_bytes = peak_memory_bytes();
   checkpoint.end(result.complete && info.failure.empty());
-
-  for (const auto& warning : result.warnings) context.warn(warning);
-  print_result(result, floor, info, arguments.out, context);
-  if (!info.failure.empty()) {
-    throw std::runtime_error(info.failure + "; all else is in " + arguments.out);
-  }
-  if (!result.complete) {
-    context.warn(std::string("interrupted: the map is of what was read until then") +
-                 (arguments.checkpoint.any() ? "; --resume goes on from there" : ""));
-    return kExitInterrupted;
-  }
-  return kExitDone;
+  return tell(result, floor, info, arguments, context);
 }
 
 }  // namespace
 
 void add_map_command(CLI::App& app, AppContext& context) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<MapArguments>();
   CLI::App* command = app.add_subcommand("map", "Turn a log into a trajectory, a map and a report");
   command
       ->add_option("LOG", arguments->log,

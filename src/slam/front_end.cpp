@@ -27,7 +27,7 @@ constexpr double kScorePerChi2 = 0.004;
 constexpr double kMostChi2 = 25.0;
 /// A match farther from its guess than chance explains (chi-square, 3 degrees of freedom, 0.05)
 /// shows that the guess was wrong; then it keeps this share of its weight.
-constexpr double kSurprise = 7.8;
+constexpr double kMostGuessChi2 = 7.8;
 constexpr double kOutvoted = 0.01;
 /// Scores that differ by less say the same.
 constexpr double kSameScore = 0.02;
@@ -179,7 +179,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
     for (const MotionGuess& guess : others) try_guess(guess);
   }
   // Where the laser pulls far away from the guess, the guess was wrong and must not pull back.
-  if (has_supported_pose(best.status) && chi2_from(priors[best_prior], best) > kSurprise) {
+  if (has_supported_pose(best.status) && chi2_from(priors[best_prior], best) > kMostGuessChi2) {
     PosePrior2 loose = priors[best_prior];
     loose.information *= kOutvoted;
     const MatchResult freed =

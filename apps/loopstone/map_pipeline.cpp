@@ -1,0 +1,98 @@
+#include "map_pipeline.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/options_file.hpp"
+#include "loopstone/sensor/messages.hpp"
+#include "loopstone/slam/mapper.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+/// A map beyond what the machine or --max-memory allows is drawn with wider cells.
+std::uint64_t most_cells(const AppContext& context) {
+  // A cell takes five bytes, and as many again in what is made of it for the files.
+  constexpr std::uint64_t kBytesPerCell = 10;
+  return std::min(OccupancyOptions{}.most_cells, context.memory().ceiling_bytes / kBytesPerCell);
+}
+
+void refuse_flags_of_submaps(const MapArguments& arguments) {
+  if (arguments.realtime > 0.0) {
+    throw UsageError(
+        "--realtime: the textbook pipeline works when the log is over; leave out --pipeline");
+  }
+  if (arguments.checkpoint.any()) {
+    throw UsageError("--checkpoint, --resume: the textbook pipeline can't go on from a session");
+  }
+  if (arguments.odometry) {
+    throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
+  }
+}
+
+void feed(const MapPipeline::Source& source, ScanToScanMapper& mapper) {
+  while (const auto message = source.log.next()) {
+    source.camera.take(*message);
+    mapper.add(*message);
+  }
+}
+
+void feed(const MapPipeline::Source& source, Mapper& mapper) {
+  std::optional<Pace>& pace = source.pace;
+  while (const auto message = source.log.next()) {
+    if (pace) pace->wait_for(stamp_of(*message), [] { return !interrupted(); });
+    source.camera.take(*message);
+    if (pace && std::holds_alternative<LaserScan>(*message)) pace->note_scan();
+    mapper.add(*message);
+    while (mapper.next_update()) {
+      if (pace) pace->note_pose();
+    }
+    source.checkpoint.after(*message, mapper);
+  }
+  source.checkpoint.after_last(mapper);
+}
+
+}  // namespace
+
+MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& context) {
+  if (arguments.pipeline == "scan_to_scan") {
+    refuse_flags_of_submaps(arguments);
+    auto options = context.load_options<ScanToScanOptions>();
+    options.map.most_cells = most_cells(context);
+    options_ = options;
+    return;
+  }
+  auto options = context.load_options<MapOptions>();
+  options.map.most_cells = most_cells(context);
+  if (arguments.no_loop_closure) options.loop_closure = false;
+  if (arguments.odometry) options.front_end.odometry = *arguments.odometry;
+  options_ = options;
+}
+
+std::string MapPipeline::options_toml() {
+  return std::visit([](auto& options) { return options_to_toml(list_options(options)); }, options_);
+}
+
+TextureOptions MapPipeline::texture() const {
+  const auto* options = std::get_if<MapOptions>(&options_);
+  return options == nullptr ? TextureOptions{} : options->texture;
+}
+
+MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Threads threads,
+                           std::optional<HeldInterrupt>& held) const {
+  if (const auto* options = std::get_if<ScanToScanOptions>(&options_)) {
+    held.emplace();
+    ScanToScanMapper mapper(robot, *options, threads);
+    feed(source, mapper);
+    return mapper.finish(source.display.callback());
+  }
+  Mapper mapper(robot, std::get<MapOptions>(options_), threads);
+  if (source.resumes) source.checkpoint.resume(mapper, source.log, source.camera, source.log_path);
+  held.emplace();
+  feed(source, mapper);
+  return mapper.finish([](const Progress&) { return !interrupted(); });
+}
+
+}  // namespace loopstone::app

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "app.hpp"
+#include "checkpoint.hpp"
+#include "floor_run.hpp"
+#include "interrupt.hpp"
+#include "log_run.hpp"
+#include "loopstone/mapping/floor_texture.hpp"
+#include "loopstone/sensor/robot_model.hpp"
+#include "loopstone/slam/map_options.hpp"
+#include "loopstone/slam/map_result.hpp"
+#include "loopstone/slam/scan_to_scan.hpp"
+#include "pace.hpp"
+#include "progress_display.hpp"
+
+namespace loopstone::app {
+
+struct MapArguments {
+  std::string log;
+  std::string out;
+  std::string pipeline = "submaps";
+  LogCut cut;
+  std::optional<std::string> odometry;
+  bool no_loop_closure = false;
+  bool no_texture = false;
+  bool cloud = false;
+  bool force = false;
+  bool strict = false;
+  double realtime = 0.0;  ///< speed of the replay; 0: as fast as it goes
+  CheckpointFlags checkpoint;
+};
+
+/// How a log becomes a map: which pipeline, with which options. The choice is made here alone.
+class MapPipeline {
+ public:
+  /// Throws UsageError for flags that the pipeline has no use for, and as load_options() does.
+  MapPipeline(const MapArguments& arguments, const AppContext& context);
+
+  [[nodiscard]] std::string options_toml();
+  [[nodiscard]] TextureOptions texture() const;
+  /// Whether a run can be known by its terms, and gone on with.
+  [[nodiscard]] bool has_sessions() const { return std::holds_alternative<MapOptions>(options_); }
+
+  struct Source {
+    CutLog& log;
+    CameraFrames& camera;
+    Checkpoint& checkpoint;
+    std::optional<Pace>& pace;
+    ProgressDisplay& display;
+    std::string log_path;
+    bool resumes = false;
+  };
+  /// Reads the log to its end, or until the user interrupts.
+  /// \param held  set once there is something that Ctrl-C must not lose
+  [[nodiscard]] MapResult map(const Source& source, const RobotModel& robot, Threads threads,
+                              std::optional<HeldInterrupt>& held) const;
+
+ private:
+  std::variant<MapOptions, ScanToScanOptions> options_;
+};
+
+}  // namespace loopstone::app
