@@ -144,7 +144,8 @@ TEST(MapVerdict, AMapOfASuspectLaserIsNotGood) {
 
 TEST(MapVerdict, WhatIsNotProvenIsDoubtfulNotBad) {
   MapResult result = fine_map();
-  result.graph_quality.certificate->status = CertificateStatus::kGapOpen;
+  result.graph_quality.certificate =
+      Certificate{.status = CertificateStatus::kGapOpen, .cost = 7.0, .optimality_gap = 0.7};
   EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful);
   result = fine_map();
   result.graph_quality.certified_shift_m = 3.0;
