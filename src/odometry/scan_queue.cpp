@@ -10,6 +10,8 @@ namespace loopstone {
 namespace {
 
 constexpr Duration kPatience{250'000'000};
+/// A stream that begins so long without odometry has none.
+constexpr Duration kSilentStart{1'000'000'000};
 /// Counts since the last reading are lost with the readings between; poses and counters go on,
 /// unless the robot was off.
 constexpr Duration kSilenceOfIncrements{2'000'000'000};
@@ -19,6 +21,7 @@ constexpr Duration kSilenceOfSums{60'000'000'000};
 
 void ScanQueue::add(const SensorMessage& message) {
   newest_ = stamp_of(message);
+  if (!first_) first_ = newest_;
   if (const auto* scan = std::get_if<LaserScan>(&message)) {
     waiting_.push_back(*scan);
   } else if (const auto* ticks = std::get_if<WheelTicks>(&message)) {
@@ -59,7 +62,8 @@ std::optional<LaserScan> ScanQueue::next() {
   auto known_until = odometer_.newest();
   if (!known_until) known_until = gyro_.newest();
   const bool known = known_until && *known_until >= stamp;
-  if (!known && !finished_ && newest_ - stamp < kPatience) return {};
+  const bool may_come = known_until || newest_ - *first_ <= kSilentStart;
+  if (!known && may_come && !finished_ && newest_ - stamp < kPatience) return {};
   LaserScan scan = std::move(waiting_.front());
   waiting_.pop_front();
   return scan;

@@ -32,7 +32,7 @@ constexpr double kStillRad = 0.04;
 constexpr double kMostSubmapTravelM = 300.0;
 
 /// Raised whenever a field list of that part changes.
-constexpr std::uint16_t kScanQueueVersion = 2;
+constexpr std::uint16_t kScanQueueVersion = 3;
 constexpr std::uint16_t kFrontEndVersion = 2;
 constexpr std::uint16_t kMapperVersion = 3;
 

@@ -11,7 +11,9 @@
 
 namespace loopstone {
 
-/// Holds each scan back until odometry for its time has come, at most 0.25 s of the recording.
+/// Holds each scan back until odometry for its time has come, at most 0.25 s of the recording. A stream
+/// that has had neither odometry nor gyro for its first second has none: then scans wait no more, until
+/// some comes.
 ///
 ///   queue.add(message);
 ///   while (auto scan = queue.next()) use(*scan, queue.odometer().pose_at(scan->stamp));
@@ -35,7 +37,7 @@ class ScanQueue {
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(odometer_, gyro_, waiting_, newest_, finished_, travel_, increments_);
+    a(odometer_, gyro_, waiting_, first_, newest_, finished_, travel_, increments_);
   }
 
  private:
@@ -61,6 +63,7 @@ class ScanQueue {
   Odometer odometer_;
   GyroHeading gyro_{};
   std::deque<LaserScan> waiting_{};
+  std::optional<Stamp> first_{};  ///< of any message
   Stamp newest_{};
   bool finished_ = false;
   Travel travel_{};

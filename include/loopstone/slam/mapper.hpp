@@ -33,9 +33,8 @@ namespace loopstone {
 ///
 /// Messages may come live. The clock is that of their stamps:
 ///   - A scan waits until odometry of its time or later has come, so that the motion up to it is
-///     known; at most 0.25 s, counted by the newest stamp of any message. Without odometry and gyro
-///     in the stream every scan is worked on as soon as a message 0.25 s younger comes, or at
-///     finish().
+///     known; at most 0.25 s, counted by the newest stamp of any message. A stream that begins with
+///     a second without odometry and gyro has none: its scans wait no more, until some comes.
 ///   - Scans that come late are worked on in the order in which they come. Odometry is remembered
 ///     for 10 s: a scan that is up to so late gets the motion of its own time.
 ///   - Odometry that is not newer than the last of its kind is ignored. What comes for a scan that

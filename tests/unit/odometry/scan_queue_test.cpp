@@ -49,6 +49,26 @@ TEST(ScanQueue, WaitsNoLongerThanAQuarterOfASecond) {
   EXPECT_FALSE(queue.next().has_value());
 }
 
+TEST(ScanQueue, AStreamThatBeginsWithoutOdometryIsNotWaitedForUntilSomeComes) {
+  ScanQueue queue(WheelModel{});
+  const auto out = [&] {
+    int count = 0;
+    while (queue.next()) ++count;
+    return count;
+  };
+  for (double seconds = 0.0; seconds < 1.05; seconds += 0.1) queue.add(scan_at(seconds));
+  EXPECT_EQ(out(), 8) << "up to 0.25 s before the newest";
+  queue.add(scan_at(1.1));
+  EXPECT_EQ(out(), 4) << "it has none";
+  queue.add(scan_at(1.2));
+  EXPECT_EQ(out(), 1);
+  queue.add(pose_at(1.25));
+  queue.add(scan_at(1.3));
+  EXPECT_EQ(out(), 0) << "now it has";
+  queue.add(pose_at(1.35));
+  EXPECT_EQ(out(), 1);
+}
+
 TEST(ScanQueue, GivesOutWhatIsLeftInOrderAtTheEnd) {
   ScanQueue queue(WheelModel{});
   queue.add(scan_at(0.0));
