@@ -4,27 +4,13 @@
 
 #include <algorithm>
 #include <numeric>
-#include <span>
 
 #include "formats/atomic_file.hpp"
 #include "formats/toml_values.hpp"
-#include "loopstone/base/short_text.hpp"
 
 namespace loopstone {
 
 namespace {
-
-/// So many problems are told one by one; who has more has another file in hand than he thinks.
-constexpr std::size_t kTold = 20;
-
-std::string message_of(const std::vector<OptionProblem>& problems) {
-  if (problems.size() == 1) return to_string(problems.front());
-  std::string text = fmt::format("{} problems with the options:", problems.size());
-  for (const OptionProblem& problem : std::span(problems).first(std::min(kTold, problems.size())))
-    text += "\n  " + to_string(problem);
-  if (problems.size() > kTold) text += fmt::format("\n  and {} more", problems.size() - kTold);
-  return text;
-}
 
 /// Levenshtein 1966: insertions, deletions and substitutions that turn one word into the other.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -56,52 +42,6 @@ std::string group_of(const std::string& key) {
 }
 
 }  // namespace
-
-std::string to_string(const OptionProblem& problem) {
-  std::string text = to_string(problem.where) + ": ";
-  if (!problem.key.empty()) text += problem.key;
-  if (!problem.value.empty()) text += " = " + problem.value;
-  if (!problem.key.empty()) text += ": ";
-  return with_short_numbers(text + problem.rule);
-}
-
-OptionsError::OptionsError(std::vector<OptionProblem> problems)
-    : UsageError(message_of(problems)), problems_(std::move(problems)) {}
-
-void OptionLister::operator()(std::string_view name, bool& value, std::string_view help) {
-  entries_->push_back({prefix_ + std::string(name), &value, {}, {}, std::string(help)});
-}
-
-void OptionLister::operator()(std::string_view name, int& value, Range range,
-                              std::string_view help) {
-  entries_->push_back({prefix_ + std::string(name), &value, range, {}, std::string(help)});
-}
-
-void OptionLister::operator()(std::string_view name, double& value, Range range,
-                              std::string_view help) {
-  entries_->push_back({prefix_ + std::string(name), &value, range, {}, std::string(help)});
-}
-
-void OptionLister::operator()(std::string_view name, std::string& value, const OneOf& words,
-                              std::string_view help) {
-  entries_->push_back({prefix_ + std::string(name),
-                       &value,
-                       {},
-                       {words.words.begin(), words.words.end()},
-                       std::string(help)});
-}
-
-std::string rule_of(const OptionEntry& entry) {
-  if (std::holds_alternative<bool*>(entry.value)) return "true or false";
-  if (std::holds_alternative<std::string*>(entry.value)) {
-    if (entry.words.empty()) return "a text";
-    return fmt::format("one of {}", fmt::join(entry.words, ", "));
-  }
-  const bool whole = std::holds_alternative<int*>(entry.value);
-  const std::string_view kind = whole ? "a whole number" : "a number";
-  if (!entry.range) return std::string(kind);
-  return fmt::format("{} from {} to {}", kind, entry.range->lowest, entry.range->highest);
-}
 
 std::vector<OptionProblem> apply_toml(const std::vector<OptionEntry>& options,
                                       std::string_view toml, const std::string& path) {

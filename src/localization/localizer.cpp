@@ -15,6 +15,7 @@
 #include "localization/pose_track.hpp"
 #include "localization/robot_motion.hpp"
 #include "localization/scan_weigher.hpp"
+#include "loopstone/base/option_list.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/pose_distance.hpp"
@@ -395,7 +396,8 @@ class Localizer::Impl {
 Localizer::Localizer(const LocalizationMap& map, const RobotModel& robot,
                      const LocalizationOptions& options, const std::optional<InitialPose>& initial,
                      std::uint64_t seed, Threads threads)
-    : impl_(std::make_unique<Impl>(map, robot, options, initial, seed, threads)) {}
+    : impl_((require_valid(options),
+             std::make_unique<Impl>(map, robot, options, initial, seed, threads))) {}
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;

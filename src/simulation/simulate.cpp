@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/option_list.hpp"
 #include "simulation/rgbd_sensor.hpp"
 #include "simulation/sensor_models.hpp"
 
@@ -168,7 +169,7 @@ class Simulator {
 SimulationSummary simulate_drive(const World& world, const Drive& drive, const RobotModel& robot,
                                  const SimulationOptions& options, std::uint64_t seed,
                                  const SimulationSink& sink) {
-  if (options.laser.beams < 2) throw UsageError("a scan needs at least 2 beams");
+  require_valid(options);
   if (options.laser.sweep_s > 1.0 / options.laser.rate_hz) {
     throw UsageError("a sweep of " + std::to_string(options.laser.sweep_s) +
                      " s does not fit between scans at " + std::to_string(options.laser.rate_hz) +

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/option_list.hpp"
 #include "loopstone/base/release_memory.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/odometry/scan_queue.hpp"
@@ -387,7 +388,7 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
 }
 
 Mapper::Mapper(const RobotModel& robot, const MapOptions& options, Threads threads)
-    : impl_(std::make_unique<Impl>(robot, options, threads)) {}
+    : impl_((require_valid(options), std::make_unique<Impl>(robot, options, threads))) {}
 Mapper::~Mapper() = default;
 
 void Mapper::add(const SensorMessage& message) { impl_->add(message); }

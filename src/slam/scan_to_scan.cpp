@@ -5,6 +5,7 @@
 #include <exception>
 #include <utility>
 
+#include "loopstone/base/option_list.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
@@ -40,7 +41,9 @@ struct ScanToScanMapper::Links {
 
 ScanToScanMapper::ScanToScanMapper(const RobotModel& robot, const ScanToScanOptions& options,
                                    Threads threads)
-    : robot_(robot), options_(options), threads_(threads), scan_queue_(robot.wheels) {}
+    : robot_(robot), options_(options), threads_(threads), scan_queue_(robot.wheels) {
+  require_valid(options);
+}
 
 void ScanToScanMapper::add(const SensorMessage& message) {
   scan_queue_.add(message);

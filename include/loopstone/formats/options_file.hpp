@@ -1,82 +1,12 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
-#include "loopstone/base/error.hpp"
-#include "loopstone/base/options.hpp"
+#include "loopstone/base/option_list.hpp"
 
 namespace loopstone {
-
-/// One field of an option struct: its dotted name, where its value lives, the rule it must keep and
-/// its help text. The pointers lead into the struct that was listed, which must outlive the entry.
-struct OptionEntry {
-  std::string key;  ///< "front_end.max_range_m": groups, then the field
-  std::variant<bool*, int*, double*, std::string*> value{};
-  std::optional<Range> range{};      ///< of int and double
-  std::vector<std::string> words{};  ///< that a text may be; empty: any text
-  std::string help{};
-};
-
-/// An option that could not be taken, with everything a user needs to put it right.
-struct OptionProblem {
-  std::string key;    ///< empty when the file as a whole can't be read
-  std::string value;  ///< as it was given; empty when the key is the problem
-  std::string rule;   ///< what would be right
-  Location where{};   ///< file and line, or "--set"
-};
-
-/// "options.toml:3: resolution_m = 7: must be a number from 0.005 to 1"
-[[nodiscard]] std::string to_string(const OptionProblem& problem);
-
-/// Several things wrong with the options, all at once. what() has one line for each.
-class OptionsError : public UsageError {
- public:
-  explicit OptionsError(std::vector<OptionProblem> problems);
-  [[nodiscard]] const std::vector<OptionProblem>& problems() const { return problems_; }
-
- private:
-  std::vector<OptionProblem> problems_;
-};
-
-/// The visitor of visit_options (base/options.hpp) that lists every field of a struct and of its
-/// groups.
-class OptionLister {
- public:
-  explicit OptionLister(std::vector<OptionEntry>& entries, std::string prefix = {})
-      : entries_(&entries), prefix_(std::move(prefix)) {}
-
-  void operator()(std::string_view name, bool& value, std::string_view help);
-  void operator()(std::string_view name, int& value, Range range, std::string_view help);
-  void operator()(std::string_view name, double& value, Range range, std::string_view help);
-  void operator()(std::string_view name, std::string& value, const OneOf& words,
-                  std::string_view help);
-
-  template <typename Options>
-  void group(std::string_view name, Options& options) {
-    visit_options(options, OptionLister(*entries_, prefix_ + std::string(name) + "."));
-  }
-
- private:
-  std::vector<OptionEntry>* entries_;
-  std::string prefix_;
-};
-
-/// Every option of a struct that has visit_options, groups included, in the order in which they are
-/// described.
-template <typename Options>
-[[nodiscard]] std::vector<OptionEntry> list_options(Options& options) {
-  std::vector<OptionEntry> entries;
-  visit_options(options, OptionLister(entries));
-  return entries;
-}
-
-/// What the entry demands, for people: "a number from 0.005 to 1", "one of huber, cauchy", "true or
-/// false".
-[[nodiscard]] std::string rule_of(const OptionEntry& entry);
 
 /// Writes the values of a TOML text into the options; groups are tables. Returns what could not be
 /// taken (unknown keys, wrong types, values outside their range); those options keep their value,

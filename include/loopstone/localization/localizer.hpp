@@ -34,6 +34,7 @@ struct InitialPose {
 /// The result is the same bytes for any number of threads; the seed decides the particles.
 class Localizer {
  public:
+  /// Throws OptionsError with everything that is wrong with the options.
   Localizer(const LocalizationMap& map, const RobotModel& robot, const LocalizationOptions& options,
             const std::optional<InitialPose>& initial, std::uint64_t seed, Threads threads = {});
   ~Localizer();

@@ -52,6 +52,7 @@ namespace loopstone {
 /// machine is.
 class Mapper {
  public:
+  /// Throws OptionsError with everything that is wrong with the options.
   /// \param threads  that search for loops and draw the final map, beside the front end's
   Mapper(const RobotModel& robot, const MapOptions& options, Threads threads = {});
   ~Mapper();

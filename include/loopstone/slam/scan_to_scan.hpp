@@ -66,6 +66,7 @@ void visit_options(ScanToScanOptions& options, Visitor&& visit) {
 /// Source: Lu and Milios 1997, "Globally consistent range scan alignment for environment mapping".
 class ScanToScanMapper {
  public:
+  /// Throws OptionsError with everything that is wrong with the options.
   explicit ScanToScanMapper(const RobotModel& robot, const ScanToScanOptions& options = {},
                             Threads threads = {});
 

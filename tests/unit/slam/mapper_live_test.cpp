@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "loopstone/base/option_list.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/slam/live_map.hpp"
 #include "loopstone/slam/mapper.hpp"
@@ -340,6 +341,19 @@ TEST(MapperLive, AScanThatComesLateGetsTheMotionOfItsOwnTime) {
     EXPECT_TRUE(
         pose_near(on_time.updates[i].odom_T_robot, delayed.updates[i].odom_T_robot, 0.01, 0.005))
         << i;
+  }
+}
+
+TEST(MapperLive, OptionsAreCheckedAtTheDoor) {
+  MapOptions options;
+  options.submap.cell_m = -1.0;
+  options.front_end.odometry = "belief";
+  options.map.resolution_m = std::numeric_limits<double>::quiet_NaN();
+  try {
+    const Mapper mapper({}, options);
+    FAIL() << "a mapper with these options can only be wrong";
+  } catch (const OptionsError& error) {
+    EXPECT_EQ(error.problems().size(), 3U) << error.what();
   }
 }
 
