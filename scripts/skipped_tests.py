@@ -7,7 +7,7 @@ import pathlib
 import re
 import sys
 
-RECORDED = re.compile(r"recorded|is not here")
+RECORDED = re.compile(r"recorded|/\S* is not here")
 
 
 def why(reason):
