@@ -94,7 +94,8 @@ TEST_F(LogCommands, InfoKnowsTheFormatsWithoutALog) {
 /// Each format, as `--format` calls it, from simulation to conversion.
 TEST_F(LogCommands, EveryWrittenFormatIsSimulatedToldAndConverted) {
   const TempDir folder;
-  for (const auto& format : run_json({"info", "--formats"}).at("formats")) {
+  const auto formats = run_json({"info", "--formats"});
+  for (const auto& format : formats.at("formats")) {
     if (!format.at("written")) continue;
     const auto name = format.at("name").get<std::string>();
     const auto made = run_json({"simulate", "office", "-o", folder / name, "--format", name,
@@ -104,7 +105,7 @@ TEST_F(LogCommands, EveryWrittenFormatIsSimulatedToldAndConverted) {
     const auto told = run_json({"info", log});
     EXPECT_EQ(told.at("format"), name);
     EXPECT_EQ(told.at("scans"), made.at("scans"));
-    for (const auto& other : run_json({"info", "--formats"}).at("formats")) {
+    for (const auto& other : formats.at("formats")) {
       if (!other.at("written")) continue;
       const auto to = other.at("name").get<std::string>();
       const std::string out = folder / (name + "_as_" + to);
