@@ -194,7 +194,7 @@ def live_map(loopstone, data):
     logs = [(title, data / "carmen" / f"{name}.clf")
             for name, title in [("intel", "Intel"), ("aces", "ACES"), ("mit-csail", "MIT CSAIL")]]
     logs = [(title, log) for title, log in logs if log.exists()]
-    logs += [(f"{world}, simulated", loopstone.simulate(world, 1, ["--format", "carmen", "--beams", 181, "--fov", 180]))
+    logs += [(f"{world}, simulated", loopstone.simulate(world, 1, ["--format", "carmen", "--beams", 181, "--fov", 180]) / "log.clf")
              for world in ("office", "warehouse", "campus")]
     return [{"log": title, **json.loads(run([program, log, "10"])[0])} for title, log in logs]
 
