@@ -158,12 +158,9 @@ def laps(loopstone):
 
 
 def paced(loopstone, log, name, speed, duration_s, threads):
-    """How long after a scan arrives its pose is known. One thread: everything on one processor."""
+    """How long after a scan arrives its pose is known. One thread: everything on one processor (Loopstone.map)."""
     flags = ["--threads", threads, "--realtime", speed, "--duration", duration_s]
-    pinned = ["taskset", "--cpu-list", "0"] if threads == 1 else []
-    folder = loopstone.work / "map-online"
-    run([*pinned, loopstone.program, "map", log, "-o", folder, "--force", "--quiet", *flags])
-    summary = json.loads((folder / "summary.json").read_text())
+    _, summary, _ = loopstone.map(log, "online", flags)
     waits = {key: value for key, value in summary["realtime"].items() if key != "speed"}
     say(f"  {name}, {speed:.0f} x, {threads}: computing takes {1e3 * waits['worst_computing_s']:.1f} ms at worst")
     return {"log": name, "speed": speed, "threads": threads, "duration_s": summary["duration_s"], "scans": summary["scans"],

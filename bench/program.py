@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 MEGABYTE = 1e6
+ONE_PROCESSOR = ["taskset", "--cpu-list", "0"]
 
 
 class Failed(Exception):
@@ -56,9 +57,14 @@ class Loopstone:
         return path
 
     def map(self, log, name, flags=()):
-        """Maps a log; returns the output folder, the figures of summary.json and what the process took."""
+        """Maps a log; returns the output folder, the figures of summary.json and what the process took.
+
+        With one thread everything is on one processor: the search for loops has a thread of its own in any case.
+        """
         folder = self.work / ("map-" + name)
-        _, cost = run([self.program, "map", log, "-o", folder, "--force", "--quiet", *flags])
+        words = [str(flag) for flag in flags]
+        one = "--threads" in words and words[words.index("--threads") + 1] == "1"
+        _, cost = run([*(ONE_PROCESSOR if one else []), self.program, "map", log, "-o", folder, "--force", "--quiet", *flags])
         return folder, json.loads((folder / "summary.json").read_text()), cost
 
     def evaluate(self, *flags):
