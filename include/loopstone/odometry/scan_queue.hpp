@@ -11,9 +11,9 @@
 
 namespace loopstone {
 
-/// Holds each scan back until odometry for its time has come, at most 0.25 s of the recording. A stream
-/// that has had neither odometry nor gyro for its first second has none: then scans wait no more, until
-/// some comes.
+/// Holds each scan back until odometry for its time has come, at most 0.25 s of the recording. A
+/// stream that has had neither odometry nor gyro for its first second has none: then scans wait no
+/// more, until some comes.
 ///
 ///   queue.add(message);
 ///   while (auto scan = queue.next()) use(*scan, queue.odometer().pose_at(scan->stamp));

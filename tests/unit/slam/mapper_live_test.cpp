@@ -89,7 +89,8 @@ struct Live {
   MapResult result{};
 };
 
-/// Returns when the back end has come as far as the front end; a robot gives it more time than a test.
+/// Returns when the back end has come as far as the front end; a robot gives it more time than a
+/// test.
 void catch_up(Mapper& mapper) { (void)mapper.save_state().get(); }
 
 /// \param often  the back end catches up after so many messages; 0: whenever it does
