@@ -25,11 +25,6 @@ constexpr double kNewsChi2 = 6.0;
 /// Rounds of looking everywhere with ever better poses.
 constexpr int kFinalRounds = 2;
 
-double chi2_at(const LoopClosure& closure, std::span<const Pose2> poses) {
-  const auto pose = [&](NodeId node) { return poses[static_cast<std::size_t>(node.index)]; };
-  return edge_chi2(edge_of(closure), pose(closure.from), pose(closure.to));
-}
-
 }  // namespace
 
 BackEnd::BackEnd(const MapOptions& options, Threads threads)
@@ -144,8 +139,7 @@ double BackEnd::unsolved_chi2() const {
   double sum = 0.0;
   for (const auto& closure : closures_) {
     if (!closure.stands() || closure.chi2) continue;
-    sum += edge_chi2(edge_of(closure), outline_.poses[closure.from_submap.index],
-                     outline_.poses[closure.to_submap.index]);
+    sum += chi2_at(closure, outline_.poses);
   }
   return sum;
 }

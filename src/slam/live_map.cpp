@@ -8,6 +8,7 @@
 #include <span>
 
 #include "loopstone/geometry/angle.hpp"
+#include "slam/scan_store.hpp"
 
 namespace loopstone {
 
@@ -18,14 +19,10 @@ constexpr double kStillCells = 0.25;
 
 std::vector<PosedScan> posed(std::span<const std::shared_ptr<const MappedScan>> scans,
                              const Pose2& map_T_local) {
-  std::vector<PosedScan> posed;
-  posed.reserve(scans.size());
-  for (const auto& mapped : scans) {
-    const Pose2 map_T_robot = map_T_local * mapped->local_T_robot;
-    posed.push_back({&mapped->scan, map_T_robot * mapped->robot_T_lidar,
-                     map_T_local * mapped->local_T_robot_end * mapped->robot_T_lidar, map_T_robot});
-  }
-  return posed;
+  std::vector<PosedScan> all;
+  all.reserve(scans.size());
+  for (const auto& mapped : scans) all.push_back(loopstone::posed(*mapped, map_T_local));
+  return all;
 }
 
 /// Where the robot stood at the last scan of a submap.

@@ -12,9 +12,6 @@ namespace loopstone {
 
 namespace {
 
-/// Two places that look alike are laid centre on centre, give or take what each one saw more of on
-/// one side.
-constexpr double kPlaceHalfM = 5.0;
 /// Less alike than this share of the middle one of all that come into question: another place. Of
 /// true ones 19 in 20 are more alike.
 constexpr double kUnlike = 0.8;

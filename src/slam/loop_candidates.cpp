@@ -18,9 +18,6 @@ constexpr double kRestRad = 0.06;
 constexpr double kMaxHalfYawRad = 0.8;
 /// Travelling through a closure costs this much travel.
 constexpr double kClosureTravelM = 1.0;
-/// Two places that look alike are laid centre on centre, give or take what each one saw more of on
-/// one side.
-constexpr double kPlaceHalfM = 5.0;
 /// Two submaps nearer than this share of both their radii show parts of one place.
 constexpr double kNearRadii = 0.7;
 

@@ -14,6 +14,10 @@
 
 namespace loopstone {
 
+/// Two places that look alike are laid centre on centre, give or take what each one saw more of on
+/// one side.
+inline constexpr double kPlaceHalfM = 5.0;
+
 /// What loop closing keeps of a submap.
 struct LoopSubmap {
   FrozenSubmap submap{};

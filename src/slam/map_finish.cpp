@@ -85,10 +85,7 @@ PlacedScans place_scans(const std::deque<TrackedPose>& track, std::vector<KeySca
   }
   scans.for_each([&](const MappedScan& mapped) {
     const Pose2 map_T_local = correction.at(mapped.index, mapped.scan.stamp, mapped.local_T_robot);
-    const Pose2 map_T_robot = map_T_local * mapped.local_T_robot;
-    placed.on_map.push_back({&mapped.scan, map_T_robot * mapped.robot_T_lidar,
-                             map_T_local * mapped.local_T_robot_end * mapped.robot_T_lidar,
-                             map_T_robot});
+    placed.on_map.push_back(posed(mapped, map_T_local));
   });
   return placed;
 }
@@ -101,10 +98,8 @@ std::vector<PosedScan> some_of(std::span<const PosedScan> scans) {
 }
 
 std::vector<LoopClosure> at_poses_of(const PoseGraph& graph, std::vector<LoopClosure> closures) {
-  const auto pose = [&](NodeId node) { return graph.poses[static_cast<std::size_t>(node.index)]; };
   for (LoopClosure& closure : closures) {
-    if (closure.chi2)
-      closure.chi2 = edge_chi2(edge_of(closure), pose(closure.from), pose(closure.to));
+    if (closure.chi2) closure.chi2 = chi2_at(closure, graph.poses);
   }
   return closures;
 }

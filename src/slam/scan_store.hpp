@@ -7,9 +7,17 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/slam/map_snapshot.hpp"
 
 namespace loopstone {
+
+/// \param map_T_local  at the scan
+[[nodiscard]] inline PosedScan posed(const MappedScan& mapped, const Pose2& map_T_local) {
+  const Pose2 map_T_robot = map_T_local * mapped.local_T_robot;
+  return {&mapped.scan, map_T_robot * mapped.robot_T_lidar,
+          map_T_local * mapped.local_T_robot_end * mapped.robot_T_lidar, map_T_robot};
+}
 
 /// Mapped scans, in stretches as KeyChain has them: a stretch begins with the first scan of a
 /// submap. What share() handed out never changes.

@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "loopstone/geometry/pose2.hpp"
@@ -77,5 +78,7 @@ struct LoopClosure {
 
 /// The edge that a closure adds to a graph: its nodes are `from` and `to`.
 [[nodiscard]] RelativePoseEdge edge_of(const LoopClosure& closure);
+/// Its disagreement with a graph. \param poses  of the graph's nodes
+[[nodiscard]] double chi2_at(const LoopClosure& closure, std::span<const Pose2> poses);
 
 }  // namespace loopstone

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "loopstone/geometry/angle.hpp"
+#include "ring_world.hpp"
 #include "support/pose_near.hpp"
 #include "support/segment_world.hpp"
 
@@ -14,21 +15,10 @@ namespace loopstone {
 namespace {
 
 using test::pose_near;
+using test::ring;
 using test::Scanner;
-using test::Walls;
 
 const Pose2 kMount{0.14, 0.0, 0.0};
-
-/// A corridor around a block, with cabinets, so that the robot comes back to where it was by a way
-/// of its own.
-Walls ring() {
-  return test::together(
-      {test::rectangle({0.0, 0.0}, {14.0, 10.0}), test::rectangle({3.0, 3.0}, {11.0, 7.0}),
-       test::rectangle({5.0, 0.0}, {6.1, 0.5}), test::rectangle({8.5, 2.6}, {9.0, 3.0}),
-       test::rectangle({13.3, 4.0}, {14.0, 4.9}), test::rectangle({11.0, 5.8}, {11.4, 6.4}),
-       test::rectangle({7.0, 9.4}, {8.6, 10.0}), test::rectangle({4.0, 7.0}, {4.3, 7.6}),
-       test::rectangle({0.0, 6.0}, {0.5, 6.7}), test::rectangle({2.5, 4.0}, {3.0, 4.4})});
-}
 
 struct Recording {
   std::vector<SensorMessage> messages;
