@@ -143,19 +143,13 @@ void insert_all(std::span<const PosedScan> scans, const OccupancyOptions& option
 void free_footprints(std::span<const PosedScan> scans, double radius_m, float log_odds,
                      OccupancyMap& map) {
   const GridFrame& frame = map.log_odds.frame();
-  const PosedScan* last = nullptr;
+  std::optional<Eigen::Vector2d> before;
   for (const PosedScan& posed : scans) {
     if (!usable(posed)) continue;
-    const Eigen::Vector2d position = posed.map_T_robot.translation();
-    const Eigen::Vector2d before = last == nullptr ? position : last->map_T_robot.translation();
-    const double moved_m = (position - before).norm();
-    if (last != nullptr && moved_m < kLeastSweepCells * frame.resolution) continue;
-    for_each_swept_cell(frame, moved_m <= kMostSweepM ? before : position, position, radius_m,
-                        [&](Cell cell) {
-                          map.log_odds[cell] = std::min(map.log_odds[cell], log_odds);
-                          map.observed[cell] = 1;
-                        });
-    last = &posed;
+    sweep_footprint(frame, posed.map_T_robot.translation(), radius_m, before, [&](Cell cell) {
+      map.log_odds[cell] = std::min(map.log_odds[cell], log_odds);
+      map.observed[cell] = 1;
+    });
   }
 }
 

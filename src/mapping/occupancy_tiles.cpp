@@ -66,12 +66,7 @@ class OccupancyTiles::Pen {
       const ScanBeams beams = beams_on_grid(posed, plane_, options_, table_);
       if (!beams.beams.empty())
         raster_scan(beams, beams.low.row, beams.high.row + 1, raster_, on_word);
-      const Eigen::Vector2d position = posed.map_T_robot.translation();
-      const double moved_m = before ? (position - *before).norm() : 0.0;
-      if (before && moved_m < kLeastSweepCells * plane_.resolution) continue;
-      const bool sweeps = before && moved_m <= kMostSweepM;
-      for_each_swept_cell(plane_, sweeps ? *before : position, position, radius_m_, on_driven);
-      before = position;
+      sweep_footprint(plane_, posed.map_T_robot.translation(), radius_m_, before, on_driven);
     }
   }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "loopstone/grid/ray_walk.hpp"
@@ -131,6 +132,18 @@ void for_each_swept_cell(const GridFrame& frame, const Eigen::Vector2d& from,
       visit(cell);
     }
   }
+}
+
+/// The cells that the robot's footprint sweeps on its way to a position.
+/// \param before  where it was drawn last, if anywhere; then the position, unless it hardly moved
+template <typename Visit>
+void sweep_footprint(const GridFrame& frame, const Eigen::Vector2d& position, double radius_m,
+                     std::optional<Eigen::Vector2d>& before, Visit&& visit) {
+  const double moved_m = before ? (position - *before).norm() : 0.0;
+  if (before && moved_m < kLeastSweepCells * frame.resolution) return;
+  const bool sweeps = before && moved_m <= kMostSweepM;
+  for_each_swept_cell(frame, sweeps ? *before : position, position, radius_m, visit);
+  before = position;
 }
 
 }  // namespace loopstone
