@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
-"""Compares two builds of the program on this machine, in turn, in one run: the front end, a match, the solution of a graph.
+"""Compares two builds of the program on this machine, in turn, in one run: the front end, a match,
+the solution of a graph.
 
-  bench/compare_speed.py BASE HEAD       two programs; scripts/compare_speed.sh BASE_COMMIT builds them
+  bench/compare_speed.py BASE HEAD       two programs; scripts/compare_speed.sh BASE_COMMIT builds
+                                         them
 
-CPU times of whole processes with one thread, of the front end the wall time that the run tells, on inputs that HEAD's program makes. Base and head take turns (B H H B ...), so that a
-busy moment meets both. Ends with 1 when the median of head is more than MARGIN times that of base and most pairs say the same.
+CPU times of whole processes with one thread, of the front end the wall time that the run tells, on
+inputs that HEAD's program makes. Base and head take turns (B H H B ...), so that a busy moment
+meets both. Ends with 1 when the median of head is more than MARGIN times that of base and most
+pairs say the same.
 """
 import argparse
 import json
@@ -19,8 +23,9 @@ import pose_graph_starts  # noqa: E402
 from doc_blocks import table  # noqa: E402
 from program import Loopstone, run  # noqa: E402
 
-# With other work on both of two cores the medians of nine runs of one program differ by up to 6 %, half of the pairs by up to 14 %.
-# What a change costs by mistake (a copy in an inner loop, a lost early end) is more.
+# With other work on both of two cores the medians of nine runs of one program differ by up to 6 %,
+# half of the pairs by up to 14 %. What a change costs by mistake (a copy in an inner loop, a lost
+# early end) is more.
 MARGIN = 1.25
 # So many of the pairs have to agree.
 PAIRS_SHARE = 0.75
@@ -29,17 +34,35 @@ GRID_POSES = 20000
 
 
 def cases(loopstone):
-    """name -> words after the program, and where the run tells its time, as a file and a key; or nothing."""
+    """name -> words after the program, and where the run tells its time, as a file and a key; or
+    nothing."""
     log = loopstone.simulate("office", 1, ["--beams", "361"])
     graph = loopstone.work / f"grid-{GRID_POSES}.g2o"
     if not graph.exists():
         pose_graph_starts.write_grid(graph, GRID_POSES)
     out = loopstone.work / "compared"
     return {
-        "front end": (["map", log, "-o", out, "--no-loop-closure", "--no-texture",
-                      "--set", "adjustment.enabled=false", "--threads", "1", "--force", "--quiet"],
-                      (out / "summary.json", "front_end_wall_s")),
-        "match of a scan on a map": (["match", f"{log}#120", log / "map.yaml", "--global", "--threads", "1", "--quiet"], None),
+        "front end": (
+            [
+                "map",
+                log,
+                "-o",
+                out,
+                "--no-loop-closure",
+                "--no-texture",
+                "--set",
+                "adjustment.enabled=false",
+                "--threads",
+                "1",
+                "--force",
+                "--quiet",
+            ],
+            (out / "summary.json", "front_end_wall_s"),
+        ),
+        "match of a scan on a map": (
+            ["match", f"{log}#120", log / "map.yaml", "--global", "--threads", "1", "--quiet"],
+            None,
+        ),
         "solution of a graph": (["optimize", graph, "--initial", "file", "--quiet"], None),
     }
 
@@ -65,7 +88,9 @@ def judge(base_s, head_s):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("base", type=pathlib.Path)
     parser.add_argument("head", type=pathlib.Path)
     parser.add_argument("--rounds", type=int, default=ROUNDS)
@@ -77,8 +102,16 @@ def main():
     for name, (words, told) in cases(Loopstone(head, arguments.work)).items():
         base_s, head_s = compare(base, head, words, told, arguments.rounds)
         ratio, low, high, slower = judge(base_s, head_s)
-        rows.append([name, f"{statistics.median(base_s):.3f}", f"{statistics.median(head_s):.3f}", f"{ratio:.3f}",
-                     f"{low:.3f} to {high:.3f}", "**slower**" if slower else "as fast"])
+        rows.append(
+            [
+                name,
+                f"{statistics.median(base_s):.3f}",
+                f"{statistics.median(head_s):.3f}",
+                f"{ratio:.3f}",
+                f"{low:.3f} to {high:.3f}",
+                "**slower**" if slower else "as fast",
+            ]
+        )
         slow += [name] if slower else []
     print(table(["", "base [s]>", "head [s]>", "head / base>", "half of the pairs", ""], rows))
     return 1 if slow else 0

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Compares dead reckoning on the UCSD sets 20 and 21 with a published result, and says where the difference comes from.
+"""Compares dead reckoning on the UCSD sets 20 and 21 with a published result, and says where the
+difference comes from.
 
-The reference (others_results/*/odometry_*_imu.npz) was computed by others from the same encoders and gyro: X = (x, y, yaw)
-at the gyro's stamps. It is no truth. Each row of the table changes one thing of ours, so a column that
-shrinks names the cause. The table goes into docs/accuracy.md between the markers.
+The reference (others_results/*/odometry_*_imu.npz) was computed by others from the same encoders
+and gyro: X = (x, y, yaw) at the gyro's stamps. It is no truth. Each row of the table changes one
+thing of ours, so a column that shrinks names the cause. The table goes into docs/accuracy.md
+between the markers.
 
-  bench/compare_ucsd_odometry.py [--program build/release/bin/loopstone] [--data ../shared/data] [--write docs/accuracy.md]
+  bench/compare_ucsd_odometry.py [--program build/release/bin/loopstone]
+                                [--data ../shared/data] [--write docs/accuracy.md]
 """
 import argparse
 import pathlib
@@ -17,7 +20,9 @@ import tempfile
 try:
     import numpy as np
 except ImportError:
-    raise SystemExit("this script needs numpy: apt install python3-numpy, then run it with /usr/bin/python3")
+    raise SystemExit(
+        "this script needs numpy: apt install python3-numpy, then run it with /usr/bin/python3"
+    )
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
@@ -30,13 +35,28 @@ BLOCK = "ucsd-odometry"
 VARIANTS = [
     ("default: arcs, gyro heading, bias from standstill, interpolated", [], {}),
     ("no bias removal", ["--set", "use_standstill=false"], {}),
-    ("no bias removal, nearest sample", ["--set", "use_standstill=false", "--align", "nearest"], {}),
+    (
+        "no bias removal, nearest sample",
+        ["--set", "use_standstill=false", "--align", "nearest"],
+        {},
+    ),
     ("no bias removal, Euler steps", ["--set", "use_standstill=false", "--euler"], {}),
-    ("no bias removal, Euler steps, nearest sample",
-     ["--set", "use_standstill=false", "--euler", "--align", "nearest"], {}),
+    (
+        "no bias removal, Euler steps, nearest sample",
+        ["--set", "use_standstill=false", "--euler", "--align", "nearest"],
+        {},
+    ),
     ("heading from wheels, track 0.390 m", ["--yaw", "wheels"], {}),
-    ("heading from wheels, track 0.311 m (inner edges)", ["--yaw", "wheels"], {"track_width_m": 0.31115}),
-    ("heading from wheels, track 0.476 m (outer edges)", ["--yaw", "wheels"], {"track_width_m": 0.47626}),
+    (
+        "heading from wheels, track 0.311 m (inner edges)",
+        ["--yaw", "wheels"],
+        {"track_width_m": 0.31115},
+    ),
+    (
+        "heading from wheels, track 0.476 m (outer edges)",
+        ["--yaw", "wheels"],
+        {"track_width_m": 0.47626},
+    ),
     ("wheels 1 % larger", [], {"metres_per_count": 0.002222}),
 ]
 
@@ -64,15 +84,17 @@ def run(program, log, flags, wheels, folder):
     command = [program, "odometry", str(log), "-o", str(output), "--force", "--quiet", *flags]
     if wheels:
         robot = folder / "robot.toml"
-        robot.write_text("[wheels]\n" + "".join(f"{key} = {value}\n" for key, value in wheels.items()))
+        robot.write_text(
+            "[wheels]\n" + "".join(f"{key} = {value}\n" for key, value in wheels.items())
+        )
         command += ["--robot", str(robot)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return read_tum(output)
 
 
 def textbook(sensors, number):
-    """What the literature's exercise asks for, as a check on the explanation: gyro rate times its own time step, raw, the
-    encoder speed held to the nearest gyro stamp, Euler steps."""
+    """What the literature's exercise asks for, as a check on the explanation: gyro rate times its
+    own time step, raw, the encoder speed held to the nearest gyro stamp, Euler steps."""
     encoders = np.load(sensors / f"Encoders{number}.npz")
     imu = np.load(sensors / f"Imu{number}.npz")
     te, counts = encoders["time_stamps"], encoders["counts"].astype(float)
@@ -94,15 +116,26 @@ def compare(stamps, poses, other_stamps, other):
     theirs = aligned_to_start(other[inside])
     apart = np.linalg.norm(ours[:, :2] - theirs[:, :2], axis=1)
     turn = np.degrees(ours[:, 2] - theirs[:, 2])
-    return {"mean_m": apart.mean(), "end_m": apart[-1], "end_deg": turn[-1], "max_deg": np.abs(turn).max(),
-            "path_ratio": np.linalg.norm(np.diff(ours[:, :2], axis=0), axis=1).sum()
-            / np.linalg.norm(np.diff(theirs[:, :2], axis=0), axis=1).sum()}
+    return {
+        "mean_m": apart.mean(),
+        "end_m": apart[-1],
+        "end_deg": turn[-1],
+        "max_deg": np.abs(turn).max(),
+        "path_ratio": (
+            np.linalg.norm(np.diff(ours[:, :2], axis=0), axis=1).sum()
+            / np.linalg.norm(np.diff(theirs[:, :2], axis=0), axis=1).sum()
+        ),
+    }
 
 
 def table(program, data):
     sensors = data / "ucsd" / "sensors"
     others = sorted((data / "ucsd" / "others_results").glob("*/odometry_*_imu.npz"))
-    version = subprocess.run([program, "--version"], check=True, stdout=subprocess.PIPE).stdout.decode().strip()
+    version = (
+        subprocess.run([program, "--version"], check=True, stdout=subprocess.PIPE)
+        .stdout.decode()
+        .strip()
+    )
     lines = [provenance(circumstances(version)), ""]
     for result in others:
         number = int(re.search(r"odometry_(\d+)_imu", result.name).group(1))
@@ -110,28 +143,49 @@ def table(program, data):
             other_stamps = arrays["stamps"]
             other = arrays["X"].astype(float)
         other[:, 2] = np.unwrap(other[:, 2])
-        lines += [f"Set {number}: {np.linalg.norm(np.diff(other[:, :2], axis=0), axis=1).sum():.1f} m, "
-                  f"{other_stamps[-1] - other_stamps[0]:.0f} s.", "",
-                  "| ours | mean distance [m] | distance at the end [m] | heading at the end [deg] "
-                  "| largest heading difference [deg] | path, ours / theirs |", "|---|---|---|---|---|---|"]
+        lines += [
+            (
+                f"Set {number}:"
+                f" {np.linalg.norm(np.diff(other[:, :2], axis=0), axis=1).sum():.1f} m,"
+                f" {other_stamps[-1] - other_stamps[0]:.0f} s."
+            ),
+            "",
+            (
+                "| ours | mean distance [m] | distance at the end [m] | heading at the end [deg] "
+                "| largest heading difference [deg] | path, ours / theirs |"
+            ),
+            "|---|---|---|---|---|---|",
+        ]
         with tempfile.TemporaryDirectory() as folder:
             for name, flags, wheels in VARIANTS:
-                row = compare(*run(program, f"{sensors}#{number}", flags, wheels, pathlib.Path(folder)),
-                              other_stamps, other)
-                lines.append(f"| {name} | {row['mean_m']:.3f} | {row['end_m']:.3f} | {row['end_deg']:+.2f} "
-                             f"| {row['max_deg']:.2f} | {row['path_ratio']:.4f} |")
+                row = compare(
+                    *run(program, f"{sensors}#{number}", flags, wheels, pathlib.Path(folder)),
+                    other_stamps,
+                    other,
+                )
+                lines.append(
+                    f"| {name} | {row['mean_m']:.3f} | {row['end_m']:.3f} | {row['end_deg']:+.2f} "
+                    f"| {row['max_deg']:.2f} | {row['path_ratio']:.4f} |"
+                )
         row = compare(*textbook(sensors, number), other_stamps, other)
-        lines.append(f"| (ten lines of numpy: raw gyro, nearest encoder speed, Euler) | {row['mean_m']:.3f} "
-                     f"| {row['end_m']:.3f} | {row['end_deg']:+.2f} | {row['max_deg']:.2f} | {row['path_ratio']:.4f} |")
+        lines.append(
+            "| (ten lines of numpy: raw gyro, nearest encoder speed, Euler) |"
+            f" {row['mean_m']:.3f} | {row['end_m']:.3f} | {row['end_deg']:+.2f} |"
+            f" {row['max_deg']:.2f} | {row['path_ratio']:.4f} |"
+        )
         lines.append("")
     return "\n".join(lines)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
     parser.add_argument("--data", type=pathlib.Path, default=ROOT.parent / "shared/data")
-    parser.add_argument("--write", type=pathlib.Path, help="put the table into this file instead of printing it")
+    parser.add_argument(
+        "--write", type=pathlib.Path, help="put the table into this file instead of printing it"
+    )
     arguments = parser.parse_args()
     text = table(arguments.program, arguments.data)
     if arguments.write:

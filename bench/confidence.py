@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Fits the probability that localisation gives to its pose to simulated drives whose truth is known, and measures on other
-drives how far it can be believed.
+"""Fits the probability that localisation gives to its pose to simulated drives whose truth is
+known, and measures on other drives how far it can be believed.
 
-The program is built by `make bench` (-DLOOPSTONE_BENCH=ON). Recorded maps are looked for in $LOOPSTONE_DATA, else in
-../shared/data; without them the built-in worlds must do. What was driven is kept in build/bench/confidence-*.json.
+The program is built by `make bench` (-DLOOPSTONE_BENCH=ON). Recorded maps are looked for in
+$LOOPSTONE_DATA, else in ../shared/data; without them the built-in worlds must do. What was driven
+is kept in build/bench/confidence-*.json.
 
-  bench/confidence.py fit        training drives; writes src/localization/confidence_weights.hpp: build anew after it
-  bench/confidence.py measure    held-out drives; writes the tables and the picture of docs/localization.md
+  bench/confidence.py fit        training drives; writes src/localization/confidence_weights.hpp:
+                                 build anew after it
+  bench/confidence.py measure    held-out drives; writes the tables and the picture of
+                                 docs/localization.md
   ... --seeds N                  drives of each kind in each place (default 4)
   ... --quick                    one of each; to look at, writes nothing
   ... --again                    no drives: from what was kept
@@ -56,8 +59,11 @@ def fit(arguments):
     samples = model.samples_of(drives, TEACHING_SCANS, lambda drive: KINDS[drive.kind].weight)
     before = model.read_weights(ROOT)
     weights, likelihood = model.fit(samples, before)
-    say(f"log-likelihood of a drive: {model.log_likelihood(before, samples) / len(drives):.4f} before, "
-        f"{likelihood / len(drives):.4f} after")
+    say(
+        "log-likelihood of a drive:"
+        f" {model.log_likelihood(before, samples) / len(drives):.4f} before,"
+        f" {likelihood / len(drives):.4f} after"
+    )
     for weight, (name, _) in zip(weights, model.FEATURES):
         print(f"{name:12} {weight:9.4f}")
     if not arguments.quick:
@@ -77,7 +83,9 @@ def measure(arguments):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("what", choices=["fit", "measure"])
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
     parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))

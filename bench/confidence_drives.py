@@ -1,4 +1,5 @@
-"""Simulated drives through localisation whose truth is known, for its probability: which there are, and what came of them."""
+"""Simulated drives through localisation whose truth is known, for its probability: which there are,
+and what came of them."""
 import dataclasses
 import itertools
 import pathlib
@@ -10,44 +11,118 @@ MAPS = ["depot.yaml", "warehouse.yaml", "basement_hallways_5cm.png", "willow-ful
 BEAMS = [180, 1081]
 DURATION_S = 60
 # One line of the trace that measure_localization writes.
-COLUMNS = ["right", "error_m", "error_rad", "probability", "explained", "violations", "unexpected", "mass", "precision",
-           "spread_m", "spread_rad", "innovation", "followed_m", "travelled_m"]
+COLUMNS = [
+    "right",
+    "error_m",
+    "error_rad",
+    "probability",
+    "explained",
+    "violations",
+    "unexpected",
+    "mass",
+    "precision",
+    "spread_m",
+    "spread_rad",
+    "innovation",
+    "followed_m",
+    "travelled_m",
+]
 
 
 @dataclasses.dataclass
 class Kind:
     title: str
     places: list
-    maps: bool        # on the recorded maps, too
-    variants: list    # keys of measure_localization, taken in turn
+    maps: bool  # on the recorded maps, too
+    variants: list  # keys of measure_localization, taken in turn
     repeats: int = 1  # few places, more drives in each
     weight: float = 1.0  # of a drive when the probability is fitted
 
 
-# A robot is given the map of another building far more seldom than an old map of its own; scans explain both badly, so the
-# weight of the former decides how much is believed of the latter.
+# A robot is given the map of another building far more seldom than an old map of its own; scans
+# explain both badly, so the weight of the former decides how much is believed of the latter.
 KINDS = {
-    "normal": Kind("normal", ["office", "campus", "warehouse"], True, [
-        {"start": "global", "people": 0}, {"start": "truth", "people": 2}, {"start": "global", "people": 4},
-        {"start": "truth", "people": 0}]),
-    "changed": Kind("changed map", ["office", "campus", "warehouse"], True, [
-        {"start": "truth", "clutter": 40, "people": 4}, {"start": "global", "clutter": 20, "people": 8},
-        {"start": "truth", "clutter": 20, "people": 8}, {"start": "global", "clutter": 10, "people": 4}]),
-    "kidnapped": Kind("kidnapped", ["office", "campus", "warehouse"], True, [
-        {"start": "truth", "kidnaps": 2}, {"start": "global", "kidnaps": 2, "people": 4},
-        {"start": "truth", "kidnaps": 2, "clutter": 10}, {"start": "global", "kidnaps": 1, "people": 2, "clutter": 20}]),
-    "wrong_start": Kind("wrong start", ["office", "campus", "warehouse", "rooms", "corridor"], True, [
-        {"start": "wrong"}, {"start": "wrong", "people": 4}, {"start": "wrong", "clutter": 20, "people": 2},
-        {"start": "wrong", "clutter": 10}]),
-    "rough": Kind("rough map", ["office", "campus", "warehouse"], True, [
-        {"start": "truth", "rough": 1, "people": 2}, {"start": "global", "rough": 1}, {"start": "truth", "rough": 1, "clutter": 10},
-        {"start": "global", "rough": 1, "kidnaps": 1}]),
-    "another_map": Kind("another building's map", ["office", "campus", "warehouse"], False, [
-        {"start": "global", "map_seed": 50001}, {"start": "wrong", "map_seed": 50002, "people": 2}], weight=0.15),
-    "alike": Kind("look-alike places", ["rooms", "corridor"], False, [
-        {"start": "global"}, {"start": "truth", "people": 2}, {"start": "global", "clutter": 10, "people": 2},
-        {"start": "truth", "kidnaps": 1}, {"start": "global", "kidnaps": 1}, {"start": "wrong", "people": 2},
-        {"start": "truth", "clutter": 20}, {"start": "wrong", "clutter": 10}], repeats=3),
+    "normal": Kind(
+        "normal",
+        ["office", "campus", "warehouse"],
+        True,
+        [
+            {"start": "global", "people": 0},
+            {"start": "truth", "people": 2},
+            {"start": "global", "people": 4},
+            {"start": "truth", "people": 0},
+        ],
+    ),
+    "changed": Kind(
+        "changed map",
+        ["office", "campus", "warehouse"],
+        True,
+        [
+            {"start": "truth", "clutter": 40, "people": 4},
+            {"start": "global", "clutter": 20, "people": 8},
+            {"start": "truth", "clutter": 20, "people": 8},
+            {"start": "global", "clutter": 10, "people": 4},
+        ],
+    ),
+    "kidnapped": Kind(
+        "kidnapped",
+        ["office", "campus", "warehouse"],
+        True,
+        [
+            {"start": "truth", "kidnaps": 2},
+            {"start": "global", "kidnaps": 2, "people": 4},
+            {"start": "truth", "kidnaps": 2, "clutter": 10},
+            {"start": "global", "kidnaps": 1, "people": 2, "clutter": 20},
+        ],
+    ),
+    "wrong_start": Kind(
+        "wrong start",
+        ["office", "campus", "warehouse", "rooms", "corridor"],
+        True,
+        [
+            {"start": "wrong"},
+            {"start": "wrong", "people": 4},
+            {"start": "wrong", "clutter": 20, "people": 2},
+            {"start": "wrong", "clutter": 10},
+        ],
+    ),
+    "rough": Kind(
+        "rough map",
+        ["office", "campus", "warehouse"],
+        True,
+        [
+            {"start": "truth", "rough": 1, "people": 2},
+            {"start": "global", "rough": 1},
+            {"start": "truth", "rough": 1, "clutter": 10},
+            {"start": "global", "rough": 1, "kidnaps": 1},
+        ],
+    ),
+    "another_map": Kind(
+        "another building's map",
+        ["office", "campus", "warehouse"],
+        False,
+        [
+            {"start": "global", "map_seed": 50001},
+            {"start": "wrong", "map_seed": 50002, "people": 2},
+        ],
+        weight=0.15,
+    ),
+    "alike": Kind(
+        "look-alike places",
+        ["rooms", "corridor"],
+        False,
+        [
+            {"start": "global"},
+            {"start": "truth", "people": 2},
+            {"start": "global", "clutter": 10, "people": 2},
+            {"start": "truth", "kidnaps": 1},
+            {"start": "global", "kidnaps": 1},
+            {"start": "wrong", "people": 2},
+            {"start": "truth", "clutter": 20},
+            {"start": "wrong", "clutter": 10},
+        ],
+        repeats=3,
+    ),
 }
 
 
@@ -72,8 +147,13 @@ def planned(data, first_seed, seeds):
         for index, (i, place) in itertools.product(range(seeds * what.repeats), enumerate(places)):
             seed = first_seed + len(drives)
             # A corridor's drives begin at its end: from the middle of it they would lead nowhere.
-            keys = {"seed": seed, "duration_s": DURATION_S, "beams": BEAMS[(index + i) % 2],
-                    "random_start": 0 if place == "corridor" else 1, **what.variants[(index + i) % len(what.variants)]}
+            keys = {
+                "seed": seed,
+                "duration_s": DURATION_S,
+                "beams": BEAMS[(index + i) % 2],
+                "random_start": 0 if place == "corridor" else 1,
+                **what.variants[(index + i) % len(what.variants)],
+            }
             drives.append(Drive(kind, place, keys, []))
     return drives
 
@@ -86,7 +166,14 @@ def drive_through(program, drives, work):
             say(f"  drive {count + 1} of {len(drives)}")
         trace.unlink(missing_ok=True)
         try:
-            run([program, drive.place, *[f"{key}={value}" for key, value in drive.keys.items()], f"trace={trace}"])
+            run(
+                [
+                    program,
+                    drive.place,
+                    *[f"{key}={value}" for key, value in drive.keys.items()],
+                    f"trace={trace}",
+                ]
+            )
         except Failed as failure:
             say(f"  FAILED: {failure}")
             continue

@@ -1,4 +1,5 @@
-"""The model of localisation's probability, p = mass * precision * logistic(weights . features), and its most likely weights.
+"""The model of localisation's probability, p = mass * precision * logistic(weights . features), and
+its most likely weights.
 
 The features are those of src/localization/confidence.cpp; check() compares the two."""
 import math
@@ -6,18 +7,35 @@ import pathlib
 import re
 
 HEADER = pathlib.Path("src/localization/confidence_weights.hpp")
-# Name and sign that the weight may have: more evidence for a pose never lowers its probability. 0: any.
-FEATURES = [("1", 0), ("explained", 1), ("violations", -1), ("unexpected", -1), ("spread_m", -1), ("spread_rad", -1),
-            ("innovation", -1), ("followed_m", 1)]
-# Standard deviation of a weight before any drive was seen: between no evidence and all of it lie some e^10 in odds.
+# Name and sign that the weight may have: more evidence for a pose never lowers its probability. 0:
+# any.
+FEATURES = [
+    ("1", 0),
+    ("explained", 1),
+    ("violations", -1),
+    ("unexpected", -1),
+    ("spread_m", -1),
+    ("spread_rad", -1),
+    ("innovation", -1),
+    ("followed_m", 1),
+]
+# Standard deviation of a weight before any drive was seen: between no evidence and all of it lie
+# some e^10 in odds.
 PRIOR_SIGMA = 10.0
 ITERATIONS_MOST = 200
 
 
 def features(row):
-    return [1.0, row["explained"], math.sqrt(row["violations"]), row["unexpected"], min(row["spread_m"], 1.0),
-            min(row["spread_rad"], 0.5) / 0.5, min(math.log1p(row["innovation"]), 3.0) / 3.0,
-            min(row["followed_m"], 5.0) / 5.0]
+    return [
+        1.0,
+        row["explained"],
+        math.sqrt(row["violations"]),
+        row["unexpected"],
+        min(row["spread_m"], 1.0),
+        min(row["spread_rad"], 0.5) / 0.5,
+        min(math.log1p(row["innovation"]), 3.0) / 3.0,
+        min(row["followed_m"], 5.0) / 5.0,
+    ]
 
 
 def logistic(x):
@@ -33,12 +51,20 @@ def probability(weights, row):
 
 
 def samples_of(drives, every, weight_of):
-    """(features, mass * precision, right, weight): a drive weighs the same however long it is: its scans are not independent."""
+    """(features, mass * precision, right, weight): a drive weighs the same however long it is: its
+    scans are not independent."""
     samples = []
     for drive in drives:
         rows = drive.rows[::every]
         for row in rows:
-            samples.append((features(row), row["mass"] * row["precision"], row["right"] > 0.5, weight_of(drive) / len(rows)))
+            samples.append(
+                (
+                    features(row),
+                    row["mass"] * row["precision"],
+                    row["right"] > 0.5,
+                    weight_of(drive) / len(rows),
+                )
+            )
     return samples
 
 
@@ -51,7 +77,8 @@ def log_likelihood(weights, samples):
 
 
 def slope_and_information(weights, samples):
-    """Gradient of log_likelihood, and Fisher's information (expected curvature), which is positive definite."""
+    """Gradient of log_likelihood, and Fisher's information (expected curvature), which is positive
+    definite."""
     n = len(weights)
     slope = [-w / PRIOR_SIGMA**2 for w in weights]
     information = [[1.0 / PRIOR_SIGMA**2 if i == j else 0.0 for j in range(n)] for i in range(n)]
@@ -84,7 +111,7 @@ def solved(matrix, right):
             rows[k] = [a - factor * b for a, b in zip(rows[k], rows[i])]
     x = [0.0] * n
     for i in reversed(range(n)):
-        x[i] = (rows[i][n] - dot(rows[i][i + 1:n], x[i + 1:])) / rows[i][i]
+        x[i] = (rows[i][n] - dot(rows[i][i + 1 : n], x[i + 1 :])) / rows[i][i]
     return x
 
 
@@ -93,14 +120,22 @@ def allowed(weights):
 
 
 def fit(samples, start):
-    """Fisher's scoring with steps cut short where they don't help; weights that would get the wrong sign stay at 0."""
+    """Fisher's scoring with steps cut short where they don't help; weights that would get the wrong
+    sign stay at 0."""
     weights = allowed(start)
     value = log_likelihood(weights, samples)
     for _ in range(ITERATIONS_MOST):
         slope, information = slope_and_information(weights, samples)
-        free = [i for i, (w, (_, sign)) in enumerate(zip(weights, FEATURES)) if w != 0.0 or sign == 0 or slope[i] * sign > 0.0]
+        free = [
+            i
+            for i, (w, (_, sign)) in enumerate(zip(weights, FEATURES))
+            if w != 0.0 or sign == 0 or slope[i] * sign > 0.0
+        ]
         step = [0.0] * len(weights)
-        for i, part in zip(free, solved([[information[i][j] for j in free] for i in free], [slope[i] for i in free])):
+        for i, part in zip(
+            free,
+            solved([[information[i][j] for j in free] for i in free], [slope[i] for i in free]),
+        ):
             step[i] = part
         scale, gained = 1.0, 0.0
         while scale > 1e-4:
@@ -124,8 +159,11 @@ def read_weights(root):
 def write_weights(root, weights, drives, scans):
     numbers = [f"{weight:.4f}," for weight in weights]
     width = max(map(len, numbers))  # as clang-format aligns comments
-    lines = "\n".join(f"    {number:{width}}  // {name}" for number, (name, _) in zip(numbers, FEATURES))
-    (root / HEADER).write_text(f"""#pragma once
+    lines = "\n".join(
+        f"    {number:{width}}  // {name}" for number, (name, _) in zip(numbers, FEATURES)
+    )
+    (root / HEADER).write_text(
+        f"""#pragma once
 
 #include <array>
 
@@ -133,19 +171,25 @@ def write_weights(root, weights, drives, scans):
 
 namespace loopstone {{
 
-// Written by `bench/confidence.py fit`: the most likely weights of {drives} simulated drives, {scans} scans.
+// Written by `bench/confidence.py fit`: the most likely weights of {drives} simulated drives,
+// {scans} scans.
 inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{{
 {lines}
 }};
 
 }}  // namespace loopstone
-""", encoding="utf-8")
+""",
+        encoding="utf-8",
+    )
 
 
 def check(drives, weights):
-    """That the program computes the same: it may be older than the weights, or the features may have come apart."""
+    """That the program computes the same: it may be older than the weights, or the features may
+    have come apart."""
     for drive in drives:
         for row in drive.rows:
             if abs(probability(weights, row) - row["probability"]) > 2e-6:
-                raise SystemExit(f"{drive.name}: the program says {row['probability']}, the weights of {HEADER} say "
-                                 f"{probability(weights, row):.6f}; `make bench` builds it anew")
+                raise SystemExit(
+                    f"{drive.name}: the program says {row['probability']}, the weights of"
+                    f" {HEADER} say {probability(weights, row):.6f}; `make bench` builds it anew"
+                )

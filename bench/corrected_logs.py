@@ -1,4 +1,5 @@
-"""Poses that another system gave some scans of a CARMEN log, found again by what those scans measured."""
+"""Poses that another system gave some scans of a CARMEN log, found again by what those scans
+measured."""
 import math
 
 
@@ -9,13 +10,13 @@ def lasers(path):
             words = line.split()
             if words and words[0] == "FLASER":
                 count = int(words[1])
-                ranges = tuple(round(float(word), 2) for word in words[2:2 + count])
-                yield ranges, tuple(map(float, words[2 + count:5 + count])), words[-3]
+                ranges = tuple(round(float(word), 2) for word in words[2 : 2 + count])
+                yield ranges, tuple(map(float, words[2 + count : 5 + count])), words[-3]
 
 
 def write_reference(path, raw, corrected):
-    """A TUM trajectory of the corrected poses at the raw log's stamps (the corrected log's own are rounded or shifted).
-    Returns how many scans were found again, and how many there are."""
+    """A TUM trajectory of the corrected poses at the raw log's stamps (the corrected log's own are
+    rounded or shifted). Returns how many scans were found again, and how many there are."""
     stamps = {ranges: stamp for ranges, _, stamp in lasers(raw)}
     found, count = [], 0
     for ranges, (x, y, yaw), _ in lasers(corrected):

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Measures accuracy and speed of whole runs and writes the tables of docs/accuracy.md, docs/benchmarks.md and README.md.
+"""Measures accuracy and speed of whole runs and writes the tables of docs/accuracy.md,
+docs/benchmarks.md and README.md.
 
-Recorded logs are looked for in $LOOPSTONE_DATA, else in ../shared/data; without them those tables stay as they are.
-What was measured is kept in build/bench/figures.json, so a later run of one section leaves the others standing.
+Recorded logs are looked for in $LOOPSTONE_DATA, else in ../shared/data; without them those tables
+stay as they are. What was measured is kept in build/bench/figures.json, so a later run of one
+section leaves the others standing.
 
   bench/figures.py                      everything (about half an hour)
-  bench/figures.py --quick              fewer seeds and repeats; to look at, writes nothing into docs/
+  bench/figures.py --quick              fewer seeds and repeats; to look at, writes nothing into
+                                        docs/
   bench/figures.py --only real speed    some sections
   bench/figures.py --only               no measurement: writes the tables from figures.json again
 """
@@ -27,7 +30,16 @@ from doc_blocks import write_block  # noqa: E402
 from program import Loopstone, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
 
-SECTIONS = ["speed", "laps", "online", "peers", "real", "simulated", "live_map", "demo"]  # the timing first, while nothing else has warmed or filled the machine
+SECTIONS = [
+    "speed",
+    "laps",
+    "online",
+    "peers",
+    "real",
+    "simulated",
+    "live_map",
+    "demo",
+]  # the timing first, while nothing else has warmed or filled the machine
 
 
 def measure_section(name, loopstone, data, quick):
@@ -58,15 +70,24 @@ BLOCKS = [
     ("demo", "README.md", "demo", tables.session),
 ]
 # page, block, the sections whose targets a page begins with
-OVERVIEWS = [("docs/accuracy.md", "accuracy-overview", ["real", "simulated"]),
-             ("docs/benchmarks.md", "speed-overview", ["speed", "laps", "online"])]
+OVERVIEWS = [
+    ("docs/accuracy.md", "accuracy-overview", ["real", "simulated"]),
+    ("docs/benchmarks.md", "speed-overview", ["speed", "laps", "online"]),
+]
 
 
 def blocks_of(sections):
     """(page, block, text) of everything that the measured sections say."""
-    blocks = [(page, block, text_of(sections[name])) for name, page, block, text_of in BLOCKS if name in sections]
-    blocks += [(page, block, tables.overview(sections, names)) for page, block, names in OVERVIEWS
-               if any(name in sections for name in names)]
+    blocks = [
+        (page, block, text_of(sections[name]))
+        for name, page, block, text_of in BLOCKS
+        if name in sections
+    ]
+    blocks += [
+        (page, block, tables.overview(sections, names))
+        for page, block, names in OVERVIEWS
+        if any(name in sections for name in names)
+    ]
     if "real" in sections or "simulated" in sections:
         blocks.append(("README.md", "headline", tables.headline(sections)))
     return blocks
@@ -74,12 +95,16 @@ def blocks_of(sections):
 
 def summary(sections):
     rows = targets.of_sections(sections, targets.OF_SECTION)
-    return "\n".join(f"{'met    ' if met else 'NOT MET'}  {measured:>10}  {target:<24} {name}"
-                     for name, target, measured, met in rows)
+    return "\n".join(
+        f"{'met    ' if met else 'NOT MET'}  {measured:>10}  {target:<24} {name}"
+        for name, target, measured, met in rows
+    )
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
     parser.add_argument("--data", type=pathlib.Path, default=measure.data_folder(ROOT, os.environ))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")

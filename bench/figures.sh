@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Measures everything and writes the tables of docs/ and README.md; each script tells on its own what it measures. Some hours; a table
-# whose script fails stays as it was, and the last line names the script. BENCH_QUICK=1: a short look, docs/ stay as they are.
+# Measures everything and writes the tables of docs/ and README.md; each script tells on its own
+# what it measures. Some hours; a table whose script fails stays as it was, and the last line names
+# the script. BENCH_QUICK=1: a short look, docs/ stay as they are.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 

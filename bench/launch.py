@@ -1,8 +1,9 @@
 """Runs one command and tells what the kernel says it took: launch.py DESCRIPTOR COMMAND...
 
-A process inherits the peak memory of the one that started it, across exec. This one is small, so what it measures is the
-command's own, if that is more than the few megabytes of a bare interpreter. Writes `wall_s cpu_s peak_bytes` to the
-descriptor and ends as the command did. Run it with `python3 -I -S`, which leaves out what it does not need.
+A process inherits the peak memory of the one that started it, across exec. This one is small, so
+what it measures is the command's own, if that is more than the few megabytes of a bare interpreter.
+Writes `wall_s cpu_s peak_bytes` to the descriptor and ends as the command did. Run it with `python3
+-I -S`, which leaves out what it does not need.
 """
 import os
 import sys
@@ -12,7 +13,8 @@ import time
 def main():
     report = int(sys.argv[1])
     started = time.monotonic()
-    child = os.fork()  # no vfork: the child's books begin with pages of this process, not with those of a larger one
+    # No vfork: the child's books begin with pages of this process, not with those of a larger one.
+    child = os.fork()
     if child == 0:
         os.close(report)
         try:
@@ -22,7 +24,9 @@ def main():
         os._exit(127)
     _, status, usage = os.wait4(child, 0)
     wall_s = time.monotonic() - started
-    os.write(report, f"{wall_s} {usage.ru_utime + usage.ru_stime} {usage.ru_maxrss * 1024}".encode())
+    os.write(
+        report, f"{wall_s} {usage.ru_utime + usage.ru_stime} {usage.ru_maxrss * 1024}".encode()
+    )
     code = os.waitstatus_to_exitcode(status)
     os._exit(code if code >= 0 else 128 - code)
 

@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
-"""Measures localisation on maps of which the truth is known, and on recorded logs, and writes the tables of docs/accuracy.md.
+"""Measures localisation on maps of which the truth is known, and on recorded logs, and writes the
+tables of docs/accuracy.md.
 
-The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). Maps and logs are looked for in $LOOPSTONE_DATA, else in
-../shared/data. What was measured is kept in build/bench/localization.json, every single drive in build/bench/localization.
+The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). Maps and logs are looked for in
+$LOOPSTONE_DATA, else in ../shared/data. What was measured is kept in build/bench/localization.json,
+every single drive in build/bench/localization.
 
   bench/localization.py                      everything (about half an hour on one core)
   bench/localization.py --quick              a few seeds; to look at, writes nothing into docs/
   bench/localization.py --only global kidnap some sections
-  bench/localization.py --resume             goes on where it was interrupted: leaves out the drives that are there
-  bench/localization.py --only               no measurement: writes the tables from localization.json again
+  bench/localization.py --resume             goes on where it was interrupted: leaves out the drives
+                                             that are there
+  bench/localization.py --only               no measurement: writes the tables from
+                                             localization.json again
 """
 import os
 import pathlib
@@ -25,8 +29,13 @@ from program import Loopstone  # noqa: E402
 from sections import measure_sections, section_parser, verdicts  # noqa: E402
 
 PAGE = "docs/accuracy.md"
-DRIVES = {"tracking": measure.tracking, "global": measure.global_start, "ambiguous": measure.ambiguous,
-          "kidnap": measure.kidnapping, "changed": measure.changed}
+DRIVES = {
+    "tracking": measure.tracking,
+    "global": measure.global_start,
+    "ambiguous": measure.ambiguous,
+    "kidnap": measure.kidnapping,
+    "changed": measure.changed,
+}
 SECTIONS = [*DRIVES, "recorded"]
 
 
@@ -34,8 +43,12 @@ def measure_section(name, arguments, loopstone):
     folder = arguments.work / "localization"
     if name == "recorded":
         return measure.recorded(loopstone, arguments.data, folder, arguments.quick)
-    drives = measure.Drives(arguments.programs / "measure_localization", arguments.data, folder / f"{name}.jsonl",
-                            arguments.resume)
+    drives = measure.Drives(
+        arguments.programs / "measure_localization",
+        arguments.data,
+        folder / f"{name}.jsonl",
+        arguments.resume,
+    )
     return DRIVES[name](drives, arguments.quick)
 
 
@@ -43,8 +56,12 @@ def main():
     arguments = section_parser(__doc__, SECTIONS, ROOT, data_folder(ROOT, os.environ)).parse_args()
     (arguments.work / "localization").mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-    sections, failed = measure_sections("localization", arguments, loopstone,
-                                        lambda name: measure_section(name, arguments, loopstone))
+    sections, failed = measure_sections(
+        "localization",
+        arguments,
+        loopstone,
+        lambda name: measure_section(name, arguments, loopstone),
+    )
 
     for name in SECTIONS:
         if name not in sections:

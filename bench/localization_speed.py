@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Measures how fast particles are weighed by the likelihood field, beside a form of beluga's update in the same run, and
-writes the table of docs/benchmarks.md.
+"""Measures how fast particles are weighed by the likelihood field, beside a form of beluga's update
+in the same run, and writes the table of docs/benchmarks.md.
 
-The program is built by `make bench` (-DLOOPSTONE_BENCH=ON). What was measured is kept in build/bench/localization_speed.json.
+The program is built by `make bench` (-DLOOPSTONE_BENCH=ON). What was measured is kept in
+build/bench/localization_speed.json.
 
   bench/localization_speed.py            about three minutes
   bench/localization_speed.py --quick    one repetition; to look at, writes nothing into docs/
@@ -33,11 +34,21 @@ UNIT_MS = {"ns": 1e-6, "us": 1e-3, "ms": 1.0, "s": 1e3}
 
 
 def measure(program, work, quick):
-    """One row a case: medians of CPU times; the programs of a case take turns, so that a busy moment meets both."""
+    """One row a case: medians of CPU times; the programs of a case take turns, so that a busy
+    moment meets both."""
     output = work / "bench_likelihood_field.json"
-    subprocess.run([str(program), f"--benchmark_out={output}", "--benchmark_out_format=json", "--benchmark_min_time=0.1",
-                    f"--benchmark_repetitions={1 if quick else 9}", "--benchmark_enable_random_interleaving=true"],
-                   check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [
+            str(program),
+            f"--benchmark_out={output}",
+            "--benchmark_out_format=json",
+            "--benchmark_min_time=0.1",
+            f"--benchmark_repetitions={1 if quick else 9}",
+            "--benchmark_enable_random_interleaving=true",
+        ],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
     times, counters = {}, {}
     for run in json.loads(output.read_text())["benchmarks"]:
         if run.get("run_type", "iteration") != "iteration":
@@ -51,8 +62,18 @@ def measure(program, work, quick):
     for key in ms:
         if key[0] == OURS:
             case = key[1:]
-            rows.append({"particles": case[0], "beams": case[1], "everywhere": case[2] != 0, "large": case[3] != 0,
-                         **counters[key], "ms": ms[key], "skipping_ms": ms[(SKIPPING, *case)], "peer_ms": ms[(PEER, *case)]})
+            rows.append(
+                {
+                    "particles": case[0],
+                    "beams": case[1],
+                    "everywhere": case[2] != 0,
+                    "large": case[3] != 0,
+                    **counters[key],
+                    "ms": ms[key],
+                    "skipping_ms": ms[(SKIPPING, *case)],
+                    "peer_ms": ms[(PEER, *case)],
+                }
+            )
     rows.sort(key=lambda row: (row["large"], row["everywhere"], row["particles"], row["beams"]))
     building = [{**counters[key], "ms": ms[key]} for key in sorted(ms) if key[0] == "build_field"]
     return {"rows": rows, "building": building}
@@ -72,28 +93,67 @@ def targets_of(figures):
     for row in figures["rows"]:
         limit = TARGET_MS.get((row["particles"], row["beams"]))
         if limit is not None and not row["everywhere"]:
-            found.append((f"{title(row)}, {map_of(row)}", f"<= {limit:g} ms", f"{row['ms']:.3f} ms", row["ms"] <= limit))
+            found.append(
+                (
+                    f"{title(row)}, {map_of(row)}",
+                    f"<= {limit:g} ms",
+                    f"{row['ms']:.3f} ms",
+                    row["ms"] <= limit,
+                )
+            )
     ratio = min(row["peer_ms"] / row["ms"] for row in figures["rows"])
-    found.append(("times as fast as the form of beluga's update, the least of all rows", f">= {TARGET_RATIO:g}", f"{ratio:.1f}",
-                  ratio >= TARGET_RATIO))
+    found.append(
+        (
+            "times as fast as the form of beluga's update, the least of all rows",
+            f">= {TARGET_RATIO:g}",
+            f"{ratio:.1f}",
+            ratio >= TARGET_RATIO,
+        )
+    )
     return found
 
 
 def text_of(section):
     figures = section["figures"]
-    rows = [[title(row), map_of(row), f"{row['ms']:.3f}", f"{1e6 * row['ms'] / row['particles'] / row['beams']:.2f}",
-             f"{row['skipping_ms']:.3f}", f"{row['peer_ms']:.2f}", f"{row['peer_ms'] / row['ms']:.1f}"]
-            for row in figures["rows"]]
-    header = ["", "map", "Loopstone [ms]>", "a look-up [ns]>", "with beam skipping [ms]>", "form of beluga's update [ms]>",
-              "times as fast>"]
+    rows = [
+        [
+            title(row),
+            map_of(row),
+            f"{row['ms']:.3f}",
+            f"{1e6 * row['ms'] / row['particles'] / row['beams']:.2f}",
+            f"{row['skipping_ms']:.3f}",
+            f"{row['peer_ms']:.2f}",
+            f"{row['peer_ms'] / row['ms']:.1f}",
+        ]
+        for row in figures["rows"]
+    ]
+    header = [
+        "",
+        "map",
+        "Loopstone [ms]>",
+        "a look-up [ns]>",
+        "with beam skipping [ms]>",
+        "form of beluga's update [ms]>",
+        "times as fast>",
+    ]
     building = ", ".join(f"{map_of(row)} {row['ms']:.0f} ms" for row in figures["building"])
-    return "\n".join([tables.provenance(section), "", table(header, rows), "",
-                      f"Building the field from an occupancy grid, one thread: {building}.", "",
-                      tables.targets_table(targets_of(figures))])
+    return "\n".join(
+        [
+            tables.provenance(section),
+            "",
+            table(header, rows),
+            "",
+            f"Building the field from an occupancy grid, one thread: {building}.",
+            "",
+            tables.targets_table(targets_of(figures)),
+        ]
+    )
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--quick", action="store_true")
@@ -101,12 +161,18 @@ def main():
     arguments = parser.parse_args()
 
     arguments.work.mkdir(parents=True, exist_ok=True)
-    kept = arguments.work / ("localization_speed-quick.json" if arguments.quick else "localization_speed.json")
+    kept = arguments.work / (
+        "localization_speed-quick.json" if arguments.quick else "localization_speed.json"
+    )
     if arguments.write:
         section = json.loads(kept.read_text())
     else:
-        section = circumstances(Loopstone(arguments.programs / "loopstone", arguments.work).version())
-        section["figures"] = measure(arguments.programs / "bench_likelihood_field", arguments.work, arguments.quick)
+        section = circumstances(
+            Loopstone(arguments.programs / "loopstone", arguments.work).version()
+        )
+        section["figures"] = measure(
+            arguments.programs / "bench_likelihood_field", arguments.work, arguments.quick
+        )
         kept.write_text(json.dumps(section, indent=1))
     text = text_of(section)
     if arguments.quick:

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Judges loop closures where the truth is known and writes the table of docs/accuracy.md.
 
-A closure is false when it is more than 0.3 m or 3 deg off the true relative pose, and by more than its own covariance allows (chi2 of
-16.3, one in a thousand): along a corridor a closure says nothing, and its covariance says so. A revisit is a metre of the true path at most 1 m away
-from a place left more than 20 m of travel before; it is recognised when a true, accepted closure ends in a submap of the 8 m
-of travel before it. What was measured is kept in build/bench/loops.json.
+A closure is false when it is more than 0.3 m or 3 deg off the true relative pose, and by more than
+its own covariance allows (chi2 of 16.3, one in a thousand): along a corridor a closure says
+nothing, and its covariance says so. A revisit is a metre of the true path at most 1 m away from a
+place left more than 20 m of travel before; it is recognised when a true, accepted closure ends in a
+submap of the 8 m of travel before it. What was measured is kept in build/bench/loops.json.
 
   bench/loops.py                                   everything (about half an hour)
   bench/loops.py --only rooms --seeds 100
-  bench/loops.py --only                            no measurement: writes the table from loops.json again
+  bench/loops.py --only                            no measurement: writes the table from loops.json
+                                                   again
 """
 import bisect
 import csv
@@ -77,13 +79,20 @@ class Truth:
         for i, (x, y, _) in enumerate(self.poses):
             while self.travel[entered] < self.travel[i] - AWAY_M:
                 ex, ey, _ = self.poses[entered]
-                cells.setdefault((math.floor(ex / NEAR_M), math.floor(ey / NEAR_M)), []).append((ex, ey))
+                cells.setdefault((math.floor(ex / NEAR_M), math.floor(ey / NEAR_M)), []).append(
+                    (ex, ey)
+                )
                 entered += 1
             if self.travel[i] < next_m:
                 continue
             next_m = self.travel[i] + 1.0
             column, row = math.floor(x / NEAR_M), math.floor(y / NEAR_M)
-            near = (place for dx in (-1, 0, 1) for dy in (-1, 0, 1) for place in cells.get((column + dx, row + dy), ()))
+            near = (
+                place
+                for dx in (-1, 0, 1)
+                for dy in (-1, 0, 1)
+                for place in cells.get((column + dx, row + dy), ())
+            )
             if any(math.dist(place, (x, y)) <= NEAR_M for place in near):
                 found.append(self.travel[i])
         return found
@@ -129,8 +138,11 @@ def judge(folder, sim):
     ends.sort()
     revisits = truth.revisits()
     counts["revisits"] = len(revisits)
-    counts["recognised"] = sum(1 for travel in revisits
-                               if bisect.bisect_right(ends, travel) > bisect.bisect_left(ends, travel - SUBMAP_M))
+    counts["recognised"] = sum(
+        1
+        for travel in revisits
+        if bisect.bisect_right(ends, travel) > bisect.bisect_left(ends, travel - SUBMAP_M)
+    )
     return counts
 
 
@@ -150,7 +162,11 @@ def measure_case(name, arguments, loopstone):
             shutil.rmtree(sim)
         if runs[-1].get("false"):
             say(f"  {name} {seed}: {runs[-1]}")
-    return {"name": name, "command": " ".join(["loopstone simulate", world, *flags, "--seed N"]), "runs": runs}
+    return {
+        "name": name,
+        "command": " ".join(["loopstone simulate", world, *flags, "--seed N"]),
+        "runs": runs,
+    }
 
 
 def total(runs, key):
@@ -163,12 +179,25 @@ def targets_of(cases):
     false = sum(total(case["runs"], "false") for case in cases)
     if accepted:
         precision = 1.0 - false / accepted
-        found.append(("loop closures that are true, all worlds", f">= {100 * PRECISION:.1f} %", f"{100 * precision:.2f} %",
-                      precision >= PRECISION))
+        found.append(
+            (
+                "loop closures that are true, all worlds",
+                f">= {100 * PRECISION:.1f} %",
+                f"{100 * precision:.2f} %",
+                precision >= PRECISION,
+            )
+        )
     for case in cases:
         if case["name"] == "rooms":
             false = total(case["runs"], "false")
-            found.append((f"rooms: false loop closures in {len(case['runs'])} seeds", "0", str(false), false == 0))
+            found.append(
+                (
+                    f"rooms: false loop closures in {len(case['runs'])} seeds",
+                    "0",
+                    str(false),
+                    false == 0,
+                )
+            )
     return found
 
 
@@ -179,26 +208,61 @@ def text_of(sections):
     for case in cases:
         runs = case["runs"]
         accepted, revisits = total(runs, "accepted"), total(runs, "revisits")
-        rows.append([case["name"], str(len(runs)), str(accepted), str(total(runs, "false")),
-                     f"{100 * (1 - total(runs, 'false') / max(1, accepted)):.2f} %", str(total(runs, "rejected")),
-                     str(total(runs, "wrongly_rejected")), str(revisits),
-                     f"{100 * total(runs, 'recognised') / max(1, revisits):.1f} %"])
-    parts += [table(["world", "seeds>", "accepted>", "of them false>", "precision>", "turned down>", "of them true>",
-                     "metres of revisits>", "recognised>"], rows), "",
-              table(["figure", "target", "measured", ""],
-                    [[name, target, measured, targets.verdict(met)] for name, target, measured, met in targets_of(cases)])]
+        rows.append(
+            [
+                case["name"],
+                str(len(runs)),
+                str(accepted),
+                str(total(runs, "false")),
+                f"{100 * (1 - total(runs, 'false') / max(1, accepted)):.2f} %",
+                str(total(runs, "rejected")),
+                str(total(runs, "wrongly_rejected")),
+                str(revisits),
+                f"{100 * total(runs, 'recognised') / max(1, revisits):.1f} %",
+            ]
+        )
+    parts += [
+        table(
+            [
+                "world",
+                "seeds>",
+                "accepted>",
+                "of them false>",
+                "precision>",
+                "turned down>",
+                "of them true>",
+                "metres of revisits>",
+                "recognised>",
+            ],
+            rows,
+        ),
+        "",
+        table(
+            ["figure", "target", "measured", ""],
+            [
+                [name, target, measured, targets.verdict(met)]
+                for name, target, measured, met in targets_of(cases)
+            ],
+        ),
+    ]
     return "\n".join(parts)
 
 
 def main():
     parser = section_parser(__doc__, list(CASES), ROOT, data_folder(ROOT, os.environ))
-    parser.add_argument("--seeds", type=int, default=0, help="of each world, in place of its own number")
+    parser.add_argument(
+        "--seeds", type=int, default=0, help="of each world, in place of its own number"
+    )
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-    sections, failed = measure_sections("loops", arguments, loopstone,
-                                        lambda name: measure_case(name, arguments, loopstone),
-                                        leave_out=lambda name, sections: arguments.resume and name in sections)
+    sections, failed = measure_sections(
+        "loops",
+        arguments,
+        loopstone,
+        lambda name: measure_case(name, arguments, loopstone),
+        leave_out=lambda name, sections: arguments.resume and name in sections,
+    )
     if not sections:
         return 1
     if arguments.quick:

@@ -18,21 +18,34 @@ PIPELINES = [
 
 def map_row(loopstone, log, name, flags):
     folder, summary, cost = loopstone.map(log, name, flags)
-    row = {**cost, "duration_s": summary["duration_s"], "closures": summary["loop_closures_accepted"],
-           "scans": summary["scans"]}
+    row = {
+        **cost,
+        "duration_s": summary["duration_s"],
+        "closures": summary["loop_closures_accepted"],
+        "scans": summary["scans"],
+    }
     return folder, summary, row
 
 
 def relations_of(loopstone, trajectory, relations):
     result = loopstone.evaluate("--estimate", trajectory, "--relations", relations)
-    return {"translation_m": result["translation_error_m"], "rotation_deg": result["rotation_error_deg"],
-            "pairs": result["pairs"], "pairs_missing": result["pairs_missing"]}
+    return {
+        "translation_m": result["translation_error_m"],
+        "rotation_deg": result["rotation_error_deg"],
+        "pairs": result["pairs"],
+        "pairs_missing": result["pairs_missing"],
+    }
 
 
 def real_logs(loopstone, data):
-    """Relations error on recorded logs, for dead reckoning, the baseline and Loopstone; all with default options."""
+    """Relations error on recorded logs, for dead reckoning, the baseline and Loopstone; all with
+    default options."""
     logs = []
-    for name, title in [("intel", "Intel Research Lab"), ("aces", "ACES building"), ("mit-csail", "MIT CSAIL")]:
+    for name, title in [
+        ("intel", "Intel Research Lab"),
+        ("aces", "ACES building"),
+        ("mit-csail", "MIT CSAIL"),
+    ]:
         log = data / "carmen" / f"{name}.clf"
         relations = data / "carmen" / f"{name}.relations"
         if not log.exists():
@@ -49,14 +62,23 @@ def real_logs(loopstone, data):
                 row |= relations_of(loopstone, folder / "trajectory.tum", relations)
             rows.append({"system": system, **row})
             if not flags:
-                loop = {"rejected": summary["loop_closures_rejected"], "area_m2": summary.get("map_area_m2")}
+                loop = {
+                    "rejected": summary["loop_closures_rejected"],
+                    "area_m2": summary.get("map_area_m2"),
+                }
         corrected = data / "carmen" / f"{name.split('-')[-1]}-corrected.log"
         if corrected.exists():
             reference = loopstone.work / "corrected.tum"
             found, count = corrected_logs.write_reference(reference, log, corrected)
-            errors = loopstone.evaluate("--estimate", folder / "trajectory.tum", "--reference", reference)
-            loop["corrected"] = {"scans": found, "of": count, "ate_m": errors["ate_rmse_m"],
-                                 "ate_rad": errors["ate_rmse_rad"]}
+            errors = loopstone.evaluate(
+                "--estimate", folder / "trajectory.tum", "--reference", reference
+            )
+            loop["corrected"] = {
+                "scans": found,
+                "of": count,
+                "ate_m": errors["ate_rmse_m"],
+                "ate_rad": errors["ate_rmse_rad"],
+            }
         logs.append({"name": name, "title": title, "rows": rows, **loop})
     return logs
 
@@ -72,22 +94,35 @@ def simulated_run(loopstone, world, seed, flags, baseline):
     sim = loopstone.simulate(world, seed, flags)
     folder, summary, row = map_row(loopstone, sim, "sim", [])
     errors = ate_of(loopstone, folder / "trajectory.tum", sim, folder)
-    row |= {"seed": seed, "ate_m": errors["ate_rmse_m"], "ate_rad": errors["ate_rmse_rad"],
-            "max_m": errors["ate_translation_m"]["max"], "f1": errors["map"]["f1"],
-            "path_m": summary["path_length_m"],
-            "odometry_m": ate_of(loopstone, folder / "odometry.tum", sim)["ate_rmse_m"]}
+    row |= {
+        "seed": seed,
+        "ate_m": errors["ate_rmse_m"],
+        "ate_rad": errors["ate_rmse_rad"],
+        "max_m": errors["ate_translation_m"]["max"],
+        "f1": errors["map"]["f1"],
+        "path_m": summary["path_length_m"],
+        "odometry_m": ate_of(loopstone, folder / "odometry.tum", sim)["ate_rmse_m"],
+    }
     folder, _, _ = map_row(loopstone, sim, "unadjusted", UNADJUSTED)
     row["unadjusted_m"] = ate_of(loopstone, folder / "trajectory.tum", sim)["ate_rmse_m"]
     if baseline:
         folder, _, cost = map_row(loopstone, sim, "baseline", ["--pipeline", "scan_to_scan"])
-        row |= {"baseline_m": ate_of(loopstone, folder / "trajectory.tum", sim)["ate_rmse_m"],
-                "baseline_cpu_s": cost["cpu_s"]}
+        row |= {
+            "baseline_m": ate_of(loopstone, folder / "trajectory.tum", sim)["ate_rmse_m"],
+            "baseline_cpu_s": cost["cpu_s"],
+        }
     return row
 
 
 # What summary.json says about the time of the steps.
-STAGES = ("front_end_wall_s", "loop_closing_wall_s", "optimisation_wall_s", "adjustment_wall_s", "rendering_wall_s",
-          "judging_wall_s")
+STAGES = (
+    "front_end_wall_s",
+    "loop_closing_wall_s",
+    "optimisation_wall_s",
+    "adjustment_wall_s",
+    "rendering_wall_s",
+    "judging_wall_s",
+)
 SICK = ["--beams", "180", "--fov", "179"]
 CASES = [  # name, world, flags of simulate, seeds, seeds with --quick, seeds of the baseline
     ("office", "office", [], 10, 2, 3),
@@ -112,9 +147,11 @@ def simulated(loopstone, quick):
                 say(f"  {name} {seed}: FAILED\n{failure}")
                 run = {"seed": seed, "failed": True}
             else:
-                say(f"  {name} {seed}: odometry {run['odometry_m']:.3f} m, Loopstone {run['ate_m']:.4f} m "
-                    f"(unadjusted {run['unadjusted_m']:.4f} m), "
-                    f"{run['cpu_s']:.1f} s CPU")
+                say(
+                    f"  {name} {seed}: odometry {run['odometry_m']:.3f} m, Loopstone"
+                    f" {run['ate_m']:.4f} m (unadjusted {run['unadjusted_m']:.4f} m),"
+                    f" {run['cpu_s']:.1f} s CPU"
+                )
             case["runs"].append(run)
         cases.append(case)
     return cases
@@ -134,16 +171,26 @@ def speed(loopstone, data, repeats):
             row["stages"] = {key: summary[key] for key in STAGES}
             costs.append(row)
         say(f"  {name}: " + ", ".join(f"{row['wall_s']:.1f}" for row in costs) + " s wall")
-        variant = {key: median([row[key] for row in costs]) for key in ("wall_s", "cpu_s", "peak_mb")}
+        variant = {
+            key: median([row[key] for row in costs]) for key in ("wall_s", "cpu_s", "peak_mb")
+        }
         fastest = min(costs, key=lambda row: row["wall_s"])
-        variant |= {"name": name, "scans": fastest["scans"], "flags": flags, "duration_s": fastest["duration_s"],
-                    "fastest_wall_s": fastest["wall_s"], "fastest_stages": fastest["stages"]}
+        variant |= {
+            "name": name,
+            "scans": fastest["scans"],
+            "flags": flags,
+            "duration_s": fastest["duration_s"],
+            "fastest_wall_s": fastest["wall_s"],
+            "fastest_stages": fastest["stages"],
+        }
         result["variants"].append(variant)
     return result
 
 
 LAPS = [1, 10]
 PACES = [(1.0, 30.0), (10.0, 600.0)]  # times the log's own, and how much of the log [s]
+
+
 def laps(loopstone):
     """The same way once and ten times: what the second to the tenth time cost."""
     rows = []
@@ -151,20 +198,39 @@ def laps(loopstone):
         sim = loopstone.simulate("office", 1, ["--laps", count, "--format", "carmen"])
         folder, summary, row = map_row(loopstone, sim / "log.clf", f"laps-{count}", [])
         errors = ate_of(loopstone, folder / "trajectory.tum", sim)
-        rows.append({**row, "laps": count, "path_m": summary["path_length_m"], "ate_m": errors["ate_rmse_m"],
-                     "thinned": summary["key_scans_thinned"], "keys": summary["key_scans"]})
+        rows.append(
+            {
+                **row,
+                "laps": count,
+                "path_m": summary["path_length_m"],
+                "ate_m": errors["ate_rmse_m"],
+                "thinned": summary["key_scans_thinned"],
+                "keys": summary["key_scans"],
+            }
+        )
         say(f"  {count} laps: {row['wall_s']:.1f} s, {row['peak_mb']:.0f} MB")
     return rows
 
 
 def paced(loopstone, log, name, speed, duration_s, threads):
-    """How long after a scan arrives its pose is known. One thread: everything on one processor (Loopstone.map)."""
+    """How long after a scan arrives its pose is known. One thread: everything on one processor
+    (Loopstone.map)."""
     flags = ["--threads", threads, "--realtime", speed, "--duration", duration_s]
     _, summary, _ = loopstone.map(log, "online", flags)
     waits = {key: value for key, value in summary["realtime"].items() if key != "speed"}
-    say(f"  {name}, {speed:.0f} x, {threads}: computing takes {1e3 * waits['worst_computing_s']:.1f} ms at worst")
-    return {"log": name, "speed": speed, "threads": threads, "duration_s": summary["duration_s"], "scans": summary["scans"],
-            "submaps": summary["submaps"], **waits}
+    say(
+        f"  {name}, {speed:.0f} x, {threads}: computing takes"
+        f" {1e3 * waits['worst_computing_s']:.1f} ms at worst"
+    )
+    return {
+        "log": name,
+        "speed": speed,
+        "threads": threads,
+        "duration_s": summary["duration_s"],
+        "scans": summary["scans"],
+        "submaps": summary["submaps"],
+        **waits,
+    }
 
 
 def online(loopstone, data, quick):
@@ -172,7 +238,9 @@ def online(loopstone, data, quick):
     logs = []
     if (data / "carmen" / "intel.clf").exists():
         logs.append(("Intel", data / "carmen" / "intel.clf", 600.0))
-    campus = loopstone.simulate("campus", 1, ["--format", "carmen", "--beams", 1081, "--fov", 270, "--scan-rate", 40])
+    campus = loopstone.simulate(
+        "campus", 1, ["--format", "carmen", "--beams", 1081, "--fov", 270, "--scan-rate", 40]
+    )
     logs.append(("campus, 1081 beams at 40 Hz", campus / "log.clf", 3600.0))
     rows = []
     for name, log, whole_s in logs:
@@ -183,16 +251,25 @@ def online(loopstone, data, quick):
 
 
 def live_map(loopstone, data):
-    """How far the map that exists while a robot drives is from the finished one, refreshed every ten seconds."""
+    """How far the map that exists while a robot drives is from the finished one, refreshed every
+    ten seconds."""
     program = loopstone.program.with_name("measure_live_map")
     if not program.exists():
         say(f"  {program}: not built, skipped (scripts/bench.sh builds it)")
         return None
-    logs = [(title, data / "carmen" / f"{name}.clf")
-            for name, title in [("intel", "Intel"), ("aces", "ACES"), ("mit-csail", "MIT CSAIL")]]
+    logs = [
+        (title, data / "carmen" / f"{name}.clf")
+        for name, title in [("intel", "Intel"), ("aces", "ACES"), ("mit-csail", "MIT CSAIL")]
+    ]
     logs = [(title, log) for title, log in logs if log.exists()]
-    logs += [(f"{world}, simulated", loopstone.simulate(world, 1, ["--format", "carmen", "--beams", 181, "--fov", 180]) / "log.clf")
-             for world in ("office", "warehouse", "campus")]
+    logs += [
+        (
+            f"{world}, simulated",
+            loopstone.simulate(world, 1, ["--format", "carmen", "--beams", 181, "--fov", 180])
+            / "log.clf",
+        )
+        for world in ("office", "warehouse", "campus")
+    ]
     return [{"log": title, **json.loads(run([program, log, "10"])[0])} for title, log in logs]
 
 
@@ -202,7 +279,11 @@ def peers(loopstone, data, repeats):
         say("  mrpt-apps and mrpt-common are not installed, skipped")
         return None
     rows = []
-    for name, title in [("intel", "Intel Research Lab"), ("aces", "ACES building"), ("mit-csail", "MIT CSAIL")]:
+    for name, title in [
+        ("intel", "Intel Research Lab"),
+        ("aces", "ACES building"),
+        ("mit-csail", "MIT CSAIL"),
+    ]:
         log = data / "carmen" / f"{name}.clf"
         if not log.exists():
             continue
@@ -213,7 +294,9 @@ def peers(loopstone, data, repeats):
             theirs.append(icp_slam.map())
         row = {"log": title, "repeats": repeats}
         for who, costs in [("ours", ours), ("theirs", theirs)]:
-            row[who] = {key: median([cost[key] for cost in costs]) for key in ("wall_s", "cpu_s", "peak_mb")}
+            row[who] = {
+                key: median([cost[key] for cost in costs]) for key in ("wall_s", "cpu_s", "peak_mb")
+            }
         say(f"  {title}: {row['ours']['cpu_s']:.1f} s CPU, icp-slam {row['theirs']['cpu_s']:.1f} s")
         rows.append(row)
     return rows
@@ -222,8 +305,17 @@ def peers(loopstone, data, repeats):
 DEMO = [
     ["simulate", "office", "-o", "sim", "--seed", "1"],
     ["map", "sim", "-o", "out"],
-    ["evaluate", "--estimate", "out/trajectory.tum", "--reference", "sim/truth.tum", "--map", "out/map.yaml",
-     "--true-map", "sim/map.yaml"],
+    [
+        "evaluate",
+        "--estimate",
+        "out/trajectory.tum",
+        "--reference",
+        "sim/truth.tum",
+        "--map",
+        "out/map.yaml",
+        "--true-map",
+        "sim/map.yaml",
+    ],
 ]
 
 

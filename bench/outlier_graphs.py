@@ -18,16 +18,22 @@ def extent_m(poses):
 
 
 def planted(poses, edges, count, seed):
-    """False closures: between two poses drawn uniformly that are not neighbours, with a relative position uniform in a square
-    as large as the map, any heading, and the information of a genuine closure drawn with them.
+    """False closures: between two poses drawn uniformly that are not neighbours, with a relative
+    position uniform in a square as large as the map, any heading, and the information of a genuine
+    closure drawn with them.
 
-    A seed gives one sequence, of which the first `count` are taken: more is always the same and some more."""
+    A seed gives one sequence, of which the first `count` are taken: more is always the same and
+    some more."""
     rng = random.Random(seed)
     ids, genuine, half_m = sorted(poses), closures_of(edges), extent_m(poses) / 2
     found = []
     while len(found) < count:
         i, j = sorted(rng.sample(ids, 2))
-        x, y, yaw = rng.uniform(-half_m, half_m), rng.uniform(-half_m, half_m), rng.uniform(-math.pi, math.pi)
+        x, y, yaw = (
+            rng.uniform(-half_m, half_m),
+            rng.uniform(-half_m, half_m),
+            rng.uniform(-math.pi, math.pi),
+        )
         information = rng.choice(genuine)[6:12]
         if j - i > 1:
             found.append(["EDGE_SE2", str(i), str(j), repr(x), repr(y), repr(yaw), *information])
@@ -50,14 +56,17 @@ def odometry(edges):
 
 
 def distance_m(poses, reference):
-    """Root mean square distance of positions after the best motion in the plane (Umeyama 1991; Horn 1987)."""
+    """Root mean square distance of positions after the best motion in the plane (Umeyama 1991; Horn
+    1987)."""
     ids = sorted(poses.keys() & reference.keys())
     a = [complex(*poses[i][:2]) for i in ids]
     b = [complex(*reference[i][:2]) for i in ids]
     mean_a, mean_b = sum(a) / len(a), sum(b) / len(b)
     turn = sum((q - mean_b) * (p - mean_a).conjugate() for p, q in zip(a, b))
     rotation = cmath.rect(1.0, cmath.phase(turn))
-    return math.sqrt(sum(abs(rotation * (p - mean_a) - (q - mean_b)) ** 2 for p, q in zip(a, b)) / len(a))
+    return math.sqrt(
+        sum(abs(rotation * (p - mean_a) - (q - mean_b)) ** 2 for p, q in zip(a, b)) / len(a)
+    )
 
 
 def read_truth(path):

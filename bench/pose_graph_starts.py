@@ -1,4 +1,5 @@
-"""Pose graph files to measure with: public graphs from their spanning tree, and grids of any size."""
+"""Pose graph files to measure with: public graphs from their spanning tree, and grids of any
+size."""
 import collections
 import math
 import random
@@ -19,7 +20,11 @@ def read_graph(path):
 
 def compose(a, b):
     c, s = math.cos(a[2]), math.sin(a[2])
-    return (a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], math.remainder(a[2] + b[2], 2 * math.pi))
+    return (
+        a[0] + c * b[0] - s * b[1],
+        a[1] + s * b[0] + c * b[1],
+        math.remainder(a[2] + b[2], 2 * math.pi),
+    )
 
 
 def inverse(a):
@@ -54,14 +59,21 @@ def write_graph(path, poses, edges):
 
 
 def write_grid(path, nodes, seed=1):
-    """A robot that drives a square field lane by lane, one pose a metre, and sees the lane beside it at every third pose."""
+    """A robot that drives a square field lane by lane, one pose a metre, and sees the lane beside
+    it at every third pose."""
     rng = random.Random(seed)
     side = max(2, round(math.sqrt(nodes)))
     truth = []
     for i in range(nodes):
         lane, along = divmod(i, side)
         forward = lane % 2 == 0
-        truth.append((float(along if forward else side - 1 - along), float(lane), 0.0 if forward else math.pi))
+        truth.append(
+            (
+                float(along if forward else side - 1 - along),
+                float(lane),
+                0.0 if forward else math.pi,
+            )
+        )
     pairs = [(i, i + 1) for i in range(nodes - 1)]
     for i in range(nodes):
         lane, along = divmod(i, side)
@@ -71,6 +83,23 @@ def write_grid(path, nodes, seed=1):
     edges = []
     for i, j in pairs:
         x, y, yaw = compose(inverse(truth[i]), truth[j])
-        z = (x + rng.gauss(0.0, 0.03), y + rng.gauss(0.0, 0.03), math.remainder(yaw + rng.gauss(0.0, 0.01), 2 * math.pi))
-        edges.append(["EDGE_SE2", str(i), str(j), *[repr(value) for value in z], "1111", "0", "0", "1111", "0", "10000"])
+        z = (
+            x + rng.gauss(0.0, 0.03),
+            y + rng.gauss(0.0, 0.03),
+            math.remainder(yaw + rng.gauss(0.0, 0.01), 2 * math.pi),
+        )
+        edges.append(
+            [
+                "EDGE_SE2",
+                str(i),
+                str(j),
+                *[repr(value) for value in z],
+                "1111",
+                "0",
+                "0",
+                "1111",
+                "0",
+                "10000",
+            ]
+        )
     write_graph(path, spanning_tree(edges), edges)

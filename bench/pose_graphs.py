@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
 """Measures pose-graph optimisation beside its peers and writes the tables of docs/benchmarks.md.
 
-The graphs are looked for in $LOOPSTONE_DATA/graphs, else in ../shared/data/graphs. Peers (g2o, GTSAM, Ceres) are compared when they
-are in build/bench/peers; bench/peers/install.sh puts them there, and nothing into the system. All of them start from the same
-file, the poses of the spanning tree, and are compared at the same cost. What was measured is kept in build/bench/pose_graphs.json.
+The graphs are looked for in $LOOPSTONE_DATA/graphs, else in ../shared/data/graphs. Peers (g2o,
+GTSAM, Ceres) are compared when they are in build/bench/peers; bench/peers/install.sh puts them
+there, and nothing into the system. All of them start from the same file, the poses of the spanning
+tree, and are compared at the same cost. What was measured is kept in build/bench/pose_graphs.json.
 
   bench/pose_graphs.py                      everything, with the peers that are there (some minutes)
   bench/pose_graphs.py --peers              the same, after installing the peers
   bench/pose_graphs.py --only speed         some sections
-  bench/pose_graphs.py --quick              one run each and small grids; to look at, writes nothing into docs/
-  bench/pose_graphs.py --only               no measurement: writes the tables from pose_graphs.json again
+  bench/pose_graphs.py --quick              one run each and small grids; to look at, writes nothing
+                                            into docs/
+  bench/pose_graphs.py --only               no measurement: writes the tables from pose_graphs.json
+                                            again
 """
 import argparse
 import json
@@ -40,12 +43,16 @@ def peer_commands(peers):
     python = peers / "venv/bin/python"
     script = ROOT / "bench/peers/pose_graph_peers.py"
     commands, versions, missing = {}, [], []
-    for package, module, names in [("g2o", "g2opy", ["g2o_gauss_newton"]),
-                                   ("GTSAM", "gtsam", ["gtsam_gauss_newton", "gtsam_levenberg_marquardt"])]:
+    for package, module, names in [
+        ("g2o", "g2opy", ["g2o_gauss_newton"]),
+        ("GTSAM", "gtsam", ["gtsam_gauss_newton", "gtsam_levenberg_marquardt"]),
+    ]:
         version = None
         if python.exists():
             code = f"import {module}, importlib.metadata as m; print(m.version('{module}'))"
-            answer = subprocess.run([python, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+            answer = subprocess.run(
+                [python, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False
+            )
             version = answer.stdout.decode().strip() if answer.returncode == 0 else None
         if version is None:
             missing.append(package)
@@ -74,13 +81,23 @@ def best_of(repeats, measure_once):
     """The fastest of some runs: other work on the machine only ever adds."""
     rows = [measure_once() for _ in range(repeats)]
     best = min(rows, key=lambda row: row["seconds"])
-    return {**best, "cpu_s": min(row["cpu_s"] for row in rows), "wall_s": min(row["wall_s"] for row in rows)}
+    return {
+        **best,
+        "cpu_s": min(row["cpu_s"] for row in rows),
+        "wall_s": min(row["wall_s"] for row in rows),
+    }
 
 
 def ours(loopstone, path, *flags):
     output, cost = run([loopstone.program, "optimize", path, "--json", "--quiet", *flags])
     result = json.loads(output)
-    return {**cost, "cost": result["cost"], "seconds": result["cpu_time_s"], "steps": result["iterations"], "result": result}
+    return {
+        **cost,
+        "cost": result["cost"],
+        "seconds": result["cpu_time_s"],
+        "steps": result["iterations"],
+        "result": result,
+    }
 
 
 def peer(command, path, optimum, steps=None):
@@ -117,8 +134,13 @@ def speed(loopstone, data, work, peers, repeats):
                 row["systems"][system] = best_of_peer(repeats, system, command, start, optimum)
             except (Failed, ValueError) as failure:
                 say(f"  {name}, {system}: FAILED {str(failure).splitlines()[-1]}")
-        say(f"  {name}: " + ", ".join(f"{system} {1e3 * figures['seconds']:.1f} ms" for system, figures in
-                                      row["systems"].items()))
+        say(
+            f"  {name}: "
+            + ", ".join(
+                f"{system} {1e3 * figures['seconds']:.1f} ms"
+                for system, figures in row["systems"].items()
+            )
+        )
         rows.append(row)
     return rows
 
@@ -133,11 +155,23 @@ def certificate(loopstone, data, repeats):
             for _ in range(repeats):
                 runs.append(ours(loopstone, path, "--certify", "--initial", start)["result"])
             best = min(runs, key=lambda result: result["cpu_time_s"])
-            rows.append({"name": name, "start": best["initial"] if start == "best" else "file", "poses": best["poses"],
-                         "cost": best["cost"], "certified": best["certified"], "certificate": best["certificate"],
-                         "min_eigenvalue": best["min_eigenvalue"], "gap": best["optimality_gap"],
-                         "cpu_s": best["cpu_time_s"]})
-            say(f"  {name} from {start}: certified {best['certified']}, {1e3 * rows[-1]['cpu_s']:.1f} ms")
+            rows.append(
+                {
+                    "name": name,
+                    "start": best["initial"] if start == "best" else "file",
+                    "poses": best["poses"],
+                    "cost": best["cost"],
+                    "certified": best["certified"],
+                    "certificate": best["certificate"],
+                    "min_eigenvalue": best["min_eigenvalue"],
+                    "gap": best["optimality_gap"],
+                    "cpu_s": best["cpu_time_s"],
+                }
+            )
+            say(
+                f"  {name} from {start}: certified {best['certified']},"
+                f" {1e3 * rows[-1]['cpu_s']:.1f} ms"
+            )
     return rows
 
 
@@ -149,21 +183,38 @@ def scaling(loopstone, work, repeats, sizes):
             starts.write_grid(path, nodes)
         best = best_of(max(1, repeats // 2), lambda p=path: ours(loopstone, p, "--initial", "file"))
         result = best.pop("result")
-        rows.append({"nodes": nodes, "edges": result["edges"], "steps": best["steps"], "seconds": best["seconds"],
-                     "peak_mb": best["peak_mb"], "status": result["status"]})
-        say(f"  {nodes} poses: {best['seconds']:.3f} s in {best['steps']} steps, {best['peak_mb']:.0f} MB")
+        rows.append(
+            {
+                "nodes": nodes,
+                "edges": result["edges"],
+                "steps": best["steps"],
+                "seconds": best["seconds"],
+                "peak_mb": best["peak_mb"],
+                "status": result["status"],
+            }
+        )
+        say(
+            f"  {nodes} poses: {best['seconds']:.3f} s in {best['steps']} steps,"
+            f" {best['peak_mb']:.0f} MB"
+        )
     return rows
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
     parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--only", nargs="*", choices=SECTIONS, default=SECTIONS)
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--sizes", nargs="+", type=int, default=GRID_SIZES, help="poses of the grids of `scaling`")
-    parser.add_argument("--peers", action="store_true", help="install the peers into build/bench/peers first")
+    parser.add_argument(
+        "--sizes", nargs="+", type=int, default=GRID_SIZES, help="poses of the grids of `scaling`"
+    )
+    parser.add_argument(
+        "--peers", action="store_true", help="install the peers into build/bench/peers first"
+    )
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
     if arguments.quick:
@@ -181,7 +232,12 @@ def main():
     sections = json.loads(kept.read_text()) if kept.exists() else {}
     for name in arguments.only:
         say(f"{name}:")
-        when = {**circumstances(loopstone.version()), "peers": versions, "missing": missing, "repeats": arguments.repeats}
+        when = {
+            **circumstances(loopstone.version()),
+            "peers": versions,
+            "missing": missing,
+            "repeats": arguments.repeats,
+        }
         if name == "speed":
             figures = speed(loopstone, arguments.data, work, peers, arguments.repeats)
         elif name == "certificate":

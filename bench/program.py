@@ -1,4 +1,5 @@
-"""Runs the program and measures what it takes: wall time, CPU time, peak memory, for the whole process."""
+"""Runs the program and measures what it takes: wall time, CPU time, peak memory, for the whole
+process."""
 import json
 import os
 import pathlib
@@ -18,11 +19,17 @@ LAUNCHER = [sys.executable, "-I", "-S", str(pathlib.Path(__file__).with_name("la
 
 
 def run(command, check=True, folder=None):
-    """Runs a command; returns its stdout and what it took, as measured by the kernel for this one process (launch.py)."""
+    """Runs a command; returns its stdout and what it took, as measured by the kernel for this one
+    process (launch.py)."""
     words = [str(word) for word in command]
     books, report = os.pipe()
-    process = subprocess.Popen([*LAUNCHER, str(report), *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=folder,
-                               pass_fds=[report])
+    process = subprocess.Popen(
+        [*LAUNCHER, str(report), *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=folder,
+        pass_fds=[report],
+    )
     os.close(report)
     output, errors = (text.decode() for text in process.communicate())
     with os.fdopen(books) as pipe:
@@ -34,7 +41,8 @@ def run(command, check=True, folder=None):
 
 
 class Loopstone:
-    """The program, with the commands that the tables need. Outputs go into folders of their own under `work`."""
+    """The program, with the commands that the tables need. Outputs go into folders of their own
+    under `work`."""
 
     def __init__(self, program, work):
         self.program = pathlib.Path(program)
@@ -46,9 +54,24 @@ class Loopstone:
         return run([self.program, "--version"])[0].strip()
 
     def simulate(self, world, seed, flags=()):
-        folder = self.work / "-".join(["sim", world, str(seed), *[str(f).strip("-") for f in flags]])
+        folder = self.work / "-".join(
+            ["sim", world, str(seed), *[str(f).strip("-") for f in flags]]
+        )
         if not (folder / "truth.tum").exists():
-            run([self.program, "simulate", world, "-o", folder, "--seed", seed, *flags, "--force", "--quiet"])
+            run(
+                [
+                    self.program,
+                    "simulate",
+                    world,
+                    "-o",
+                    folder,
+                    "--seed",
+                    seed,
+                    *flags,
+                    "--force",
+                    "--quiet",
+                ]
+            )
         return folder
 
     def odometry(self, log):
@@ -57,14 +80,27 @@ class Loopstone:
         return path
 
     def map(self, log, name, flags=()):
-        """Maps a log; returns the output folder, the figures of summary.json and what the process took.
+        """Maps a log; returns the output folder, the figures of summary.json and what the process
+        took.
 
-        With one thread everything is on one processor: the search for loops has a thread of its own in any case.
-        """
+        With one thread everything is on one processor: the search for loops has a thread of its own
+        in any case."""
         folder = self.work / ("map-" + name)
         words = [str(flag) for flag in flags]
         one = "--threads" in words and words[words.index("--threads") + 1] == "1"
-        _, cost = run([*(ONE_PROCESSOR if one else []), self.program, "map", log, "-o", folder, "--force", "--quiet", *flags])
+        _, cost = run(
+            [
+                *(ONE_PROCESSOR if one else []),
+                self.program,
+                "map",
+                log,
+                "-o",
+                folder,
+                "--force",
+                "--quiet",
+                *flags,
+            ]
+        )
         return folder, json.loads((folder / "summary.json").read_text()), cost
 
     def evaluate(self, *flags):

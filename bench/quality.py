@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Holds the verdict on maps against the truth: simulated runs, as they are and spoiled on purpose, and what the verdict said.
+"""Holds the verdict on maps against the truth: simulated runs, as they are and spoiled on purpose,
+and what the verdict said.
 
-Writes the tables of docs/quality.md. What was measured is kept in build/bench/quality.json; --resume goes on from there.
-The limits were chosen on the seeds called "chosen on"; the table of the seeds called "checked on" is the one that counts.
+Writes the tables of docs/quality.md. What was measured is kept in build/bench/quality.json;
+--resume goes on from there. The limits were chosen on the seeds called "chosen on"; the table of
+the seeds called "checked on" is the one that counts.
 
   bench/quality.py                          everything (about ten minutes on a quiet machine)
-  bench/quality.py --quick                  one seed of each kind; prints the tables, writes nothing into docs/
+  bench/quality.py --quick                  one seed of each kind; prints the tables, writes nothing
+                                            into docs/
   bench/quality.py --worlds office campus   some worlds
   bench/quality.py --only                   no run: the tables from quality.json again
 """
@@ -28,7 +31,14 @@ from provenance import circumstances  # noqa: E402
 CHOSEN_ON, CHECKED_ON = [1, 2], [31, 32, 33]
 SICK = ["--format", "carmen", "--beams", "180", "--fov", "179"]
 WIDE = ["--format", "carmen"]
-BAD_WHEELS = ["--set", "wheels.imbalance=0.003", "--set", "wheels.turn_slip=0.05", "--set", "wheels.scale_error=0.06"]
+BAD_WHEELS = [
+    "--set",
+    "wheels.imbalance=0.003",
+    "--set",
+    "wheels.turn_slip=0.05",
+    "--set",
+    "wheels.scale_error=0.06",
+]
 # name, world, flags of simulate, how many seeds of each kind at most
 WORLDS = [
     ("office", "office", SICK, 3),
@@ -45,14 +55,46 @@ SPOILS = [
     ("no loop closing", ["--no-loop-closure", "--set", "adjustment.enabled=false"]),
     ("no loop closing, adjusted", ["--no-loop-closure"]),
     ("scan to scan", ["--pipeline", "scan_to_scan"]),
-    ("few closures", ["--set", "loop.candidates_max=1", "--set", "loop.drift_per_m=0.001", "--set",
-                      "loop.drift_rad_per_m=0.0002", "--set", "loop.min_overlap=0.9"]),
-    ("gullible closures", ["--set", "loop.min_score=0.05", "--set", "loop.min_overlap=0.05", "--set",
-                           "loop.min_agreement=0.2", "--set", "loop.max_ambiguity=1.0", "--set",
-                           "loop.drift_per_m=0.3"]),
+    (
+        "few closures",
+        [
+            "--set",
+            "loop.candidates_max=1",
+            "--set",
+            "loop.drift_per_m=0.001",
+            "--set",
+            "loop.drift_rad_per_m=0.0002",
+            "--set",
+            "loop.min_overlap=0.9",
+        ],
+    ),
+    (
+        "gullible closures",
+        [
+            "--set",
+            "loop.min_score=0.05",
+            "--set",
+            "loop.min_overlap=0.05",
+            "--set",
+            "loop.min_agreement=0.2",
+            "--set",
+            "loop.max_ambiguity=1.0",
+            "--set",
+            "loop.drift_per_m=0.3",
+        ],
+    ),
     ("blunt matching", ["--set", "submap.cell_m=0.3", "--set", "match.kernel_width_m=0.2"]),
-    ("hasty matching", ["--set", "match.max_iterations=2", "--set", "front_end.points_max=60", "--set",
-                        "front_end.trusted_score=0.0"]),
+    (
+        "hasty matching",
+        [
+            "--set",
+            "match.max_iterations=2",
+            "--set",
+            "front_end.points_max=60",
+            "--set",
+            "front_end.trusted_score=0.0",
+        ],
+    ),
 ]
 
 
@@ -64,18 +106,40 @@ def run_of(loopstone, case, seed, spoil):
     name, world, sim_flags, _ = case
     sim = loopstone.simulate(world, seed, sim_flags)
     folder, summary, _ = loopstone.map(log_of(sim), "quality", [*spoil[1], "--threads", "1"])
-    errors = loopstone.evaluate("--estimate", folder / "trajectory.tum", "--reference", sim / "truth.tum", "--map",
-                                folder / "map.yaml", "--true-map", sim / "map.yaml")
+    errors = loopstone.evaluate(
+        "--estimate",
+        folder / "trajectory.tum",
+        "--reference",
+        sim / "truth.tum",
+        "--map",
+        folder / "map.yaml",
+        "--true-map",
+        sim / "map.yaml",
+    )
     quality = summary["quality"]
-    return {"world": name, "seed": seed, "spoil": spoil[0], "ate_m": errors["ate_rmse_m"],
-            "max_m": errors["ate_translation_m"]["max"], "f1": errors["map"]["f1"], "quality": quality,
-            "judging_s": summary["judging_wall_s"], "wall_s": summary["wall_time_s"], "path_m": summary["path_length_m"]}
+    return {
+        "world": name,
+        "seed": seed,
+        "spoil": spoil[0],
+        "ate_m": errors["ate_rmse_m"],
+        "max_m": errors["ate_translation_m"]["max"],
+        "f1": errors["map"]["f1"],
+        "quality": quality,
+        "judging_s": summary["judging_wall_s"],
+        "wall_s": summary["wall_time_s"],
+        "path_m": summary["path_length_m"],
+    }
 
 
 def recorded_runs(loopstone, data):
-    """Recorded logs, whose truth is not known: with loop closing and without. No limit was chosen on them."""
+    """Recorded logs, whose truth is not known: with loop closing and without. No limit was chosen
+    on them."""
     runs = []
-    for name, title in [("intel", "Intel Research Lab"), ("aces", "ACES building"), ("mit-csail", "MIT CSAIL")]:
+    for name, title in [
+        ("intel", "Intel Research Lab"),
+        ("aces", "ACES building"),
+        ("mit-csail", "MIT CSAIL"),
+    ]:
         log = data / "carmen" / f"{name}.clf"
         for spoil in SPOILS[:2] if log.exists() else []:
             _, summary, _ = loopstone.map(log, "quality", [*spoil[1], "--threads", "1"])
@@ -85,7 +149,9 @@ def recorded_runs(loopstone, data):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--data", type=pathlib.Path, default=measure.data_folder(ROOT, os.environ))
@@ -117,7 +183,10 @@ def main():
                 except Failed as failure:
                     say(f"  {case[0]} {seed}, {spoil[0]}: FAILED\n{failure}")
                     continue
-                say(f"  {case[0]} {seed}, {spoil[0]}: ATE {run['ate_m']:.3f} m, {run['quality']['verdict']}")
+                say(
+                    f"  {case[0]} {seed}, {spoil[0]}: ATE {run['ate_m']:.3f} m,"
+                    f" {run['quality']['verdict']}"
+                )
                 record["runs"].append(run)
                 kept.write_text(json.dumps(record, indent=1))
             shutil.rmtree(loopstone.simulate(case[1], seed, case[2]), ignore_errors=True)

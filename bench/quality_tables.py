@@ -3,13 +3,19 @@ from doc_blocks import table
 from program import median
 from provenance import provenance
 
-# What a map is worth, by its ATE rmse: within two cells of a map of 5 cm; beyond, until a door is where the wall was.
+# What a map is worth, by its ATE rmse: within two cells of a map of 5 cm; beyond, until a door is
+# where the wall was.
 GOOD_M, BAD_M = 0.10, 0.30
 VERDICTS = ["good", "doubtful", "bad", "unknown"]
-MEASURES = [("wall_thickness_m", "wall thickness"), ("entropy_gain_nats", "mean map entropy"),
-            ("free_space_violations", "free-space violations"), ("held_out_agreement", "held-out scans"),
-            ("reduced_chi2", "chi-square of the loops"), ("certified_shift_m", "certified"),
-            ("degenerate_travel_share", "degenerate travel")]
+MEASURES = [
+    ("wall_thickness_m", "wall thickness"),
+    ("entropy_gain_nats", "mean map entropy"),
+    ("free_space_violations", "free-space violations"),
+    ("held_out_agreement", "held-out scans"),
+    ("reduced_chi2", "chi-square of the loops"),
+    ("certified_shift_m", "certified"),
+    ("degenerate_travel_share", "degenerate travel"),
+]
 
 
 def truth(run):
@@ -21,10 +27,17 @@ def of_seeds(record, seeds):
 
 
 def confusion(runs):
-    names = {"good": f"good: ATE up to {GOOD_M:.2f} m", "doubtful": "between", "bad": f"bad: more than {BAD_M:.2f} m"}
+    names = {
+        "good": f"good: ATE up to {GOOD_M:.2f} m",
+        "doubtful": "between",
+        "bad": f"bad: more than {BAD_M:.2f} m",
+    }
     rows = []
     for actual, title in names.items():
-        cells = [sum(truth(run) == actual and run["quality"]["verdict"] == said for run in runs) for said in VERDICTS]
+        cells = [
+            sum(truth(run) == actual and run["quality"]["verdict"] == said for run in runs)
+            for said in VERDICTS
+        ]
         rows.append([title, *map(str, cells)])
     header = ["truth", *(f"said {said}>" for said in VERDICTS[:-1]), "said nothing>"]
     return table(header, rows)
@@ -35,13 +48,32 @@ def per_measure(runs):
     rows = []
     for key, title in MEASURES:
         said = [(truth(run), run["quality"]["measures"][key]["verdict"]) for run in runs]
-        counts = [sum(pair == (actual, verdict) for pair in said)
-                  for actual, verdict in [("good", "good"), ("good", "doubtful"), ("good", "bad"),
-                                          ("bad", "good"), ("bad", "doubtful"), ("bad", "bad")]]
+        counts = [
+            sum(pair == (actual, verdict) for pair in said)
+            for actual, verdict in [
+                ("good", "good"),
+                ("good", "doubtful"),
+                ("good", "bad"),
+                ("bad", "good"),
+                ("bad", "doubtful"),
+                ("bad", "bad"),
+            ]
+        ]
         silent = sum(verdict == "unknown" for _, verdict in said)
         rows.append([title, *map(str, counts), str(silent)])
-    return table(["measure", "good maps: good>", "doubtful>", "bad>", "bad maps: good>", "doubtful>", "bad>", "silent>"],
-                 rows)
+    return table(
+        [
+            "measure",
+            "good maps: good>",
+            "doubtful>",
+            "bad>",
+            "bad maps: good>",
+            "doubtful>",
+            "bad>",
+            "silent>",
+        ],
+        rows,
+    )
 
 
 def figure(run, key):
@@ -59,25 +91,57 @@ def figures_table(runs):
     rows = []
     for actual in ["good", "doubtful", "bad"]:
         some = [run for run in runs if truth(run) == actual]
-        doubled = [run["quality"]["doubled_share"] if figure(run, "wall_thickness_m") is not None else None for run in some]
+        doubled = [
+            run["quality"]["doubled_share"] if figure(run, "wall_thickness_m") is not None else None
+            for run in some
+        ]
         held = [figure(run, "held_out_agreement") for run in some]
-        rows.append([actual, str(len(some)), spread(doubled, 100, 1),
-                     spread([figure(run, "entropy_gain_nats") for run in some], 1, 2),
-                     spread([figure(run, "free_space_violations") for run in some], 100, 1),
-                     spread([None if value is None else 1 - value for value in held], 100, 1),
-                     spread([figure(run, "reduced_chi2") for run in some], 1, 2)])
-    return table(["truth", "runs>", "walls drawn twice [%]>", "entropy gain [nats]>", "beams through walls [%]>",
-                  "returns not foretold [%]>", "chi-square a degree of freedom>"], rows)
+        rows.append(
+            [
+                actual,
+                str(len(some)),
+                spread(doubled, 100, 1),
+                spread([figure(run, "entropy_gain_nats") for run in some], 1, 2),
+                spread([figure(run, "free_space_violations") for run in some], 100, 1),
+                spread([None if value is None else 1 - value for value in held], 100, 1),
+                spread([figure(run, "reduced_chi2") for run in some], 1, 2),
+            ]
+        )
+    return table(
+        [
+            "truth",
+            "runs>",
+            "walls drawn twice [%]>",
+            "entropy gain [nats]>",
+            "beams through walls [%]>",
+            "returns not foretold [%]>",
+            "chi-square a degree of freedom>",
+        ],
+        rows,
+    )
 
 
 def runs_table(runs):
     rows = []
     for run in sorted(runs, key=lambda run: (run["world"], run["spoil"], run["seed"])):
         said = run["quality"]
-        blamed = [title for key, title in MEASURES if said["measures"][key]["verdict"] == said["verdict"]]
-        rows.append([run["world"], run["spoil"], str(run["seed"]), f"{run['ate_m']:.3f}", f"{run['f1']:.2f}",
-                     said["verdict"], ", ".join(blamed) if said["verdict"] in ("doubtful", "bad") else ""])
-    return table(["world", "spoiled by", "seed>", "ATE [m]>", "map F1>", "verdict", "because of"], rows)
+        blamed = [
+            title for key, title in MEASURES if said["measures"][key]["verdict"] == said["verdict"]
+        ]
+        rows.append(
+            [
+                run["world"],
+                run["spoil"],
+                str(run["seed"]),
+                f"{run['ate_m']:.3f}",
+                f"{run['f1']:.2f}",
+                said["verdict"],
+                ", ".join(blamed) if said["verdict"] in ("doubtful", "bad") else "",
+            ]
+        )
+    return table(
+        ["world", "spoiled by", "seed>", "ATE [m]>", "map F1>", "verdict", "because of"], rows
+    )
 
 
 def recorded_table(runs):
@@ -87,32 +151,77 @@ def recorded_table(runs):
     rows = []
     for run in runs:
         q = run["quality"]
-        rows.append([run["log"], run["spoil"], f"{100 * q['wall_offset_m']:.1f}", percent(q["doubled_share"]),
-                     f"{figure(run, 'entropy_gain_nats'):.2f}", percent(figure(run, "free_space_violations")),
-                     percent(1 - figure(run, "held_out_agreement")), percent(figure(run, "degenerate_travel_share")),
-                     q["verdict"]])
-    return table(["log", "", "wall in two visits [cm]>", "drawn twice [%]>", "entropy gain [nats]>",
-                  "beams through walls [%]>", "not foretold [%]>", "degenerate travel [%]>", "verdict"], rows)
+        rows.append(
+            [
+                run["log"],
+                run["spoil"],
+                f"{100 * q['wall_offset_m']:.1f}",
+                percent(q["doubled_share"]),
+                f"{figure(run, 'entropy_gain_nats'):.2f}",
+                percent(figure(run, "free_space_violations")),
+                percent(1 - figure(run, "held_out_agreement")),
+                percent(figure(run, "degenerate_travel_share")),
+                q["verdict"],
+            ]
+        )
+    return table(
+        [
+            "log",
+            "",
+            "wall in two visits [cm]>",
+            "drawn twice [%]>",
+            "entropy gain [nats]>",
+            "beams through walls [%]>",
+            "not foretold [%]>",
+            "degenerate travel [%]>",
+            "verdict",
+        ],
+        rows,
+    )
 
 
 def cost_line(runs):
     some = [run for run in runs if run["spoil"] == "as it is"]
     shares = [run["judging_s"] / run["wall_s"] for run in some]
-    return (f"Judging took {100 * median(shares):.0f} % of the time of a run with default options in the median, "
-            f"{100 * max(shares):.0f} % at most (one thread).")
+    return (
+        f"Judging took {100 * median(shares):.0f} % of the time of a run with default options in"
+        f" the median, {100 * max(shares):.0f} % at most (one thread)."
+    )
 
 
 def blocks_of(record, chosen_on, checked_on):
     chosen, checked = of_seeds(record, chosen_on), of_seeds(record, checked_on)
     when = provenance(*record["sessions"]) + "\n\n"
-    result = when + "\n".join([
-        f"Seeds that no limit was chosen on ({len(checked)} runs):", "", confusion(checked), "",
-        f"Seeds that the limits were chosen on ({len(chosen)} runs):", "", confusion(chosen), "",
-        "Each measure by itself, on the seeds checked on:", "", per_measure(checked), "", cost_line(record["runs"])])
-    figures = when + "\n".join(["Least, median and largest value, on the seeds chosen on:", "", figures_table(chosen)])
-    return [("quality-confusion", result), ("quality-figures", figures),
-            ("quality-runs", when + runs_table(checked)),
-            *([("quality-recorded", when + recorded_table(record["recorded"]))] if record.get("recorded") else [])]
+    result = when + "\n".join(
+        [
+            f"Seeds that no limit was chosen on ({len(checked)} runs):",
+            "",
+            confusion(checked),
+            "",
+            f"Seeds that the limits were chosen on ({len(chosen)} runs):",
+            "",
+            confusion(chosen),
+            "",
+            "Each measure by itself, on the seeds checked on:",
+            "",
+            per_measure(checked),
+            "",
+            cost_line(record["runs"]),
+        ]
+    )
+    figures = when + "\n".join(
+        ["Least, median and largest value, on the seeds chosen on:", "", figures_table(chosen)]
+    )
+    return [
+        ("quality-confusion", result),
+        ("quality-figures", figures),
+        ("quality-runs", when + runs_table(checked)),
+        *(
+            [("quality-recorded", when + recorded_table(record["recorded"]))]
+            if record.get("recorded")
+            else []
+        ),
+    ]
 
 
 def headline(record, checked_on):

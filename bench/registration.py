@@ -1,16 +1,21 @@
 #!/usr/bin/env python3
-"""Measures registration beside its peers and writes the tables of docs/benchmarks.md and docs/accuracy.md.
+"""Measures registration beside its peers and writes the tables of docs/benchmarks.md and
+docs/accuracy.md.
 
-The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). Peers (small_gicp, PCL, Open3D) are compared when they
-are in build/bench/peers; bench/peers/install.sh puts them there, and nothing into the system. Recorded logs and clouds
-are looked for in $LOOPSTONE_DATA, else in ../shared/data. What was measured is kept in build/bench/registration.json.
+The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). Peers (small_gicp, PCL, Open3D) are
+compared when they are in build/bench/peers; bench/peers/install.sh puts them there, and nothing
+into the system. Recorded logs and clouds are looked for in $LOOPSTONE_DATA, else in ../shared/data.
+What was measured is kept in build/bench/registration.json.
 
-  bench/registration.py                     everything, with the peers that are there (about a quarter of an hour)
+  bench/registration.py                     everything, with the peers that are there (about a
+                                            quarter of an hour)
   bench/registration.py --peers             the same, after installing the peers
-  bench/registration.py --quick             a tenth of the pairs; to look at, writes nothing into docs/
+  bench/registration.py --quick             a tenth of the pairs; to look at, writes nothing into
+                                            docs/
   bench/registration.py --only pairs nees   some sections
   bench/registration.py --resume            the sections that have no figures yet
-  bench/registration.py --only              no measurement: writes the tables from registration.json again
+  bench/registration.py --only              no measurement: writes the tables from registration.json
+                                            again
 """
 import os
 import pathlib
@@ -49,7 +54,9 @@ def measure_section(name, arguments, loopstone, peers):
 
 def main():
     parser = section_parser(__doc__, SECTIONS, ROOT, data_folder(ROOT, os.environ))
-    parser.add_argument("--peers", action="store_true", help="install the peers into build/bench/peers first")
+    parser.add_argument(
+        "--peers", action="store_true", help="install the peers into build/bench/peers first"
+    )
     arguments = parser.parse_args()
 
     (arguments.work / "registration").mkdir(parents=True, exist_ok=True)
@@ -59,10 +66,14 @@ def main():
     if missing:
         say(f"peers not installed: {', '.join(missing)} (bench/peers/install.sh); going on without")
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-    sections, failed = measure_sections("registration", arguments, loopstone,
-                                        lambda name: measure_section(name, arguments, loopstone, peers),
-                                        extra={"peers": versions, "missing": missing},
-                                        leave_out=lambda name, sections: arguments.resume and name in sections)
+    sections, failed = measure_sections(
+        "registration",
+        arguments,
+        loopstone,
+        lambda name: measure_section(name, arguments, loopstone, peers),
+        extra={"peers": versions, "missing": missing},
+        leave_out=lambda name, sections: arguments.resume and name in sections,
+    )
 
     for name, page, block, text in tables.blocks_of(sections):
         if arguments.quick:

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Measures how mapping fares when things go wrong, and writes the tables of docs/robustness.md: faults of odometry on
-simulated worlds, whether and when they were noticed, honest odometry that must not be accused, lost scans, people and glass,
-and recorded logs mapped from the laser alone.
+"""Measures how mapping fares when things go wrong, and writes the tables of docs/robustness.md:
+faults of odometry on simulated worlds, whether and when they were noticed, honest odometry that
+must not be accused, lost scans, people and glass, and recorded logs mapped from the laser alone.
 
-What was measured is kept in build/bench/robustness.json, so a later run of one section leaves the others standing.
+What was measured is kept in build/bench/robustness.json, so a later run of one section leaves the
+others standing.
 
   bench/robustness.py                    everything (about a quarter of an hour)
   bench/robustness.py --quick            fewer seeds; to look at, writes nothing into docs/
   bench/robustness.py --only recorded    some sections
-  bench/robustness.py --only             no measurement: writes the tables from robustness.json again
+  bench/robustness.py --only             no measurement: writes the tables from robustness.json
+                                         again
 """
 import argparse
 import json
@@ -30,14 +32,25 @@ SECTIONS = ["faults", "honest", "surroundings", "recorded"]
 FAULTS = ["none", "missing", "stuck", "scaled", "mirrored", "lagging", "jumping"]
 WORLDS = ["office", "rooms", "warehouse"]
 DURATION_S = 150
-# What the simulated robot logs: counts and gyro, 270 degrees; or half a circle of few beams and its own dead reckoning.
-ROBOTS = {"wheels and gyro": ["--beams", "541"], "dead reckoning": ["--format", "carmen", "--beams", "181", "--fov", "180"]}
+# What the simulated robot logs: counts and gyro, 270 degrees; or half a circle of few beams and its
+# own dead reckoning.
+ROBOTS = {
+    "wheels and gyro": ["--beams", "541"],
+    "dead reckoning": ["--format", "carmen", "--beams", "181", "--fov", "180"],
+}
 SURROUNDINGS = {
     "none": [],
     "a third of the scans lost": ["--set", "faults.scans_dropped=0.33"],
     "a fifth of the walls glass": ["--set", "faults.glass=0.2"],
     "ten people": ["--people", "10"],
-    "all of these": ["--set", "faults.scans_dropped=0.33", "--set", "faults.glass=0.2", "--people", "10"],
+    "all of these": [
+        "--set",
+        "faults.scans_dropped=0.33",
+        "--set",
+        "faults.glass=0.2",
+        "--people",
+        "10",
+    ],
     "turns of 3 rad/s": ["--set", "drive.yaw_rate_rad_s=3", "--set", "drive.speed_m_s=1"],
 }
 
@@ -67,7 +80,9 @@ def travelled_m(truth, until_s):
 
 def mapped(loopstone, log, folder, flags=()):
     out, summary, _ = loopstone.map(log, "robustness", flags)
-    error = loopstone.evaluate("--estimate", out / "trajectory.tum", "--reference", folder / "truth.tum", "--align", "se2")
+    error = loopstone.evaluate(
+        "--estimate", out / "trajectory.tum", "--reference", folder / "truth.tum", "--align", "se2"
+    )
     faults = summary["odometry_faults"]
     named = sorted({fault["fault"] for fault in faults})
     if any(warning.startswith("odometry jumped") for warning in summary["warnings"]):
@@ -75,9 +90,14 @@ def mapped(loopstone, log, folder, flags=()):
     if any(warning.startswith("no odometry in the log") for warning in summary["warnings"]):
         named.append("missing")
     noticed_s = min((fault["noticed_s"] for fault in faults), default=None)
-    return {"ate_m": error["ate_rmse_m"], "named": named, "warnings": summary["warnings"],
-            "noticed_m": None if noticed_s is None else travelled_m(folder / "truth.tum", noticed_s),
-            "searches": summary["searches"], "scans": summary["scans"]}
+    return {
+        "ate_m": error["ate_rmse_m"],
+        "named": named,
+        "warnings": summary["warnings"],
+        "noticed_m": None if noticed_s is None else travelled_m(folder / "truth.tum", noticed_s),
+        "searches": summary["searches"],
+        "scans": summary["scans"],
+    }
 
 
 def measure_faults(loopstone, seeds):
@@ -87,11 +107,16 @@ def measure_faults(loopstone, seeds):
             for fault in FAULTS:
                 runs = []
                 for seed in seeds:
-                    log, folder = simulated(loopstone, world, seed, [*robot_flags, "--odometry-fault", fault])
+                    log, folder = simulated(
+                        loopstone, world, seed, [*robot_flags, "--odometry-fault", fault]
+                    )
                     runs.append(mapped(loopstone, log, folder))
                     shutil.rmtree(folder)
                 rows.append({"robot": robot, "world": world, "fault": fault, "runs": runs})
-                say(f"  {robot}, {world}, {fault}: {max(r['ate_m'] for r in runs):.4f} m, {[r['named'] for r in runs]}")
+                say(
+                    f"  {robot}, {world}, {fault}: {max(r['ate_m'] for r in runs):.4f} m,"
+                    f" {[r['named'] for r in runs]}"
+                )
     return rows
 
 
@@ -125,7 +150,11 @@ def measure_surroundings(loopstone, seeds):
 
 def measure_recorded(loopstone, data):
     rows = []
-    for name, title in (("intel", "Intel Research Lab"), ("aces", "ACES building"), ("mit-csail", "MIT CSAIL")):
+    for name, title in (
+        ("intel", "Intel Research Lab"),
+        ("aces", "ACES building"),
+        ("mit-csail", "MIT CSAIL"),
+    ):
         log = data / f"carmen/{name}.clf"
         if not log.exists():
             say(f"  {log}: not there")
@@ -135,17 +164,36 @@ def measure_recorded(loopstone, data):
         for odometry in ("check", "ignore"):
             out, summary, cost = loopstone.map(log, f"{name}-{odometry}", ["--odometry", odometry])
             trajectories[odometry] = out / "trajectory.tum"
-            row = {"title": title, "odometry": odometry, "scans": summary["scans"], "searches": summary["searches"],
-                   "closures": summary["loop_closures_accepted"], "cpu_s": cost["cpu_s"],
-                   "front_end_us": 1e6 * summary["front_end_wall_s"] / summary["scans"],
-                   "faults": [fault["fault"] for fault in summary["odometry_faults"]],
-                   "jumps": summary["odometry_jumps"] if any(w.startswith("odometry jumped") for w in summary["warnings"]) else 0}
+            row = {
+                "title": title,
+                "odometry": odometry,
+                "scans": summary["scans"],
+                "searches": summary["searches"],
+                "closures": summary["loop_closures_accepted"],
+                "cpu_s": cost["cpu_s"],
+                "front_end_us": 1e6 * summary["front_end_wall_s"] / summary["scans"],
+                "faults": [fault["fault"] for fault in summary["odometry_faults"]],
+                "jumps": (
+                    summary["odometry_jumps"]
+                    if any(w.startswith("odometry jumped") for w in summary["warnings"])
+                    else 0
+                ),
+            }
             if relations.exists():
-                error = loopstone.evaluate("--estimate", out / "trajectory.tum", "--relations", relations)
+                error = loopstone.evaluate(
+                    "--estimate", out / "trajectory.tum", "--relations", relations
+                )
                 row["translation_m"] = error["translation_error_m"]
                 row["rotation_deg"] = error["rotation_error_deg"]
             rows.append(row)
-        apart = loopstone.evaluate("--estimate", trajectories["ignore"], "--reference", trajectories["check"], "--align", "se2")
+        apart = loopstone.evaluate(
+            "--estimate",
+            trajectories["ignore"],
+            "--reference",
+            trajectories["check"],
+            "--align",
+            "se2",
+        )
         rows[-1]["apart_m"] = apart["ate_rmse_m"]
         say(f"  {title}: {rows[-2:]}")
     return rows
@@ -159,15 +207,44 @@ def fault_table(rows):
     cells = []
     for row in rows:
         runs = row["runs"]
-        expected = {"none": [], "stuck": ["stuck"], "scaled": ["scaled"], "mirrored": ["mirrored"], "lagging": ["lagging"],
-                    "jumping": ["jumping"], "missing": ["missing"]}[row["fault"]]
-        right = sum(set(expected) <= set(run["named"]) if expected else not run["named"] for run in runs)
+        expected = {
+            "none": [],
+            "stuck": ["stuck"],
+            "scaled": ["scaled"],
+            "mirrored": ["mirrored"],
+            "lagging": ["lagging"],
+            "jumping": ["jumping"],
+            "missing": ["missing"],
+        }[row["fault"]]
+        right = sum(
+            set(expected) <= set(run["named"]) if expected else not run["named"] for run in runs
+        )
         others = sorted({name for run in runs for name in run["named"]} - set(expected))
         noticed = [run["noticed_m"] for run in runs if run["noticed_m"] is not None]
-        cells.append([row["robot"], row["world"], row["fault"], *centimetres([run["ate_m"] for run in runs]),
-                      f"{right} of {len(runs)}", ", ".join(others), f"{median(noticed):.1f}" if noticed else ""])
-    return table(["robot", "world", "fault", "ATE, median [cm]>", "ATE, largest [cm]>", "said rightly>", "also said",
-                  "noticed after [m]>"], cells)
+        cells.append(
+            [
+                row["robot"],
+                row["world"],
+                row["fault"],
+                *centimetres([run["ate_m"] for run in runs]),
+                f"{right} of {len(runs)}",
+                ", ".join(others),
+                f"{median(noticed):.1f}" if noticed else "",
+            ]
+        )
+    return table(
+        [
+            "robot",
+            "world",
+            "fault",
+            "ATE, median [cm]>",
+            "ATE, largest [cm]>",
+            "said rightly>",
+            "also said",
+            "noticed after [m]>",
+        ],
+        cells,
+    )
 
 
 def tables_of(sections):
@@ -177,34 +254,96 @@ def tables_of(sections):
         blocks.append(("faults", provenance(section) + "\n\n" + fault_table(section["figures"])))
     if "honest" in sections:
         section = sections["honest"]
-        cells = [[row["robot"], row["world"], str(row["runs"]), ", ".join(row["accused"]) or "none"]
-                 for row in section["figures"]]
-        blocks.append(("honest", provenance(section) + "\n\n" + table(["robot", "world", "drives>", "accused of"], cells)))
+        cells = [
+            [row["robot"], row["world"], str(row["runs"]), ", ".join(row["accused"]) or "none"]
+            for row in section["figures"]
+        ]
+        blocks.append(
+            (
+                "honest",
+                provenance(section)
+                + "\n\n"
+                + table(["robot", "world", "drives>", "accused of"], cells),
+            )
+        )
     if "surroundings" in sections:
         section = sections["surroundings"]
-        cells = [[row["name"], *centimetres(row["with"]), *centimetres(row["without"])] for row in section["figures"]]
-        blocks.append(("surroundings", provenance(section) + "\n\n" + table(
-            ["what is wrong", "ATE, median [cm]>", "largest [cm]>", "laser only: median [cm]>", "largest [cm]>"], cells)))
+        cells = [
+            [row["name"], *centimetres(row["with"]), *centimetres(row["without"])]
+            for row in section["figures"]
+        ]
+        blocks.append(
+            (
+                "surroundings",
+                provenance(section)
+                + "\n\n"
+                + table(
+                    [
+                        "what is wrong",
+                        "ATE, median [cm]>",
+                        "largest [cm]>",
+                        "laser only: median [cm]>",
+                        "largest [cm]>",
+                    ],
+                    cells,
+                ),
+            )
+        )
     if "recorded" in sections:
         section = sections["recorded"]
         cells = []
         for row in section["figures"]:
             has_relations = "translation_m" in row
-            cells.append([
-                row["title"], "laser only" if row["odometry"] == "ignore" else "with odometry",
-                f"{row['translation_m']['mean']:.3f} +- {row['translation_m']['std']:.3f}" if has_relations else "",
-                f"{row['rotation_deg']['mean']:.2f} +- {row['rotation_deg']['std']:.2f}" if has_relations else "",
-                f"{100 * row['apart_m']:.1f}" if "apart_m" in row else "", str(row["closures"]), str(row["searches"]),
-                ", ".join(row["faults"] + ([f"{row['jumps']} jumps"] if row["jumps"] else [])) or "nothing",
-                f"{row['front_end_us']:.0f}"])
-        blocks.append(("recorded", provenance(section) + "\n\n" + table(
-            ["log", "", "relations [m]>", "relations [deg]>", "from the map with odometry [cm]>", "loop closures>",
-             "searches>", "odometry accused of", "front end, wall [us a scan]>"], cells)))
+            cells.append(
+                [
+                    row["title"],
+                    "laser only" if row["odometry"] == "ignore" else "with odometry",
+                    (
+                        f"{row['translation_m']['mean']:.3f} +- {row['translation_m']['std']:.3f}"
+                        if has_relations
+                        else ""
+                    ),
+                    (
+                        f"{row['rotation_deg']['mean']:.2f} +- {row['rotation_deg']['std']:.2f}"
+                        if has_relations
+                        else ""
+                    ),
+                    f"{100 * row['apart_m']:.1f}" if "apart_m" in row else "",
+                    str(row["closures"]),
+                    str(row["searches"]),
+                    ", ".join(row["faults"] + ([f"{row['jumps']} jumps"] if row["jumps"] else []))
+                    or "nothing",
+                    f"{row['front_end_us']:.0f}",
+                ]
+            )
+        blocks.append(
+            (
+                "recorded",
+                provenance(section)
+                + "\n\n"
+                + table(
+                    [
+                        "log",
+                        "",
+                        "relations [m]>",
+                        "relations [deg]>",
+                        "from the map with odometry [cm]>",
+                        "loop closures>",
+                        "searches>",
+                        "odometry accused of",
+                        "front end, wall [us a scan]>",
+                    ],
+                    cells,
+                ),
+            )
+        )
     return blocks
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
     parser.add_argument("--data", type=pathlib.Path, default=measure.data_folder(ROOT, os.environ))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
@@ -224,7 +363,11 @@ def main():
         if name == "recorded":
             section["figures"] = measure_recorded(loopstone, arguments.data)
         else:
-            measures = {"faults": measure_faults, "honest": measure_honest, "surroundings": measure_surroundings}
+            measures = {
+                "faults": measure_faults,
+                "honest": measure_honest,
+                "surroundings": measure_surroundings,
+            }
             section["figures"] = measures[name](loopstone, seeds)
         if section["figures"]:
             sections[name] = section

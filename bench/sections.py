@@ -1,4 +1,5 @@
-"""What the scripts share that measure in sections: flags, the run of the sections, targets met or not."""
+"""What the scripts share that measure in sections: flags, the run of the sections, targets met or
+not."""
 import argparse
 import json
 import pathlib
@@ -11,7 +12,9 @@ from provenance import circumstances
 
 def plain_parser(doc, root, data):
     """Programs, data, working folder and --quick."""
-    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--programs", type=pathlib.Path, default=root / "build/release/bin")
     parser.add_argument("--data", type=pathlib.Path, default=data)
     parser.add_argument("--work", type=pathlib.Path, default=root / "build/bench")
@@ -27,7 +30,9 @@ def section_parser(doc, sections, root, data):
     return parser
 
 
-def measure_sections(script, arguments, loopstone, measure, extra=None, leave_out=lambda name, sections: False):
+def measure_sections(
+    script, arguments, loopstone, measure, extra=None, leave_out=lambda name, sections: False
+):
     """Measures the sections asked for, each kept in build/bench/SCRIPT.json as soon as it is done.
 
     measure(name) returns a section's figures, or nothing; extra is kept beside them.
@@ -56,5 +61,7 @@ def measure_sections(script, arguments, loopstone, measure, extra=None, leave_ou
 
 def verdicts(targets):
     """A line for each (name, target, measured, met)."""
-    return "\n".join(f"{'met    ' if met else 'NOT MET'}  {measured:>14}  {target:<18} {name}"
-                     for name, target, measured, met in targets)
+    return "\n".join(
+        f"{'met    ' if met else 'NOT MET'}  {measured:>14}  {target:<18} {name}"
+        for name, target, measured, met in targets
+    )

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Measures what saving a run costs, kills runs at random moments, and writes the table of docs/session.md.
+"""Measures what saving a run costs, kills runs at random moments, and writes the table of
+docs/session.md.
 
-Recorded logs are looked for in $LOOPSTONE_DATA, else in ../shared/data; without them only the simulated one is measured.
+Recorded logs are looked for in $LOOPSTONE_DATA, else in ../shared/data; without them only the
+simulated one is measured.
 
   bench/session.py            everything (about five minutes)
   bench/session.py --quick    fewer kills; prints the table, writes nothing into docs/
@@ -27,9 +29,15 @@ from sections import plain_parser  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/session.md", "session-cost"
-SAVED = re.compile(r"session saved (\d+) times, ([\d.]+) MB at last; scans waited for it ([\d.]+) ms each time, ([\d.]+) ms")
+SAVED = re.compile(
+    r"session saved (\d+) times, ([\d.]+) MB at last; scans waited for it ([\d.]+) ms each time,"
+    r" ([\d.]+) ms"
+)
 RESULTS = ["trajectory.tum", "odometry.tum", "graph.g2o", "loop_closures.csv", "map.pgm", "map.png"]
-NOT_OF_THE_RESULT = re.compile(r"_wall_s$|^(wall_time_s|cpu_time_s|realtime_factor|scans_per_s|peak_memory_bytes|threads|command|realtime)$")
+NOT_OF_THE_RESULT = re.compile(
+    r"_wall_s$|^(wall_time_s|cpu_time_s|realtime_factor|scans_per_s|peak_memory_bytes|threads"
+    r"|command|realtime)$"
+)
 REPEATS = 3
 
 
@@ -43,7 +51,9 @@ def result_of(folder):
 def map_log(loopstone, log, folder, *flags):
     """A whole run in an empty folder: what it said and what it took."""
     shutil.rmtree(folder, ignore_errors=True)
-    command = [str(word) for word in [loopstone.program, "map", log, "-o", folder, "--no-texture", *flags]]
+    command = [
+        str(word) for word in [loopstone.program, "map", log, "-o", folder, "--no-texture", *flags]
+    ]
     started = time.monotonic()
     done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, check=True)
     return done.stderr.decode(), time.monotonic() - started
@@ -52,8 +62,21 @@ def map_log(loopstone, log, folder, *flags):
 def killed_run(loopstone, log, folder, wall_s, interval_s, rng):
     """Kills the run at random moments until it has ended; the number of kills."""
     shutil.rmtree(folder, ignore_errors=True)
-    command = [str(word) for word in [loopstone.program, "map", log, "-o", folder, "--no-texture", "--quiet",
-                                      "--checkpoint", interval_s, "--resume"]]
+    command = [
+        str(word)
+        for word in [
+            loopstone.program,
+            "map",
+            log,
+            "-o",
+            folder,
+            "--no-texture",
+            "--quiet",
+            "--checkpoint",
+            interval_s,
+            "--resume",
+        ]
+    ]
     kills = 0
     while True:
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
@@ -77,10 +100,20 @@ def measure(loopstone, name, log, least_kills):
     interval_s = round(plain_s / 20, 2)
     rounds = [map_log(loopstone, log, saved, "--checkpoint", interval_s) for _ in range(REPEATS)]
     figures = [list(map(float, SAVED.search(said).groups())) for said, _ in rounds]
-    row = {"name": name, "scans": expected[-1]["scans"], "plain_s": plain_s, "interval_s": interval_s,
-           "saved_s": median([wall_s for _, wall_s in rounds]), "megabytes": figures[-1][1],
-           "times": median([f[0] for f in figures]), "mean_ms": median([f[2] for f in figures]),
-           "worst_ms": max(f[3] for f in figures), "same": result_of(saved) == expected, "kills": 0, "runs": 0}
+    row = {
+        "name": name,
+        "scans": expected[-1]["scans"],
+        "plain_s": plain_s,
+        "interval_s": interval_s,
+        "saved_s": median([wall_s for _, wall_s in rounds]),
+        "megabytes": figures[-1][1],
+        "times": median([f[0] for f in figures]),
+        "mean_ms": median([f[2] for f in figures]),
+        "worst_ms": max(f[3] for f in figures),
+        "same": result_of(saved) == expected,
+        "kills": 0,
+        "runs": 0,
+    }
     rng = random.Random(1)
     while row["kills"] < least_kills:
         row["kills"] += killed_run(loopstone, log, saved, plain_s, interval_s, rng)
@@ -91,12 +124,42 @@ def measure(loopstone, name, log, least_kills):
 
 
 def text_of(when, rows):
-    cells = [[row["name"], str(row["scans"]), f"{row['megabytes']:.1f}", f"{row['mean_ms']:.1f}", f"{row['worst_ms']:.1f}",
-              f"{row['plain_s']:.2f}", f"{row['saved_s']:.2f}", str(row["kills"]), str(row["runs"]),
-              "same bytes" if row["same"] else "DIFFERENT"] for row in rows]
-    return "\n".join([provenance(when), "",
-                      table(["log", "scans>", "session at the end [MB]>", "scans wait [ms]>", "at most [ms]>", "run [s]>",
-                             "saving every 20th of it [s]>", "kills>", "runs>", "results"], cells)])
+    cells = [
+        [
+            row["name"],
+            str(row["scans"]),
+            f"{row['megabytes']:.1f}",
+            f"{row['mean_ms']:.1f}",
+            f"{row['worst_ms']:.1f}",
+            f"{row['plain_s']:.2f}",
+            f"{row['saved_s']:.2f}",
+            str(row["kills"]),
+            str(row["runs"]),
+            "same bytes" if row["same"] else "DIFFERENT",
+        ]
+        for row in rows
+    ]
+    return "\n".join(
+        [
+            provenance(when),
+            "",
+            table(
+                [
+                    "log",
+                    "scans>",
+                    "session at the end [MB]>",
+                    "scans wait [ms]>",
+                    "at most [ms]>",
+                    "run [s]>",
+                    "saving every 20th of it [s]>",
+                    "kills>",
+                    "runs>",
+                    "results",
+                ],
+                cells,
+            ),
+        ]
+    )
 
 
 def main():

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Spoiled files against every reader and the program: ATTACK_INPUTS (20000) a format, made with ATTACK_SEED (1). What fell stays
-# in build/attack/failures/. SANITIZE=1: the same inputs under the address and undefined-behaviour sanitizers.
+# Spoiled files against every reader and the program: ATTACK_INPUTS (20000) a format, made with
+# ATTACK_SEED (1). What fell stays in build/attack/failures/. SANITIZE=1: the same inputs under the
+# address and undefined-behaviour sanitizers.
 #
-#     scripts/attack.sh [ARGUMENT...]      more arguments of tests/attack/attack.py, such as --format png
+#     scripts/attack.sh [ARGUMENT...]      more arguments of tests/attack/attack.py, such as
+#                                        --format png
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Writes the generated parts of docs/bayes_filters.md: lines of examples/08_bayes_filters.cpp, and what the program prints.
+"""Writes the generated parts of docs/bayes_filters.md: lines of examples/08_bayes_filters.cpp, and
+what the program prints.
 
-  scripts/bayes_filters_docs.py PROGRAM            writes; PROGRAM is build/release/bin/example_08_bayes_filters
+  scripts/bayes_filters_docs.py PROGRAM            writes; PROGRAM is
+                                                   build/release/bin/example_08_bayes_filters
   scripts/bayes_filters_docs.py PROGRAM --check    tells whether the page is up to date (exit 1: no)
 """
 import pathlib
@@ -19,7 +21,9 @@ SOURCE = ROOT / "examples/08_bayes_filters.cpp"
 
 def code_block(name):
     """The lines between `// [name]` and `// [end]`."""
-    found = re.search(rf"^ *// \[{name}\]\n(.*?)^ *// \[end\]", SOURCE.read_text(encoding="utf-8"), re.M | re.S)
+    found = re.search(
+        rf"^ *// \[{name}\]\n(.*?)^ *// \[end\]", SOURCE.read_text(encoding="utf-8"), re.M | re.S
+    )
     if not found:
         sys.exit(f"{SOURCE.relative_to(ROOT)}: has no part '// [{name}]'")
     return f"```cpp\n{textwrap.dedent(found.group(1)).rstrip()}\n```"
@@ -39,7 +43,10 @@ def main():
         elif (read_block(PAGE, name) or "").rstrip() != text:
             stale.append(name)
     if stale:
-        sys.exit(f"{PAGE.relative_to(ROOT)}: out of date: {', '.join(stale)}. Run scripts/bayes_filters_docs.py PROGRAM")
+        sys.exit(
+            f"{PAGE.relative_to(ROOT)}: out of date: {', '.join(stale)}. Run"
+            " scripts/bayes_filters_docs.py PROGRAM"
+        )
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Configures and builds one preset. scripts/build.sh PRESET [TARGET...]
-# CMAKE_ARGS adds cache variables, such as CMAKE_ARGS=-DLOOPSTONE_WERROR=OFF; JOBS is the number of parallel jobs.
+# CMAKE_ARGS adds cache variables, such as CMAKE_ARGS=-DLOOPSTONE_WERROR=OFF; JOBS is the number of
+# parallel jobs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

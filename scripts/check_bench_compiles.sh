@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Whether the programs of bench/ compile, without building them: their syntax and types, by clang, as the preset tidy has them.
-# A quarter of a minute where building would take minutes.
+# Whether the programs of bench/ compile, without building them: their syntax and types, by clang,
+# as the preset tidy has them. A quarter of a minute where building would take minutes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Line coverage of include/, src/ and apps/ by the tests, one line a file and the total, from gcov's JSON.
+# Line coverage of include/, src/ and apps/ by the tests, one line a file and the total, from gcov's
+# JSON.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Sums gcov's JSON over a build directory: coverage_report.py BUILD_DIR. Prints percent and lines of each source file."""
+"""Sums gcov's JSON over a build directory: coverage_report.py BUILD_DIR. Prints percent and lines
+of each source file."""
 
 import collections
 import gzip
@@ -16,8 +17,13 @@ def reports(build):
     notes = [str(path.resolve()) for path in sorted(build.rglob("*.gcno"))]
     with tempfile.TemporaryDirectory() as folder:
         for start in range(0, len(notes), 50):
-            subprocess.run(["gcov", "--json-format", "--hash-filenames", *notes[start : start + 50]], cwd=folder,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
+            subprocess.run(
+                ["gcov", "--json-format", "--hash-filenames", *notes[start : start + 50]],
+                cwd=folder,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                check=True,
+            )
         for path in pathlib.Path(folder).glob("*.gcov.json.gz"):
             with gzip.open(path, "rt", encoding="utf-8") as file:
                 yield json.load(file)

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# From nothing to a map: simulates a robot in an office, maps its log, and compares the result with the truth.
+# From nothing to a map: simulates a robot in an office, maps its log, and compares the result with
+# the truth.
 #
-#     scripts/demo.sh [WORLD [SEED]]      WORLD: office (default), campus, corridor, rooms, warehouse, or a map.yaml
+#     scripts/demo.sh [WORLD [SEED]]      WORLD: office (default), campus, corridor, rooms,
+#                                         warehouse, or a map.yaml
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,4 +1,5 @@
-"""Generated parts of hand-written pages: what stands between `<!-- begin: NAME -->` and `<!-- end: NAME -->`."""
+"""Generated parts of hand-written pages: what stands between `<!-- begin: NAME -->` and `<!-- end:
+NAME -->`."""
 import pathlib
 import re
 

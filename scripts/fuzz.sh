@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Runs each libFuzzer target for FUZZ_SECONDS (20), two at a time, from its seeds in fuzz/corpus/<name>/.
-# New inputs stay in build/asan/corpus/<name>/; a crash leaves its input in build/asan/crashes/.
+# Runs each libFuzzer target for FUZZ_SECONDS (20), two at a time, from its seeds in
+# fuzz/corpus/<name>/. New inputs stay in build/asan/corpus/<name>/; a crash leaves its input in
+# build/asan/crashes/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

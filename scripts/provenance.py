@@ -1,4 +1,5 @@
-"""What every generated table says of itself: what was run, of which commit, when, where. It is written and read here alone."""
+"""What every generated table says of itself: what was run, of which commit, when, where. It is
+written and read here alone."""
 import datetime
 import os
 import pathlib
@@ -10,16 +11,33 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # What a figure can depend on; docs/ is not among it, since writing the tables changes that.
-SOURCES = ["include", "src", "apps", "bench", "scripts", "robots", "cmake", "CMakeLists.txt", "CMakePresets.json"]
+SOURCES = [
+    "include",
+    "src",
+    "apps",
+    "bench",
+    "scripts",
+    "robots",
+    "cmake",
+    "CMakeLists.txt",
+    "CMakePresets.json",
+]
 BUSY_LOAD = 0.7
 
-STAMP = re.compile(r"`([^`]+)`, loopstone ([\w.+-]+), commit (\w+)(?: with changes in [^,]+)?, (\d{4}-\d\d-\d\d),")
+STAMP = re.compile(
+    r"`([^`]+)`, loopstone ([\w.+-]+), commit (\w+)(?: with changes in [^,]+)?, (\d{4}-\d\d-\d\d),"
+)
 
 
 def git(*words, root=ROOT):
     """The answer of git, or None where there is no repository, no git, or no such thing."""
     try:
-        done = subprocess.run(["git", "-C", str(root), *words], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False)
+        done = subprocess.run(
+            ["git", "-C", str(root), *words],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            check=False,
+        )
     except OSError:
         return None
     return done.stdout.decode() if done.returncode == 0 else None
@@ -36,7 +54,9 @@ def machine():
     model = platform.processor() or platform.machine()
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as info:
-            names = [line.split(":", 1)[1].strip() for line in info if line.startswith("model name")]
+            names = [
+                line.split(":", 1)[1].strip() for line in info if line.startswith("model name")
+            ]
         model = names[0] if names else model
     except OSError:
         pass
@@ -55,9 +75,14 @@ def command_line(arguments):
 
 def circumstances(version):
     """Kept beside the figures of a section. `version` is what `loopstone --version` says."""
-    return {"machine": machine(), "version": version, "commit": (git("rev-parse", "--short=10", "HEAD") or "").strip(),
-            "changed": changed_sources(), "date": datetime.datetime.now(datetime.timezone.utc).date().isoformat(),
-            "command": command_line(sys.argv)}
+    return {
+        "machine": machine(),
+        "version": version,
+        "commit": (git("rev-parse", "--short=10", "HEAD") or "").strip(),
+        "changed": changed_sources(),
+        "date": datetime.datetime.now(datetime.timezone.utc).date().isoformat(),
+        "command": command_line(sys.argv),
+    }
 
 
 def told(section):
@@ -65,20 +90,29 @@ def told(section):
     if section.get("changed"):
         names = section["changed"]
         commit += " with changes in " + (names[0] if len(names) == 1 else f"{len(names)} files")
-    return (f"`{section['command']}`, {section['version']}, {commit}, {section.get('date', 'date not recorded')}, "
-            f"{section['machine']['processors']} x {section['machine']['processor']}.")
+    return (
+        f"`{section['command']}`, {section['version']}, {commit},"
+        f" {section.get('date', 'date not recorded')}, {section['machine']['processors']} x"
+        f" {section['machine']['processor']}."
+    )
 
 
 def provenance(*sections):
-    """What was run, of which commit, when, where, and how busy the machine was; once where sections share it."""
+    """What was run, of which commit, when, where, and how busy the machine was; once where sections
+    share it."""
     sentences = list(dict.fromkeys(told(section) for section in sections))
     load = max(section["machine"]["load"] for section in sections)
     if load > BUSY_LOAD:
-        sentences.append(f"The machine was busy with other work (load {load:.1f} before the run), so wall times are"
-                         " longer than on a quiet one; CPU times suffer less.")
+        sentences.append(
+            f"The machine was busy with other work (load {load:.1f} before the run), so wall times"
+            " are longer than on a quiet one; CPU times suffer less."
+        )
     return " ".join(sentences)
 
 
 def stamps_of(text):
     """(script, version, commit) of every stamp in a block."""
-    return [(found.group(1).split()[0], found.group(2), found.group(3)) for found in STAMP.finditer(text)]
+    return [
+        (found.group(1).split()[0], found.group(2), found.group(3))
+        for found in STAMP.finditer(text)
+    ]

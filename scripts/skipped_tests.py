@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Tells which tests were skipped, and why: scripts/skipped_tests.py FILE
 
-FILE has a line `program<TAB>test<TAB>reason` for each (tests/main/main.cpp writes it); without a file none was skipped.
+FILE has a line `program<TAB>test<TAB>reason` for each (tests/main/main.cpp writes it); without a
+file none was skipped.
 """
 import pathlib
 import re
@@ -24,7 +25,9 @@ def lines_of(text):
         tests.setdefault(why(reason), {}).setdefault(program, []).append(test)
     for reason, programs in sorted(tests.items()):
         count = sum(map(len, programs.values()))
-        names = "; ".join(f"{program} {', '.join(sorted(names))}" for program, names in sorted(programs.items()))
+        names = "; ".join(
+            f"{program} {', '.join(sorted(names))}" for program, names in sorted(programs.items())
+        )
         yield f"{count} test{'s' if count > 1 else ''} skipped, {reason}: {names}"
 
 

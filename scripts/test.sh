@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Runs the tests of a preset that is built and ends with what was skipped, and why: scripts/test.sh PRESET [CTEST_ARGUMENT...]
+# Runs the tests of a preset that is built and ends with what was skipped, and why:
+# scripts/test.sh PRESET [CTEST_ARGUMENT...]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
 # clang-tidy on the sources that changed, and on the sources that include a header that changed.
 #
-#     scripts/tidy_changed.sh [BASE]         against BASE, else $LOOPSTONE_TIDY_BASE, else origin/main when this is a branch
-#                                            of it, else the first parent of HEAD; nothing known: src/ and apps/
+#     scripts/tidy_changed.sh [BASE]         against BASE, else $LOOPSTONE_TIDY_BASE, else
+#                                            origin/main when this is a branch of it, else the first
+#                                            parent of HEAD; nothing known: src/ and apps/
 #     scripts/tidy_changed.sh --everything   all sources, tests too
 #
-# It stops after LOOPSTONE_TIDY_SECONDS (300), so that CI stays within its time: src/ comes first, then apps/.
+# It stops after LOOPSTONE_TIDY_SECONDS (300), so that CI stays within its time: src/ comes first,
+# then apps/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

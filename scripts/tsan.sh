@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Thread sanitizer over what is threaded: suites whose name holds Thread, Parallel, Determin, TaskQueue or Mapper.
-# Only the test programs that have such suites are built.
+# Thread sanitizer over what is threaded: suites whose name holds Thread, Parallel, Determin,
+# TaskQueue or Mapper. Only the test programs that have such suites are built.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,7 +19,8 @@ fi
 echo "threaded suites are in: ${targets[*]}"
 CMAKE_ARGS=-DLOOPSTONE_LAST_PART=formats scripts/build.sh tsan "${targets[@]}"
 
-# The sanitizer of GCC 12 cannot start where the kernel randomises addresses by 32 bits; then switch that off, for it alone.
+# The sanitizer of GCC 12 cannot start where the kernel randomises addresses by 32 bits; then switch
+# that off, for it alone.
 without_randomisation=()
 if ! "build/tsan/bin/${targets[0]}" --gtest_list_tests >/dev/null 2>&1; then
   without_randomisation=(setarch --addr-no-randomize)

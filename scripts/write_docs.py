@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the parts of the docs that the program itself knows: the help of every command and all options
-(docs/command_line.md), the formats of sensor logs (docs/formats.md), and the options of localisation
-(docs/localization.md) and of the texture (docs/texture.md).
+"""Writes the parts of the docs that the program itself knows: the help of every command and all
+options (docs/command_line.md), the formats of sensor logs (docs/formats.md), and the options of
+localisation (docs/localization.md) and of the texture (docs/texture.md).
 
   scripts/write_docs.py [--program build/release/bin/loopstone]            writes
-  scripts/write_docs.py [--program build/release/bin/loopstone] --check    tells whether the page is up to date (exit 1: no)
+  scripts/write_docs.py [--program build/release/bin/loopstone] --check
+                                            tells whether the page is up to date (exit 1: no)
 """
 import argparse
 import json
@@ -47,8 +48,8 @@ def command_help(program):
 
 
 def options_table(program, command, only=""):
-    """From the TOML of `loopstone config COMMAND`: each option follows its help text, whose last brackets hold the rule.
-    Options whose names begin with `only`."""
+    """From the TOML of `loopstone config COMMAND`: each option follows its help text, whose last
+    brackets hold the rule. Options whose names begin with `only`."""
     rows = []
     group = ""
     comment = ""
@@ -79,12 +80,14 @@ def formats_table(program):
     def told(value):
         return yes_no[value] if isinstance(value, bool) else str(value)
 
-    rows = [["`--format`", *(f"`{entry['name']}`" for entry in formats)],
-            ["a log is", *("a folder" if entry["is_folder"] else "a file" for entry in formats)],
-            ["its files", *(files_of(entry) for entry in formats)],
-            ["several sets in a folder", *(yes_no[entry["has_sets"]] for entry in formats)],
-            ["from a pipe", *(yes_no[entry["from_pipes"]] for entry in formats)],
-            ["written", *(yes_no[entry["written"]] for entry in formats)]]
+    rows = [
+        ["`--format`", *(f"`{entry['name']}`" for entry in formats)],
+        ["a log is", *("a folder" if entry["is_folder"] else "a file" for entry in formats)],
+        ["its files", *(files_of(entry) for entry in formats)],
+        ["several sets in a folder", *(yes_no[entry["has_sets"]] for entry in formats)],
+        ["from a pipe", *(yes_no[entry["from_pipes"]] for entry in formats)],
+        ["written", *(yes_no[entry["written"]] for entry in formats)],
+    ]
     for key in formats[0]["holds"]:
         name, unit = (key[:-3], " ns") if key.endswith("_ns") else (key, "")
         cells = [told(entry["holds"][key]) + unit for entry in formats]
@@ -93,18 +96,22 @@ def formats_table(program):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
     parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
 
     program = arguments.program
     stale = []
-    for page, block, text in [(PAGE, "commands", command_help(program)),
-                              (PAGE, "options", options_table(program, "map")),
-                              (LOCALIZATION_PAGE, "options", options_table(program, "localize")),
-                              (FORMATS_PAGE, "log formats", formats_table(program)),
-                              (TEXTURE_PAGE, "options", options_table(program, "map", "texture."))]:
+    for page, block, text in [
+        (PAGE, "commands", command_help(program)),
+        (PAGE, "options", options_table(program, "map")),
+        (LOCALIZATION_PAGE, "options", options_table(program, "localize")),
+        (FORMATS_PAGE, "log formats", formats_table(program)),
+        (TEXTURE_PAGE, "options", options_table(program, "map", "texture.")),
+    ]:
         if not arguments.check:
             write_block(page, block, text)
             continue

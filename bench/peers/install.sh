@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# Puts the libraries that bench/registration.py and bench/pose_graphs.py compare with into build/bench/peers; nothing is installed into the
-# system. Whatever can't be had is left out, and the comparison goes on without it.
+# Puts the libraries that bench/registration.py and bench/pose_graphs.py compare with into
+# build/bench/peers; nothing is installed into the system. Whatever can't be had is left out, and
+# the comparison goes on without it.
 #   small_gicp  its source package from PyPI (headers) and its wheel
 #   Open3D      wheel from PyPI (the CPU build), in a virtual environment with numpy and scipy
-#   PCL         Debian's packages, unpacked beside (no dependencies on VTK and the like are pulled in); needs apt-get and dpkg
+#   PCL         Debian's packages, unpacked beside (no dependencies on VTK and the like are pulled
+#               in); needs apt-get and dpkg
 # and those that bench/pose_graphs.py compares with:
 #   GTSAM, g2o  wheels from PyPI (gtsam, g2opy), in the same virtual environment
 #   Ceres       Debian's packages, unpacked beside

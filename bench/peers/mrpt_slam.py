@@ -1,5 +1,6 @@
-"""MRPT's icp-slam (Debian: mrpt-apps, mrpt-common) on a CARMEN log, with the configuration that its package brings for it; only
-its window and its scene files are switched off, so that it spends its time on mapping."""
+"""MRPT's icp-slam (Debian: mrpt-apps, mrpt-common) on a CARMEN log, with the configuration that its
+package brings for it; only its window and its scene files are switched off, so that it spends its
+time on mapping."""
 import pathlib
 import re
 import shutil

@@ -6,8 +6,8 @@
 
 namespace loopstone {
 
-// Written by `bench/confidence.py fit`: the most likely weights of 155 simulated drives, 89750
-// scans.
+// Written by `bench/confidence.py fit`: the most likely weights of 155 simulated drives,
+// 89750 scans.
 inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{
     -0.2197,  // 1
     4.9337,   // explained

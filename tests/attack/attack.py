@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Attacks every reader, and the program itself, with spoiled files. Nothing may crash, hang, take much memory, answer in another
-library's words, or leave half a file behind.
+"""Attacks every reader, and the program itself, with spoiled files. Nothing may crash, hang, take
+much memory, answer in another library's words, or leave half a file behind.
 
     attack.py --programs build/release/bin                       500 inputs a format
     attack.py --programs build/release/bin --inputs 20000        as `make attack` does
     attack.py ... --format png --format mat                      some formats
     attack.py ... --format png --only 17                         input number 17 again
-    attack.py ... --format png --file build/attack/failures/...  a file, in the target and in all commands
+    attack.py ... --format png --file build/attack/failures/...  a file, in the target and
+                                                                 in all commands
 
 The same seed gives the same inputs. What fell lies in OUT/failures under FORMAT-SEED-NUMBER.
 """
@@ -27,7 +28,8 @@ from good_files import GoodFiles
 from tries import Limits, Program, Target
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-#: One of so many inputs is given to the program, too: a process costs as much as fifty tries in a target.
+#: One of so many inputs is given to the program, too: a process costs as much as fifty tries in a
+#: target.
 PROGRAM_SHARE = 20
 #: An attack with so many inputs has the time for every command.
 THOROUGH = 5000
@@ -35,7 +37,9 @@ SLICE = 250
 #: Of processor time and of memory, for an input.
 SECONDS, MEGABYTES = 10, 1024
 SANITIZER_SECONDS, SANITIZER_MEGABYTES = 100, 3072
-SANITIZER_OPTIONS = "quarantine_size_mb=8:max_allocation_size_mb=%d:allocator_may_return_null=0" % MEGABYTES
+SANITIZER_OPTIONS = (
+    "quarantine_size_mb=8:max_allocation_size_mb=%d:allocator_may_return_null=0" % MEGABYTES
+)
 KEPT_A_FORMAT = 30
 
 
@@ -59,14 +63,25 @@ class Attack:
         self.options = options
         self.programs = pathlib.Path(options.programs)
         self.out = pathlib.Path(options.out)
-        self.limits = Limits(SANITIZER_SECONDS, SANITIZER_MEGABYTES, False) if options.sanitizer else Limits(SECONDS, MEGABYTES)
-        self.good = GoodFiles(self.programs / "loopstone", self.out / "good", ROOT / "robots" / "ucsd.toml")
+        self.limits = (
+            Limits(SANITIZER_SECONDS, SANITIZER_MEGABYTES, False)
+            if options.sanitizer
+            else Limits(SECONDS, MEGABYTES)
+        )
+        self.good = GoodFiles(
+            self.programs / "loopstone", self.out / "good", ROOT / "robots" / "ucsd.toml"
+        )
 
     def target(self, fmt):
         return Target(self.programs / ("fuzz_" + fmt.target), self.limits)
 
     def program(self):
-        return Program(self.programs / "loopstone", self.good, self.out / "work" / str(os.getpid()), self.limits)
+        return Program(
+            self.programs / "loopstone",
+            self.good,
+            self.out / "work" / str(os.getpid()),
+            self.limits,
+        )
 
     def run_slice(self, name, begin, end):
         """\\return (number, Trial) of the target's tries and of the program's"""
@@ -83,7 +98,9 @@ class Attack:
                 in_target.append((number, trial))
                 if trial.fault:
                     self.keep(fmt, number, data, trial.fault)
-                for command in commands_for(fmt, number, len(fixed), self.options.inputs >= THOROUGH):
+                for command in commands_for(
+                    fmt, number, len(fixed), self.options.inputs >= THOROUGH
+                ):
                     trial = program.attack(fmt, command, data, made_of)
                     in_program.append((number, trial))
                     if trial.fault:
@@ -105,15 +122,21 @@ class Attack:
         data, program = path.read_bytes(), self.program()
         with self.target(fmt) as target:
             trials = [("target", target.attack(data))]
-        trials += [(command, program.attack(fmt, command, data, path.name.split(".")[0])) for command in fmt.commands]
+        trials += [
+            (command, program.attack(fmt, command, data, path.name.split(".")[0]))
+            for command in fmt.commands
+        ]
         for what, trial in trials:
-            print("%-8s %6d ms %6d MB  %s  %s" % ("exit %d" % trial.code, trial.ms, trial.kb >> 10, what, trial.fault or "ok"))
+            print(
+                "%-8s %6d ms %6d MB  %s  %s"
+                % ("exit %d" % trial.code, trial.ms, trial.kb >> 10, what, trial.fault or "ok")
+            )
         return any(trial.fault for _, trial in trials)
 
 
 def commands_for(fmt, number, fixed, thorough):
-    """Some of what is tried goes to the program, each time to another of the commands; what is fixed always does, of a long attack to
-    every command."""
+    """Some of what is tried goes to the program, each time to another of the commands; what is
+    fixed always does, of a long attack to every command."""
     if not fmt.commands:
         return []
     if number < fixed and thorough:
@@ -161,35 +184,67 @@ class Report:
                 known = self.faults[name][kind_of(trial.fault)]
                 known.append(number)
                 if len(known) == 1:
-                    print("FAULT %s, seed %s, input %d: %s" % (name, self.options.seed, number, trial.fault), flush=True)
+                    print(
+                        "FAULT %s, seed %s, input %d: %s"
+                        % (name, self.options.seed, number, trial.fault),
+                        flush=True,
+                    )
 
     def line(self, name):
         tries, runs = self.tries[name], self.runs[name]
         codes = collections.Counter(trial.code for trial in runs)
         both = tries + runs
         return "%-17s %7d %6d %6d ms %5d MB %6d  %s" % (
-            name, len(tries), len(runs), max(trial.ms for trial in both), max(trial.kb for trial in both) >> 10,
+            name,
+            len(tries),
+            len(runs),
+            max(trial.ms for trial in both),
+            max(trial.kb for trial in both) >> 10,
             sum(len(numbers) for numbers in self.faults[name].values()),
-            "  ".join("%d: %d" % pair for pair in sorted(codes.items())))
+            "  ".join("%d: %d" % pair for pair in sorted(codes.items())),
+        )
 
     def print_all(self, seconds):
-        print("%-17s %7s %6s %9s %8s %6s  %s" % ("format", "inputs", "runs", "slowest", "most", "faults", "exit codes of the runs"))
+        print(
+            "%-17s %7s %6s %9s %8s %6s  %s"
+            % ("format", "inputs", "runs", "slowest", "most", "faults", "exit codes of the runs")
+        )
         for name in self.tries:
             print(self.line(name))
         for name, kinds in self.faults.items():
             for kind, numbers in sorted(kinds.items(), key=lambda pair: -len(pair[1])):
-                print("%6d x %s: %s; for example --format %s --seed %s --only %d" % (
-                    len(numbers), name, kind, name, self.options.seed, numbers[0]))
+                print(
+                    "%6d x %s: %s; for example --format %s --seed %s --only %d"
+                    % (len(numbers), name, kind, name, self.options.seed, numbers[0])
+                )
         count = sum(len(numbers) for kinds in self.faults.values() for numbers in kinds.values())
-        print("%d inputs and %d runs of the program in %.0f s: %s" % (
-            sum(map(len, self.tries.values())), sum(map(len, self.runs.values())), seconds,
-            "%d faults; the files are in %s" % (count, pathlib.Path(self.options.out) / "failures") if count else "no fault"))
+        print(
+            "%d inputs and %d runs of the program in %.0f s: %s"
+            % (
+                sum(map(len, self.tries.values())),
+                sum(map(len, self.runs.values())),
+                seconds,
+                (
+                    "%d faults; the files are in %s"
+                    % (count, pathlib.Path(self.options.out) / "failures")
+                    if count
+                    else "no fault"
+                ),
+            )
+        )
         return count
 
 
 def parse_arguments(arguments):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--programs", required=True, type=pathlib.Path, help="folder of loopstone and the fuzz targets")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--programs",
+        required=True,
+        type=pathlib.Path,
+        help="folder of loopstone and the fuzz targets",
+    )
     parser.add_argument("--out", default=ROOT / "build" / "attack", type=pathlib.Path)
     parser.add_argument("--inputs", type=int, default=500, help="a format")
     parser.add_argument("--seed", default="1")
@@ -206,18 +261,30 @@ def parse_arguments(arguments):
 def main(arguments):
     options = parse_arguments(arguments)
     if options.sanitizer:
-        os.environ["ASAN_OPTIONS"] = ":".join(filter(None, (os.environ.get("ASAN_OPTIONS"), SANITIZER_OPTIONS)))
-        os.environ.setdefault("LSAN_OPTIONS", "suppressions=%s:print_suppressions=0" % (ROOT / "scripts" / "lsan.supp"))
+        os.environ["ASAN_OPTIONS"] = ":".join(
+            filter(None, (os.environ.get("ASAN_OPTIONS"), SANITIZER_OPTIONS))
+        )
+        os.environ.setdefault(
+            "LSAN_OPTIONS",
+            "suppressions=%s:print_suppressions=0" % (ROOT / "scripts" / "lsan.supp"),
+        )
     start = time.monotonic()
     names = options.format or [fmt.name for fmt in table.FORMATS]
     attack = Attack(options)
     if options.file:
         return int(any([attack.run_file(format_named(name), options.file) for name in names]))
-    numbers = [(options.only, options.only + 1)] if options.only is not None else [
-        (begin, min(begin + SLICE, options.inputs)) for begin in range(0, options.inputs, SLICE)]
+    numbers = (
+        [(options.only, options.only + 1)]
+        if options.only is not None
+        else [
+            (begin, min(begin + SLICE, options.inputs)) for begin in range(0, options.inputs, SLICE)
+        ]
+    )
     tasks = [(name, *part) for part in numbers for name in names]
     report = Report(options)
-    with concurrent.futures.ProcessPoolExecutor(options.jobs, initializer=start_worker, initargs=(options,)) as pool:
+    with concurrent.futures.ProcessPoolExecutor(
+        options.jobs, initializer=start_worker, initargs=(options,)
+    ) as pool:
         for done in pool.map(work, tasks):
             report.add(*done)
     return int(report.print_all(time.monotonic() - start) > 0)

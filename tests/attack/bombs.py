@@ -1,5 +1,5 @@
-"""Files of bytes that are small and ask for much: each function gives those of one format. They are tried in every attack,
-first. Text is in bombs_of_text.py."""
+"""Files of bytes that are small and ask for much: each function gives those of one format. They are
+tried in every attack, first. Text is in bombs_of_text.py."""
 
 import io
 import struct
@@ -27,11 +27,32 @@ def npy_of(shape, kind="<f8", body=b"", fortran=False):
 
 
 def npy():
-    shapes = ["(%d, 3)" % n for n in HUGE] + ["(3, %d)" % n for n in HUGE] + [
-        "(4294967296, 4294967296)", "(6148914691236517206, 3)", "(" + "1, " * 3000 + ")", "()", "(0, 3)", "(3,)", "(1000000000, 0)"]
+    shapes = (
+        ["(%d, 3)" % n for n in HUGE]
+        + ["(3, %d)" % n for n in HUGE]
+        + [
+            "(4294967296, 4294967296)",
+            "(6148914691236517206, 3)",
+            "(" + "1, " * 3000 + ")",
+            "()",
+            "(0, 3)",
+            "(3,)",
+            "(1000000000, 0)",
+        ]
+    )
     for shape in shapes:
         yield npy_of(shape, body=bytes(24))
-    for kind in ("<f16", "|O", "<U1000000000", "|V99999999999", ">f2", "|b1", "<c16", "<M8[ns]", "<f%s" % ("9" * 400)):
+    for kind in (
+        "<f16",
+        "|O",
+        "<U1000000000",
+        "|V99999999999",
+        ">f2",
+        "|b1",
+        "<c16",
+        "<M8[ns]",
+        "<f%s" % ("9" * 400),
+    ):
         yield npy_of("(3, 3)", kind, bytes(200))
     yield b"\x93NUMPY\x02\0" + struct.pack("<I", 0xFFFFFFFF) + b"{"
     yield b"\x93NUMPY\x03\0" + struct.pack("<I", 60000) + b"(" * 60000
@@ -49,10 +70,25 @@ def npz():
                 made.writestr(zipfile.ZipInfo(name), data, kind, 1)
         return memory.getvalue()
 
-    for names in (("counts", "time_stamps"), ("ranges", "time_stamps"), ("angular_velocity", "time_stamps")):
-        for shape in ("(1081, 1000000000)", "(4, 9223372036854775807)", "(1081, 100000)", "(-1, 4)", "(0, 0)"):
+    for names in (
+        ("counts", "time_stamps"),
+        ("ranges", "time_stamps"),
+        ("angular_velocity", "time_stamps"),
+    ):
+        for shape in (
+            "(1081, 1000000000)",
+            "(4, 9223372036854775807)",
+            "(1081, 100000)",
+            "(-1, 4)",
+            "(0, 0)",
+        ):
             yield archive([(name + ".npy", npy_of(shape, body=bytes(64))) for name in names])
-    yield archive([("ranges.npy", npy_of("(1081, 30000)", body=bytes(1081 * 30000 * 8))), ("time_stamps.npy", npy_of("(30000,)"))])
+    yield archive(
+        [
+            ("ranges.npy", npy_of("(1081, 30000)", body=bytes(1081 * 30000 * 8))),
+            ("time_stamps.npy", npy_of("(30000,)")),
+        ]
+    )
     yield archive([("x" * 60000 + str(i), b"") for i in range(20)])
     yield archive([("%d.npy" % i, npy_of("(3,)")) for i in range(3000)])
     yield b"PK\x05\x06" + b"\xff" * 18
@@ -60,25 +96,45 @@ def npz():
 
 def png_of(width, height, depth, kind, body):
     def chunk(name, data):
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+        return (
+            struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+        )
 
     head = struct.pack(">IIBBBBB", width & 0xFFFFFFFF, height & 0xFFFFFFFF, depth, kind, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
 
 
 def png():
-    for width, height in ((1 << 31, 1), (1, 1 << 31), (0, 0), (60000, 60000), (0x7FFFFFFF, 0x7FFFFFFF), (1, 2_000_000), (2_000_000, 1)):
+    for width, height in (
+        (1 << 31, 1),
+        (1, 1 << 31),
+        (0, 0),
+        (60000, 60000),
+        (0x7FFFFFFF, 0x7FFFFFFF),
+        (1, 2_000_000),
+        (2_000_000, 1),
+    ):
         for depth, kind in ((8, 0), (16, 6), (1, 0), (8, 3)):
             yield png_of(width, height, depth, kind, zlib.compress(bytes(1000)))
     yield png_of(40000, 40000, 1, 0, deflated_zeros(191))
-    yield png_of(5000, 5000, 8, 0, deflated_zeros(24))  # four times the side is a map that somebody has, and takes its time
+    yield png_of(
+        5000, 5000, 8, 0, deflated_zeros(24)
+    )  # four times the side is a map that somebody has, and takes its time
     yield png_of(4000, 4000, 16, 6, deflated_zeros(123))
     yield png_of(4, 4, 8, 0, deflated_zeros(200))
 
 
 def pnm():
     for kind in (b"P2", b"P3", b"P5", b"P6", b"P1", b"P4", b"P7"):
-        for size in (b"60000 60000", b"2147483648 1", b"1 4294967296", b"0 0", b"-1 5", b"99999999999999999999 1", b"46341 46341"):
+        for size in (
+            b"60000 60000",
+            b"2147483648 1",
+            b"1 4294967296",
+            b"0 0",
+            b"-1 5",
+            b"99999999999999999999 1",
+            b"46341 46341",
+        ):
             yield kind + b" " + size + b" 255\n" + bytes(100)
         yield kind + b" 2 2 99999999999\n1 2 3 4\n"
         yield kind + b"\n" + b"# comment\n" * 100_000 + b"2 2 255 1 2 3 4"
@@ -93,9 +149,24 @@ def tiff_of(entries, more=b"", order="<"):
 
 
 def tiff():
-    def picture(width=16, height=16, strips=1, rows=16, compression=1, bits=32, where=400, size=1024):
-        return tiff_of([(256, 4, 1, width), (257, 4, 1, height), (258, 3, 1, bits), (259, 3, 1, compression), (262, 3, 1, 1),
-                        (273, 4, strips, where), (277, 3, 1, 1), (278, 4, 1, rows), (279, 4, strips, size), (339, 3, 1, 3)], bytes(2000))
+    def picture(
+        width=16, height=16, strips=1, rows=16, compression=1, bits=32, where=400, size=1024
+    ):
+        return tiff_of(
+            [
+                (256, 4, 1, width),
+                (257, 4, 1, height),
+                (258, 3, 1, bits),
+                (259, 3, 1, compression),
+                (262, 3, 1, 1),
+                (273, 4, strips, where),
+                (277, 3, 1, 1),
+                (278, 4, 1, rows),
+                (279, 4, strips, size),
+                (339, 3, 1, 3),
+            ],
+            bytes(2000),
+        )
 
     for size in (0, 1, 1 << 16, 60000, 0x7FFFFFFF, 0xFFFFFFFF):
         yield picture(width=size)
@@ -109,9 +180,22 @@ def tiff():
             yield picture(width=60000, height=size, compression=compression)
     # Tiles that all lie on the same bytes.
     for tiles, side in ((4096, 16), (100_000, 16), (64, 2048)):
-        yield tiff_of([(256, 4, 1, side * 64), (257, 4, 1, side * (tiles // 64)), (258, 3, 1, 32), (259, 3, 1, 1), (262, 3, 1, 1),
-                       (277, 3, 1, 1), (322, 4, 1, side), (323, 4, 1, side), (324, 4, tiles, 200), (325, 4, tiles, 200 + 4 * tiles),
-                       (339, 3, 1, 3)], struct.pack("<I", 200) * tiles + struct.pack("<I", side * side * 4) * tiles)
+        yield tiff_of(
+            [
+                (256, 4, 1, side * 64),
+                (257, 4, 1, side * (tiles // 64)),
+                (258, 3, 1, 32),
+                (259, 3, 1, 1),
+                (262, 3, 1, 1),
+                (277, 3, 1, 1),
+                (322, 4, 1, side),
+                (323, 4, 1, side),
+                (324, 4, tiles, 200),
+                (325, 4, tiles, 200 + 4 * tiles),
+                (339, 3, 1, 3),
+            ],
+            struct.pack("<I", 200) * tiles + struct.pack("<I", side * side * 4) * tiles,
+        )
 
 
 def pfm():
@@ -128,7 +212,11 @@ def mat_element(kind, data):
 
 def mat_matrix(rows, columns, size, data=b"", kind=9, array_class=6):
     """\\param size of the numbers, as the file has it"""
-    body = mat_element(6, struct.pack("<II", array_class, 0)) + mat_element(5, struct.pack("<ii", rows, columns)) + mat_element(1, b"X")
+    body = (
+        mat_element(6, struct.pack("<II", array_class, 0))
+        + mat_element(5, struct.pack("<ii", rows, columns))
+        + mat_element(1, b"X")
+    )
     body += struct.pack("<II", kind, size & 0xFFFFFFFF)
     return struct.pack("<II", 14, (len(body) + size) & 0xFFFFFFFF) + body + data
 
@@ -138,7 +226,14 @@ MAT_HEAD = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
 
 def mat():
     head, matrix = MAT_HEAD, mat_matrix
-    for rows, columns in ((1 << 30, 3), (-1, 3), (0x7FFFFFFF, 0x7FFFFFFF), (0, 3), (3, 0), (715827883, 3)):
+    for rows, columns in (
+        (1 << 30, 3),
+        (-1, 3),
+        (0x7FFFFFFF, 0x7FFFFFFF),
+        (0, 3),
+        (3, 0),
+        (715827883, 3),
+    ):
         yield head + matrix(rows, columns, 24, bytes(24))
         yield head + matrix(rows, columns, 0xFFFFFFFF, bytes(24))
     rows = 12_000_000
@@ -146,7 +241,9 @@ def mat():
     yield head + struct.pack("<II", 15, len(packed)) + packed
     packed = deflated_zeros(100, b"")
     yield head + struct.pack("<II", 15, len(packed)) + packed
-    yield head + b"".join(struct.pack("<II", 15, len(packed)) + packed for packed in [deflated_zeros(30)] * 20)
+    yield head + b"".join(
+        struct.pack("<II", 15, len(packed)) + packed for packed in [deflated_zeros(30)] * 20
+    )
     nested = b""
     for _ in range(2000):
         nested = struct.pack("<II", 14, len(nested)) + nested
@@ -156,9 +253,21 @@ def mat():
 
 
 def pcd():
-    def cloud(fields="x y z", size="4 4 4", kind="F F F", count="1 1 1", width="2", height="1", points="2", data="ascii", body=b"0 0 0\n1 1 1\n"):
-        return ("VERSION 0.7\nFIELDS %s\nSIZE %s\nTYPE %s\nCOUNT %s\nWIDTH %s\nHEIGHT %s\nPOINTS %s\nDATA %s\n" % (
-            fields, size, kind, count, width, height, points, data)).encode() + body
+    def cloud(
+        fields="x y z",
+        size="4 4 4",
+        kind="F F F",
+        count="1 1 1",
+        width="2",
+        height="1",
+        points="2",
+        data="ascii",
+        body=b"0 0 0\n1 1 1\n",
+    ):
+        return (
+            "VERSION 0.7\nFIELDS %s\nSIZE %s\nTYPE %s\nCOUNT %s\nWIDTH %s\nHEIGHT %s\nPOINTS"
+            " %s\nDATA %s\n" % (fields, size, kind, count, width, height, points, data)
+        ).encode() + body
 
     for n in HUGE:
         for data in ("ascii", "binary", "binary_compressed"):
@@ -168,11 +277,24 @@ def pcd():
         yield cloud(size="4 4 %d" % n)
     for packed, unpacked in ((10, 0xFFFFFFFF), (0xFFFFFFFF, 24), (0, 0), (10, 1 << 30)):
         for width in (2, 89_478_485, 1 << 30):
-            yield cloud(width=width, points=width, data="binary_compressed", body=struct.pack("<II", packed, unpacked) + bytes(100))
+            yield cloud(
+                width=width,
+                points=width,
+                data="binary_compressed",
+                body=struct.pack("<II", packed, unpacked) + bytes(100),
+            )
     yield cloud(fields="x " * 20000, size="4 " * 20000, kind="F " * 20000, count="1 " * 20000)
     for value in ("3.4e38", "1e100", "1e308", "1e18", "-3.4e38"):
         yield cloud(points="4", width="4", body=("%s 0 0\n1 1 0\n0 1 1\n1 0 1\n" % value).encode())
-        yield cloud(fields="x y", size="8 8", kind="F F", count="1 1", points="4", width="4", body=("%s 0\n1 1\n0 1\n1 0\n" % value).encode())
+        yield cloud(
+            fields="x y",
+            size="8 8",
+            kind="F F",
+            count="1 1",
+            points="4",
+            width="4",
+            body=("%s 0\n1 1\n0 1\n1 0\n" % value).encode(),
+        )
 
 
 def ply():
@@ -183,18 +305,41 @@ def ply():
     for n in HUGE:
         for kind in ("ascii", "binary_little_endian", "binary_big_endian"):
             yield cloud("element vertex %d\n%s" % (n, xyz), kind, bytes(48))
-            yield cloud("element face %d\nproperty list uchar int i\nelement vertex 1\n%s" % (n, xyz), kind, bytes(48))
+            yield cloud(
+                "element face %d\nproperty list uchar int i\nelement vertex 1\n%s" % (n, xyz),
+                kind,
+                bytes(48),
+            )
             yield cloud("element face %d\nelement vertex 1\n%s" % (n, xyz), kind, bytes(48))
-    for size in (b"\xff\xff\xff\xff", b"\x00\x00\x00\x80", b"\xfc\xff\xff\xff", b"\x00\x00\x00\x20", b"\xff\xff\xff\x1f"):
+    for size in (
+        b"\xff\xff\xff\xff",
+        b"\x00\x00\x00\x80",
+        b"\xfc\xff\xff\xff",
+        b"\x00\x00\x00\x20",
+        b"\xff\xff\xff\x1f",
+    ):
         for kind in ("uint", "int"):
-            elements = "element face 2\nproperty list %s double i\nelement vertex 1\n%s" % (kind, xyz)
+            elements = "element face 2\nproperty list %s double i\nelement vertex 1\n%s" % (
+                kind,
+                xyz,
+            )
             yield cloud(elements, "binary_little_endian", size + bytes(96))
             yield cloud(elements, "binary_little_endian", bytes(4) + size + bytes(96))
-    yield cloud("element vertex 1\n" + "property double x\n" * 30000 + xyz, "binary_little_endian", bytes(400))
+    yield cloud(
+        "element vertex 1\n" + "property double x\n" * 30000 + xyz,
+        "binary_little_endian",
+        bytes(400),
+    )
     yield cloud("element a 1\nproperty list uchar uchar b\n" * 20000)
     for value in ("3.4e38", "1e100", "1e308", "1e18", "-3.4e38"):
-        yield cloud("element vertex 4\n" + xyz, "ascii", ("%s 0 0\n1 1 0\n0 1 1\n1 0 1\n" % value).encode())
-        yield cloud("element vertex 4\n" + xyz, "ascii", ("%s 0 0\n-%s 1 0\n0 1 0\n1 0 0\n" % (value, value)).encode())
+        yield cloud(
+            "element vertex 4\n" + xyz, "ascii", ("%s 0 0\n1 1 0\n0 1 1\n1 0 1\n" % value).encode()
+        )
+        yield cloud(
+            "element vertex 4\n" + xyz,
+            "ascii",
+            ("%s 0 0\n-%s 1 0\n0 1 0\n1 0 0\n" % (value, value)).encode(),
+        )
 
 
 def session():
@@ -205,5 +350,7 @@ def session():
     for tag in (b"END ", b"RUN ", b"SCAN", b"FRNT", b"MAPR", b"WAIT", b"BACK", b"MAPD"):
         for size in (0, 8, 1 << 32, 1 << 63, (1 << 64) - 1):
             yield head + tag + struct.pack("<HHQ", 1, 0, size) + b"\xff" * 64
-        yield head + checked(tag + struct.pack("<HHQ", 1, 0, 64) + b"\xff" * 64) + checked(b"END " + struct.pack("<HHQI", 1, 0, 4, 1))
+        yield head + checked(tag + struct.pack("<HHQ", 1, 0, 64) + b"\xff" * 64) + checked(
+            b"END " + struct.pack("<HHQI", 1, 0, 4, 1)
+        )
     yield head

@@ -1,4 +1,5 @@
-"""Text that is small and asks for much: each function gives that of one format. It is tried in every attack, first."""
+"""Text that is small and asks for much: each function gives that of one format. It is tried in
+every attack, first."""
 
 import bz2
 import gzip
@@ -11,7 +12,9 @@ FLASER = b"FLASER 4 1.0 1.1 1.2 1.3 0 0 0 0 0 0 1000.0 robot 0.1\n"
 def drive(mount_x, mount_y=0.0, ranges=b"3 3 4 4 5 5 4 4 3 3", step=0.1):
     """A robot that drives ahead, its laser mounted somewhere."""
     line = b"FLASER 10 " + ranges + b" %.10g %.10g 0 %.10g 0 0 %.10g robot %.10g\n"
-    return b"".join(line % (i * step + mount_x, mount_y, i * step, 1000 + 0.2 * i, 0.2 * i) for i in range(20))
+    return b"".join(
+        line % (i * step + mount_x, mount_y, i * step, 1000 + 0.2 * i, 0.2 * i) for i in range(20)
+    )
 
 
 def carmen():
@@ -28,25 +31,48 @@ def carmen():
     for mount in (b"4e9", b"1e18", b"1e308", b"nan"):
         yield b"PARAM robot_frontlaser_offset " + mount + b"\n" + scan
         yield b"PARAM laser_front_laser_resolution " + mount + b"\n" + scan
-        yield b"".join(b"FLASER 4 1.0 1.1 1.2 1.3 %s 0 0 %d 0 0 %d r %d\n" % (mount, i, 1000 + i, i) for i in range(5))
-        yield b"".join(b"ROBOTLASER1 0 -1 2 1 30 0.1 0 4 1 1 1 1 0 %s 0 0 0 0 0 0 0 0 0 0 %d r %d\n" % (mount, 1000 + i, i) for i in range(5))
+        yield b"".join(
+            b"FLASER 4 1.0 1.1 1.2 1.3 %s 0 0 %d 0 0 %d r %d\n" % (mount, i, 1000 + i, i)
+            for i in range(5)
+        )
+        yield b"".join(
+            b"ROBOTLASER1 0 -1 2 1 30 0.1 0 4 1 1 1 1 0 %s 0 0 0 0 0 0 0 0 0 0 %d r %d\n"
+            % (mount, 1000 + i, i)
+            for i in range(5)
+        )
     yield b"FLASER 300000 " + b"1 " * 300000 + b"0 0 0 0 0 0 1000 robot 0.1\n"
     yield b"FLASER 4 " + b"1" * 3_000_000 + b" 1 1 1 0 0 0 0 0 0 1000 r 0.1\n"
     yield b"\n" * 2_000_000
     yield b"x" * 3_000_000
     yield b"".join(b"FLASER 4 1.0 1.1 1.2 1.3 0 0 0 0 0 0 0 r 0\n" for _ in range(200))
-    yield b"".join(b"FLASER 4 1.0 1.1 1.2 1.3 0 0 0 0 0 0 %d r %d\n" % (2000 - i, 2000 - i) for i in range(200))
-    yield b"".join(b"FLASER 4 1.0 1.1 1.2 1.3 0 0 0 0 0 0 %d r %d\n" % (1000000 * i, 1000 * i) for i in range(1, 50))
-    yield b"".join(b"FLASER 4 1.0 1.1 1.2 1.3 %d 0 0 %d 0 0 %d r %d\n" % (10**i, 10**i, 1000 + i, i) for i in range(1, 30))
+    yield b"".join(
+        b"FLASER 4 1.0 1.1 1.2 1.3 0 0 0 0 0 0 %d r %d\n" % (2000 - i, 2000 - i) for i in range(200)
+    )
+    yield b"".join(
+        b"FLASER 4 1.0 1.1 1.2 1.3 0 0 0 0 0 0 %d r %d\n" % (1000000 * i, 1000 * i)
+        for i in range(1, 50)
+    )
+    yield b"".join(
+        b"FLASER 4 1.0 1.1 1.2 1.3 %d 0 0 %d 0 0 %d r %d\n" % (10**i, 10**i, 1000 + i, i)
+        for i in range(1, 30)
+    )
     frozen = b"FLASER 60 " + b"".join(b"%d.5 " % (70 + i % 7) for i in range(60))
     for step in (3000, 10**7):
-        yield b"".join(frozen + b"%d %d 0 %d %d 0 %d r %d\n" % (step * i, step * i, step * i, step * i, 1000 + i, i) for i in range(10))
-    yield b"".join(b"FLASER 4 1 1 1 1 0 0 0 0 0 0 %d r %d\n" % (10**i, 10**i) for i in range(1, 22))
+        yield b"".join(
+            frozen
+            + b"%d %d 0 %d %d 0 %d r %d\n" % (step * i, step * i, step * i, step * i, 1000 + i, i)
+            for i in range(10)
+        )
+    yield b"".join(
+        b"FLASER 4 1 1 1 1 0 0 0 0 0 0 %d r %d\n" % (10**i, 10**i) for i in range(1, 22)
+    )
 
 
 def carmen_gz():
     yield deflated_zeros(300, FLASER, 31)
-    yield gzip.compress(b"FLASER 30000000 " + b"1 " * 30_000_000 + b"0 0 0 0 0 0 1000 robot 0.1\n", 1, mtime=0)
+    yield gzip.compress(
+        b"FLASER 30000000 " + b"1 " * 30_000_000 + b"0 0 0 0 0 0 1000 robot 0.1\n", 1, mtime=0
+    )
     yield gzip.compress(b"\n" * 50_000_000, 1, mtime=0)
     yield gzip.compress(FLASER, mtime=0) * 500
 
@@ -81,12 +107,39 @@ def text():
 
 def map_yaml():
     def yaml(image="map.pgm", resolution="0.05", origin="[0, 0, 0]", more=""):
-        return ("image: %s\nresolution: %s\norigin: %s\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n%s" % (
-            image, resolution, origin, more)).encode()
+        return (
+            "image: %s\nresolution: %s\norigin: %s\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh:"
+            " 0.196\n%s" % (image, resolution, origin, more)
+        ).encode()
 
-    for image in ("/dev/zero", "/dev/stdin", ".", "..", "/", "input.yaml", "/proc/self/mem", '""', "no such picture", "/dev/null", "a" * 5000):
+    for image in (
+        "/dev/zero",
+        "/dev/stdin",
+        ".",
+        "..",
+        "/",
+        "input.yaml",
+        "/proc/self/mem",
+        '""',
+        "no such picture",
+        "/dev/null",
+        "a" * 5000,
+    ):
         yield yaml(image=image)
-    for number in ("1e12", "1e100", "1e308", "1e-308", "1e-12", "nan", "inf", "0", "-1", "1e9", "1e18", "1" + "0" * 309):
+    for number in (
+        "1e12",
+        "1e100",
+        "1e308",
+        "1e-308",
+        "1e-12",
+        "nan",
+        "inf",
+        "0",
+        "-1",
+        "1e9",
+        "1e18",
+        "1" + "0" * 309,
+    ):
         yield yaml(resolution=number)
         for origin in ("[%s, 0, 0]", "[0, %s, 0.5]", "[0, 0, %s]", "[%s, %s, 0.7]"):
             yield yaml(origin=origin.replace("%s", number))
@@ -95,7 +148,9 @@ def map_yaml():
     yield b"{" * 100_000
     yield b"- " * 100_000
     yield b"? " * 50_000
-    yield b"a: &a [x]\n" + b"".join(b"%c: &%c [%s]\n" % (98 + i, 98 + i, b",".join([b"*%c" % (97 + i)] * 10)) for i in range(20))
+    yield b"a: &a [x]\n" + b"".join(
+        b"%c: &%c [%s]\n" % (98 + i, 98 + i, b",".join([b"*%c" % (97 + i)] * 10)) for i in range(20)
+    )
     yield b"a: &a {<<: *a}\n"
     yield yaml(more="more: &x [*x]\n")
     yield yaml(more="---\nimage: b\n")
@@ -124,11 +179,23 @@ def toml():
         yield b"a = " + b"{b=" * depth + b"1" + b"}" * depth + b"\n"
         yield b"[[a]]\n" * depth
         yield b"[" * depth
-    yield b"a = \"" + b"\\" * 99_999 + b"\"\n"
-    yield b"\"" * 100_000
+    yield b'a = "' + b"\\" * 99_999 + b'"\n'
+    yield b'"' * 100_000
     yield b"".join(b"k%d = 1\n" % i for i in range(20_000))
     yield b"front_end.points_max = " + b"9" * 400 + b"\n"
-    for value in (b"nan", b"inf", b"-inf", b"1e308", b"1e309", b"0x" + b"f" * 40, b"1979-05-27T07:32:00Z", b"[]", b"{}", b"''", b"true"):
+    for value in (
+        b"nan",
+        b"inf",
+        b"-inf",
+        b"1e308",
+        b"1e309",
+        b"0x" + b"f" * 40,
+        b"1979-05-27T07:32:00Z",
+        b"[]",
+        b"{}",
+        b"''",
+        b"true",
+    ):
         yield b"[map]\nresolution_m = " + value + b"\n[front_end]\npoints_max = " + value + b"\n"
         yield b"[[lidar]]\nx_m = " + value + b"\nyaw_rad = " + value + b"\n"
         yield b"[wheels]\nradius_m = " + value + b"\n"

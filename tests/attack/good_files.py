@@ -1,4 +1,5 @@
-"""Small good files that the program itself makes: seeds to spoil, and company for the spoiled file in a command."""
+"""Small good files that the program itself makes: seeds to spoil, and company for the spoiled file
+in a command."""
 
 import bz2
 import gzip
@@ -21,7 +22,18 @@ negate: 0
 occupied_thresh: 0.65
 free_thresh: 0.196
 """
-DRIVE = ["--duration", "5", "--beams", "41", "--fov", "240", "--scan-rate", "3", "--max-range", "20"]
+DRIVE = [
+    "--duration",
+    "5",
+    "--beams",
+    "41",
+    "--fov",
+    "240",
+    "--scan-rate",
+    "3",
+    "--max-range",
+    "20",
+]
 
 
 def room_picture(width=80, height=60):
@@ -38,21 +50,39 @@ def room_picture(width=80, height=60):
 def png_of(pgm):
     """The same picture as PNG, rows not filtered."""
     width, height = map(int, pgm.split()[1:3])
-    pixels = pgm[-width * height:]
-    rows = b"".join(b"\0" + pixels[row * width:(row + 1) * width] for row in range(height))
-    return Png().pack([b"IHDR" + struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0), b"IDAT" + rows, b"IEND"])
+    pixels = pgm[-width * height :]
+    rows = b"".join(b"\0" + pixels[row * width : (row + 1) * width] for row in range(height))
+    return Png().pack(
+        [b"IHDR" + struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0), b"IDAT" + rows, b"IEND"]
+    )
 
 
 def relations_of(truth):
-    """The motions between poses of a trajectory that drives straight ahead, as good as any to be spoiled."""
+    """The motions between poses of a trajectory that drives straight ahead, as good as any to be
+    spoiled."""
     stamps = [line.split()[0] for line in truth.splitlines() if line and line[0] != "#"]
     return "".join("%s %s 0.1 0 0 0 0 0.01\n" % pair for pair in zip(stamps, stamps[1:]))
 
 
 def save_session(program, log, out):
     """A run that is interrupted as soon as it has saved its state."""
-    process = subprocess.Popen([program, "map", str(log), "-o", str(out), "--threads", "1", "--realtime", "2", "--checkpoint", "0.3"],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        [
+            program,
+            "map",
+            str(log),
+            "-o",
+            str(out),
+            "--threads",
+            "1",
+            "--realtime",
+            "2",
+            "--checkpoint",
+            "0.3",
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     session = out / "session.loopstone"
     end = time.monotonic() + 20
     while not session.exists() and process.poll() is None and time.monotonic() < end:
@@ -74,14 +104,27 @@ class GoodFiles:
             shutil.rmtree(self.folder, ignore_errors=True)
             self.make(pathlib.Path(robot_file))
             mark.write_text(stamp)
-        self.arguments = {"log": self.folder / "carmen" / "log.clf", "map": self.folder / "sim" / "map.yaml",
-                          "truth": self.folder / "carmen" / "truth.tum", "cloud": self.folder / "simulated" / "corner.ply",
-                          "space": self.folder / "simulated" / "cloud.npy"}
+        self.arguments = {
+            "log": self.folder / "carmen" / "log.clf",
+            "map": self.folder / "sim" / "map.yaml",
+            "truth": self.folder / "carmen" / "truth.tum",
+            "cloud": self.folder / "simulated" / "corner.ply",
+            "space": self.folder / "simulated" / "cloud.npy",
+        }
 
     def run(self, *arguments):
-        done = subprocess.run([self.program, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=120)
+        done = subprocess.run(
+            [self.program, *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=120,
+        )
         if done.returncode != 0:
-            raise SystemExit("attack: good files can't be made: %s\n%s" % (" ".join(map(str, arguments)), done.stderr))
+            raise SystemExit(
+                "attack: good files can't be made: %s\n%s"
+                % (" ".join(map(str, arguments)), done.stderr)
+            )
         return done.stdout
 
     def make(self, robot_file):
@@ -90,11 +133,31 @@ class GoodFiles:
         (folder / "room.yaml").write_text(ROOM)
         (folder / "room.pgm").write_bytes(room_picture())
         self.run("simulate", folder / "room.yaml", "-o", folder / "sim", *DRIVE)
-        self.run("simulate", folder / "room.yaml", "-o", folder / "carmen", "--format", "carmen", *DRIVE)
-        self.run("simulate", folder / "room.yaml", "-o", folder / "rgbd", "--duration", "1", "--beams", "41", "--rgbd")
+        self.run(
+            "simulate", folder / "room.yaml", "-o", folder / "carmen", "--format", "carmen", *DRIVE
+        )
+        self.run(
+            "simulate",
+            folder / "room.yaml",
+            "-o",
+            folder / "rgbd",
+            "--duration",
+            "1",
+            "--beams",
+            "41",
+            "--rgbd",
+        )
         log = folder / "carmen" / "log.clf"
         self.run("map", log, "-o", folder / "out", "--threads", "1")
-        self.run("localize", log, "--map", folder / "sim" / "map.yaml", "-o", folder / "where.tum", "--global")
+        self.run(
+            "localize",
+            log,
+            "--map",
+            folder / "sim" / "map.yaml",
+            "-o",
+            folder / "where.tum",
+            "--global",
+        )
         self.run("match", "%s#3" % log, "%s#0" % log, "--aligned", seeds / "corner.ply")
         self.run("match", "%s#3" % log, "%s#0" % log, "--aligned", seeds / "corner.pcd")
         text = log.read_bytes()
@@ -110,14 +173,26 @@ class GoodFiles:
         shutil.copy(folder / "room.pgm", seeds / "room.pgm")
         (seeds / "room.png").write_bytes(png_of(room_picture()))
         shutil.copy(robot_file, seeds / "robot.toml")
-        shutil.copy(next((folder / "rgbd" / "dataRGBD").glob("Disparity*/*_1.png")), seeds / "depth.disparity.png")
-        numbers = [0.1 * i for i in range(40)] + [0.05 * i * i for i in range(40)] + [float(i % 3) for i in range(40)]
+        shutil.copy(
+            next((folder / "rgbd" / "dataRGBD").glob("Disparity*/*_1.png")),
+            seeds / "depth.disparity.png",
+        )
+        numbers = (
+            [0.1 * i for i in range(40)]
+            + [0.05 * i * i for i in range(40)]
+            + [float(i % 3) for i in range(40)]
+        )
         columns = struct.pack("<120d", *numbers)
         (seeds / "cloud.mat").write_bytes(MAT_HEAD + mat_matrix(40, 3, len(columns), columns))
         (seeds / "cloud.npy").write_bytes(npy_of("(40, 3)", body=columns, fortran=True))
-        (seeds / "cloud.csv").write_text("x,y,z\n" + "".join("%g,%g,%g\n" % row for row in zip(numbers, numbers[40:], numbers[80:])))
+        (seeds / "cloud.csv").write_text(
+            "x,y,z\n"
+            + "".join("%g,%g,%g\n" % row for row in zip(numbers, numbers[40:], numbers[80:]))
+        )
         (seeds / "options.toml").write_text(self.run("config"))
-        (seeds / "truth.relations").write_text(relations_of((folder / "carmen" / "truth.tum").read_text()))
+        (seeds / "truth.relations").write_text(
+            relations_of((folder / "carmen" / "truth.tum").read_text())
+        )
         session = save_session(self.program, log, folder / "broken_off")
         if session.exists():
             shutil.copy(session, seeds / "run.loopstone")

@@ -1,23 +1,120 @@
-"""Ways to spoil a file. Each takes the bytes, a random generator and a donor (another good file of the same format) and gives
-new bytes; spoil() applies one to four of them. Nothing here knows a format: see wraps.py for those with checksums."""
+"""Ways to spoil a file. Each takes the bytes, a random generator and a donor (another good file of
+the same format) and gives new bytes; spoil() applies one to four of them. Nothing here knows a
+format: see wraps.py for those with checksums."""
 
 import re
 import struct
 
 NUMBERS = [
-    b"nan", b"-nan", b"inf", b"-inf", b"1e308", b"-1e308", b"1e309", b"3.4e38", b"3.5e38", b"1e100", b"1e18", b"1e12", b"4e9",
-    b"-0", b"0", b"-1", b"1", b"1e-308", b"4.9e-324", b"1e-9", b"0x10", b"1e", b"1,5", b"--1", b"+1", b"1.2.3", b"",
-    b"127", b"128", b"255", b"256", b"32767", b"32768", b"65535", b"65536",
-    b"2147483647", b"2147483648", b"-2147483648", b"-2147483649", b"4294967295", b"4294967296",
-    b"9223372036854775807", b"9223372036854775808", b"-9223372036854775808", b"18446744073709551616",
-    b"1" + b"0" * 308, b"9" * 309, b"0." + b"0" * 309 + b"1", b"1e" + b"9" * 20,
+    b"nan",
+    b"-nan",
+    b"inf",
+    b"-inf",
+    b"1e308",
+    b"-1e308",
+    b"1e309",
+    b"3.4e38",
+    b"3.5e38",
+    b"1e100",
+    b"1e18",
+    b"1e12",
+    b"4e9",
+    b"-0",
+    b"0",
+    b"-1",
+    b"1",
+    b"1e-308",
+    b"4.9e-324",
+    b"1e-9",
+    b"0x10",
+    b"1e",
+    b"1,5",
+    b"--1",
+    b"+1",
+    b"1.2.3",
+    b"",
+    b"127",
+    b"128",
+    b"255",
+    b"256",
+    b"32767",
+    b"32768",
+    b"65535",
+    b"65536",
+    b"2147483647",
+    b"2147483648",
+    b"-2147483648",
+    b"-2147483649",
+    b"4294967295",
+    b"4294967296",
+    b"9223372036854775807",
+    b"9223372036854775808",
+    b"-9223372036854775808",
+    b"18446744073709551616",
+    b"1" + b"0" * 308,
+    b"9" * 309,
+    b"0." + b"0" * 309 + b"1",
+    b"1e" + b"9" * 20,
 ]
-INTEGERS = [0, 1, 2, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x10000, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 1 << 32, 1 << 40,
-            1 << 60, (1 << 63) - 1, 1 << 63, (1 << 64) - 1]
-REALS = [float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 3.4e38, 3.5e38, 1e100, 1e18, 1e12, 4e9, 2147483648.0, -0.0,
-         4.9e-324, 1e-300, -1.0]
-ODD_BYTES = [b"\0", b"\x1b[2J\x1b[31m", b"\xff", b"\xc3\x28", b"\xed\xa0\x80", b"\x7f", b"\r", b"\b\b", b"\x9b", b"\xef\xbb\xbf",
-             b"\n", b"\t", b" ", b'"', b"#", b"<script>", b"%s%n", b"../"]
+INTEGERS = [
+    0,
+    1,
+    2,
+    0x7F,
+    0x80,
+    0xFF,
+    0x7FFF,
+    0x8000,
+    0xFFFF,
+    0x10000,
+    0x7FFFFFFF,
+    0x80000000,
+    0xFFFFFFFF,
+    1 << 32,
+    1 << 40,
+    1 << 60,
+    (1 << 63) - 1,
+    1 << 63,
+    (1 << 64) - 1,
+]
+REALS = [
+    float("nan"),
+    float("inf"),
+    float("-inf"),
+    1e308,
+    -1e308,
+    3.4e38,
+    3.5e38,
+    1e100,
+    1e18,
+    1e12,
+    4e9,
+    2147483648.0,
+    -0.0,
+    4.9e-324,
+    1e-300,
+    -1.0,
+]
+ODD_BYTES = [
+    b"\0",
+    b"\x1b[2J\x1b[31m",
+    b"\xff",
+    b"\xc3\x28",
+    b"\xed\xa0\x80",
+    b"\x7f",
+    b"\r",
+    b"\b\b",
+    b"\x9b",
+    b"\xef\xbb\xbf",
+    b"\n",
+    b"\t",
+    b" ",
+    b'"',
+    b"#",
+    b"<script>",
+    b"%s%n",
+    b"../",
+]
 NUMBER = re.compile(rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 WORD = re.compile(rb"[A-Za-z_][A-Za-z_0-9]*")
 
@@ -50,7 +147,9 @@ def flip_bits(data, rng, _donor):
 
 def set_bytes(data, rng, _donor):
     begin, end = stretch(data, rng)
-    return put(data, begin, end, bytes([rng.choice([0, 1, 0x20, 0x7F, 0x80, 0xFE, 0xFF])]) * (end - begin))
+    return put(
+        data, begin, end, bytes([rng.choice([0, 1, 0x20, 0x7F, 0x80, 0xFE, 0xFF])]) * (end - begin)
+    )
 
 
 def set_integer(data, rng, _donor):
@@ -76,7 +175,7 @@ def cut_off(data, rng, _donor):
 
 
 def cut_front(data, rng, _donor):
-    return data[place(data, rng):]
+    return data[place(data, rng) :]
 
 
 def remove(data, rng, _donor):
@@ -101,7 +200,7 @@ def append(data, rng, donor):
 
 
 def splice(data, rng, donor):
-    return data[: place(data, rng)] + donor[place(donor, rng):]
+    return data[: place(data, rng)] + donor[place(donor, rng) :]
 
 
 def insert_odd(data, rng, _donor):
@@ -113,7 +212,21 @@ def nothing_left(_data, rng, _donor):
     return rng.choice([b"", b"\0", b"\n", b" ", b"\xef\xbb\xbf"])
 
 
-BYTES = [flip_bits, set_bytes, set_integer, set_integer, set_real, cut_off, cut_front, remove, repeat, move, append, splice, insert_odd]
+BYTES = [
+    flip_bits,
+    set_bytes,
+    set_integer,
+    set_integer,
+    set_real,
+    cut_off,
+    cut_front,
+    remove,
+    repeat,
+    move,
+    append,
+    splice,
+    insert_odd,
+]
 
 
 # Text.
@@ -135,7 +248,9 @@ def scale_number(data, rng, _donor):
         value = float(data[begin:end])
     except ValueError:
         return data
-    return put(data, begin, end, repr(value * rng.choice([-1, 10, 1e3, 1e6, 1e12, 1e-3, 1e-12])).encode())
+    return put(
+        data, begin, end, repr(value * rng.choice([-1, 10, 1e3, 1e6, 1e12, 1e-3, 1e-12])).encode()
+    )
 
 
 def set_word(data, rng, donor):
@@ -146,14 +261,34 @@ def set_word(data, rng, donor):
 
 def long_word(data, rng, _donor):
     begin, end = one_of(WORD, data, rng)
-    return put(data, begin, end, rng.choice([b"a", b"9", b"a.", b"\xc3\xa9"]) * rng.choice([300, 5000, 70000]))
+    return put(
+        data,
+        begin,
+        end,
+        rng.choice([b"a", b"9", b"a.", b"\xc3\xa9"]) * rng.choice([300, 5000, 70000]),
+    )
 
 
 def nest(data, rng, _donor):
-    opening, closing = rng.choice([(b"[", b"]"), (b"{", b"}"), (b"[[", b"]]"), (b"{a=", b"}"), (b"(", b")"), (b"- ", b""), (b"a.", b"")])
+    opening, closing = rng.choice(
+        [
+            (b"[", b"]"),
+            (b"{", b"}"),
+            (b"[[", b"]]"),
+            (b"{a=", b"}"),
+            (b"(", b")"),
+            (b"- ", b""),
+            (b"a.", b""),
+        ]
+    )
     depth = rng.choice([3, 100, 10000, 50000])
     begin, end = one_of(NUMBER, data, rng)
-    return put(data, begin, end, opening * depth + data[begin:end] + (closing * depth if rng.random() < 0.5 else b""))
+    return put(
+        data,
+        begin,
+        end,
+        opening * depth + data[begin:end] + (closing * depth if rng.random() < 0.5 else b""),
+    )
 
 
 def with_lines(change):
@@ -202,7 +337,7 @@ def foreign_line(lines, rng, donor):
 @with_lines
 def join_lines(lines, rng, _donor):
     at = rng.randrange(len(lines))
-    lines[at:at + 2] = [b" ".join(lines[at:at + 2])]
+    lines[at : at + 2] = [b" ".join(lines[at : at + 2])]
 
 
 def change_tokens(change):
@@ -217,7 +352,7 @@ def change_tokens(change):
         for i, line in enumerate(lines):
             tokens = line.split(b" ")
             if tokens == pick or (everywhere and len(tokens) == len(pick) and tokens[0] == pick[0]):
-                tokens[at:at + 1] = action(tokens[at])
+                tokens[at : at + 1] = action(tokens[at])
                 lines[i] = b" ".join(tokens)
         return b"\n".join(lines)
 
@@ -264,9 +399,34 @@ def blanks(data, rng, _donor):
     return data.replace(b" ", rng.choice([b"\t", b"  ", b"\xc2\xa0", b",", b";", b"\v"]))
 
 
-TEXT = [set_number, set_number, set_number, scale_number, set_word, long_word, nest, drop_line, repeat_line, swap_lines, reverse_lines,
-        shuffle_lines, foreign_line, join_lines, set_column, set_column, scale_column, drop_column, repeat_column, line_ends, blanks,
-        insert_odd, cut_off, splice, flip_bits, append]
+TEXT = [
+    set_number,
+    set_number,
+    set_number,
+    scale_number,
+    set_word,
+    long_word,
+    nest,
+    drop_line,
+    repeat_line,
+    swap_lines,
+    reverse_lines,
+    shuffle_lines,
+    foreign_line,
+    join_lines,
+    set_column,
+    set_column,
+    scale_column,
+    drop_column,
+    repeat_column,
+    line_ends,
+    blanks,
+    insert_odd,
+    cut_off,
+    splice,
+    flip_bits,
+    append,
+]
 
 LONGEST = 1 << 20
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Proves that the attack can fail: planted faults are found, and its inputs are what they should be.
+"""Proves that the attack can fail: planted faults are found, and its inputs are what they should
+be.
 
     self_test.py PROGRAMS      the folder of attack_planted, loopstone and the fuzz targets
 """
@@ -22,7 +23,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = None
 LIMITS = Limits(seconds=2, megabytes=200)
 #: An attacked program that has the fault that its input names.
-FAULTY = """#!%s
+FAULTY = (
+    """#!%s
 import os, pathlib, sys, time
 given = pathlib.Path(sys.argv[2])
 word = given.read_text()
@@ -42,14 +44,24 @@ if word == "no json": print("NaN")
 if word == "share": print('{"kept_share": 1.5}')
 if word in ("good", "half", "overwrite", "bloat"): print("{}")
 if word == "refused": sys.exit("loopstone: input.tum:1: no number")
-""" % sys.executable
+"""
+    % sys.executable
+)
 
 
 class FindsPlantedFaults(unittest.TestCase):
     def test_in_a_target(self):
         with Target(PROGRAMS / "attack_planted", LIMITS) as target:
-            for word, expected in (("crash", ""), ("trap", ""), ("overflow", ""), ("hang", "hang"), ("bloat", ""),
-                                   ("throw", "exception: uncaught: nobody"), ("throw a number", "exception"), ("exit", "exit 5")):
+            for word, expected in (
+                ("crash", ""),
+                ("trap", ""),
+                ("overflow", ""),
+                ("hang", "hang"),
+                ("bloat", ""),
+                ("throw", "exception: uncaught: nobody"),
+                ("throw a number", "exception"),
+                ("exit", "exit 5"),
+            ):
                 fault = target.attack(word.encode()).fault
                 self.assertTrue(fault and fault.startswith(expected), "%s: %r" % (word, fault))
                 self.assertEqual(target.attack(b"good").fault, "")
@@ -66,10 +78,21 @@ class FindsPlantedFaults(unittest.TestCase):
             def fault_of(word):
                 return program.attack(fmt, "evaluate {in} --json", word.encode(), "seed").fault
 
-            for word, expected in (("crash", "exit code -6"), ("odd exit", "exit code 9"), ("hang", "hang"), ("bloat", "bloat"),
-                                   ("half", "left behind"), ("overwrite", "its input"), ("escape", "words"), ("nameless", "words"),
-                                   ("wordless", "words"), ("foreign", "words"), ("digits", "words"), ("no json", "figures"),
-                                   ("share", "figures")):
+            for word, expected in (
+                ("crash", "exit code -6"),
+                ("odd exit", "exit code 9"),
+                ("hang", "hang"),
+                ("bloat", "bloat"),
+                ("half", "left behind"),
+                ("overwrite", "its input"),
+                ("escape", "words"),
+                ("nameless", "words"),
+                ("wordless", "words"),
+                ("foreign", "words"),
+                ("digits", "words"),
+                ("no json", "figures"),
+                ("share", "figures"),
+            ):
                 fault = fault_of(word)
                 self.assertTrue(fault.startswith(expected), "%s: %r" % (word, fault))
             self.assertEqual(fault_of("good"), "")
@@ -84,25 +107,40 @@ class MakesInputs(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        cls.good = GoodFiles(PROGRAMS / "loopstone", pathlib.Path(cls.folder.name) / "good", ROOT / "robots" / "ucsd.toml")
+        cls.good = GoodFiles(
+            PROGRAMS / "loopstone",
+            pathlib.Path(cls.folder.name) / "good",
+            ROOT / "robots" / "ucsd.toml",
+        )
 
     @classmethod
     def tearDownClass(cls):
         cls.folder.cleanup()
 
     def test_every_target_is_attacked(self):
-        targets = {path.stem[len("fuzz_"):] for path in (ROOT / "fuzz").glob("fuzz_*.cpp")}
+        targets = {path.stem[len("fuzz_") :] for path in (ROOT / "fuzz").glob("fuzz_*.cpp")}
         self.assertEqual(targets, {fmt.target for fmt in table.FORMATS})
 
     def test_every_log_format_of_the_program_is_attacked(self):
-        told = subprocess.run([PROGRAMS / "loopstone", "info", "--formats", "--json"], capture_output=True, text=True, check=True).stdout
-        self.assertEqual({entry["name"] for entry in json.loads(told)["formats"]}, {fmt.log for fmt in table.FORMATS} - {""})
+        told = subprocess.run(
+            [PROGRAMS / "loopstone", "info", "--formats", "--json"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        self.assertEqual(
+            {entry["name"] for entry in json.loads(told)["formats"]},
+            {fmt.log for fmt in table.FORMATS} - {""},
+        )
 
     def test_every_format_has_seeds_of_each_kind(self):
         for fmt in table.FORMATS:
             for pattern in fmt.seeds:
                 one = table.Format(fmt.name, fmt.target, [pattern], fmt.suffix)
-                self.assertTrue(table.seeds_of(one, ROOT / "fuzz" / "corpus", self.good.folder), "%s: %s" % (fmt.name, pattern))
+                self.assertTrue(
+                    table.seeds_of(one, ROOT / "fuzz" / "corpus", self.good.folder),
+                    "%s: %s" % (fmt.name, pattern),
+                )
 
     def test_what_is_packed_again_without_damage_reads_as_before(self):
         for fmt in table.FORMATS:
@@ -110,21 +148,34 @@ class MakesInputs(unittest.TestCase):
                 continue
             for name, data in table.seeds_of(fmt, ROOT / "fuzz" / "corpus", self.good.folder):
                 parts = fmt.wrap.unpack(data)
-                self.assertEqual(fmt.wrap.unpack(fmt.wrap.pack(parts)), parts, "%s: %s" % (fmt.name, name))
+                self.assertEqual(
+                    fmt.wrap.unpack(fmt.wrap.pack(parts)), parts, "%s: %s" % (fmt.name, name)
+                )
 
     def test_the_program_takes_what_is_not_spoiled(self):
         """Else an attack would knock at the door and never get in."""
         limits = Limits(seconds=30, megabytes=1024, addresses=False)
-        program = Program(PROGRAMS / "loopstone", self.good, pathlib.Path(self.folder.name) / "work", limits)
+        program = Program(
+            PROGRAMS / "loopstone", self.good, pathlib.Path(self.folder.name) / "work", limits
+        )
         for fmt in filter(lambda fmt: fmt.commands, table.FORMATS):
             seeds = table.seeds_of(fmt, ROOT / "fuzz" / "corpus", self.good.folder)
             with self.subTest(format=fmt.name):
-                self.assertTrue(any(program.attack(fmt, command, data, name).code == 0 for command in fmt.commands for name, data in seeds))
+                self.assertTrue(
+                    any(
+                        program.attack(fmt, command, data, name).code == 0
+                        for command in fmt.commands
+                        for name, data in seeds
+                    )
+                )
 
     def test_the_same_seed_spoils_alike(self):
         text, donor = b"a 1 2\nb 3 4\n" * 20, b"c 5 6\n" * 20
         for mutators in (TEXT, BYTES):
-            made = [[spoil(text, random.Random("1/%d" % i), donor, mutators) for i in range(300)] for _ in range(2)]
+            made = [
+                [spoil(text, random.Random("1/%d" % i), donor, mutators) for i in range(300)]
+                for _ in range(2)
+            ]
             self.assertEqual(made[0], made[1])
             self.assertGreater(len(set(made[0])), 250)
 

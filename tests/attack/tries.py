@@ -1,4 +1,5 @@
-"""Tries an input, in a fuzz target or in the program, and judges how that went. A verdict is an empty text, or the fault."""
+"""Tries an input, in a fuzz target or in the program, and judges how that went. A verdict is an
+empty text, or the fault."""
 
 import hashlib
 import json
@@ -15,8 +16,13 @@ from dataclasses import dataclass, replace
 #: A process may wait so many times its processor time.
 WAIT_FACTOR = 6
 CONTROL = re.compile(rb"[\x00-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]")
-FOREIGN = re.compile(rb"\[json\.exception|std::|basic_string|vector::|yaml-cpp|terminate called|[Ss]egmentation|libpng|what\(\)")
-SANITIZER = re.compile(rb"(?:ERROR|WARNING): (?:Address|Leak|Memory|Thread)Sanitizer[^\n]*|runtime error:[^\n]*")
+FOREIGN = re.compile(
+    rb"\[json\.exception|std::|basic_string|vector::|yaml-cpp|terminate"
+    rb" called|[Ss]egmentation|libpng|what\(\)"
+)
+SANITIZER = re.compile(
+    rb"(?:ERROR|WARNING): (?:Address|Leak|Memory|Thread)Sanitizer[^\n]*|runtime error:[^\n]*"
+)
 #: All files are given by their full names; another one than the input may be at fault.
 NAMES_A_FILE = re.compile(rb"loopstone: [^:\n]*/")
 NAME_BEFORE = re.compile(rb"/[^\s:']*$")
@@ -61,7 +67,12 @@ class Target:
 
     def attack(self, data):
         if self.process is None:
-            self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+            self.process = subprocess.Popen(
+                self.command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+            )
         self.process.stdin.write(struct.pack("<I", len(data)) + data)
         self.process.stdin.flush()
         words = self.process.stdout.readline().decode("utf-8", "replace").rstrip("\n").split(" ", 3)
@@ -71,7 +82,8 @@ class Target:
 
 
 def run_limited(command, folder, limits):
-    """\\return exit code as subprocess gives it, stdout, stderr, usage; code None when it took too long"""
+    """\\return exit code as subprocess gives it, stdout, stderr, usage; code None when it took too
+    long"""
 
     def limit():
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -81,7 +93,9 @@ def run_limited(command, folder, limits):
             resource.setrlimit(resource.RLIMIT_AS, (2 * limits.megabytes << 20,) * 2)
 
     with open(folder / "stdout", "w+b") as out, open(folder / "stderr", "w+b") as err:
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, preexec_fn=limit, cwd=folder)
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=out, stderr=err, preexec_fn=limit, cwd=folder
+        )
         end = time.monotonic() + WAIT_FACTOR * limits.seconds
         pause, code = 0.001, None
         while True:
@@ -104,7 +118,11 @@ def run_limited(command, folder, limits):
 
 def digest(path):
     if path.is_dir():
-        return [(str(inner.relative_to(path)), digest(inner)) for inner in sorted(path.rglob("*")) if inner.is_file()]
+        return [
+            (str(inner.relative_to(path)), digest(inner))
+            for inner in sorted(path.rglob("*"))
+            if inner.is_file()
+        ]
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
@@ -114,7 +132,11 @@ def wrong_figures(value, key=""):
         return next(filter(None, (wrong_figures(inner, name) for name, inner in value.items())), "")
     if isinstance(value, list):
         return next(filter(None, (wrong_figures(inner, key) for inner in value)), "")
-    if isinstance(value, (int, float)) and key.endswith("_share") and not -1e-9 <= value <= 1 + 1e-9:
+    if (
+        isinstance(value, (int, float))
+        and key.endswith("_share")
+        and not -1e-9 <= value <= 1 + 1e-9
+    ):
         return "%s is %r" % (key, value)
     return ""
 
@@ -136,14 +158,20 @@ def wrong_words(code, out, err, named, given):
             stream.decode("utf-8")
         except UnicodeDecodeError as error:
             if error.end < 1 << 22:
-                return "words: no UTF-8 on %s: %r" % (name, error.object[error.start:error.start + 8])
-    for pattern, reason in ((FOREIGN, "another library's sentence"), (DIGITS, "a number of more than 60 digits")):
+                return "words: no UTF-8 on %s: %r" % (
+                    name,
+                    error.object[error.start : error.start + 8],
+                )
+    for pattern, reason in (
+        (FOREIGN, "another library's sentence"),
+        (DIGITS, "a number of more than 60 digits"),
+    ):
         found = pattern.search(err)
         # Names of files are told in full.
-        if found and pattern is DIGITS and NAME_BEFORE.search(err[:found.start()]):
+        if found and pattern is DIGITS and NAME_BEFORE.search(err[: found.start()]):
             continue
         if found and (pattern is DIGITS or found.group() not in given):
-            return "words: %s: %r" % (reason, err[max(0, found.start() - 60):found.end() + 40])
+            return "words: %s: %r" % (reason, err[max(0, found.start() - 60) : found.end() + 40])
     if len(err) > 200_000:
         return "words: %d bytes on stderr" % len(err)
     if b"out of memory" in err:
@@ -161,7 +189,10 @@ def judge(code, out, err, usage, limits, named, is_json, given=b""):
         return "hang: no end within %d s" % limits.seconds
     said = SANITIZER.search(err)
     if code not in EXIT_CODES:
-        return "exit code %d%s" % (code, ": " + said.group().decode("utf-8", "replace") if said else "")
+        return "exit code %d%s" % (
+            code,
+            ": " + said.group().decode("utf-8", "replace") if said else "",
+        )
     if kb > limits.megabytes << 10:
         return "bloat: %d MB" % (kb >> 10)
     fault = wrong_words(code, out, err, named, given)
@@ -196,7 +227,12 @@ class Program:
         if not fault:
             fault = self.spoilt_by_it(fmt, given, before)
         spent = int(1000 * (usage.ru_utime + usage.ru_stime))
-        return Trial("%s  [loopstone %s]" % (fault, command) if fault else "", spent, usage.ru_maxrss, code if code is not None else -9)
+        return Trial(
+            "%s  [loopstone %s]" % (fault, command) if fault else "",
+            spent,
+            usage.ru_maxrss,
+            code if code is not None else -9,
+        )
 
     def spoilt_by_it(self, fmt, given, before):
         """Whether the program left half a file behind, or changed its input."""

@@ -1,5 +1,6 @@
-"""Opens what a format packs, checks or counts, so that damage gets past its door: parts are taken out, spoiled and packed again
-with the right checksums and lengths. unpack() of each class gives the parts, pack() the file."""
+"""Opens what a format packs, checks or counts, so that damage gets past its door: parts are taken
+out, spoiled and packed again with the right checksums and lengths. unpack() of each class gives the
+parts, pack() the file."""
 
 import bz2
 import gzip
@@ -40,8 +41,8 @@ class Png:
     def unpack(self, data):
         parts, picture, at = [], b"", 8
         while at + 8 <= len(data):
-            size, kind = struct.unpack(">I4s", data[at:at + 8])
-            body = data[at + 8:at + 8 + size]
+            size, kind = struct.unpack(">I4s", data[at : at + 8])
+            body = data[at + 8 : at + 8 + size]
             at += size + 12
             if kind != b"IDAT":
                 parts.append(kind + body)
@@ -56,7 +57,11 @@ class Png:
         for part in parts:
             if part[:4] == b"IDAT":
                 part = b"IDAT" + zlib.compress(part[4:], 1)
-            out += struct.pack(">I", max(0, len(part) - 4)) + part + struct.pack(">I", zlib.crc32(part))
+            out += (
+                struct.pack(">I", max(0, len(part) - 4))
+                + part
+                + struct.pack(">I", zlib.crc32(part))
+            )
         return out
 
 
@@ -64,18 +69,27 @@ class Npy:
     """Two parts: the words of the head, and the numbers."""
 
     def unpack(self, data):
-        size = struct.unpack("<H", data[8:10])[0] if data[6:7] == b"\x01" else struct.unpack("<I", data[8:12])[0]
+        size = (
+            struct.unpack("<H", data[8:10])[0]
+            if data[6:7] == b"\x01"
+            else struct.unpack("<I", data[8:12])[0]
+        )
         begin = 10 if data[6:7] == b"\x01" else 12
-        return [data[begin:begin + size], data[begin + size:]]
+        return [data[begin : begin + size], data[begin + size :]]
 
     def pack(self, parts):
         head = (parts + [b""])[0]
-        lead = b"\x93NUMPY\x01\0" + struct.pack("<H", len(head)) if len(head) < 1 << 16 else b"\x93NUMPY\x02\0" + struct.pack("<I", len(head))
+        lead = (
+            b"\x93NUMPY\x01\0" + struct.pack("<H", len(head))
+            if len(head) < 1 << 16
+            else b"\x93NUMPY\x02\0" + struct.pack("<I", len(head))
+        )
         return lead + b"".join([head, *parts[1:]])
 
 
 class Npz:
-    """Parts are head and numbers of each member by turns; a part of its own, the first, names the members."""
+    """Parts are head and numbers of each member by turns; a part of its own, the first, names the
+    members."""
 
     def unpack(self, data):
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
@@ -90,10 +104,12 @@ class Npz:
         memory = io.BytesIO()
         with zipfile.ZipFile(memory, "w") as archive:
             for i, name in enumerate(names):
-                member = parts[1 + 2 * i:3 + 2 * i]
+                member = parts[1 + 2 * i : 3 + 2 * i]
                 if member:
                     entry = zipfile.ZipInfo(name[:60000] or "x")
-                    entry.compress_type = zipfile.ZIP_DEFLATED if len(member[0]) % 2 else zipfile.ZIP_STORED
+                    entry.compress_type = (
+                        zipfile.ZIP_DEFLATED if len(member[0]) % 2 else zipfile.ZIP_STORED
+                    )
                     archive.writestr(entry, Npy().pack(member))
         return memory.getvalue()
 
@@ -104,10 +120,10 @@ class Mat:
     def unpack(self, data):
         parts, at = [data[:128]], 128
         while at + 8 <= len(data):
-            kind, size = struct.unpack("<II", data[at:at + 8])
-            body = data[at + 8:at + 8 + size]
+            kind, size = struct.unpack("<II", data[at : at + 8])
+            body = data[at + 8 : at + 8 + size]
             at += 8 + size
-            parts.append(inflate(body) if kind == 15 else data[at - 8 - size:at])
+            parts.append(inflate(body) if kind == 15 else data[at - 8 - size : at])
         return parts
 
     def pack(self, parts):
@@ -121,13 +137,14 @@ class Mat:
 
 
 class Session:
-    """The head without its checksum, then each part of the session without its own; lengths are counted anew."""
+    """The head without its checksum, then each part of the session without its own; lengths are
+    counted anew."""
 
     def unpack(self, data):
         parts, at = [data[:12]], 16
         while at + 16 <= len(data):
-            size = struct.unpack("<Q", data[at + 8:at + 16])[0]
-            parts.append(data[at:at + 8] + data[at + 16:at + 16 + size])
+            size = struct.unpack("<Q", data[at + 8 : at + 16])[0]
+            parts.append(data[at : at + 8] + data[at + 16 : at + 16 + size])
             at += 16 + size + 4
         return parts
 
@@ -172,12 +189,14 @@ class Tiff:
         directory = struct.unpack(order + "I", data[4:8])[0]
         if directory + 2 > len(data):
             return data
-        count = struct.unpack(order + "H", data[directory:directory + 2])[0]
+        count = struct.unpack(order + "H", data[directory : directory + 2])[0]
         at = directory + 2 + 12 * rng.randrange(max(1, min(count, 40)))
         value = rng.choice([*INTEGERS, len(data), len(data) - 1, 8, 16, 1000, 40000]) & 0xFFFFFFFF
         field, size = rng.choice([(0, 2), (2, 2), (4, 4), (8, 4), (8, 4), (8, 2)])
-        piece = struct.pack(order + ("I" if size == 4 else "H"), value & (0xFFFFFFFF if size == 4 else 0xFFFF))
-        return data[:at + field] + piece + data[at + field + size:]
+        piece = struct.pack(
+            order + ("I" if size == 4 else "H"), value & (0xFFFFFFFF if size == 4 else 0xFFFF)
+        )
+        return data[: at + field] + piece + data[at + field + size :]
 
 
 def looks_like_text(part):

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The measuring scripts of bench/ are held to the truth where that is known: tests/bench/check_bench.py"""
+"""The measuring scripts of bench/ are held to the truth where that is known:
+tests/bench/check_bench.py"""
 import pathlib
 import re
 import subprocess
@@ -36,10 +37,15 @@ def check_peak_memory():
 def check_run():
     """Output, time, errors and exit codes arrive through the launcher."""
     output, cost = program.run(["sh", "-c", "echo heard; echo noise >&2; sleep 0.2"])
-    assert output == "heard\n" and 0.2 <= cost["wall_s"] < 2.0 and cost["cpu_s"] < 0.2, (output, cost)
-    for command, said in [(["sh", "-c", "echo why >&2; exit 3"], "ended with 3\nwhy\n"),
-                          (["sh", "-c", "kill -9 $$"], "ended with 137\n"),
-                          (["/no/such/program"], "ended with 127\n/no/such/program: No such file")]:
+    assert output == "heard\n" and 0.2 <= cost["wall_s"] < 2.0 and cost["cpu_s"] < 0.2, (
+        output,
+        cost,
+    )
+    for command, said in [
+        (["sh", "-c", "echo why >&2; exit 3"], "ended with 3\nwhy\n"),
+        (["sh", "-c", "kill -9 $$"], "ended with 137\n"),
+        (["/no/such/program"], "ended with 127\n/no/such/program: No such file"),
+    ]:
         try:
             program.run(command)
         except program.Failed as failure:
@@ -52,19 +58,41 @@ def check_run():
 
 
 def check_scripts_load():
-    """Whatever `make bench` runs finds its modules and tells what it does; without numpy one can't."""
+    """Whatever `make bench` runs finds its modules and tells what it does; without numpy one
+    can't."""
     makers = (ROOT / "bench/figures.sh").read_text(encoding="utf-8")
     scripts = re.findall(r"^ *measure (\S+\.py)", makers, re.M)
     assert len(scripts) > 12, scripts
     for script in scripts:
-        done = subprocess.run([sys.executable, ROOT / script, "--help"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
-        assert done.returncode == 0 and b"usage: " in done.stdout or b"needs numpy" in done.stdout, (script, done.stdout.decode())
+        done = subprocess.run(
+            [sys.executable, ROOT / script, "--help"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
+        assert (
+            done.returncode == 0 and b"usage: " in done.stdout or b"needs numpy" in done.stdout
+        ), (script, done.stdout.decode())
 
 
 def check_provenance():
-    """A stamp of this very tree can be read back, and tells a tree that is not as its commit has it."""
+    """A stamp of this very tree can be read back, and tells a tree that is not as its commit has
+    it."""
     with tempfile.TemporaryDirectory() as folder:
-        for words in (["init", "-q"], ["-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "--allow-empty", "-m", "first"]):
+        for words in (
+            ["init", "-q"],
+            [
+                "-c",
+                "user.name=a",
+                "-c",
+                "user.email=a@b",
+                "commit",
+                "-q",
+                "--allow-empty",
+                "-m",
+                "first",
+            ],
+        ):
             if provenance.git(*words, root=folder) is None:
                 print("skipped: stamps of tables, since there is no git")
                 return
@@ -73,22 +101,38 @@ def check_provenance():
         (pathlib.Path(folder) / "src/new.cpp").touch()
         (pathlib.Path(folder) / "docs.md").touch()
         assert provenance.changed_sources(folder) == ["src/"], provenance.changed_sources(folder)
-    section = {**provenance.circumstances("loopstone 1.2.3"), "commit": "0123456789", "changed": ["src/"]}
+    section = {
+        **provenance.circumstances("loopstone 1.2.3"),
+        "commit": "0123456789",
+        "changed": ["src/"],
+    }
     section["machine"]["load"] = 0.0
     text = provenance.provenance(section)
     assert "commit 0123456789 with changes in src/, 20" in text, text
-    assert provenance.stamps_of(text) == [(section["command"].split()[0], "1.2.3", "0123456789")], text
-    assert provenance.provenance(section, section) == text and text in provenance.provenance(section, {**section, "date": "2026-01-01"})
-    assert provenance.command_line([str(ROOT / "bench/figures.py"), "--only", "real logs"]) == "bench/figures.py --only 'real logs'"
+    assert provenance.stamps_of(text) == [
+        (section["command"].split()[0], "1.2.3", "0123456789")
+    ], text
+    assert provenance.provenance(section, section) == text and text in provenance.provenance(
+        section, {**section, "date": "2026-01-01"}
+    )
+    assert (
+        provenance.command_line([str(ROOT / "bench/figures.py"), "--only", "real logs"])
+        == "bench/figures.py --only 'real logs'"
+    )
 
 
 def check_skipped_tests():
     """Each test once, by reason; those without recorded data together."""
-    lines = ["test_a\tS.Two\trecorded data is absent: x", "test_a\tS.One\t/data/y is not here", "test_b\tT.Long\tneeds whole laps",
-             "test_a\tS.One\t/data/y is not here"]
+    lines = [
+        "test_a\tS.Two\trecorded data is absent: x",
+        "test_a\tS.One\t/data/y is not here",
+        "test_b\tT.Long\tneeds whole laps",
+        "test_a\tS.One\t/data/y is not here",
+    ]
     assert list(skipped_tests.lines_of("\n".join(lines))) == [
         "1 test skipped, needs whole laps: test_b T.Long",
-        "2 tests skipped, they need recorded data (LOOPSTONE_DATA): test_a S.One, S.Two"]
+        "2 tests skipped, they need recorded data (LOOPSTONE_DATA): test_a S.One, S.Two",
+    ]
 
 
 def check_comparison():

@@ -6,11 +6,13 @@
 
 A claim stands behind its sentence, which a reader sees without it:
 
-  Ten laps take little more than one. <!-- holds: docs/benchmarks.md laps | 10 laps | measured <= 1.5 -->
+  Ten laps take little more than one.
+  <!-- holds: docs/benchmarks.md laps | 10 laps | measured <= 1.5 -->
 
-It names page and generated block, the beginning of a row's first cell (empty: every row), and a bound on the first number in a column,
-`measured <= 1.5`, or on the ratio of two, `a / b >= 2`; several bounds with `and`. Every row that it means has to keep it, in every table of
-the block that has the columns; a claim that means no row is wrong, too.
+It names page and generated block, the beginning of a row's first cell (empty: every row), and a
+bound on the first number in a column, `measured <= 1.5`, or on the ratio of two, `a / b >= 2`;
+several bounds with `and`. Every row that it means has to keep it, in every table of the block that
+has the columns; a claim that means no row is wrong, too.
 """
 import operator
 import pathlib
@@ -66,9 +68,14 @@ def broken(text, row_begins, bounds):
         column, divisor, relation, limit = parts.groups()
         found = list(values_of(text, row_begins.strip(), column, divisor))
         if not found:
-            yield f"no row begins with '{row_begins.strip()}' and has '{column}'" + (f" and '{divisor}'" if divisor else "")
-        yield from (f"'{bound.strip()}' does not hold: {name} has {value:.4g}" for name, value in found
-                    if not RELATIONS[relation](value, float(limit)))
+            yield f"no row begins with '{row_begins.strip()}' and has '{column}'" + (
+                f" and '{divisor}'" if divisor else ""
+            )
+        yield from (
+            f"'{bound.strip()}' does not hold: {name} has {value:.4g}"
+            for name, value in found
+            if not RELATIONS[relation](value, float(limit))
+        )
 
 
 def check():
@@ -83,22 +90,36 @@ def check():
             if of_block is None:
                 problems.append(f"{where}: {target} has no block {block}")
                 continue
-            problems += [f"{where}: {target} ({block}): {problem}" for problem in broken(of_block, row, bounds)]
+            problems += [
+                f"{where}: {target} ({block}): {problem}"
+                for problem in broken(of_block, row, bounds)
+            ]
         if text.count("<!-- holds:") != len(CLAIM.findall(text)):
-            problems.append(f"{page.relative_to(ROOT)}: a claim that can't be read; see tests/docs/check_claims.py")
+            problems.append(
+                f"{page.relative_to(ROOT)}: a claim that can't be read; see"
+                " tests/docs/check_claims.py"
+            )
     return problems, count
 
 
 def self_test():
-    block = "words\n\n| figure | before [m] | after [m] |\n| --- | ---: | --- |\n| one lap | 0.40 +- 1 | 0.10 |\n| two | 0.9 m | **0.3** |\n" \
-            "\n| other | x |\n|---|---|\n| one | 7 |\n"
+    block = (
+        "words\n\n| figure | before [m] | after [m] |\n| --- | ---: | --- |\n| one lap | 0.40 +- 1"
+        " | 0.10 |\n| two | 0.9 m | **0.3** |\n\n| other | x |\n|---|---|\n| one | 7 |\n"
+    )
     assert not list(broken(block, "", "before [m] / after [m] >= 3 and after [m] <= 0.3"))
-    assert list(broken(block, " one ", "before [m] / after [m] <= 3")) == \
-        ["'before [m] / after [m] <= 3' does not hold: one lap has 4"]
+    assert list(broken(block, " one ", "before [m] / after [m] <= 3")) == [
+        "'before [m] / after [m] <= 3' does not hold: one lap has 4"
+    ]
     assert list(broken(block, "two", "x <= 9")) == ["no row begins with 'two' and has 'x'"]
     assert not list(broken(block, "one", "x\n  <= 7"))
     assert list(broken(block, "", "nonsense")) == ["'nonsense' is no bound"]
-    assert CLAIM.search("a <!-- holds: p.md b | 10 laps | c <= 1 --> d").groups() == ("p.md", "b", " 10 laps ", " c <= 1 ")
+    assert CLAIM.search("a <!-- holds: p.md b | 10 laps | c <= 1 --> d").groups() == (
+        "p.md",
+        "b",
+        " 10 laps ",
+        " c <= 1 ",
+    )
 
 
 def main():

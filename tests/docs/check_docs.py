@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Holds the documentation to the truth: what pages say about the program must be so.
 
-  tests/docs/check_docs.py PROGRAM       generated sections, commands and flags, keys of summary.json, formats of logs, links
+  tests/docs/check_docs.py PROGRAM       generated sections, commands and flags, keys of
+                                         summary.json, formats of logs, links
   tests/docs/check_docs.py --self-test   each check finds what it should
 """
 import json
@@ -27,7 +28,9 @@ def output_of(*command):
 def help_texts(program):
     general = output_of(program, "--help")
     listed = re.search(r"^Subcommands:\n((?:  .*\n)+)", general, re.M).group(1)
-    return {name: output_of(program, name, "--help") for name in re.findall(r"^  (\w+)", listed, re.M)}
+    return {
+        name: output_of(program, name, "--help") for name in re.findall(r"^  (\w+)", listed, re.M)
+    }
 
 
 def wrong_calls(text, helps):
@@ -55,36 +58,70 @@ def unlisted(pages, overview):
 
 
 def undocumented(keys, documented):
-    yield from (f"summary.json has {key}, which the table lacks" for key in keys if key not in documented)
-    yield from (f"the table names {key}, which summary.json has not" for key in documented if key not in keys)
+    yield from (
+        f"summary.json has {key}, which the table lacks" for key in keys if key not in documented
+    )
+    yield from (
+        f"the table names {key}, which summary.json has not"
+        for key in documented
+        if key not in keys
+    )
 
 
 def documented_keys(page):
     section = page.split("### summary.json", 1)[1].split("\n#", 1)[0]
-    return [key for row in re.findall(r"^\| (`.*?) \|", section, re.M) for key in re.findall(r"`(\w+)`", row)]
+    return [
+        key
+        for row in re.findall(r"^\| (`.*?) \|", section, re.M)
+        for key in re.findall(r"`(\w+)`", row)
+    ]
 
 
 def summary_keys(program):
     """Keys of the summaries of real, short runs, by the page that has their table."""
     with tempfile.TemporaryDirectory() as folder:
         log, out, where = f"{folder}/log", f"{folder}/out", f"{folder}/where"
-        output_of(program, "simulate", "rooms", "-o", log, "--duration", "6", "--beams", "91", "--quiet")
+        output_of(
+            program, "simulate", "rooms", "-o", log, "--duration", "6", "--beams", "91", "--quiet"
+        )
         output_of(program, "map", log, "-o", out, "--quiet")
-        output_of(program, "localize", log, "--map", out, "-o", f"{where}.tum", "--initial", "0,0,0",
-                  "--report", where, "--quiet")
-        return {page: re.findall(r'^  "(\w+)":', pathlib.Path(run, "summary.json").read_text(encoding="utf-8"), re.M)
-                for page, run in [("docs/formats.md", out), ("docs/localization.md", where)]}
+        output_of(
+            program,
+            "localize",
+            log,
+            "--map",
+            out,
+            "-o",
+            f"{where}.tum",
+            "--initial",
+            "0,0,0",
+            "--report",
+            where,
+            "--quiet",
+        )
+        return {
+            page: re.findall(
+                r'^  "(\w+)":', pathlib.Path(run, "summary.json").read_text(encoding="utf-8"), re.M
+            )
+            for page, run in [("docs/formats.md", out), ("docs/localization.md", where)]
+        }
 
 
 def formats_not_named(formats, page):
     """Formats of logs that a page should tell of in words of its own."""
-    yield from (f"does not name the log format {entry['noun']}" for entry in formats if entry["noun"] not in page)
+    yield from (
+        f"does not name the log format {entry['noun']}"
+        for entry in formats
+        if entry["noun"] not in page
+    )
 
 
 def check(program):
     problems = []
-    done = subprocess.run([sys.executable, ROOT / "scripts/write_docs.py", "--check", "--program", program],
-                          stderr=subprocess.PIPE)
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts/write_docs.py", "--check", "--program", program],
+        stderr=subprocess.PIPE,
+    )
     if done.returncode != 0:
         problems.append(done.stderr.decode().strip())
     helps = help_texts(program)
@@ -96,7 +133,9 @@ def check(program):
     formats = json.loads(output_of(program, "info", "--formats", "--json"))["formats"]
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     problems += [f"README.md: {problem}" for problem in formats_not_named(formats, readme)]
-    others = [page.name for page in PAGES if page.parent.name == "docs" and page.name != "README.md"]
+    others = [
+        page.name for page in PAGES if page.parent.name == "docs" and page.name != "README.md"
+    ]
     overview = (ROOT / "docs/README.md").read_text(encoding="utf-8")
     problems += [f"docs/README.md: {problem}" for problem in unlisted(others, overview)]
     for page, keys in summary_keys(program).items():
@@ -107,20 +146,37 @@ def check(program):
 
 def self_test():
     helps = {"map": "  -o,--output OUT\n  --threads N\n", "info": "  --json\n"}
-    good = "Run `loopstone map LOG -o OUT --threads 2`, then\n\n    build/release/bin/loopstone info LOG --json\n"
+    good = (
+        "Run `loopstone map LOG -o OUT --threads 2`, then\n\n    build/release/bin/loopstone info"
+        " LOG --json\n"
+    )
     assert not list(wrong_calls(good, helps)), list(wrong_calls(good, helps))
-    assert list(wrong_calls("```\nloopstone mapp LOG\n```", helps)) == ["there is no command `loopstone mapp`"]
-    assert list(wrong_calls("    loopstone map LOG \\\n      --treads 2\n", helps)) == \
-        ["`loopstone map` has no flag --treads"]
-    assert not list(wrong_calls("loopstone is not a command here; `find_package(loopstone REQUIRED)` neither", helps))
-    assert list(broken_links("[a](no/such.md) [b](https://x.org/y)", ROOT)) == ["link to no/such.md, which does not exist"]
+    assert list(wrong_calls("```\nloopstone mapp LOG\n```", helps)) == [
+        "there is no command `loopstone mapp`"
+    ]
+    assert list(wrong_calls("    loopstone map LOG \\\n      --treads 2\n", helps)) == [
+        "`loopstone map` has no flag --treads"
+    ]
+    assert not list(
+        wrong_calls(
+            "loopstone is not a command here; `find_package(loopstone REQUIRED)` neither", helps
+        )
+    )
+    assert list(broken_links("[a](no/such.md) [b](https://x.org/y)", ROOT)) == [
+        "link to no/such.md, which does not exist"
+    ]
     assert not list(broken_links("```cpp\nauto f = [](double x) { return x; };\n```", ROOT))
-    assert list(formats_not_named([{"noun": "an A bag"}, {"noun": "B text"}], "reads B text")) == \
-        ["does not name the log format an A bag"]
-    assert documented_keys("### summary.json\n| key | what |\n|---|---|\n| `a`, `b_m` | x `no` |\n") == ["a", "b_m"]
+    assert list(formats_not_named([{"noun": "an A bag"}, {"noun": "B text"}], "reads B text")) == [
+        "does not name the log format an A bag"
+    ]
+    assert documented_keys(
+        "### summary.json\n| key | what |\n|---|---|\n| `a`, `b_m` | x `no` |\n"
+    ) == ["a", "b_m"]
     assert list(unlisted(["a.md", "b.md"], "see [a](a.md)")) == ["leads not to b.md"]
-    assert list(undocumented(["a"], ["b"])) == ["summary.json has a, which the table lacks",
-                                               "the table names b, which summary.json has not"]
+    assert list(undocumented(["a"], ["b"])) == [
+        "summary.json has a, which the table lacks",
+        "the table names b, which summary.json has not",
+    ]
 
 
 def main():

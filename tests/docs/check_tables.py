@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Holds every generated table to the release in work: what it says it was made of, and what `make bench` makes again.
+"""Holds every generated table to the release in work: what it says it was made of, and what `make
+bench` makes again.
 
-  tests/docs/check_tables.py             all pages; ends with 77 where tables could not be judged, and says how many and why
+  tests/docs/check_tables.py             all pages; ends with 77 where tables could not be judged,
+                                         and says how many and why
   tests/docs/check_tables.py --self-test
 
-A table passes that was made of a commit of the version in work (include/loopstone/version.hpp), or of an older one since which
-nothing changed that it depends on. It fails when it names a commit that the history lacks, or an older version. Tables from
-before tables named their commit are counted as not judged, until `make bench` has made them again.
+A table passes that was made of a commit of the version in work (include/loopstone/version.hpp), or
+of an older one since which nothing changed that it depends on. It fails when it names a commit that
+the history lacks, or an older version. Tables from before tables named their commit are counted as
+not judged, until `make bench` has made them again.
 """
 import collections
 import os
@@ -24,20 +27,26 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"<!-- begin: (.+?) -->\n(.*?)<!-- end: \1 -->", re.S)
 VERSION_FILE = "include/loopstone/version.hpp"
 VERSION = re.compile(r'kVersion = "([^"]+)"')
-# Compared with the program by another test (docs.are_true, docs.bayes_filters), so no commit is needed to know that they hold.
+# Compared with the program by another test (docs.are_true, docs.bayes_filters), so no commit is
+# needed to know that they hold.
 COMPARED = {"commands", "options", "histogram filter", "particle filter", "output"}
 
 PROGRAM = ["include", "src", "apps"]
-PARTS = {"bench/pose_graphs.py": ["base", "geometry", "graph"], "bench/outliers.py": ["base", "geometry", "graph"],
-         "bench/ray_cast.py": ["base", "geometry", "grid", "localization"],
-         "bench/localization_speed.py": ["base", "geometry", "grid", "localization"],
-         "bench/registration.py": ["base", "geometry", "sensor", "grid", "odometry", "registration"],
-         "bench/compare_ucsd_odometry.py": ["base", "geometry", "sensor", "odometry", "formats"]}
+PARTS = {
+    "bench/pose_graphs.py": ["base", "geometry", "graph"],
+    "bench/outliers.py": ["base", "geometry", "graph"],
+    "bench/ray_cast.py": ["base", "geometry", "grid", "localization"],
+    "bench/localization_speed.py": ["base", "geometry", "grid", "localization"],
+    "bench/registration.py": ["base", "geometry", "sensor", "grid", "odometry", "registration"],
+    "bench/compare_ucsd_odometry.py": ["base", "geometry", "sensor", "odometry", "formats"],
+}
 
 
 def sources_of(script):
     """What the figures of a script depend on."""
-    parts = [f"{root}/{part}" for part in PARTS.get(script, []) for root in ("include/loopstone", "src")]
+    parts = [
+        f"{root}/{part}" for part in PARTS.get(script, []) for root in ("include/loopstone", "src")
+    ]
     return [script, *(parts or PROGRAM)]
 
 
@@ -65,7 +74,10 @@ def problems_of(text, version, history):
         if of_commit is None:
             yield f"was made by {script} of commit {commit}, which the history lacks"
         elif of_commit != version and history.changed_since(commit, sources_of(script)):
-            yield f"was made by {script} of version {of_commit} (commit {commit}), and its sources have changed since"
+            yield (
+                f"was made by {script} of version {of_commit} (commit {commit}), and its sources"
+                " have changed since"
+            )
 
 
 def not_remade(script, makers):
@@ -86,14 +98,19 @@ def check():
     for page in PAGES:
         for name, text in blocks_of(page.read_text(encoding="utf-8")):
             where = f"{page.relative_to(ROOT)} ({name})"
-            problems += [f"{where}: `make bench` does not run {script}" for script, _, _ in stamps_of(text)
-                         if not_remade(script, makers)]
+            problems += [
+                f"{where}: `make bench` does not run {script}"
+                for script, _, _ in stamps_of(text)
+                if not_remade(script, makers)
+            ]
             if not judge:
                 unjudged["the history of this repository is not here"] += 1
             elif not stamps_of(text):
                 unjudged["they name no commit"] += 1
             else:
-                problems += [f"{where}: {problem}" for problem in problems_of(text, version, history)]
+                problems += [
+                    f"{where}: {problem}" for problem in problems_of(text, version, history)
+                ]
     return problems, unjudged
 
 
@@ -110,8 +127,16 @@ class InMemory:
 def self_test():
     def made(commit, script="bench/figures.py --only real"):
         machine = {"processor": "a processor", "processors": 2, "load": 0.0}
-        return provenance({"command": script, "version": "loopstone 0.1.0", "commit": commit, "changed": ["src/a.cpp"],
-                           "date": "2026-01-31", "machine": machine})
+        return provenance(
+            {
+                "command": script,
+                "version": "loopstone 0.1.0",
+                "commit": commit,
+                "changed": ["src/a.cpp"],
+                "date": "2026-01-31",
+                "machine": machine,
+            }
+        )
 
     def found(text):
         return [problem.split(";")[0] for problem in problems_of(text, "0.2.0", InMemory())]
@@ -119,15 +144,22 @@ def self_test():
     assert stamps_of(made("ccccccc")) == [("bench/figures.py", "0.1.0", "ccccccc")], made("ccccccc")
     assert not found(made("ccccccc"))
     assert not found(made("bbbbbbb")), "an older version whose sources stand still"
-    assert found(made("aaaaaaa"))[0].endswith("of version 0.1.0 (commit aaaaaaa), and its sources have changed since")
+    assert found(made("aaaaaaa"))[0].endswith(
+        "of version 0.1.0 (commit aaaaaaa), and its sources have changed since"
+    )
     assert not found(made("aaaaaaa", "bench/ray_cast.py")), "src/graph is no matter to it"
     assert found(made("aaaaaaa", "bench/outliers.py"))
     assert "history lacks" in found(made("ddddddd"))[0]
-    assert found("| no | stamp |") == found(made("")) == ["says of no commit that it was made of it"]
+    assert (
+        found("| no | stamp |") == found(made("")) == ["says of no commit that it was made of it"]
+    )
     assert len(found(made("bbbbbbb") + made(""))) == 1
     assert not_remade("bench/a.py", "measure bench/a.pyx\n# measure bench/a.py\n")
     assert not not_remade("bench/a.py", "  measure bench/a.py $quick\n")
-    assert blocks_of("<!-- begin: a b -->\n1\n<!-- end: a b -->\n<!-- begin: options -->\n2\n<!-- end: options -->") == [("a b", "1\n")]
+    assert blocks_of(
+        "<!-- begin: a b -->\n1\n<!-- end: a b -->\n<!-- begin: options -->\n2\n<!-- end:"
+        " options -->"
+    ) == [("a b", "1\n")]
 
 
 def main():

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs a build to a temporary prefix, then configures, builds and runs a project outside that finds it there.
+# Installs a build to a temporary prefix, then configures, builds and runs a project outside that
+# finds it there.
 #
 #     tests/install/run.sh BUILD_DIR VERSION
 set -euo pipefail

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Holds the parts of loopstone to their order: reads every include and every use of files, output and process exit.
+"""Holds the parts of loopstone to their order: reads every include and every use of files, output
+and process exit.
 
-    check_layering.py ROOT        checks the tree at ROOT; prints one line per breach; exits 1 if there is any
+    check_layering.py ROOT        checks the tree at ROOT; prints one line per breach; exits 1 if
+                                  there is any
     check_layering.py --self-test proves on small trees that each rule is enforced
 
 The order of the parts is read from cmake/Parts.cmake, so that it is written down once.
@@ -45,11 +47,15 @@ PRINT_HEADERS = {"iostream", "print", "syncstream"}
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 COMMENT_OR_LITERAL = re.compile(
-    r'//[^\n]*|/\*.*?\*/|R"([^()\\\s]{0,16})\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', re.DOTALL
+    r'//[^\n]*|/\*.*?\*/|R"([^()\\\s]{0,16})\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'',
+    re.DOTALL,
 )
 FILE_CALL = re.compile(r"\b(?:std::)?(?:fopen|freopen|tmpfile|[io]?fstream|filesystem::\w+)\b")
 PRINT_CALL = re.compile(
-    r"(?:\bstd::c(?:out|err|log)\b|(?<![\w:])(?:std::|::)?(?:(?:printf|puts|putchar|perror|vprintf)\s*\(|fprintf\s*\(\s*std(?:out|err)\b)|\bfmt::print(?:ln)?\s*\()"
+    r"(?:\bstd::c(?:out|err|log)\b"
+    r"|(?<![\w:])(?:std::|::)?(?:(?:printf|puts|putchar|perror|vprintf)\s*\("
+    r"|fprintf\s*\(\s*std(?:out|err)\b)"
+    r"|\bfmt::print(?:ln)?\s*\()"
 )
 EXIT_CALL = re.compile(r"(?<![\w:.>])(?:std::|::)?(?:exit|_Exit|quick_exit|abort|terminate)\s*\(")
 SUFFIXES = {".cpp", ".hpp", ".h", ".cc"}
@@ -116,11 +122,17 @@ class Checker:
         elif quoted:
             self.check_private(path, line, part, public, name)
         elif name in FILE_HEADERS and part not in FILE_PARTS | {"apps"}:
-            self.breach(path, line, f"<{name}>: only {' and '.join(sorted(FILE_PARTS))} and apps touch files")
+            self.breach(
+                path,
+                line,
+                f"<{name}>: only {' and '.join(sorted(FILE_PARTS))} and apps touch files",
+            )
         elif name in PRINT_HEADERS and part != "apps":
             self.breach(path, line, f"<{name}>: the library never prints")
         elif public and not is_standard(name) and not name.startswith("Eigen/"):
-            self.breach(path, line, f"<{name}>: a public header includes only std, Eigen and loopstone")
+            self.breach(
+                path, line, f"<{name}>: a public header includes only std, Eigen and loopstone"
+            )
         elif not is_standard(name):
             self.check_third_party(path, line, part, name)
 
@@ -132,9 +144,17 @@ class Checker:
                 return
         if name.startswith(SYSTEM_HEADERS):
             if part not in FILE_PARTS | {"apps"}:
-                self.breach(path, line, f"<{name}>: only {' and '.join(sorted(FILE_PARTS))} and apps touch the system")
+                self.breach(
+                    path,
+                    line,
+                    f"<{name}>: only {' and '.join(sorted(FILE_PARTS))} and apps touch the system",
+                )
             return
-        self.breach(path, line, f"<{name}>: not a known library; add it to THIRD_PARTY with the parts that may use it")
+        self.breach(
+            path,
+            line,
+            f"<{name}>: not a known library; add it to THIRD_PARTY with the parts that may use it",
+        )
 
     def check_private(self, path, line, part, public, name):
         target = name.split("/")[0]
@@ -160,44 +180,118 @@ class Checker:
             self.breach(path, line, f"back edge: {part} includes {target}, which stands above it")
 
     def check_calls(self, path, part, code):
-        rules = [(PRINT_CALL, "the library never prints"), (EXIT_CALL, "the library never ends the process")]
+        rules = [
+            (PRINT_CALL, "the library never prints"),
+            (EXIT_CALL, "the library never ends the process"),
+        ]
         if part not in FILE_PARTS:
-            rules.append((FILE_CALL, f"only {' and '.join(sorted(FILE_PARTS))} and apps touch files"))
+            rules.append(
+                (FILE_CALL, f"only {' and '.join(sorted(FILE_PARTS))} and apps touch files")
+            )
         for pattern, reason in rules:
             for match in pattern.finditer(code):
-                self.breach(path, code.count("\n", 0, match.start()) + 1, f"{match.group(0).strip()}: {reason}")
+                self.breach(
+                    path,
+                    code.count("\n", 0, match.start()) + 1,
+                    f"{match.group(0).strip()}: {reason}",
+                )
 
 
 # Each case: what it shows, a file, its text, and a word of the expected breach (None: it is clean).
 SELF_TESTS = [
     ("lower part", "src/grid/a.cpp", '#include "loopstone/base/a.hpp"\n', None),
     ("own part", "src/grid/a.cpp", '#include "loopstone/grid/a.hpp"\n', None),
-    ("back edge in src", "src/grid/a.cpp", '#include "loopstone/slam/a.hpp"\n', "back edge: grid includes slam"),
-    ("back edge in include", "include/loopstone/base/a.hpp", '#include "loopstone/grid/b.hpp"\n', "back edge"),
+    (
+        "back edge in src",
+        "src/grid/a.cpp",
+        '#include "loopstone/slam/a.hpp"\n',
+        "back edge: grid includes slam",
+    ),
+    (
+        "back edge in include",
+        "include/loopstone/base/a.hpp",
+        '#include "loopstone/grid/b.hpp"\n',
+        "back edge",
+    ),
     ("indented include", "src/base/a.cpp", '  #  include "loopstone/grid/b.hpp"\n', "back edge"),
-    ("back edge to a private header", "src/base/a.cpp", '#include "grid/detail.hpp"\n', "back edge"),
+    (
+        "back edge to a private header",
+        "src/base/a.cpp",
+        '#include "grid/detail.hpp"\n',
+        "back edge",
+    ),
     ("private header of a lower part", "src/slam/a.cpp", '#include "grid/detail.hpp"\n', None),
-    ("private header by stem", "src/grid/a.cpp", '#include "detail.hpp"\n', "write the path from src/"),
+    (
+        "private header by stem",
+        "src/grid/a.cpp",
+        '#include "detail.hpp"\n',
+        "write the path from src/",
+    ),
     ("angle brackets", "src/grid/a.cpp", "#include <loopstone/base/a.hpp>\n", "include it as"),
-    ("std and Eigen in public", "include/loopstone/grid/a.hpp", "#include <Eigen/Core>\n#include <vector>\n", None),
-    ("foreign in public", "include/loopstone/grid/a.hpp", "#include <fmt/format.h>\n", "only std, Eigen"),
-    ("private in public", "include/loopstone/grid/a.hpp", '#include "grid/detail.hpp"\n', "private"),
+    (
+        "std and Eigen in public",
+        "include/loopstone/grid/a.hpp",
+        "#include <Eigen/Core>\n#include <vector>\n",
+        None,
+    ),
+    (
+        "foreign in public",
+        "include/loopstone/grid/a.hpp",
+        "#include <fmt/format.h>\n",
+        "only std, Eigen",
+    ),
+    (
+        "private in public",
+        "include/loopstone/grid/a.hpp",
+        '#include "grid/detail.hpp"\n',
+        "private",
+    ),
     ("unknown library", "src/grid/a.cpp", "#include <boost/any.hpp>\n", "not a known library"),
     ("library of other parts", "src/grid/a.cpp", "#include <png.h>\n", "only for formats, report"),
     ("fstream in the core", "src/slam/a.cpp", "#include <fstream>\n", "touch files"),
-    ("filesystem call in the core", "src/slam/a.cpp", "void f() { std::filesystem::exists(p); }\n", "touch files"),
+    (
+        "filesystem call in the core",
+        "src/slam/a.cpp",
+        "void f() { std::filesystem::exists(p); }\n",
+        "touch files",
+    ),
     ("fopen in the core", "src/slam/a.cpp", "auto* f = std::fopen(p, m);\n", "touch files"),
-    ("fstream in formats", "src/formats/a.cpp", "#include <fstream>\n#include <filesystem>\n", None),
+    (
+        "fstream in formats",
+        "src/formats/a.cpp",
+        "#include <fstream>\n#include <filesystem>\n",
+        None,
+    ),
     ("iostream in formats", "src/formats/a.cpp", "#include <iostream>\n", "never prints"),
-    ("printf in the core", "src/slam/a.cpp", 'void f() {\n  std::printf("x");\n}\n', "a.cpp:2: std::printf"),
+    (
+        "printf in the core",
+        "src/slam/a.cpp",
+        'void f() {\n  std::printf("x");\n}\n',
+        "a.cpp:2: std::printf",
+    ),
     ("snprintf is fine", "src/slam/a.cpp", "void f() { std::snprintf(b, n, s); }\n", None),
     ("cout in the core", "src/slam/a.cpp", "void f() { std::cout << 1; }\n", "never prints"),
     ("exit in the core", "src/slam/a.cpp", "void f() { std::exit(1); }\n", "never ends"),
-    ("words in comments", "src/slam/a.cpp", '// std::exit(1) printf("x")\nauto s = "std::cout << exit(1)";\n', None),
+    (
+        "words in comments",
+        "src/slam/a.cpp",
+        '// std::exit(1) printf("x")\nauto s = "std::cout << exit(1)";\n',
+        None,
+    ),
     ("unknown part", "src/magic/a.cpp", "\n", "not a part"),
     ("no part", "src/a.cpp", "\n", "not a part"),
-    ("apps print", "apps/loopstone/a.cpp", "#include <iostream>\nvoid f() { std::exit(1); }\n", None),
-    ("apps use private", "apps/loopstone/a.cpp", '#include "grid/detail.hpp"\n', "public headers only"),
+    (
+        "apps print",
+        "apps/loopstone/a.cpp",
+        "#include <iostream>\nvoid f() { std::exit(1); }\n",
+        None,
+    ),
+    (
+        "apps use private",
+        "apps/loopstone/a.cpp",
+        '#include "grid/detail.hpp"\n',
+        "public headers only",
+    ),
 ]
 
 
@@ -205,7 +299,9 @@ def run_case(name, text):
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
         files = {
-            "cmake/Parts.cmake": "set(LOOPSTONE_PARTS\n    base\n    grid\n    slam\n    formats\n    report)\n",
+            "cmake/Parts.cmake": (
+                "set(LOOPSTONE_PARTS\n    base\n    grid\n    slam\n    formats\n    report)\n"
+            ),
             "src/grid/detail.hpp": "",
             name: text,
         }
@@ -236,7 +332,11 @@ def main():
     breaches = Checker(pathlib.Path(sys.argv[1]).resolve()).check()
     for breach in breaches:
         print(breach)
-    print(f"layering: {len(breaches)} breaches" if breaches else "layering: every include points up the list of parts")
+    print(
+        f"layering: {len(breaches)} breaches"
+        if breaches
+        else "layering: every include points up the list of parts"
+    )
     return 1 if breaches else 0
 
 
