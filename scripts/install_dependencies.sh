@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what loopstone needs on Debian 12 (or a close relative), by apt. Safe to run again; quick when nothing is missing.
+# Installs what loopstone needs on Debian 12 (or a close relative), by apt. Safe to run again; quick
+# when nothing is missing.
 #
 #     scripts/install_dependencies.sh          to build, test and run
 #     scripts/install_dependencies.sh --all    and to format, tidy, fuzz and benchmark
@@ -14,9 +15,9 @@ packages=(
   libgtest-dev libgmock-dev librapidcheck-dev
 )
 if [[ ${1:-} == --all ]]; then
-  packages+=(git clang clang-tidy clang-format libclang-rt-14-dev llvm libbenchmark-dev)
+  packages+=(git clang clang-tidy clang-format libclang-rt-14-dev llvm libbenchmark-dev black)
 elif [[ -n ${1:-} ]]; then
-  sed -n '2,5s/^# \?//p' "$0"
+  sed -n '2,/^[^#]/s/^# \?//p' "$0"
   exit 2
 fi
 
@@ -44,7 +45,8 @@ export DEBIAN_FRONTEND=noninteractive
 apt_install() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" </dev/null
 }
-# The package lists are absent in a fresh container, and old ones point to versions that are gone; refresh them when it matters.
+# The package lists are absent in a fresh container, and old ones point to versions that are gone;
+# refresh them when it matters.
 lists=$(find /var/lib/apt/lists -maxdepth 1 -name '*_Packages*' -print -quit 2>/dev/null || true)
 if [[ -n $lists ]] && apt_install; then
   exit 0
