@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <optional>
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/options_file.hpp"
@@ -11,25 +13,16 @@ namespace loopstone::app {
 
 namespace {
 
-void list_figures(const nlohmann::ordered_json& value, const std::string& prefix,
-                  std::vector<std::string>& keys) {
-  for (const auto& [key, child] : value.items()) {
-    const std::string full = prefix.empty() ? key : prefix + "." + key;
-    if (child.is_object()) list_figures(child, full, keys);
-    if (child.is_number() || child.is_null()) keys.push_back(full);
-  }
-}
-
-const nlohmann::ordered_json* find(const nlohmann::ordered_json& result, std::string_view key) {
-  const nlohmann::ordered_json* place = &result;
-  while (true) {
-    const auto dot = key.find('.');
-    const auto child = place->find(std::string(key.substr(0, dot)));
-    if (!place->is_object() || child == place->end()) return nullptr;
-    place = &*child;
-    if (dot == std::string_view::npos) return place;
-    key.remove_prefix(dot + 1);
-  }
+/// Throws UsageError when there is none, naming the nearest one.
+const SummaryFigure& find(const std::vector<SummaryFigure>& figures, const std::string& key) {
+  const auto found = std::ranges::find(figures, key, &SummaryFigure::key);
+  if (found != figures.end()) return *found;
+  std::vector<std::string> keys;
+  for (const SummaryFigure& figure : figures) keys.push_back(figure.key);
+  const std::string nearest = nearest_key(key, keys);
+  throw UsageError(fmt::format("--require {}: the result has no figure of that name; {}", key,
+                               nearest.empty() ? fmt::format("it has {}", fmt::join(keys, ", "))
+                                               : "did you mean " + nearest + "?"));
 }
 
 bool holds(double figure, const Bound& bound) {
@@ -59,23 +52,14 @@ Bound parse_bound(const std::string& text) {
 }
 
 std::vector<std::string> missed_bounds(const std::vector<Bound>& bounds,
-                                       const nlohmann::ordered_json& result) {
+                                       const std::vector<SummaryFigure>& figures) {
   std::vector<std::string> missed;
   for (const Bound& bound : bounds) {
-    const nlohmann::ordered_json* figure = find(result, bound.key);
-    if (figure == nullptr || !(figure->is_number() || figure->is_null())) {
-      std::vector<std::string> keys;
-      list_figures(result, {}, keys);
-      const std::string nearest = nearest_key(bound.key, keys);
-      throw UsageError(fmt::format("--require {}: the result has no figure of that name; {}",
-                                   bound.key,
-                                   nearest.empty() ? fmt::format("it has {}", fmt::join(keys, ", "))
-                                                   : "did you mean " + nearest + "?"));
-    }
-    if (figure->is_null() || !holds(figure->get<double>(), bound)) {
-      missed.push_back(fmt::format("{} is {}, required {} {}", bound.key, figure->dump(),
-                                   bound.relation, bound.value));
-    }
+    const std::optional<double> value = find(figures, bound.key).value;
+    if (value && holds(*value, bound)) continue;
+    missed.push_back(fmt::format("{} is {}, required {} {}", bound.key,
+                                 value ? fmt::format("{}", *value) : "null", bound.relation,
+                                 bound.value));
   }
   return missed;
 }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "app.hpp"
+#include "loopstone/report/summary_figure.hpp"
 
 namespace loopstone::app {
 
@@ -24,10 +24,10 @@ void add_require_flag(
 [[nodiscard]] Bound parse_bound(const std::string& text);
 [[nodiscard]] std::vector<Bound> parse_bounds(const std::vector<std::string>& texts);
 
-/// One sentence for each bound that the result misses. A figure that is null misses every bound.
-/// Throws UsageError when the result has no such figure, naming the nearest one.
+/// One sentence for each bound that the figures of a result miss. A figure that is null misses
+/// every bound. Throws UsageError when there is no such figure, naming the nearest one.
 [[nodiscard]] std::vector<std::string> missed_bounds(const std::vector<Bound>& bounds,
-                                                     const nlohmann::ordered_json& result);
+                                                     const std::vector<SummaryFigure>& figures);
 
 /// Warns of what was missed; the exit code that scripts see.
 [[nodiscard]] ExitCode report_missed(const std::vector<std::string>& missed,

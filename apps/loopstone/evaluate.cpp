@@ -195,7 +195,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   }
   if (!arguments.map.empty()) add_map_score(result, arguments, truth_T_map, context.memory());
 
-  const std::vector<std::string> missed = missed_bounds(bounds, result.json());
+  const std::vector<std::string> missed = missed_bounds(bounds, result.figures());
   result.print(context);
   return report_missed(missed, context);
 }

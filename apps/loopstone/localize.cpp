@@ -4,7 +4,6 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,6 +16,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/localization/localizer.hpp"
+#include "loopstone/report/localization_figures.hpp"
 #include "loopstone/report/localization_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "output_path.hpp"
@@ -167,13 +167,6 @@ void warn_of_initial_pose(const InitialPose& initial, const Grid<std::int8_t>& m
   }
 }
 
-LocalizationResult localize(CutLog& log, Localizer localizer) {
-  while (const auto message = log.next()) localizer.add(*message);
-  LocalizationResult result = localizer.finish();
-  result.complete = result.complete && !log.interrupted();
-  return result;
-}
-
 /// That no place was found is a result; that no scan could be used is not.
 void require_usable_scans(const LocalizationResult& result, const std::string& log) {
   if (result.scans == 0 || result.scans_dropped < result.scans) return;
@@ -182,35 +175,81 @@ void require_usable_scans(const LocalizationResult& result, const std::string& l
                                      result.scans));
 }
 
+LocalizationResult localize(CutLog& log, Localizer localizer) {
+  while (const auto message = log.next()) localizer.add(*message);
+  LocalizationResult result = localizer.finish();
+  result.complete = result.complete && !log.interrupted();
+  return result;
+}
+
+/// What the log itself gives reason to say of the result. Throws DataError when nothing can be made
+/// of it. Returns what was left out.
+LeftOut judge(CutLog& log, const LogFiles& files, const std::string& path,
+              LocalizationResult& result) {
+  const LogSummary judged = log.judge(path);
+  const std::vector<std::string> of_log = warnings_of(judged);
+  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
+  require_usable_scans(result, path);
+  for (std::string& change : files.changes()) result.warnings.push_back(std::move(change));
+  return judged.left_out;
+}
+
+LocalizationRunInfo info_of(const Arguments& arguments, const LeftOut& left_out,
+                            LocalizationOptions& options, const LocalizationMap& map,
+                            const std::optional<InitialPose>& initial, const AppContext& context) {
+  LocalizationRunInfo info;
+  info.run = run_info(arguments.log, left_out, arguments.force, context);
+  info.run.options_toml = options_to_toml(list_options(options));
+  info.map_path = arguments.map;
+  info.initial = initial;
+  info.seed = arguments.seed;
+  info.map_free_area_m2 = map.free_area_m2();
+  info.map_memory_bytes = static_cast<std::int64_t>(map.memory_bytes());
+  return info;
+}
+
 /// What was written, for the table.
 struct Written {
   std::string csv;
   std::int64_t pictures = 0;
 };
 
-void print_table(const nlohmann::ordered_json& summary, const Arguments& arguments,
+Written write_results(const LocalizationResult& result, const Grid<std::int8_t>& occupancy,
+                      const LocalizationRunInfo& info, const Arguments& arguments) {
+  Written written;
+  written.csv = write_localization_trajectory(result, arguments.output);
+  if (!arguments.report.empty())
+    write_localization_outputs(result, occupancy, info, arguments.report);
+  if (!arguments.animation.empty()) {
+    written.pictures =
+        write_localization_animation(result, occupancy, arguments.animation, arguments.force);
+  }
+  return written;
+}
+
+void print_table(const LocalizationResult& result, const RunInfo& run, const Arguments& arguments,
                  const Written& written, const AppContext& context) {
-  const auto number = [&](const char* key) { return summary.at(key).get<double>(); };
+  const LocalizationFigures figures = figures_of(result);
   Result table;
-  table.add_row("scans", fmt::format("{}", summary.at("scans").get<std::int64_t>()));
-  if (const auto skipped = summary.at("records_skipped").get<std::int64_t>(); skipped > 0)
+  table.add_row("scans", fmt::format("{}", result.scans));
+  if (const auto skipped = run.left_out.skipped.records; skipped > 0)
     table.add_row("records skipped", fmt::format("{}", skipped));
-  table.add_row("recording", fmt::format("{:.1f}", number("duration_s")), "s");
-  table.add_row("path", fmt::format("{:.1f}", number("path_length_m")), "m");
-  for (const auto& [label, key] : {std::pair{"TRACKING", "tracking_share"},
-                                   {"DOUBTFUL", "doubtful_share"},
-                                   {"LOST", "lost_share"}}) {
-    table.add_row(label, fmt::format("{:5.1f} % of the time", 100.0 * number(key)));
+  table.add_row("recording", fmt::format("{:.1f}", result.duration_s), "s");
+  table.add_row("path", fmt::format("{:.1f}", result.path_length_m), "m");
+  for (const auto& [label, share] : {std::pair{"TRACKING", figures.tracking_share},
+                                     {"DOUBTFUL", figures.doubtful_share},
+                                     {"LOST", figures.lost_share}}) {
+    table.add_row(label, fmt::format("{:5.1f} % of the time", 100.0 * share));
   }
   table.add_row("first TRACKING",
-                summary.at("first_tracking_s").is_null()
-                    ? std::string("never")
-                    : fmt::format("after {:.1f} s, {:.1f} m", number("first_tracking_s"),
-                                  number("first_tracking_m")));
-  table.add_row("searches", fmt::format("{}", summary.at("searches").get<std::int64_t>()));
-  table.add_row("mean probability", fmt::format("{:.3f}", number("probability_mean")));
-  table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", number("wall_time_s"),
-                                    number("realtime_factor")));
+                figures.first_tracking_s
+                    ? fmt::format("after {:.1f} s, {:.1f} m", *figures.first_tracking_s,
+                                  figures.first_tracking_m.value_or(0.0))
+                    : std::string("never"));
+  table.add_row("searches", fmt::format("{}", result.searches.size()));
+  table.add_row("mean probability", fmt::format("{:.3f}", figures.probability_mean));
+  table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", run.wall_time_s,
+                                    result.duration_s / std::max(run.wall_time_s, 1e-9)));
   table.add_row("trajectory",
                 arguments.output + (written.csv.empty() ? "" : ", with all else " + written.csv));
   if (!arguments.report.empty()) table.add_row("report", arguments.report + "/report.html");
@@ -219,6 +258,24 @@ void print_table(const nlohmann::ordered_json& summary, const Arguments& argumen
                                            written.pictures, written.pictures == 1 ? "" : "s"));
   }
   table.print(context);
+}
+
+/// Prints warnings and figures; the exit code says how the run ended.
+ExitCode tell(const LocalizationResult& result, const Grid<std::int8_t>& occupancy,
+              const LocalizationRunInfo& info, const Written& written,
+              const std::vector<Bound>& bounds, const Arguments& arguments,
+              const AppContext& context) {
+  for (const std::string& warning : result.warnings) context.warn(warning);
+  const auto missed = missed_bounds(bounds, summary_figures(result, occupancy, info));
+  if (context.json()) {
+    print_to_stdout(format_summary(result, occupancy, info));
+  } else {
+    print_table(result, info.run, arguments, written, context);
+  }
+  const ExitCode code = report_missed(missed, context);
+  if (result.complete) return code;
+  context.warn("interrupted: the poses are those until then");
+  return kExitInterrupted;
 }
 
 ExitCode run(const Arguments& arguments, const AppContext& context) {
@@ -244,46 +301,13 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   LocalizationResult result =
       localize(log, Localizer(map, robot, options, initial, arguments.seed, context.threads()));
   ProgressDisplay::clear_line();
-  const LogSummary judged = log.judge(arguments.log);
-  const std::vector<std::string> of_log = warnings_of(judged);
-  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
-  require_usable_scans(result, arguments.log);
-  for (std::string& change : log_files.changes()) result.warnings.push_back(std::move(change));
+  const LeftOut left_out = judge(log, log_files, arguments.log, result);
 
-  LocalizationRunInfo info;
-  info.run = run_info(arguments.log, judged.left_out, arguments.force, context);
-  info.run.options_toml = options_to_toml(list_options(options));
+  LocalizationRunInfo info = info_of(arguments, left_out, options, map, initial, context);
   info.run.wall_time_s = std::chrono::duration<double>(Clock::now() - start).count();
-  info.map_path = arguments.map;
-  info.initial = initial;
-  info.seed = arguments.seed;
-  info.map_free_area_m2 = map.free_area_m2();
-  info.map_memory_bytes = static_cast<std::int64_t>(map.memory_bytes());
-
-  Written written;
-  written.csv = write_localization_trajectory(result, arguments.output);
-  if (!arguments.report.empty())
-    write_localization_outputs(result, map.occupancy(), info, arguments.report);
-  if (!arguments.animation.empty()) {
-    written.pictures =
-        write_localization_animation(result, map.occupancy(), arguments.animation, arguments.force);
-  }
-  for (const std::string& warning : result.warnings) context.warn(warning);
+  const Written written = write_results(result, map.occupancy(), info, arguments);
   info.run.peak_memory_bytes = peak_memory_bytes();
-  const std::string text = format_summary(result, map.occupancy(), info);
-  const auto summary = nlohmann::ordered_json::parse(text);
-  const std::vector<std::string> missed = missed_bounds(bounds, summary);
-  if (context.json()) {
-    print_to_stdout(text);
-  } else {
-    print_table(summary, arguments, written, context);
-  }
-  const ExitCode code = report_missed(missed, context);
-  if (!result.complete) {
-    context.warn("interrupted: the poses are those until then");
-    return kExitInterrupted;
-  }
-  return code;
+  return tell(result, map.occupancy(), info, written, bounds, arguments, context);
 }
 
 }  // namespace

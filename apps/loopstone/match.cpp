@@ -188,7 +188,8 @@ std::vector<std::string> missed_demands(const MatchArguments& arguments, const R
       missed.push_back("the match is " + status);
     }
   }
-  for (std::string& text : missed_bounds(bounds, result.json())) missed.push_back(std::move(text));
+  for (std::string& text : missed_bounds(bounds, result.figures()))
+    missed.push_back(std::move(text));
   return missed;
 }
 

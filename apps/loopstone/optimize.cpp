@@ -167,7 +167,8 @@ std::vector<std::string> missed_demands(const Arguments& arguments, const Result
       bounds.push_back(parse_bound(text));
     }
   }
-  for (std::string& text : missed_bounds(bounds, result.json())) missed.push_back(std::move(text));
+  for (std::string& text : missed_bounds(bounds, result.figures()))
+    missed.push_back(std::move(text));
   return missed;
 }
 

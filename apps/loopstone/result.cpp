@@ -7,11 +7,28 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 
 #include "loopstone/base/error.hpp"
 #include "terminal_text.hpp"
 
 namespace loopstone::app {
+
+namespace {
+
+void list_figures(const nlohmann::ordered_json& value, const std::string& prefix,
+                  std::vector<SummaryFigure>& figures) {
+  for (const auto& [name, child] : value.items()) {
+    const std::string key = prefix + name;
+    if (child.is_object()) list_figures(child, key + ".", figures);
+    if (child.is_null()) figures.push_back({.key = key});
+    if (!child.is_number()) continue;
+    const auto number = child.get<double>();
+    figures.push_back({key, std::isfinite(number) ? std::optional(number) : std::nullopt});
+  }
+}
+
+}  // namespace
 
 Result& Result::add_json(std::string_view key, nlohmann::ordered_json value) {
   nlohmann::ordered_json* place = &json_;
@@ -49,6 +66,12 @@ Result& Result::add(std::string_view key, std::string_view label, bool value) {
 Result& Result::add(std::string_view key, std::string_view label, const std::string& value) {
   add_json(key, value);
   return add_row(label, value);
+}
+
+std::vector<SummaryFigure> Result::figures() const {
+  std::vector<SummaryFigure> figures;
+  list_figures(json_, "", figures);
+  return figures;
 }
 
 std::string Result::table() const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app.hpp"
+#include "loopstone/report/summary_figure.hpp"
 
 namespace loopstone::app {
 
@@ -45,6 +46,8 @@ class Result {
   void print(const AppContext& context) const;
 
   [[nodiscard]] const nlohmann::ordered_json& json() const { return json_; }
+  /// Each number of the JSON object.
+  [[nodiscard]] std::vector<SummaryFigure> figures() const;
   [[nodiscard]] std::string table() const;
 
  private:

@@ -34,16 +34,15 @@ Json initial_json(const std::optional<InitialPose>& initial) {
           {"sigma_rad", initial->sigma_rad}};
 }
 
-}  // namespace
-
-std::string format_summary(const LocalizationResult& result, const Grid<std::int8_t>& occupancy,
-                           const LocalizationRunInfo& info) {
+/// All that is known of a run.
+Json summary_json(const LocalizationResult& result, const Grid<std::int8_t>& occupancy,
+                  const LocalizationRunInfo& info) {
   const LocalizationFigures figures = figures_of(result);
   const RunInfo& run = info.run;
   std::int64_t whole_map = 0;
   for (const LocalizationSearch& search : result.searches) whole_map += search.whole_map ? 1 : 0;
   // Key order is the order of this list. A number that is not finite becomes null.
-  const Json summary = {
+  return {
       {"version", run.version},
       {"log", run.log_path},
       {"map", info.map_path},
@@ -91,8 +90,35 @@ std::string format_summary(const LocalizationResult& result, const Grid<std::int
       {"map_memory_bytes", info.map_memory_bytes},
       {"warnings", result.warnings},
   };
+}
+
+void list_figures(const Json& value, const std::string& prefix,
+                  std::vector<SummaryFigure>& figures) {
+  for (const auto& [name, child] : value.items()) {
+    const std::string key = prefix + name;
+    if (child.is_object()) list_figures(child, key + ".", figures);
+    if (child.is_null()) figures.push_back({.key = key});
+    if (!child.is_number()) continue;
+    const auto number = child.get<double>();
+    figures.push_back({key, std::isfinite(number) ? std::optional(number) : std::nullopt});
+  }
+}
+
+}  // namespace
+
+std::string format_summary(const LocalizationResult& result, const Grid<std::int8_t>& occupancy,
+                           const LocalizationRunInfo& info) {
   // Paths need not be UTF-8; JSON must.
-  return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return summary_json(result, occupancy, info).dump(2, ' ', false, Json::error_handler_t::replace) +
+         "\n";
+}
+
+std::vector<SummaryFigure> summary_figures(const LocalizationResult& result,
+                                           const Grid<std::int8_t>& occupancy,
+                                           const LocalizationRunInfo& info) {
+  std::vector<SummaryFigure> figures;
+  list_figures(summary_json(result, occupancy, info), "", figures);
+  return figures;
 }
 
 }  // namespace loopstone

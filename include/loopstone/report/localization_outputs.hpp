@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "loopstone/grid/grid.hpp"
 #include "loopstone/localization/localization_result.hpp"
 #include "loopstone/localization/localizer.hpp"
 #include "loopstone/report/run_info.hpp"
+#include "loopstone/report/summary_figure.hpp"
 
 namespace loopstone {
 
@@ -50,5 +52,9 @@ std::int64_t write_localization_animation(const LocalizationResult& result,
 [[nodiscard]] std::string format_summary(const LocalizationResult& result,
                                          const Grid<std::int8_t>& occupancy,
                                          const LocalizationRunInfo& info);
+/// Each number of that summary, in its order.
+[[nodiscard]] std::vector<SummaryFigure> summary_figures(const LocalizationResult& result,
+                                                         const Grid<std::int8_t>& occupancy,
+                                                         const LocalizationRunInfo& info);
 
 }  // namespace loopstone

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -71,6 +72,33 @@ TEST(LocalizationOutputs, SummaryCountsTime) {
   EXPECT_DOUBLE_EQ(summary["realtime_factor"].get<double>(), 40.0);
   EXPECT_DOUBLE_EQ(summary["last_pose"]["sigma_x_m"].get<double>(), 0.01);
   EXPECT_EQ(summary["last_pose"]["state"], "TRACKING");
+}
+
+TEST(LocalizationOutputs, FiguresAreTheNumbersOfTheSummary) {
+  const Json summary = summary_of(small_localization());
+  const auto figures = summary_figures(small_localization(), small_room(), small_run());
+  const auto value_of = [&](const std::string& key) {
+    const auto found = std::ranges::find(figures, key, &SummaryFigure::key);
+    EXPECT_NE(found, figures.end()) << key;
+    return found == figures.end() ? std::nullopt : found->value;
+  };
+  EXPECT_EQ(value_of("scans"), summary["scans"].get<double>());
+  EXPECT_EQ(value_of("tracking_share"), summary["tracking_share"].get<double>());
+  EXPECT_EQ(value_of("last_pose.sigma_x_m"), 0.01);
+  EXPECT_EQ(value_of("left_out.records"), 4.0);
+  EXPECT_EQ(value_of("initial"), std::nullopt);
+  for (const std::string text : {"start", "warnings", "last_pose", "complete"})
+    EXPECT_EQ(std::ranges::count(figures, text, &SummaryFigure::key), 0) << text;
+  // Not one is forgotten.
+  std::size_t numbers = 0;
+  const std::function<void(const Json&)> count = [&](const Json& value) {
+    for (const Json& child : value) {
+      if (child.is_object()) count(child);
+      numbers += child.is_number() || child.is_null() ? 1 : 0;
+    }
+  };
+  count(summary);
+  EXPECT_EQ(figures.size(), numbers);
 }
 
 TEST(LocalizationOutputs, TimesBetweenScansCountNotScans) {
