@@ -69,16 +69,71 @@ OccupancyMap walls_of(const std::string& path, const MemoryBudget& budget) {
   return map;
 }
 
-ExitCode run(const Arguments& arguments, const AppContext& context) {
-  const auto start = std::chrono::steady_clock::now();
-  Options options = context.load_options<Options>();
-  if (arguments.cloud) gather_cloud(options.texture);
-  const LogFiles log_files(arguments.log);
+Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
   Outputs outputs(context, arguments.force);
   outputs.reads_log(arguments.log);
   outputs.reads(arguments.trajectory);
   outputs.reads(arguments.map);
   outputs.add_folder("-o", arguments.out);
+  return outputs;
+}
+
+/// What a log holds for the colour of the floor.
+struct Recording {
+  CameraFrames camera{};
+  LeftOut left_out{};
+};
+
+/// Throws DataError when there are no pictures in it, ReadingStopped when the user interrupts.
+Recording read_recording(LogReader& reader, const std::string& path, const AppContext& context) {
+  Recording recording;
+  LeftOutCounter counter(reader);
+  while (const auto message = reader.next()) {
+    recording.camera.take(*message);
+    counter.add(*message);
+    if (interrupted()) throw ReadingStopped();
+  }
+  recording.left_out = counter.left_out();
+  judge_left_out(recording.left_out, path, context);
+  if (recording.camera.complete() == 0) {
+    throw DataError({path},
+                    "there are no RGB-D frames with depth and colour in it; `loopstone info` shows "
+                    "what there is");
+  }
+  return recording;
+}
+
+/// Throws DataError when not one frame could be put on the floor.
+void require_used_frames(const FloorTexture& texture, const Arguments& arguments) {
+  const TextureStatistics& s = texture.statistics;
+  if (!texture.complete) return;
+  if (s.frames_without_pose == s.frames) {
+    throw DataError({arguments.trajectory},
+                    "has no pose at the time of any frame; is it of this log, and on its clock?");
+  }
+  if (s.frames_used == 0 && s.frames_unreadable > 0) {
+    throw DataError({arguments.log}, "none of its pictures can be used, as the warnings say");
+  }
+}
+
+void print_table(const FloorTexture& texture, const RunInfo& info, const std::string& out,
+                 const AppContext& context) {
+  Result table;
+  add_texture_rows(texture, table);
+  table.add_row("time",
+                fmt::format("{:.2f} s, {:.0f} frames a second", info.wall_time_s,
+                            static_cast<double>(texture.statistics.frames) / info.wall_time_s));
+  table.add_row("picture", out + "/texture_map.png");
+  table.print(context);
+}
+
+ExitCode run(const Arguments& arguments, const AppContext& context) {
+  const auto start = std::chrono::steady_clock::now();
+  Options options = context.load_options<Options>();
+  if (arguments.cloud) gather_cloud(options.texture);
+
+  const LogFiles log_files(arguments.log);
+  const Outputs outputs = outputs_of(arguments, context);
   outputs.check(least_bytes_of_results(log_files.bytes()));
   const Trajectory trajectory = read_tum(arguments.trajectory, context.memory());
   const OccupancyMap map = walls_of(arguments.map, context.memory());
@@ -89,35 +144,17 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
-  CameraFrames camera;
-  LeftOutCounter counter(*reader);
-  while (const auto message = reader->next()) {
-    camera.take(*message);
-    counter.add(*message);
-    if (interrupted()) throw ReadingStopped();
-  }
-  judge_left_out(counter.left_out(), arguments.log, context);
-  if (camera.complete() == 0) {
-    throw DataError({arguments.log},
-                    "there are no RGB-D frames with depth and colour in it; `loopstone info` shows "
-                    "what there is");
-  }
+  const Recording recording = read_recording(*reader, arguments.log, context);
   const HeldInterrupt held;
-  FloorTexture texture = colour_floor(camera, trajectory, robot, options.texture, context, display);
+  FloorTexture texture =
+      colour_floor(recording.camera, trajectory, robot, options.texture, context, display);
   for (const std::string& change : log_files.changes()) {
     context.warn(change);
     texture.warnings.push_back(change);
   }
-  if (texture.complete && texture.statistics.frames_without_pose == texture.statistics.frames) {
-    throw DataError({arguments.trajectory},
-                    "has no pose at the time of any frame; is it of this log, and on its clock?");
-  }
-  if (texture.complete && texture.statistics.frames_used == 0 &&
-      texture.statistics.frames_unreadable > 0) {
-    throw DataError({arguments.log}, "none of its pictures can be used, as the warnings say");
-  }
+  require_used_frames(texture, arguments);
 
-  RunInfo info = run_info(arguments.log, counter.left_out(), arguments.force, context);
+  RunInfo info = run_info(arguments.log, recording.left_out, arguments.force, context);
   info.options_toml = options_to_toml(list_options(options));
   info.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -126,13 +163,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   if (context.json()) {
     print_to_stdout(format_texture_summary(texture, info));
   } else {
-    Result table;
-    add_texture_rows(texture, table);
-    table.add_row("time",
-                  fmt::format("{:.2f} s, {:.0f} frames a second", info.wall_time_s,
-                              static_cast<double>(texture.statistics.frames) / info.wall_time_s));
-    table.add_row("picture", arguments.out + "/texture_map.png");
-    table.print(context);
+    print_table(texture, info, arguments.out, context);
   }
   if (!texture.complete) context.warn("interrupted: the colours are of what was seen until then");
   return texture.complete ? kExitDone : kExitInterrupted;

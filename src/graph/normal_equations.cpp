@@ -207,8 +207,8 @@ GraphWeights NormalEquations::weights(const GraphState& state) {
 /// With Rz left out, J_to = diag(Rf^T, 1) and J_from = -J_to T, where T = [1 0 -dy; 0 1 dx; 0 0 1]
 /// moves a turn of the first pose to the second; so B = J_to^T information J_to gives all four
 /// blocks. A landmark has no yaw: the third row and column of its B are zero, and the same holds.
-/// One function of many lines: straight arithmetic that the four blocks share, in the innermost
-/// loop of every solution.
+// Over 60 lines: straight arithmetic that the four blocks share, in the innermost loop of every
+// solution.
 void NormalEquations::add(const Term& term, const Error& e, double weight, double dx, double dy) {
   const auto [c, s] = cos_sin_[at(term.from)];
   const auto& i = term.information;

@@ -110,6 +110,54 @@ void take_stragglers_in(std::vector<ParticleGroup>& groups) {
   }
 }
 
+/// Particles that belong together, whatever places they are of now.
+std::vector<ParticleGroup> group_particles(std::span<const PlaceBelief> places, double gap_m,
+                                           double gap_rad) {
+  // Particles that are ruled out and wait to be drawn anew must not bridge the gap between two that
+  // are not.
+  constexpr double kRuledOut = 12.0;
+  struct Origin {
+    int id;
+    double log_weight;
+  };
+  std::vector<Pose2> poses;
+  std::vector<Origin> origins;
+  for (const PlaceBelief& place : places) {
+    const auto log_weights = place.particles.log_weights();
+    const double most = *std::max_element(log_weights.begin(), log_weights.end());
+    for (std::size_t i = 0; i < log_weights.size(); ++i) {
+      if (log_weights[i] < most - kRuledOut) continue;
+      poses.push_back(place.particles.states()[i]);
+      origins.push_back({place.id, place.log_mass + log_weights[i]});
+    }
+  }
+  // Neighbouring cells are joined, so that particles up to two cells apart may be.
+  const std::vector<int> labels = group_poses(poses, 0.5 * gap_m, 0.5 * gap_rad);
+  std::vector<ParticleGroup> groups;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto label = static_cast<std::size_t>(labels[i]);
+    if (label >= groups.size()) groups.resize(label + 1);
+    groups[label].add(origins[i].id, poses[i], origins[i].log_weight);
+  }
+  take_stragglers_in(groups);
+  return groups;
+}
+
+/// What a group of particles is from now on; it goes on from the place that most of them came from.
+PlaceBelief place_of(ParticleGroup group, double log_mass, std::span<const PlaceBelief> before) {
+  PlaceBelief place{
+      .id = group.heir(),
+      .particles = ParticleFilter<Pose2>(std::move(group.states), std::move(group.log_weights)),
+      .log_mass = log_mass};
+  place.moments = weighted_moments(place.particles.states(), place.particles.weights());
+  for (const PlaceBelief& old : before) {
+    if (old.id != place.id) continue;
+    place.injection = old.injection;
+    place.log_evidence = old.log_evidence;
+  }
+  return place;
+}
+
 }  // namespace
 
 std::vector<int> group_poses(std::span<const Pose2> poses, double cell_m, double cell_rad) {
@@ -196,50 +244,12 @@ void PoseBelief::update(const SensorModel& sensor, double readings,
 }
 
 void PoseBelief::regroup() {
-  // Particles that are ruled out and wait to be drawn anew must not bridge the gap between two that
-  // are not.
-  constexpr double kRuledOut = 12.0;
-  struct Origin {
-    int id;
-    double log_weight;
-  };
-  std::vector<Pose2> poses;
-  std::vector<Origin> origins;
-  for (const PlaceBelief& place : places_) {
-    const auto log_weights = place.particles.log_weights();
-    const double most = *std::max_element(log_weights.begin(), log_weights.end());
-    for (std::size_t i = 0; i < log_weights.size(); ++i) {
-      if (log_weights[i] < most - kRuledOut) continue;
-      poses.push_back(place.particles.states()[i]);
-      origins.push_back({place.id, place.log_mass + log_weights[i]});
-    }
-  }
-  // Neighbouring cells are joined, so that particles up to two cells apart may be.
-  const std::vector<int> labels = group_poses(poses, 0.5 * options_.gap_m, 0.5 * options_.gap_rad);
-  std::vector<ParticleGroup> groups;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const auto label = static_cast<std::size_t>(labels[i]);
-    if (label >= groups.size()) groups.resize(label + 1);
-    groups[label].add(origins[i].id, poses[i], origins[i].log_weight);
-  }
-  take_stragglers_in(groups);
-
   std::vector<PlaceBelief> places;
-  for (ParticleGroup& group : groups) {
+  for (ParticleGroup& group : group_particles(places_, options_.gap_m, options_.gap_rad)) {
     if (group.states.empty()) continue;
     const LogWeightSum sum = sum_log_weights(group.log_weights);
     if (!sum.any() || sum.log_total < std::log(options_.negligible)) continue;
-    PlaceBelief place{
-        .id = group.heir(),
-        .particles = ParticleFilter<Pose2>(std::move(group.states), std::move(group.log_weights)),
-        .log_mass = sum.log_total};
-    place.moments = weighted_moments(place.particles.states(), place.particles.weights());
-    for (const PlaceBelief& before : places_) {
-      if (before.id != place.id) continue;
-      place.injection = before.injection;
-      place.log_evidence = before.log_evidence;
-    }
-    places.push_back(std::move(place));
+    places.push_back(place_of(std::move(group), sum.log_total, places_));
   }
   if (places.empty()) return;
   std::stable_sort(places.begin(), places.end(), [](const PlaceBelief& a, const PlaceBelief& b) {

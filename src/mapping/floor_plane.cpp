@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "loopstone/base/median.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -41,6 +43,57 @@ struct PlaneSums {
     return FloorPlane{factor.solve(right)};
   }
 };
+
+/// What was measured along a ray less what the plane says.
+template <typename Sample>
+double residual(const FloorPlane& plane, const Sample& s) {
+  return s.per_m - (plane.slope.x() * s.x + plane.slope.y() * s.y + plane.slope.z());
+}
+
+/// Of the measurements that lie within the gate about a plane.
+template <typename Sample>
+PlaneSums sums_about(const FloorPlane& plane, double gate, std::span<const Sample> samples) {
+  PlaneSums sums;
+  for (const Sample& s : samples) {
+    if (std::abs(residual(plane, s)) > gate) continue;
+    sums.add({s.x, s.y, 1.0}, s.per_m);
+  }
+  return sums;
+}
+
+/// A plane through what lies near it.
+struct PlaneFit {
+  FloorPlane plane{};
+  double noise_per_m = 0.0;
+  std::size_t points = 0;
+
+  [[nodiscard]] double gate() const { return kGate * noise_per_m; }
+};
+
+/// The spread of the residuals tells the noise, the fit within the gate the plane; both settle in a
+/// few rounds. Nothing where there is too little floor.
+template <typename Sample>
+std::optional<PlaneFit> fit_plane(std::span<const Sample> samples, const FloorPlane& start) {
+  constexpr int kRounds = 6;
+  PlaneFit fit{.plane = start};
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> spread;
+    spread.reserve(samples.size());
+    for (const Sample& s : samples) spread.push_back(residual(fit.plane, s));
+    if (spread.size() < kFewestPoints) return {};
+    const double middle = round == 0 ? median_of(spread) : 0.0;
+    for (double& value : spread) value = std::abs(value - middle);
+    fit.noise_per_m = std::max(kSigmaPerMedian * median_of(spread), 1e-6);
+    // At first the plane may be off as a whole; a shift of it does no harm to the gate.
+    const FloorPlane about{fit.plane.slope + Eigen::Vector3d(0.0, 0.0, middle)};
+    const PlaneSums sums = sums_about(about, fit.gate(), samples);
+    const auto solved = sums.solve();
+    if (!solved) return {};
+    fit.plane = *solved;
+    fit.points = sums.points;
+  }
+  return fit;
+}
 
 }  // namespace
 
@@ -97,46 +150,17 @@ FloorEstimate FloorPlaneEstimator::estimate() const {
   FloorEstimate result;
   result.robot_T_camera = camera_.robot_T_camera;
   result.plane = given_;
-
-  const auto residual = [](const FloorPlane& plane, const Sample& s) {
-    return s.per_m - (plane.slope.x() * s.x + plane.slope.y() * s.y + plane.slope.z());
-  };
-  const auto fit = [&](std::size_t from, std::size_t to, const FloorPlane& about, double gate) {
-    PlaneSums sums;
-    for (std::size_t i = from; i < to; ++i) {
-      if (std::abs(residual(about, samples_[i])) > gate) continue;
-      sums.add({samples_[i].x, samples_[i].y, 1.0}, samples_[i].per_m);
-    }
-    return sums;
-  };
-
-  // The spread of the residuals tells the noise, the fit within the gate the plane; both settle in
-  // a few rounds.
-  constexpr int kRounds = 6;
-  FloorPlane plane = given_;
-  PlaneSums sums;
-  double noise = 0.0;
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<double> spread;
-    spread.reserve(samples_.size());
-    for (const Sample& s : samples_) spread.push_back(residual(plane, s));
-    if (spread.size() < kFewestPoints) return result;
-    const double middle = round == 0 ? median_of(spread) : 0.0;
-    for (double& value : spread) value = std::abs(value - middle);
-    noise = std::max(kSigmaPerMedian * median_of(spread), 1e-6);
-    // At first the plane may be off as a whole; a shift of it does no harm to the gate.
-    const FloorPlane about{plane.slope + Eigen::Vector3d(0.0, 0.0, middle)};
-    sums = fit(0, samples_.size(), about, kGate * noise);
-    const auto solved = sums.solve();
-    if (!solved) return result;
-    plane = *solved;
-  }
+  const std::span<const Sample> samples(samples_);
+  const auto fit = fit_plane(samples, given_);
+  if (!fit) return result;
 
   std::vector<double> pitches;
   for (std::size_t frame = 0; frame < frame_starts_.size(); ++frame) {
+    const std::size_t begin = frame_starts_[frame];
     const std::size_t end =
         frame + 1 < frame_starts_.size() ? frame_starts_[frame + 1] : samples_.size();
-    const auto solved = fit(frame_starts_[frame], end, plane, kGate * noise).solve();
+    const auto solved =
+        sums_about(fit->plane, fit->gate(), samples.subspan(begin, end - begin)).solve();
     if (!solved) continue;
     ++result.frames;
     pitches.push_back(to_roll_pitch_yaw(mount_seeing(*solved, camera_.robot_T_camera)).y());
@@ -144,16 +168,16 @@ FloorEstimate FloorPlaneEstimator::estimate() const {
   if (result.frames == 0) return result;
 
   result.status = FloorStatus::kEstimated;
-  result.plane = plane;
-  result.robot_T_camera = mount_seeing(plane, camera_.robot_T_camera);
+  result.plane = fit->plane;
+  result.robot_T_camera = mount_seeing(fit->plane, camera_.robot_T_camera);
   const Eigen::Vector3d given = to_roll_pitch_yaw(camera_.robot_T_camera);
   const Eigen::Vector3d found = to_roll_pitch_yaw(result.robot_T_camera);
   result.roll_error_rad = found.x() - given.x();
   result.pitch_error_rad = found.y() - given.y();
   result.height_error_m =
       result.robot_T_camera.translation.z() - camera_.robot_T_camera.translation.z();
-  result.noise_per_m = noise;
-  result.points = static_cast<std::int64_t>(sums.points);
+  result.noise_per_m = fit->noise_per_m;
+  result.points = static_cast<std::int64_t>(fit->points);
   for (double& pitch : pitches) pitch = std::abs(pitch - found.y());
   result.pitch_scatter_rad = kSigmaPerMedian * median_of(pitches);
   return result;

@@ -39,6 +39,24 @@ Pose2 moved_in_place(const Pose2& pose, const Eigen::Vector3d& offset) {
   return {pose.x + offset[0], pose.y + offset[1], wrap_angle(pose.yaw + offset[2])};
 }
 
+/// The brightness of a square of the floor in a picture, and how it changes along the floor [1/m].
+struct SeenLight {
+  double value = 0.0;
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+};
+SeenLight seen_light(const LightRows& light, const FloorBox& box) {
+  const auto brightness = [&](float du, float dv) {
+    const LinearRgb mean = light.mean(box.u + du, box.v + dv, box.width, box.height);
+    return static_cast<double>(mean[0] + mean[1] + mean[2]) / 3.0;
+  };
+  const float du = 0.5F * box.width;
+  const float dv = 0.5F * box.height;
+  const double per_u = (brightness(du, 0.0F) - brightness(-du, 0.0F)) / (2.0 * du);
+  const double per_v = (brightness(0.0F, dv) - brightness(0.0F, -dv)) / (2.0 * dv);
+  return {brightness(0.0F, 0.0F),
+          per_u * box.u_xy.cast<double>() + per_v * box.v_xy.cast<double>()};
+}
+
 /// Where a horizontal line cuts a convex polygon; left > right when it misses.
 struct Span {
   double left = 1.0;
@@ -196,83 +214,88 @@ void TextureMapper::sample_cells(const FramePose& pose) {
   }
 }
 
+/// Of one step of refined(), over the cells that a frame shares with the map.
+struct TextureMapper::StepSums {
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  double weights = 0.0;
+  double squares = 0.0;
+  std::size_t cells = 0;
+
+  void add(const Eigen::Vector4d& slope, double residual, double weight) {
+    normal.noalias() += weight * slope * slope.transpose();
+    right -= weight * residual * slope;
+    weights += weight;
+    squares += weight * residual * residual;
+    ++cells;
+  }
+};
+
+TextureMapper::StepSums TextureMapper::compare(const FramePose& pose,
+                                               const std::vector<CellRun>& runs, double gain,
+                                               double sigma) const {
+  constexpr double kSpacing_m = 0.04;
+  constexpr float kLeastWeight = 0.05F * TextureCell::kWeightUnit;
+  const int every = std::max(1, static_cast<int>(std::lround(kSpacing_m / options_.resolution_m)));
+  const View view = view_from(pose);
+  StepSums sums;
+  Glimpse glimpse;
+  for (const CellRun& run : runs) {
+    if (run.row % every != 0) continue;
+    for (int column = run.first_column; column <= run.last_column; ++column) {
+      if (column % every != 0) continue;
+      const Cell cell{column, run.row};
+      const TextureCell* known = cells_.find(cell);
+      if (known == nullptr || static_cast<float>(known->best.weight) < kLeastWeight ||
+          !look(cell, view, glimpse)) {
+        continue;
+      }
+      const SeenLight seen = seen_light(light_, glimpse.box);
+      const auto& rgb = known->best.rgb;
+      const double residual = gain * seen.value - (rgb[0] + rgb[1] + rgb[2]) / 3.0;
+      // A robot moved by (x, y, yaw) sees at a cell what it saw before at the cell moved back by
+      // that.
+      const Eigen::Vector2d arm = cells_.centre_of(cell) - pose.map_T_robot_colour.translation();
+      const Eigen::Vector4d slope(-gain * seen.slope.x(), -gain * seen.slope.y(),
+                                  gain * (seen.slope.x() * arm.y() - seen.slope.y() * arm.x()),
+                                  seen.value);
+      const double ratio2 = residual * residual / (sigma * sigma);
+      sums.add(slope, residual,
+               static_cast<double>(weight_of(glimpse)) / ((1.0 + ratio2) * (1.0 + ratio2)));
+    }
+  }
+  return sums;
+}
+
 FramePose TextureMapper::refined(const FramePose& given) const {
   // The pose under which the frame agrees best with what is on the map: Gauss-Newton on
   //   sum w rho((gain * seen(cell; pose) - known(cell)) / sigma) + |pose - given|^2_prior
   // over cells a few centimetres apart, with an unknown gain. The prior is what a good trajectory
   // is worth; it holds the pose where the floor has nothing to hold on to. Source: Newcombe et al.
   // 2011, "DTAM", section 2.3, for a plane.
-  constexpr double kSpacing_m = 0.04;
   constexpr int kSteps = 3;
   constexpr std::size_t kFewest = 100;
   constexpr double kPrior_m = 0.004;
   constexpr double kPrior_rad = 0.002;
   constexpr double kOverlap = 16.0;  // neighbouring cells, and frames before, share their errors
   constexpr double kLeastSigma = 0.01 * 65535.0;
-  constexpr float kLeastWeight = 0.05F * TextureCell::kWeightUnit;
 
-  const int every = std::max(1, static_cast<int>(std::lround(kSpacing_m / options_.resolution_m)));
   const std::vector<CellRun> runs = runs_seen_from(given.map_T_robot_colour);
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // of the pose about its own place, map axes
   double gain = 1.0;
   double sigma = 0.05 * 65535.0;
   FramePose pose = given;
   for (int step = 0; step < kSteps; ++step) {
-    const View view = view_from(pose);
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
-    double weights = 0.0;
-    double squares = 0.0;
-    std::size_t cells = 0;
-    Glimpse glimpse;
-    for (const CellRun& run : runs) {
-      if (run.row % every != 0) continue;
-      for (int column = run.first_column; column <= run.last_column; ++column) {
-        if (column % every != 0) continue;
-        const Cell cell{column, run.row};
-        const TextureCell* known = cells_.find(cell);
-        if (known == nullptr || static_cast<float>(known->best.weight) < kLeastWeight ||
-            !look(cell, view, glimpse)) {
-          continue;
-        }
-        const auto brightness = [&](float du, float dv) {
-          const LinearRgb light = light_.mean(glimpse.box.u + du, glimpse.box.v + dv,
-                                              glimpse.box.width, glimpse.box.height);
-          return static_cast<double>(light[0] + light[1] + light[2]) / 3.0;
-        };
-        const float du = 0.5F * glimpse.box.width;
-        const float dv = 0.5F * glimpse.box.height;
-        const double per_u = (brightness(du, 0.0F) - brightness(-du, 0.0F)) / (2.0 * du);
-        const double per_v = (brightness(0.0F, dv) - brightness(0.0F, -dv)) / (2.0 * dv);
-        const Eigen::Vector2d slope =
-            per_u * glimpse.box.u_xy.cast<double>() + per_v * glimpse.box.v_xy.cast<double>();
-        const double seen = brightness(0.0F, 0.0F);
-        const auto& rgb = known->best.rgb;
-        const double residual = gain * seen - (rgb[0] + rgb[1] + rgb[2]) / 3.0;
-        // A robot moved by (x, y, yaw) sees at a cell what it saw before at the cell moved back by
-        // that.
-        const Eigen::Vector2d arm = cells_.centre_of(cell) - pose.map_T_robot_colour.translation();
-        const Eigen::Vector4d j(-gain * slope.x(), -gain * slope.y(),
-                                gain * (slope.x() * arm.y() - slope.y() * arm.x()), seen);
-        const double ratio2 = residual * residual / (sigma * sigma);
-        const double weight =
-            static_cast<double>(weight_of(glimpse)) / ((1.0 + ratio2) * (1.0 + ratio2));
-        normal.noalias() += weight * j * j.transpose();
-        right -= weight * residual * j;
-        weights += weight;
-        squares += weight * residual * residual;
-        ++cells;
-      }
-    }
-    if (cells < kFewest || weights <= 0.0) return given;
-    sigma = std::max(kLeastSigma, 2.0 * std::sqrt(squares / weights));
-    normal /= kOverlap * sigma * sigma;
-    right /= kOverlap * sigma * sigma;
+    StepSums sums = compare(pose, runs, gain, sigma);
+    if (sums.cells < kFewest || sums.weights <= 0.0) return given;
+    sigma = std::max(kLeastSigma, 2.0 * std::sqrt(sums.squares / sums.weights));
+    sums.normal /= kOverlap * sigma * sigma;
+    sums.right /= kOverlap * sigma * sigma;
     const Eigen::Vector4d prior(1.0 / (kPrior_m * kPrior_m), 1.0 / (kPrior_m * kPrior_m),
                                 1.0 / (kPrior_rad * kPrior_rad), 1e-12);
-    normal.diagonal() += prior;
-    right.head<3>() -= prior.head<3>().cwiseProduct(offset);
-    const Eigen::Vector4d change = solve_symmetric(normal, right);
+    sums.normal.diagonal() += prior;
+    sums.right.head<3>() -= prior.head<3>().cwiseProduct(offset);
+    const Eigen::Vector4d change = solve_symmetric(sums.normal, sums.right);
     offset += change.head<3>();
     gain += change[3];
     if (!(gain > 1.0 / kMostGain && gain < kMostGain) || offset.head<2>().norm() > 4.0 * kPrior_m ||

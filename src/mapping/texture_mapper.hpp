@@ -80,6 +80,12 @@ class TextureMapper {
   /// The pose at which the frame agrees best with the cells known so far; the given one when there
   /// are too few, or when it would have to move by more than a good trajectory is wrong.
   [[nodiscard]] FramePose refined(const FramePose& given) const;
+  struct StepSums;
+  /// How a frame at that pose agrees with the map, for the next step of refined().
+  /// \param gain   of the frame against the map
+  /// \param sigma  beyond which a difference counts little
+  [[nodiscard]] StepSums compare(const FramePose& pose, const std::vector<CellRun>& runs,
+                                 double gain, double sigma) const;
   void sample_cells(const FramePose& pose);
   void level_samples();
 

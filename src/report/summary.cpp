@@ -24,12 +24,26 @@ MapFigures figures_of(const OccupancyMap& map) {
           frame.columns * frame.resolution, frame.rows * frame.resolution};
 }
 
-std::string format_summary(const MapResult& result, const RunInfo& info,
-                           const FloorTexture* texture) {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json pace_json(const PaceFigures& pace) {
+  return {{"speed", pace.speed},
+          {"median_latency_s", pace.arrival.median_s},
+          {"p99_latency_s", pace.arrival.p99_s},
+          {"worst_latency_s", pace.arrival.worst_s},
+          {"median_computing_s", pace.computing.median_s},
+          {"p99_computing_s", pace.computing.p99_s},
+          {"worst_computing_s", pace.computing.worst_s}};
+}
+
+/// What every run has.
+Json summary_json(const MapResult& result, const RunInfo& info) {
   const MapStatistics& s = result.statistics;
   const MapFigures map = figures_of(result.map);
   // Key order is the order of this list. A number that is not finite becomes null.
-  nlohmann::ordered_json summary = {
+  return {
       {"version", info.version},
       {"log", info.log_path},
       {"command", info.command_line},
@@ -79,21 +93,19 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
       {"path_breaks", path_breaks(result)},
       {"warnings", result.warnings},
   };
+}
+
+}  // namespace
+
+std::string format_summary(const MapResult& result, const RunInfo& info,
+                           const FloorTexture* texture) {
+  Json summary = summary_json(result, info);
   for (const auto& [name, term] : info.terms) summary["result_of"][name] = term;
   if (!info.failure.empty()) summary["warnings"].push_back(info.failure);
-  if (info.pace) {
-    const PaceFigures& pace = *info.pace;
-    summary["realtime"] = {{"speed", pace.speed},
-                           {"median_latency_s", pace.arrival.median_s},
-                           {"p99_latency_s", pace.arrival.p99_s},
-                           {"worst_latency_s", pace.arrival.worst_s},
-                           {"median_computing_s", pace.computing.median_s},
-                           {"p99_computing_s", pace.computing.p99_s},
-                           {"worst_computing_s", pace.computing.worst_s}};
-  }
+  if (info.pace) summary["realtime"] = pace_json(*info.pace);
   if (texture != nullptr) summary["texture"] = texture_json(*texture);
   // Paths need not be UTF-8; JSON must.
-  return summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace loopstone

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <tuple>
 
 #include "simulation/furniture.hpp"
 
@@ -171,6 +170,113 @@ void decorate_corridor(PlanBuilder& builder, double width, double low, double hi
   }
 }
 
+/// Where things stand along y, from the south, and the crossings along x.
+struct OfficeLines {
+  double width = 0.0;
+  double y1 = 0.0;  ///< southern rooms end, their corridor begins
+  double y2 = 0.0;
+  double y3 = 0.0;  ///< blocks end, the northern corridor begins
+  double y4 = 0.0;
+  double y5 = 0.0;  ///< northern rooms end
+  std::vector<Opening> crossings{};
+
+  [[nodiscard]] const Opening& middle() const { return crossings[crossings.size() / 2]; }
+  /// Of the gates at the ends of the corridors.
+  [[nodiscard]] double south_end() const { return 0.5 * (y1 + y2); }
+  [[nodiscard]] double north_end() const { return 0.5 * (y3 + y4); }
+};
+
+OfficeLines lines_of(const OfficeShape& shape) {
+  OfficeLines lines;
+  lines.width = shape.width_m;
+  lines.y1 = shape.south_m;
+  lines.y2 = lines.y1 + shape.corridor_m;
+  lines.y3 = lines.y2 + shape.middle_m;
+  lines.y4 = lines.y3 + shape.corridor_m;
+  lines.y5 = lines.y4 + shape.north_m;
+  for (const double x : shape.crossings_m) lines.crossings.push_back({x, shape.crossing_m});
+  return lines;
+}
+
+/// Blocks of rooms between the corridors; adds their doors to the openings of the walls.
+void add_blocks(PlanBuilder& builder, const OfficeShape& shape, const OfficeLines& lines,
+                std::vector<Opening>& south_openings, std::vector<Opening>& north_openings,
+                Rng& rng) {
+  const double low = lines.y2;
+  const double high = lines.y3;
+  const double half = 0.5 * (low + high);
+  const std::vector<Stretch> blocks = between(lines.width, lines.crossings);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const Stretch& block = blocks[i];
+    if (static_cast<int>(i) == shape.open_block) {
+      add_open_plan(builder, {{block.from, low}, {block.to, high}}, south_openings, north_openings,
+                    rng);
+    } else {
+      for (const Opening& door :
+           add_room_row(builder, {block}, low, half, DoorSide::kSouth, shape.visited_share, rng)) {
+        south_openings.push_back(door);
+      }
+      for (const Opening& door :
+           add_room_row(builder, {block}, half, high, DoorSide::kNorth, shape.visited_share, rng)) {
+        north_openings.push_back(door);
+      }
+      builder.wall({block.from, half}, {block.to, half}, kWall);
+    }
+    if (i > 0) builder.wall({block.from, low}, {block.from, high}, kWall);
+    if (i + 1 < blocks.size()) builder.wall({block.to, low}, {block.to, high}, kWall);
+  }
+}
+
+/// Both walls of a crossing that goes on through a row of rooms.
+void add_way_out(PlanBuilder& builder, const Opening& crossing, double low, double high) {
+  for (const double side : {-0.5, 0.5}) {
+    const double x = crossing.at_m + side * crossing.width_m;
+    builder.wall({x, low}, {x, high}, kWall);
+  }
+}
+
+double gate_width(const OfficeShape& shape) { return shape.corridor_m - kWall; }
+double crossing_gate_width(const OfficeShape& shape) { return shape.crossing_m - kWall; }
+
+/// It stands outside the nominal rectangle.
+void add_outer_wall(PlanBuilder& builder, const OfficeShape& shape, const OfficeLines& lines,
+                    const OfficeGates& gates) {
+  const double o = 0.5 * kOuterWall;
+  const auto ends = [&](bool south, bool north) {
+    std::vector<Opening> openings;
+    if (south) openings.push_back({lines.south_end() + o, gate_width(shape)});
+    if (north) openings.push_back({lines.north_end() + o, gate_width(shape)});
+    return openings;
+  };
+  const auto side = [&](bool is_open) {
+    return is_open ? std::vector<Opening>{{lines.middle().at_m + o, crossing_gate_width(shape)}}
+                   : std::vector<Opening>{};
+  };
+  const double east = lines.width + o;
+  const double north = lines.y5 + o;
+  builder.wall({-o, -o}, {-o, north}, kOuterWall, ends(gates.west_south, gates.west_north));
+  builder.wall({east, -o}, {east, north}, kOuterWall, ends(gates.east_south, gates.east_north));
+  builder.wall({-o, -o}, {east, -o}, kOuterWall, side(gates.south));
+  builder.wall({-o, north}, {east, north}, kOuterWall, side(gates.north));
+}
+
+OfficeExits exits_of(const PlanBuilder& builder, const OfficeShape& shape,
+                     const OfficeLines& lines) {
+  const auto at = [&](double x, double y) { return builder.in_map({x, y}); };
+  const double g = 0.5 * gate_width(shape);
+  const double c = 0.5 * crossing_gate_width(shape);
+  const double out = kOuterWall;
+  const double south_end = lines.south_end();
+  const double north_end = lines.north_end();
+  const double middle = lines.middle().at_m;
+  return {{at(-out, south_end - g), at(-out, south_end + g)},
+          {at(lines.width + out, south_end + g), at(lines.width + out, south_end - g)},
+          {at(-out, north_end - g), at(-out, north_end + g)},
+          {at(lines.width + out, north_end + g), at(lines.width + out, north_end - g)},
+          {at(middle + c, -out), at(middle - c, -out)},
+          {at(middle - c, lines.y5 + out), at(middle + c, lines.y5 + out)}};
+}
+
 }  // namespace
 
 double depth_of(const OfficeShape& shape) {
@@ -179,100 +285,36 @@ double depth_of(const OfficeShape& shape) {
 
 OfficeExits add_office(PlanBuilder& builder, const OfficeShape& shape, const OfficeGates& gates,
                        Rng& rng) {
-  const double width = shape.width_m;
-  const double y1 = shape.south_m;
-  const double y2 = y1 + shape.corridor_m;
-  const double y3 = y2 + shape.middle_m;
-  const double y4 = y3 + shape.corridor_m;
-  const double y5 = y4 + shape.north_m;
-  std::vector<Opening> crossings;
-  for (const double x : shape.crossings_m) crossings.push_back({x, shape.crossing_m});
-  const Opening middle = crossings[crossings.size() / 2];
-  const std::vector<Opening> through_south =
-      gates.south ? std::vector{middle} : std::vector<Opening>{};
-  const std::vector<Opening> through_north =
-      gates.north ? std::vector{middle} : std::vector<Opening>{};
-
-  // Rooms along the outer walls.
-  std::vector<Opening> openings_1 = add_room_row(builder, between(width, through_south), 0.0, y1,
-                                                 DoorSide::kNorth, shape.visited_share, rng);
-  std::vector<Opening> openings_4 = add_room_row(builder, between(width, through_north), y4, y5,
-                                                 DoorSide::kSouth, shape.visited_share, rng);
+  const OfficeLines lines = lines_of(shape);
+  const auto through = [&](bool is_open) {
+    return is_open ? std::vector{lines.middle()} : std::vector<Opening>{};
+  };
+  const std::vector<Opening> through_south = through(gates.south);
+  const std::vector<Opening> through_north = through(gates.north);
+  // The openings in the walls of the corridors, from the south.
+  std::vector<Opening> openings_1 =
+      add_room_row(builder, between(lines.width, through_south), 0.0, lines.y1, DoorSide::kNorth,
+                   shape.visited_share, rng);
+  std::vector<Opening> openings_4 =
+      add_room_row(builder, between(lines.width, through_north), lines.y4, lines.y5,
+                   DoorSide::kSouth, shape.visited_share, rng);
   openings_1.insert(openings_1.end(), through_south.begin(), through_south.end());
   openings_4.insert(openings_4.end(), through_north.begin(), through_north.end());
+  std::vector<Opening> openings_2 = lines.crossings;
+  std::vector<Opening> openings_3 = lines.crossings;
+  add_blocks(builder, shape, lines, openings_2, openings_3, rng);
 
-  // Blocks between the corridors.
-  std::vector<Opening> openings_2 = crossings;
-  std::vector<Opening> openings_3 = crossings;
-  const std::vector<Stretch> blocks = between(width, crossings);
-  const double half = 0.5 * (y2 + y3);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const Stretch& block = blocks[i];
-    if (static_cast<int>(i) == shape.open_block) {
-      add_open_plan(builder, {{block.from, y2}, {block.to, y3}}, openings_2, openings_3, rng);
-    } else {
-      for (const Opening& door :
-           add_room_row(builder, {block}, y2, half, DoorSide::kSouth, shape.visited_share, rng)) {
-        openings_2.push_back(door);
-      }
-      for (const Opening& door :
-           add_room_row(builder, {block}, half, y3, DoorSide::kNorth, shape.visited_share, rng)) {
-        openings_3.push_back(door);
-      }
-      builder.wall({block.from, half}, {block.to, half}, kWall);
-    }
-    if (i > 0) builder.wall({block.from, y2}, {block.from, y3}, kWall);
-    if (i + 1 < blocks.size()) builder.wall({block.to, y2}, {block.to, y3}, kWall);
-  }
-
-  builder.wall({0.0, y1}, {width, y1}, kWall, openings_1);
-  builder.wall({0.0, y2}, {width, y2}, kWall, openings_2);
-  builder.wall({0.0, y3}, {width, y3}, kWall, openings_3);
-  builder.wall({0.0, y4}, {width, y4}, kWall, openings_4);
-  decorate_corridor(builder, width, y1, y2, openings_1, openings_2, rng);
-  decorate_corridor(builder, width, y3, y4, openings_3, openings_4, rng);
-  for (const auto& [is_open, low, high] :
-       {std::tuple{gates.south, 0.0, y1}, std::tuple{gates.north, y4, y5}}) {
-    if (!is_open) continue;
-    builder.wall({middle.at_m - 0.5 * middle.width_m, low},
-                 {middle.at_m - 0.5 * middle.width_m, high}, kWall);
-    builder.wall({middle.at_m + 0.5 * middle.width_m, low},
-                 {middle.at_m + 0.5 * middle.width_m, high}, kWall);
-  }
-
-  // The outer wall stands outside the nominal rectangle.
-  const double gate = shape.corridor_m - kWall;
-  const double south_end = 0.5 * (y1 + y2);
-  const double north_end = 0.5 * (y3 + y4);
-  const double o = 0.5 * kOuterWall;
-  const auto ends = [&](bool south, bool north) {
-    std::vector<Opening> openings;
-    if (south) openings.push_back({south_end + o, gate});
-    if (north) openings.push_back({north_end + o, gate});
-    return openings;
-  };
-  const double crossing_gate = shape.crossing_m - kWall;
-  const auto side = [&](bool is_open) {
-    return is_open ? std::vector<Opening>{{middle.at_m + o, crossing_gate}}
-                   : std::vector<Opening>{};
-  };
-  builder.wall({-o, -o}, {-o, y5 + o}, kOuterWall, ends(gates.west_south, gates.west_north));
-  builder.wall({width + o, -o}, {width + o, y5 + o}, kOuterWall,
-               ends(gates.east_south, gates.east_north));
-  builder.wall({-o, -o}, {width + o, -o}, kOuterWall, side(gates.south));
-  builder.wall({-o, y5 + o}, {width + o, y5 + o}, kOuterWall, side(gates.north));
-  builder.world().floor_area_m2 += width * y5;
-
-  const auto at = [&](double x, double y) { return builder.in_map({x, y}); };
-  const double g = 0.5 * gate;
-  const double c = 0.5 * crossing_gate;
-  const double out = kOuterWall;
-  return {{at(-out, south_end - g), at(-out, south_end + g)},
-          {at(width + out, south_end + g), at(width + out, south_end - g)},
-          {at(-out, north_end - g), at(-out, north_end + g)},
-          {at(width + out, north_end + g), at(width + out, north_end - g)},
-          {at(middle.at_m + c, -out), at(middle.at_m - c, -out)},
-          {at(middle.at_m - c, y5 + out), at(middle.at_m + c, y5 + out)}};
+  builder.wall({0.0, lines.y1}, {lines.width, lines.y1}, kWall, openings_1);
+  builder.wall({0.0, lines.y2}, {lines.width, lines.y2}, kWall, openings_2);
+  builder.wall({0.0, lines.y3}, {lines.width, lines.y3}, kWall, openings_3);
+  builder.wall({0.0, lines.y4}, {lines.width, lines.y4}, kWall, openings_4);
+  decorate_corridor(builder, lines.width, lines.y1, lines.y2, openings_1, openings_2, rng);
+  decorate_corridor(builder, lines.width, lines.y3, lines.y4, openings_3, openings_4, rng);
+  if (gates.south) add_way_out(builder, lines.middle(), 0.0, lines.y1);
+  if (gates.north) add_way_out(builder, lines.middle(), lines.y4, lines.y5);
+  add_outer_wall(builder, shape, lines, gates);
+  builder.world().floor_area_m2 += lines.width * lines.y5;
+  return exits_of(builder, shape, lines);
 }
 
 void add_passage(World& world, const Gate& from, const Gate& to, Rng& rng) {

@@ -52,6 +52,71 @@ void add_hall(PlanBuilder& builder, double width, double depth, const HallGates&
   builder.world().floor_area_m2 += width * depth;
 }
 
+OfficeShape campus_shape(double width, double middle, Rng& rng) {
+  OfficeShape shape;
+  shape.width_m = width;
+  shape.middle_m = middle;
+  shape.corridor_m = rng.uniform(2.0, 2.6);
+  shape.south_m = rng.uniform(5.0, 6.2);
+  shape.north_m = rng.uniform(5.0, 6.2);
+  shape.crossings_m = {width * rng.uniform(0.12, 0.2), width * rng.uniform(0.46, 0.54),
+                       width * rng.uniform(0.82, 0.88)};
+  shape.open_block = 1 + static_cast<int>(rng.below(2));
+  shape.visited_share = 0.08;
+  return shape;
+}
+
+constexpr double kCampusHallWidth = 50.0;
+constexpr double kCampusHallDepth = 26.0;
+
+struct HallExits {
+  Gate west, east, south;
+};
+
+HallExits add_campus_hall(PlanBuilder& builder, Rng& rng) {
+  const HallGates gates{.west = {9.0, 2.4}, .east = {17.0, 2.4}, .south = {24.0, 2.4}};
+  add_hall(builder, kCampusHallWidth, kCampusHallDepth, gates, rng);
+  const auto gate = [&](const Eigen::Vector2d& left, const Eigen::Vector2d& right) {
+    return Gate{builder.in_map(left), builder.in_map(right)};
+  };
+  const double east = kCampusHallWidth + 0.3;
+  return {.west = gate({-0.3, gates.west.at_m - 1.2}, {-0.3, gates.west.at_m + 1.2}),
+          .east = gate({east, gates.east.at_m + 1.2}, {east, gates.east.at_m - 1.2}),
+          .south = gate({gates.south.at_m + 1.2, -0.3}, {gates.south.at_m - 1.2, -0.3})};
+}
+
+/// Its buildings by where they stand.
+struct Campus {
+  struct Office {
+    PlanBuilder builder;
+    Corners corners;
+  };
+  Office sw, s, se, nw;
+  PlanBuilder hall;
+  Office ne;
+};
+
+/// What a robot is to see of it, and how it comes back.
+void plan_visit(Campus& campus) {
+  const Eigen::Vector2d& start = campus.sw.corners.south_west;
+  campus.sw.builder.start({start.x(), start.y(), 0.0});
+  for (Campus::Office* office : {&campus.sw, &campus.s, &campus.se, &campus.nw, &campus.ne}) {
+    for (const auto& corner : {office->corners.south_middle, office->corners.north_east})
+      office->builder.place(corner);
+  }
+  campus.hall.place({8.0, 0.6 * kCampusHallDepth});
+  campus.hall.place({38.0, 0.3 * kCampusHallDepth});
+  // The visit ends in the southern middle. Close the outer ring, then go round the western loop the
+  // other way.
+  campus.s.builder.return_to(campus.s.corners.south_middle);
+  campus.sw.builder.return_to(campus.sw.corners.north_east);
+  campus.nw.builder.return_to(campus.nw.corners.south_middle);
+  campus.hall.return_to({24.0, 0.6 * kCampusHallDepth});
+  campus.s.builder.return_to(campus.s.corners.north_middle);
+  campus.s.builder.return_to(campus.s.corners.south_west);
+  campus.sw.builder.return_to(campus.sw.corners.south_west);
+}
+
 }  // namespace
 
 void build_office(World& world, Rng rng) {
@@ -79,82 +144,42 @@ void build_office(World& world, Rng rng) {
 void build_campus(World& world, Rng rng) {
   // Two rows of three buildings, not quite parallel, joined to two big loops that share the middle
   // passage.
-  const auto shape_of = [&](double width, double middle) {
-    OfficeShape shape;
-    shape.width_m = width;
-    shape.middle_m = middle;
-    shape.corridor_m = rng.uniform(2.0, 2.6);
-    shape.south_m = rng.uniform(5.0, 6.2);
-    shape.north_m = rng.uniform(5.0, 6.2);
-    shape.crossings_m = {width * rng.uniform(0.12, 0.2), width * rng.uniform(0.46, 0.54),
-                         width * rng.uniform(0.82, 0.88)};
-    shape.open_block = 1 + static_cast<int>(rng.below(2));
-    shape.visited_share = 0.08;
-    return shape;
-  };
-  const OfficeShape sw = shape_of(58.0, 13.0);
-  const OfficeShape s = shape_of(52.0, 12.0);
-  const OfficeShape se = shape_of(56.0, 13.0);
-  const OfficeShape nw = shape_of(60.0, 12.0);
-  const OfficeShape ne = shape_of(54.0, 13.0);
-  PlanBuilder in_sw(world, Pose2{});
-  PlanBuilder in_s(world, Pose2{84.0, -3.0, radians(rng.uniform(3.0, 7.0))});
-  PlanBuilder in_se(world, Pose2{164.0, 2.0, radians(rng.uniform(-6.0, -2.0))});
-  PlanBuilder in_nw(world, Pose2{-2.0, 66.0, radians(rng.uniform(-5.0, -1.0))});
-  PlanBuilder in_hall(world, Pose2{86.0, 66.0, 0.0});
-  PlanBuilder in_ne(world, Pose2{160.0, 64.0, radians(rng.uniform(2.0, 6.0))});
+  const OfficeShape sw = campus_shape(58.0, 13.0, rng);
+  const OfficeShape s = campus_shape(52.0, 12.0, rng);
+  const OfficeShape se = campus_shape(56.0, 13.0, rng);
+  const OfficeShape nw = campus_shape(60.0, 12.0, rng);
+  const OfficeShape ne = campus_shape(54.0, 13.0, rng);
+  Campus campus{
+      .sw = {PlanBuilder(world, Pose2{}), corners_of(sw)},
+      .s = {PlanBuilder(world, Pose2{84.0, -3.0, radians(rng.uniform(3.0, 7.0))}), corners_of(s)},
+      .se = {PlanBuilder(world, Pose2{164.0, 2.0, radians(rng.uniform(-6.0, -2.0))}),
+             corners_of(se)},
+      .nw = {PlanBuilder(world, Pose2{-2.0, 66.0, radians(rng.uniform(-5.0, -1.0))}),
+             corners_of(nw)},
+      .hall = PlanBuilder(world, Pose2{86.0, 66.0, 0.0}),
+      .ne = {PlanBuilder(world, Pose2{160.0, 64.0, radians(rng.uniform(2.0, 6.0))}),
+             corners_of(ne)}};
 
-  const OfficeExits sw_exits = add_office(in_sw, sw, {.east_north = true, .north = true}, rng);
+  const OfficeExits sw_exits =
+      add_office(campus.sw.builder, sw, {.east_north = true, .north = true}, rng);
   const OfficeExits s_exits =
-      add_office(in_s, s, {.west_south = true, .east_north = true, .north = true}, rng);
-  const OfficeExits se_exits = add_office(in_se, se, {.west_south = true, .north = true}, rng);
-  const OfficeExits nw_exits = add_office(in_nw, nw, {.east_south = true, .south = true}, rng);
-  const OfficeExits ne_exits = add_office(in_ne, ne, {.west_north = true, .south = true}, rng);
-
-  const double hall_width = 50.0;
-  const double hall_depth = 26.0;
-  const Opening west_gate{9.0, 2.4};
-  const Opening east_gate{17.0, 2.4};
-  const Opening south_gate{24.0, 2.4};
-  add_hall(in_hall, hall_width, hall_depth, {west_gate, east_gate, south_gate}, rng);
-  const auto hall_gate = [&](const Eigen::Vector2d& left, const Eigen::Vector2d& right) {
-    return Gate{in_hall.in_map(left), in_hall.in_map(right)};
-  };
-  const Gate hall_west = hall_gate({-0.3, west_gate.at_m - 1.2}, {-0.3, west_gate.at_m + 1.2});
-  const Gate hall_east =
-      hall_gate({hall_width + 0.3, east_gate.at_m + 1.2}, {hall_width + 0.3, east_gate.at_m - 1.2});
-  const Gate hall_south = hall_gate({south_gate.at_m + 1.2, -0.3}, {south_gate.at_m - 1.2, -0.3});
+      add_office(campus.s.builder, s, {.west_south = true, .east_north = true, .north = true}, rng);
+  const OfficeExits se_exits =
+      add_office(campus.se.builder, se, {.west_south = true, .north = true}, rng);
+  const OfficeExits nw_exits =
+      add_office(campus.nw.builder, nw, {.east_south = true, .south = true}, rng);
+  const OfficeExits ne_exits =
+      add_office(campus.ne.builder, ne, {.west_north = true, .south = true}, rng);
+  const HallExits hall_exits = add_campus_hall(campus.hall, rng);
 
   add_passage(world, sw_exits.east_north, s_exits.west_south, rng);
   add_passage(world, s_exits.east_north, se_exits.west_south, rng);
   add_passage(world, sw_exits.north, nw_exits.south, rng);
   add_passage(world, se_exits.north, ne_exits.south, rng);
-  add_passage(world, nw_exits.east_south, hall_west, rng);
-  add_passage(world, hall_east, ne_exits.west_north, rng);
-  add_passage(world, s_exits.north, hall_south, rng);
-
-  const Corners c_sw = corners_of(sw);
-  const Corners c_s = corners_of(s);
-  const Corners c_se = corners_of(se);
-  const Corners c_nw = corners_of(nw);
-  const Corners c_ne = corners_of(ne);
-  in_sw.start({c_sw.south_west.x(), c_sw.south_west.y(), 0.0});
-  for (const auto& [builder, c] :
-       {std::pair{&in_sw, &c_sw}, std::pair{&in_s, &c_s}, std::pair{&in_se, &c_se},
-        std::pair{&in_nw, &c_nw}, std::pair{&in_ne, &c_ne}}) {
-    for (const auto& corner : {c->south_middle, c->north_east}) builder->place(corner);
-  }
-  in_hall.place({8.0, 0.6 * hall_depth});
-  in_hall.place({38.0, 0.3 * hall_depth});
-  // The visit ends in the southern middle. Close the outer ring, then go round the western loop the
-  // other way.
-  in_s.return_to(c_s.south_middle);
-  in_sw.return_to(c_sw.north_east);
-  in_nw.return_to(c_nw.south_middle);
-  in_hall.return_to({24.0, 0.6 * hall_depth});
-  in_s.return_to(c_s.north_middle);
-  in_s.return_to(c_s.south_west);
-  in_sw.return_to(c_sw.south_west);
+  add_passage(world, nw_exits.east_south, hall_exits.west, rng);
+  add_passage(world, hall_exits.east, ne_exits.west_north, rng);
+  add_passage(world, s_exits.north, hall_exits.south, rng);
+  plan_visit(campus);
 }
 
 }  // namespace loopstone

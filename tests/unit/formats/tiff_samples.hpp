@@ -162,47 +162,87 @@ std::string encode_tiff_row(const std::vector<Sample>& samples, const TiffLayout
   return row;
 }
 
+struct TiffEntry {
+  unsigned tag = 0;
+  unsigned type = 0;
+  std::uint32_t count = 1;
+  std::uint32_t value = 0;
+};
+
+/// Rows and columns of a strip or tile.
+struct TiffPart {
+  std::size_t down = 0;
+  std::size_t across = 0;
+};
+
+/// The samples of a picture, packed in strips or tiles, and where each of them begins in the file.
+struct TiffData {
+  std::string bytes{};
+  std::vector<std::uint32_t> offsets{};
+  std::vector<std::uint32_t> sizes{};
+
+  /// Where a list of these stands, or the one value of it.
+  [[nodiscard]] std::uint32_t put(const std::vector<std::uint32_t>& values, std::endian order) {
+    const auto at = static_cast<std::uint32_t>(8 + bytes.size());
+    for (const std::uint32_t value : values) append_number(bytes, value, 4, order);
+    return values.size() == 1 ? values[0] : at;
+  }
+};
+
 template <typename Sample>
-std::string make_tiff(const std::vector<Sample>& top_down, int width, const TiffLayout& layout) {
-  const auto columns = static_cast<std::size_t>(width);
-  const std::size_t rows = top_down.size() / columns;
-  const std::size_t across = layout.tile > 0 ? layout.tile : columns;
-  const std::size_t down = layout.tile > 0 ? layout.tile : layout.rows_per_strip;
-  std::string data;
-  std::vector<std::uint32_t> offsets;
-  std::vector<std::uint32_t> sizes;
-  for (std::size_t top = 0; top < rows; top += down) {
-    for (std::size_t left = 0; left < columns; left += across) {
+TiffData tiff_data(const std::vector<Sample>& top_down, std::size_t rows, std::size_t columns,
+                   const TiffPart& part, const TiffLayout& layout) {
+  TiffData data;
+  for (std::size_t top = 0; top < rows; top += part.down) {
+    for (std::size_t left = 0; left < columns; left += part.across) {
       std::string plain;
-      const std::size_t end = layout.tile > 0 ? top + down : std::min(top + down, rows);
+      const std::size_t end = layout.tile > 0 ? top + part.down : std::min(top + part.down, rows);
       for (std::size_t row = top; row < end; ++row) {
-        std::vector<Sample> samples(across);
-        for (std::size_t i = 0; i < across && row < rows && left + i < columns; ++i) {
+        std::vector<Sample> samples(part.across);
+        for (std::size_t i = 0; i < part.across && row < rows && left + i < columns; ++i) {
           samples[i] = top_down[row * columns + left + i];
         }
         plain += encode_tiff_row(samples, layout);
       }
       const std::string packed = pack_tiff(plain, layout.packing);
-      offsets.push_back(static_cast<std::uint32_t>(8 + data.size()));
-      sizes.push_back(static_cast<std::uint32_t>(packed.size()));
-      data += packed;
+      data.offsets.push_back(static_cast<std::uint32_t>(8 + data.bytes.size()));
+      data.sizes.push_back(static_cast<std::uint32_t>(packed.size()));
+      data.bytes += packed;
     }
   }
-  const auto put_list = [&](const std::vector<std::uint32_t>& values) {
-    const auto at = static_cast<std::uint32_t>(8 + data.size());
-    for (const std::uint32_t value : values) append_number(data, value, 4, layout.order);
-    return values.size() == 1 ? values[0] : at;
-  };
-  const auto count = static_cast<std::uint32_t>(offsets.size());
-  const std::uint32_t offsets_at = put_list(offsets);
-  const std::uint32_t sizes_at = put_list(sizes);
-  struct Entry {
-    unsigned tag;
-    unsigned type;
-    std::uint32_t count;
-    std::uint32_t value;
-  };
-  std::vector<Entry> entries{
+  return data;
+}
+
+inline std::string tiff_file(const std::string& data, const std::vector<TiffEntry>& entries,
+                             std::endian order) {
+  std::string bytes = order == std::endian::little ? "II" : "MM";
+  append_number(bytes, 42, 2, order);
+  append_number(bytes, static_cast<std::uint32_t>(8 + data.size()), 4, order);
+  bytes += data;
+  append_number(bytes, static_cast<std::uint32_t>(entries.size()), 2, order);
+  for (const TiffEntry& entry : entries) {
+    append_number(bytes, entry.tag, 2, order);
+    append_number(bytes, entry.type, 2, order);
+    append_number(bytes, entry.count, 4, order);
+    const bool is_short = entry.type == 3;
+    append_number(bytes, entry.value, is_short ? 2 : 4, order);
+    if (is_short) append_number(bytes, 0, 2, order);
+  }
+  append_number(bytes, 0, 4, order);
+  return bytes;
+}
+
+template <typename Sample>
+std::string make_tiff(const std::vector<Sample>& top_down, int width, const TiffLayout& layout) {
+  const auto columns = static_cast<std::size_t>(width);
+  const std::size_t rows = top_down.size() / columns;
+  const TiffPart part{.down = layout.tile > 0 ? layout.tile : layout.rows_per_strip,
+                      .across = layout.tile > 0 ? layout.tile : columns};
+  TiffData data = tiff_data(top_down, rows, columns, part, layout);
+  const auto count = static_cast<std::uint32_t>(data.offsets.size());
+  const std::uint32_t offsets_at = data.put(data.offsets, layout.order);
+  const std::uint32_t sizes_at = data.put(data.sizes, layout.order);
+  std::vector<TiffEntry> entries{
       {256, 4, 1, static_cast<std::uint32_t>(columns)},
       {257, 4, 1, static_cast<std::uint32_t>(rows)},
       {258, 3, 1, 8 * sizeof(Sample)},
@@ -212,33 +252,18 @@ std::string make_tiff(const std::vector<Sample>& top_down, int width, const Tiff
   if (layout.tile == 0) {
     entries.push_back({273, 4, count, offsets_at});
     entries.push_back({277, 3, 1, 1});
-    entries.push_back({278, 4, 1, static_cast<std::uint32_t>(down)});
+    entries.push_back({278, 4, 1, static_cast<std::uint32_t>(part.down)});
     entries.push_back({279, 4, count, sizes_at});
   }
   entries.push_back({317, 3, 1, static_cast<std::uint32_t>(layout.predictor)});
   if (layout.tile > 0) {
-    entries.push_back({322, 3, 1, static_cast<std::uint32_t>(across)});
-    entries.push_back({323, 3, 1, static_cast<std::uint32_t>(down)});
+    entries.push_back({322, 3, 1, static_cast<std::uint32_t>(part.across)});
+    entries.push_back({323, 3, 1, static_cast<std::uint32_t>(part.down)});
     entries.push_back({324, 4, count, offsets_at});
     entries.push_back({325, 4, count, sizes_at});
   }
   entries.push_back({339, 3, 1, sizeof(Sample) == 4 ? 3U : 1U});
-
-  std::string bytes = layout.order == std::endian::little ? "II" : "MM";
-  append_number(bytes, 42, 2, layout.order);
-  append_number(bytes, static_cast<std::uint32_t>(8 + data.size()), 4, layout.order);
-  bytes += data;
-  append_number(bytes, static_cast<std::uint32_t>(entries.size()), 2, layout.order);
-  for (const Entry& entry : entries) {
-    append_number(bytes, entry.tag, 2, layout.order);
-    append_number(bytes, entry.type, 2, layout.order);
-    append_number(bytes, entry.count, 4, layout.order);
-    const bool is_short = entry.type == 3;
-    append_number(bytes, entry.value, is_short ? 2 : 4, layout.order);
-    if (is_short) append_number(bytes, 0, 2, layout.order);
-  }
-  append_number(bytes, 0, 4, layout.order);
-  return bytes;
+  return tiff_file(data.bytes, entries, layout.order);
 }
 
 }  // namespace loopstone::test
