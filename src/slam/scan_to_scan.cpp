@@ -27,6 +27,18 @@ std::vector<Eigen::Vector2d> thinned(const std::vector<Eigen::Vector2d>& points,
   return result;
 }
 
+void solve(const SolverOptions& options, MapResult& result) {
+  const Stopwatch solving;
+  SolveResult solved = optimize(result.graph, options);
+  if (solved.status != SolveStatus::kConverged) {
+    result.warnings.push_back(
+        "The pose graph was not solved: " + std::string(to_string(solved.status)) + ".");
+  }
+  result.graph.poses = std::move(solved.poses);
+  result.statistics.optimisation_s = solving.seconds();
+  result.statistics.graph_cost = solved.cost;
+}
+
 }  // namespace
 
 /// The motions between nodes.
@@ -180,35 +192,23 @@ void ScanToScanMapper::match_intervals(Links& links, const ProgressCallback& pro
   }
 }
 
-MapResult ScanToScanMapper::assemble(const Links& links) {
-  MapResult result;
-  result.complete = links.complete;
+PoseGraph ScanToScanMapper::graph_of(const Links& links) const {
+  PoseGraph graph;
   for (std::size_t i = 0; i < links.nodes; ++i) {
-    result.node_stamps.push_back(nodes_[i].stamp);
     if (i == 0) {
-      result.graph.poses.emplace_back();
+      graph.poses.emplace_back();
       continue;
     }
     const PoseWithCovariance2& motion = links.consecutive[i];
-    result.graph.poses.push_back(result.graph.poses.back() * motion.pose);
-    result.graph.edges.push_back(
-        edge_between(static_cast<int>(i) - 1, static_cast<int>(i), motion,
-                     links.matched[i] ? EdgeKind::kMatch : EdgeKind::kOdometry));
+    graph.poses.push_back(graph.poses.back() * motion.pose);
+    graph.edges.push_back(edge_between(static_cast<int>(i) - 1, static_cast<int>(i), motion,
+                                       links.matched[i] ? EdgeKind::kMatch : EdgeKind::kOdometry));
   }
-  result.graph.edges.insert(result.graph.edges.end(), links.intervals.begin(),
-                            links.intervals.end());
+  graph.edges.insert(graph.edges.end(), links.intervals.begin(), links.intervals.end());
+  return graph;
+}
 
-  MapStatistics& statistics = result.statistics;
-  const Stopwatch solving;
-  SolveResult solved = optimize(result.graph, options_.solver);
-  if (solved.status != SolveStatus::kConverged) {
-    result.warnings.push_back(
-        "The pose graph was not solved: " + std::string(to_string(solved.status)) + ".");
-  }
-  result.graph.poses = std::move(solved.poses);
-  statistics.optimisation_s = solving.seconds();
-  statistics.graph_cost = solved.cost;
-
+std::vector<PosedScan> ScanToScanMapper::place_scans(const Links& links, MapResult& result) const {
   std::vector<PosedScan> posed;
   for (const Record& record : records_) {
     if (record.odom_T_robot) result.odometry.append(record.scan.stamp, *record.odom_T_robot);
@@ -221,13 +221,37 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
     posed.push_back({&record.scan, map_T_robot * record.robot_T_lidar,
                      map_T_robot_end * record.robot_T_lidar, map_T_robot});
   }
+  return posed;
+}
+
+void ScanToScanMapper::draw(const std::vector<PosedScan>& posed, MapResult& result) const {
   const Stopwatch rendering;
   try {
     result.map = build_occupancy_map(posed, robot_.footprint_radius_m, options_.map, threads_);
   } catch (const std::exception& error) {
     result.map_failure = error.what();
   }
-  statistics.rendering_s = rendering.seconds();
+  result.statistics.rendering_s = rendering.seconds();
+  const Stopwatch judging;
+  result.graph_quality = assess_graph(result.graph, result.graph.poses, result.loop_closures);
+  if (result.map_failure.empty()) {
+    result.quality = assess_map(posed, threads_);
+    result.verdict = judge_map(result);
+  }
+  result.statistics.judging_s = judging.seconds();
+  if (auto coarser = coarser_than_asked(result.map, options_.map))
+    result.warnings.push_back(std::move(*coarser));
+}
+
+MapResult ScanToScanMapper::assemble(const Links& links) const {
+  MapResult result;
+  result.complete = links.complete;
+  for (std::size_t i = 0; i < links.nodes; ++i) result.node_stamps.push_back(nodes_[i].stamp);
+  result.graph = graph_of(links);
+  solve(options_.solver, result);
+  const std::vector<PosedScan> posed = place_scans(links, result);
+
+  MapStatistics& statistics = result.statistics;
   statistics.front_end_s = links.seconds;
   statistics.scans = scans();
   statistics.scans_dropped = dropped_;
@@ -237,17 +261,8 @@ MapResult ScanToScanMapper::assemble(const Links& links) {
     statistics.duration_s =
         (result.trajectory.back().stamp - result.trajectory.front().stamp).seconds();
   }
+  draw(posed, result);
   const auto guessed = std::count(links.matched.begin(), links.matched.end(), false) - 1;
-  const Stopwatch judging;
-  result.graph_quality = assess_graph(result.graph, result.graph.poses, result.loop_closures);
-  if (result.map_failure.empty()) {
-    result.quality = assess_map(posed, threads_);
-    result.verdict = judge_map(result);
-  }
-  statistics.judging_s = judging.seconds();
-  if (auto coarser = coarser_than_asked(result.map, options_.map)) {
-    result.warnings.push_back(std::move(*coarser));
-  }
   if (links.complete && guessed > 0) {
     result.warnings.push_back(std::to_string(guessed) + " of " + std::to_string(links.nodes - 1) +
                               " consecutive scans did not match; odometry stood in.");

@@ -103,7 +103,13 @@ class ScanToScanMapper {
   [[nodiscard]] bool is_node(const Record& record) const;
   [[nodiscard]] Links match_consecutive(const ProgressCallback& progress) const;
   void match_intervals(Links& links, const ProgressCallback& progress) const;
-  [[nodiscard]] MapResult assemble(const Links& links);
+  [[nodiscard]] MapResult assemble(const Links& links) const;
+  /// Not solved yet.
+  [[nodiscard]] PoseGraph graph_of(const Links& links) const;
+  /// Where the result's graph has them; its trajectories too.
+  [[nodiscard]] std::vector<PosedScan> place_scans(const Links& links, MapResult& result) const;
+  /// The map, and what it is worth.
+  void draw(const std::vector<PosedScan>& posed, MapResult& result) const;
 
   RobotModel robot_;
   ScanToScanOptions options_;
