@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "loopstone/geometry/covariance.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -49,9 +51,8 @@ std::optional<PoseWithCovariance2> believed(const MatchResult& match,
 
 RelativePoseEdge edge_between(int from, int to, const PoseWithCovariance2& from_T_to,
                               EdgeKind kind) {
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = from_T_to.pose.rotation().transpose();
-  const Eigen::Matrix3d information = (turn * from_T_to.covariance * turn.transpose()).inverse();
+  const Eigen::Matrix3d information =
+      rotated(from_T_to.covariance, from_T_to.pose.rotation().transpose()).inverse();
   return {NodeId{from}, NodeId{to}, from_T_to.pose, 0.5 * (information + information.transpose()),
           kind};
 }

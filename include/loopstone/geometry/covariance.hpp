@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace loopstone {
+
+/// The covariance (or information) of a pose (x, y, yaw) on other axes: R C R^T with R =
+/// diag(b_R_a, 1). The yaw's own variance stays.
+/// \param covariance  on axes a [m^2, m rad, rad^2]
+/// \param b_R_a       the rotation that turns vectors from axes a to b, such as Pose2::rotation()
+[[nodiscard]] inline Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance,
+                                             const Eigen::Matrix2d& b_R_a) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = b_R_a;
+  return turn * covariance * turn.transpose();
+}
+
+}  // namespace loopstone
