@@ -3,11 +3,10 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <type_traits>
 #include <vector>
 
 #include "loopstone/base/error.hpp"
@@ -131,13 +130,12 @@ class BlockGrid {
            static_cast<std::size_t>(cell.column & (kBlockSide - 1));
   }
   [[nodiscard]] static std::array<std::uint64_t, kBlockCells / 64> used_of(const T* cells) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    const T fresh{};
+    // By bytes: -0.0 is not as new, and must come back as it is.
+    using Bytes = std::array<unsigned char, sizeof(T)>;
+    const auto fresh = std::bit_cast<Bytes>(T{});
     std::array<std::uint64_t, kBlockCells / 64> used{};
     for (std::size_t i = 0; i < kBlockCells; ++i) {
-      // By bytes: -0.0 is not as new, and must come back as it is.
-      if (std::memcmp(&cells[i], &fresh, sizeof(T)) != 0)
-        used[i / 64] |= std::uint64_t{1} << (i % 64);
+      if (std::bit_cast<Bytes>(cells[i]) != fresh) used[i / 64] |= std::uint64_t{1} << (i % 64);
     }
     return used;
   }
