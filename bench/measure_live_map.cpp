@@ -3,10 +3,11 @@
 //   measure_live_map LOG SECONDS [THREADS]
 //
 // The log is read as fast as it goes; after every SECONDS of the recording the live map is
-// refreshed. Writes one JSON object.
+// refreshed, and at the end until it shows everything. Writes one JSON object.
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -68,11 +69,15 @@ int main(int argc, char** argv) {
   Mapper mapper(robot, options, Threads{argc > 3 ? std::atoi(argv[3]) : 0});
   LiveMap live(options.map, robot.footprint_radius_m);
   std::vector<double> refresh_s;
+  std::size_t in_a_row = 0;  // refreshes that did not suffice
+  std::size_t behind = 0;    // at most
   std::optional<Stamp> due;
   const auto refresh = [&] {
     const auto start = Clock::now();
     (void)live.refresh(mapper.snapshot());
     refresh_s.push_back(seconds_since(start));
+    in_a_row = live.is_current() ? 0 : in_a_row + 1;
+    behind = std::max(behind, in_a_row);
   };
   while (const auto message = log->next()) {
     mapper.add(*message);
@@ -83,7 +88,9 @@ int main(int argc, char** argv) {
       due = update->stamp + Duration{static_cast<std::int64_t>(1e9 * every_s)};
     }
   }
-  refresh();
+  do {
+    refresh();
+  } while (!live.is_current());
   const OccupancyMap so_far = live.map();
   const MapResult result = mapper.finish();
   const Agreement agreement = compare(so_far, result.map);
@@ -96,6 +103,7 @@ int main(int argc, char** argv) {
                             {"refreshes", refresh_s.size()},
                             {"refresh_median_s", refresh_s[refresh_s.size() / 2]},
                             {"refresh_worst_s", refresh_s.back()},
+                            {"refreshes_behind", behind},
                             {"tiles", live.tiles_since(0).size()},
                             {"cells", agreement.cells},
                             {"equal_share", share(agreement.equal)},

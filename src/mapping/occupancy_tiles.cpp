@@ -153,6 +153,15 @@ std::vector<TileId> OccupancyTiles::draw(std::span<const PosedScan> scans, DrawW
   return {drawn.begin(), drawn.end()};
 }
 
+void OccupancyTiles::replace_by(OccupancyTiles&& others) {
+  for (auto& [id, tile] : others.tiles_) {
+    tile->erased = false;
+    tile->changed = true;
+    tiles_[id] = std::move(tile);
+  }
+  others.tiles_.clear();
+}
+
 std::size_t OccupancyTiles::finish_drawing() {
   ++revision_;
   std::size_t changed = 0;

@@ -60,6 +60,8 @@ class OccupancyTiles {
   /// Returns the tiles that were drawn on, in order.
   std::vector<TileId> draw(std::span<const PosedScan> scans, DrawWhere where,
                            const std::optional<Eigen::Vector2d>& before);
+  /// The tiles of another map of the same kind take the places of those with their ids.
+  void replace_by(OccupancyTiles&& others);
   /// Returns how many tiles were changed.
   std::size_t finish_drawing();
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "loopstone/base/rng.hpp"
@@ -94,6 +96,24 @@ TEST(OccupancyTiles, ErasedTilesAreDrawnAnewAndTheOthersStay) {
   EXPECT_EQ(newer[1].id, some[1]);
   EXPECT_TRUE(tiles.tiles_since(2).empty());
   EXPECT_EQ(tiles.tiles_since(0).size(), all.size());
+}
+
+TEST(OccupancyTiles, TilesDrawnBesideTakeThePlacesOfThoseThatAreShown) {
+  const Scene scene;
+  const auto first_half = std::span(scene.posed).first(scene.posed.size() / 2);
+  OccupancyTiles tiles({}, kFootprintM);
+  (void)tiles.draw(first_half, Where::kAnywhere, {});
+  (void)tiles.finish_drawing();
+  const auto all = tiles.tiles_of(scene.posed, {});
+  OccupancyTiles beside({}, kFootprintM);
+  beside.erase(all);
+  EXPECT_EQ(beside.draw(scene.posed, Where::kErased, {}), all);
+  tiles.replace_by(std::move(beside));
+  EXPECT_EQ(tiles.finish_drawing(), all.size());
+  expect_same(build_occupancy_map(scene.posed, kFootprintM), tiles.whole());
+  // They are as good as if they had been drawn there: more goes on top.
+  EXPECT_TRUE(tiles.draw(first_half, Where::kErased, {}).empty());
+  EXPECT_FALSE(tiles.draw(first_half, Where::kAnywhere, {}).empty());
 }
 
 TEST(OccupancyTiles, ErasedAndNotDrawnIsUnknown) {
