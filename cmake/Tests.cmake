@@ -78,7 +78,11 @@ find_package(Python3 3.9 REQUIRED COMPONENTS Interpreter)
 set(check_layering "${PROJECT_SOURCE_DIR}/tests/layering/check_layering.py")
 add_test(NAME layering.tree COMMAND Python3::Interpreter "${check_layering}" "${PROJECT_SOURCE_DIR}")
 add_test(NAME layering.self_test COMMAND Python3::Interpreter "${check_layering}" --self-test)
-set_tests_properties(layering.tree layering.self_test PROPERTIES LABELS layering TIMEOUT 60)
+set(check_function_length "${PROJECT_SOURCE_DIR}/tests/layering/check_function_length.py")
+add_test(NAME layering.function_length COMMAND Python3::Interpreter "${check_function_length}" "${PROJECT_SOURCE_DIR}")
+add_test(NAME layering.function_length_self_test COMMAND Python3::Interpreter "${check_function_length}" --self-test)
+set_tests_properties(layering.tree layering.self_test layering.function_length layering.function_length_self_test
+                     PROPERTIES LABELS layering TIMEOUT 60)
 
 set(check_docs "${PROJECT_SOURCE_DIR}/tests/docs/check_docs.py")
 add_test(NAME docs.self_test COMMAND Python3::Interpreter "${check_docs}" --self-test)
