@@ -90,7 +90,7 @@ nlohmann::json measure(const std::string& name, double reference_mm, const Point
   int least_agreeing = plain.agreeing;
   for (int seed = 0; seed < seeds; ++seed) {
     Rng rng(static_cast<std::uint64_t>(seed) + 1);
-    const Pose3 motion = random_motion(rng, options.turns == "about_z");
+    const Pose3 motion = random_motion(rng, options.turns == SearchTurns::kAboutZ);
     const Points source = turned_and_shuffled(cloud, motion, rng);
     const double begin = cpu_ms();
     const auto found = search_alignment<3>(source, model, options);
@@ -140,7 +140,7 @@ int main(int argc, char** argv) {
     if (flag == "--data") data = argv[i + 1];
     if (flag == "--json") json_path = argv[i + 1];
     if (flag == "--seeds") seeds = std::max(1, std::atoi(argv[i + 1]));
-    if (flag == "--turns") options.turns = argv[i + 1];
+    if (flag == "--turns") options.turns = find_word<SearchTurns>(argv[i + 1]).value();
     if (flag == "--starts") options.starts = std::max(1, std::atoi(argv[i + 1]));
   }
   nlohmann::json rows = nlohmann::json::array();

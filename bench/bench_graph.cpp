@@ -75,7 +75,8 @@ void grow_city(benchmark::State& state) {
         }
         graph.edges.push_back(edge);
       }
-      SolveResult result = optimize(graph, {.relative_tolerance = 1e-4, .robust_kernel = "huber"});
+      SolveResult result =
+          optimize(graph, {.relative_tolerance = 1e-4, .robust_kernel = RobustKernel::kHuber});
       graph.poses = std::move(result.poses);
       steps += result.iterations;
     }
@@ -126,7 +127,7 @@ void replay(benchmark::State& state, const PoseGraph& graph) {
   state.counters["cost"] = cost;
 }
 
-void solve_with(benchmark::State& state, const PoseGraph& graph, const char* method) {
+void solve_with(benchmark::State& state, const PoseGraph& graph, DescentMethod method) {
   SolveResult result;
   for (auto _ : state) result = optimize(graph, {.method = method});
   state.counters["steps"] = result.iterations;
@@ -145,9 +146,10 @@ int main(int argc, char** argv) {
     benchmark::RegisterBenchmark(name.c_str(), [graph](benchmark::State& state) {
       loopstone::solve(state, graph);
     })->Unit(benchmark::kMillisecond);
-    for (const char* method : {"levenberg_marquardt", "dogleg"}) {
-      benchmark::RegisterBenchmark((name + '/' + method).c_str(), [graph, method](
-                                                                      benchmark::State& state) {
+    using Method = loopstone::DescentMethod;
+    for (const Method method : {Method::kLevenbergMarquardt, Method::kDogleg}) {
+      const std::string with = name + '/' + std::string(to_string(method));
+      benchmark::RegisterBenchmark(with.c_str(), [graph, method](benchmark::State& state) {
         loopstone::solve_with(state, graph, method);
       })->Unit(benchmark::kMillisecond);
     }

@@ -10,12 +10,12 @@
 #include <exception>
 #include <stdexcept>
 #include <string>
-#include <string_view>
-#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "answers.hpp"
 #include "loopstone/formats/g2o.hpp"
+#include "loopstone/formats/options_file.hpp"
 #include "loopstone/graph/incremental_solver.hpp"
 
 namespace loopstone::bench {
@@ -124,24 +124,6 @@ void measure(const std::string& path, const IncrementalOptions& options) {
               solve_ms);
 }
 
-/// Sets the option that WORD, name=value, names.
-void set_option(IncrementalOptions& options, std::string_view word) {
-  const std::size_t equals = word.find('=');
-  bool found = false;
-  visit_options(options, [&](std::string_view name, auto& value, const auto&... /*rule, help*/) {
-    if (equals == std::string_view::npos || name != word.substr(0, equals)) return;
-    found = true;
-    const std::string text(word.substr(equals + 1));
-    using Value = std::remove_reference_t<decltype(value)>;
-    if constexpr (std::is_same_v<Value, std::string>) {
-      value = text;
-    } else {
-      value = static_cast<Value>(std::stod(text));
-    }
-  });
-  if (!found) throw std::runtime_error(std::string(word) + ": no such option");
-}
-
 }  // namespace
 }  // namespace loopstone::bench
 
@@ -152,7 +134,12 @@ int main(int argc, char** argv) {
   }
   try {
     loopstone::IncrementalOptions options;
-    for (int i = 2; i < argc; ++i) loopstone::bench::set_option(options, argv[i]);
+    std::vector<loopstone::OptionProblem> problems;
+    for (int i = 2; i < argc; ++i) {
+      for (auto& problem : loopstone::apply_assignment(list_options(options), argv[i]))
+        problems.push_back(std::move(problem));
+    }
+    if (!problems.empty()) throw loopstone::OptionsError(std::move(problems));
     loopstone::bench::measure(argv[1], options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -71,7 +71,7 @@ Arguments parse(int argc, char** argv) {
     else if (key == "particles")
       arguments.options.particles_max = std::stoi(value);
     else if (key == "sensor")
-      arguments.options.sensor = value;
+      arguments.options.sensor = find_word<ScanModel>(value).value();
     else
       throw std::invalid_argument("unknown key: " + key);
   }

@@ -30,7 +30,7 @@ Answer scan_matcher(const PairToMatch& input) {
   return answer_of(match_scans(source, target, input.pair.guess));
 }
 
-Matcher icp_matcher(const std::string& metric) {
+Matcher icp_matcher(IcpMetric metric) {
   return [=](const PairToMatch& input) {
     IcpOptions options;
     options.metric = metric;
@@ -60,9 +60,12 @@ Answer grid_matcher(const PairToMatch& input) {
 }
 
 std::vector<NamedMatcher> all_matchers() {
-  return {{"match_scans", scan_matcher},       {"match_correlative", correlative_matcher},
-          {"icp_point", icp_matcher("point")}, {"icp_line", icp_matcher("line")},
-          {"icp_plane", icp_matcher("plane")}, {"icp_gicp", icp_matcher("gicp")},
+  return {{"match_scans", scan_matcher},
+          {"match_correlative", correlative_matcher},
+          {"icp_point", icp_matcher(IcpMetric::kPoint)},
+          {"icp_line", icp_matcher(IcpMetric::kLine)},
+          {"icp_plane", icp_matcher(IcpMetric::kPlane)},
+          {"icp_gicp", icp_matcher(IcpMetric::kGicp)},
           {"match_to_grid", grid_matcher}};
 }
 

@@ -32,9 +32,9 @@ int main() {
   graph.edges.push_back(closure);
 
   GraphOptimisationOptions options;
-  options.start = Initialisation::kAsGiven;    // without it: the cheapest of several
-  options.certificate = CertificateOptions{};  // prove that the minimum is the global one
-  options.solver.robust_kernel = "none";  // or huber, cauchy, ...; options.gnc finds false closures
+  options.start = Initialisation::kAsGiven;            // without it: the cheapest of several
+  options.certificate = CertificateOptions{};          // prove that the minimum is the global one
+  options.solver.robust_kernel = RobustKernel::kNone;  // options.gnc finds false closures
   const GraphOptimisation found = optimize_graph(graph, options);
   const SolveResult& solved = found.solved;
   const Pose2& after = solved.poses.back();

@@ -88,10 +88,10 @@ double stray(ResamplingScheme scheme, std::size_t particles) {
 int main() {
   const bool agree = std::abs(histogram_filter() - particle_filter()) < 0.05;
   std::printf("rms error that resampling adds to the mean\nparticles ");
-  for (const auto& [name, scheme] : kResamplingSchemeNames) std::printf("%13s", name.data());
+  for (const std::string_view word : kWords<ResamplingScheme>) std::printf("%13s", word.data());
   for (const std::size_t particles : {10, 100, 1000}) {
     std::printf("\n%9zu ", particles);
-    for (const auto& [name, scheme] : kResamplingSchemeNames)
+    for (const auto& [scheme, word] : kWordTable<ResamplingScheme>)
       std::printf("%13.4f", stray(scheme, particles));
   }
   std::printf("\n");

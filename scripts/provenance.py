@@ -8,6 +8,7 @@ import re
 import shlex
 import subprocess
 import sys
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # What a figure can depend on; docs/ is not among it, since writing the tables changes that.
@@ -22,7 +23,7 @@ SOURCES = [
     "CMakeLists.txt",
     "CMakePresets.json",
 ]
-BUSY_LOAD = 0.7
+BUSY_LOAD = 0.3
 
 STAMP = re.compile(
     r"`([^`]+)`, loopstone ([\w.+-]+), commit (\w+)(?: with changes in [^,]+)?, (\d{4}-\d\d-\d\d),"
@@ -49,6 +50,26 @@ def changed_sources(root=ROOT):
     return [line[3:] for line in lines]
 
 
+def processor_ticks():
+    """Of all processors since the machine was started: at work, and altogether."""
+    with open("/proc/stat", encoding="utf-8") as stat:
+        ticks = [int(word) for word in stat.readline().split()[1:9]]
+    idle = ticks[3] + ticks[4]  # waiting for a disk included
+    return sum(ticks) - idle, sum(ticks)
+
+
+def load_now(seconds=1.0):
+    """How many processors are at work. What ran before does not count, as it would in a mean over
+    the last minute."""
+    try:
+        work, total = processor_ticks()
+        time.sleep(seconds)
+        more_work, more_total = processor_ticks()
+    except OSError:
+        return os.getloadavg()[0]
+    return os.cpu_count() * (more_work - work) / max(more_total - total, 1)
+
+
 def machine():
     """The processor and how many of it there are, and how busy it is."""
     model = platform.processor() or platform.machine()
@@ -61,7 +82,7 @@ def machine():
     except OSError:
         pass
     count = len(os.sched_getaffinity(0))
-    return {"processor": model, "processors": count, "load": os.getloadavg()[0]}
+    return {"processor": model, "processors": count, "load": load_now()}
 
 
 def command_line(arguments):
@@ -104,8 +125,8 @@ def provenance(*sections):
     load = max(section["machine"]["load"] for section in sections)
     if load > BUSY_LOAD:
         sentences.append(
-            f"The machine was busy with other work (load {load:.1f} before the run), so wall times"
-            " are longer than on a quiet one; CPU times suffer less."
+            f"The machine was busy with other work ({load:.1f} processors at work before the"
+            " run), so wall times are longer than on a quiet one; CPU times suffer less."
         )
     return " ".join(sentences)
 

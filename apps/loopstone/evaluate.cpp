@@ -12,6 +12,7 @@
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "result.hpp"
+#include "word_flag.hpp"
 
 namespace loopstone::app {
 
@@ -21,9 +22,9 @@ struct Arguments {
   std::string estimate;
   std::string reference;
   std::string relations;
-  std::string align = "se2";
+  Alignment align = Alignment::kSe2;
   std::string rpe = "1m";
-  std::string order = "measured-first";
+  RelationErrorOrder order = RelationErrorOrder::kMeasuredTimesInverseExpected;
   std::string map;
   std::string true_map;
   double tolerance_m = 0.1;
@@ -87,8 +88,7 @@ AbsoluteError add_trajectory_errors(Result& result, const Arguments& arguments,
                                     const Trajectory& estimate, const AppContext& context) {
   const Stretch stretch = parse_stretch(arguments.rpe);
   const Trajectory reference = read_tum(arguments.reference, context.memory());
-  const auto alignment = arguments.align == "none" ? Alignment::kNone : Alignment::kSe2;
-  const AbsoluteError absolute = absolute_error(estimate, reference, alignment);
+  const AbsoluteError absolute = absolute_error(estimate, reference, arguments.align);
   if (absolute.poses == 0) {
     throw DataError({arguments.estimate}, "has no time in common with the reference: it covers " +
                                               span_of(estimate) + ", the reference " +
@@ -111,7 +111,7 @@ AbsoluteError add_trajectory_errors(Result& result, const Arguments& arguments,
                  relative.rotation_rad, to_degrees, "deg");
   result.add_json("rpe.delta", arguments.rpe).add_json("rpe.pairs", relative.pairs);
   const Pose2& aligned = absolute.reference_T_estimate;
-  result.add("align", "alignment", arguments.align)
+  result.add("align", "alignment", std::string(to_string(arguments.align)))
       .add_json("reference_T_estimate.x_m", aligned.x)
       .add_json("reference_T_estimate.y_m", aligned.y)
       .add_json("reference_T_estimate.yaw_rad", aligned.yaw)
@@ -123,10 +123,7 @@ AbsoluteError add_trajectory_errors(Result& result, const Arguments& arguments,
 void add_relations_error(Result& result, const Arguments& arguments, const Trajectory& estimate,
                          const AppContext& context) {
   const std::vector<Relation> relations = read_relations(arguments.relations, context.memory());
-  const auto order = arguments.order == "measured-first"
-                         ? RelationErrorOrder::kMeasuredTimesInverseExpected
-                         : RelationErrorOrder::kInverseExpectedTimesMeasured;
-  const RelationsError error = relations_error(estimate, relations, order);
+  const RelationsError error = relations_error(estimate, relations, arguments.order);
   if (error.pairs == 0) {
     throw DataError({arguments.estimate},
                     fmt::format("none of the {} relations lies within its time, {}; relations with "
@@ -226,22 +223,14 @@ void add_evaluate_command(CLI::App& app, AppContext& context) {
       ->type_name("M")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  command
-      ->add_option("--align", arguments->align,
-                   "bring the estimate onto the reference first, or take it as it is")
-      ->type_name("se2|none")
-      ->check(CLI::IsMember({"se2", "none"}))
-      ->capture_default_str();
+  add_word_flag(*command, "--align", arguments->align,
+                "bring the estimate onto the reference first, or take it as it is");
   command
       ->add_option("--rpe", arguments->rpe, "stretch of the relative error: 1m, 0.5s, 10f (frames)")
       ->type_name("LENGTH")
       ->capture_default_str();
-  command
-      ->add_option("--order", arguments->order,
-                   "of the relation error: measured * expected^-1, or expected^-1 * measured")
-      ->type_name("measured-first|expected-first")
-      ->check(CLI::IsMember({"measured-first", "expected-first"}))
-      ->capture_default_str();
+  add_word_flag(*command, "--order", arguments->order,
+                "of the relation error: measured * expected^-1, or expected^-1 * measured");
   add_require_flag(*command, arguments->require);
   context.add_common_flags(*command);
   command->footer(kFooter);

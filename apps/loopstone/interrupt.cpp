@@ -22,6 +22,7 @@ namespace {
 
 // Signals come to the process, not to an object of it.
 std::atomic<int> holders{0};
+std::atomic<bool> was_held{false};
 std::atomic<bool> is_requested{false};
 std::mutex outputs_mutex;
 std::vector<UnfinishedOutput> outputs;
@@ -53,6 +54,8 @@ void listen_for_interrupts() {
     while (true) {
       int signal = 0;
       if (sigwait(&signals, &signal) != 0) continue;
+      // What was held is written; nothing is left to be interrupted.
+      if (holders == 0 && was_held) continue;
       if (holders == 0 || is_requested.exchange(true)) end_at_once();
       ProgressDisplay::clear_line();
       std::fputs("loopstone: interrupted: writing what there is; once more ends it at once\n",
@@ -63,7 +66,10 @@ void listen_for_interrupts() {
 
 bool interrupted() { return is_requested; }
 
-HeldInterrupt::HeldInterrupt() { ++holders; }
+HeldInterrupt::HeldInterrupt() {
+  ++holders;
+  was_held = true;
+}
 HeldInterrupt::~HeldInterrupt() { --holders; }
 
 void clean_up_when_interrupted(UnfinishedOutput output) {

@@ -15,7 +15,8 @@ void listen_for_interrupts();
 /// Ctrl-C was pressed while it was held.
 [[nodiscard]] bool interrupted();
 
-/// While one lives, the first Ctrl-C is told by interrupted() instead of ending the process.
+/// While one lives, the first Ctrl-C is told by interrupted() instead of ending the process. When
+/// the last one is gone the results are written: a Ctrl-C then comes too late to change anything.
 class HeldInterrupt {
  public:
   HeldInterrupt();

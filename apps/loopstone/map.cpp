@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "app.hpp"
-#include "checkpoint.hpp"
 #include "commands.hpp"
 #include "floor_run.hpp"
 #include "interrupt.hpp"
@@ -30,6 +29,8 @@
 #include "output_path.hpp"
 #include "pace.hpp"
 #include "result.hpp"
+#include "session_folder.hpp"
+#include "word_flag.hpp"
 
 namespace loopstone::app {
 
@@ -82,7 +83,7 @@ std::string colour_of(const MapArguments& arguments) {
 /// Whether the folder holds the results of this very run: it may have been killed when nothing was
 /// left to do but to say so, and who starts it again must not fail for it. Throws UsageError when
 /// they are of another one.
-ExitCode show_results(CutLog& log, const MapArguments& arguments, const RunTerms& terms,
+ExitCode show_results(CutLog& log, const MapArguments& arguments, const SessionTerms& terms,
                       const AppContext& context) {
   LogDigest digest;
   while (const auto message = log.next()) digest.add(*message);
@@ -149,6 +150,17 @@ ExitCode tell(const MapResult& result, const FloorTexture* floor, const RunInfo&
   return kExitInterrupted;
 }
 
+SessionTerms terms_of(const MapArguments& arguments, MapPipeline& pipeline, const RobotModel& robot,
+                      const AppContext& context) {
+  return {.version = std::string(kVersion),
+          .options_toml = pipeline.options_toml(),
+          .robot_toml = robot_to_toml(robot),
+          .mounts_from_log = !context.robot_given(),
+          .start_s = arguments.cut.start_s,
+          .duration_s = arguments.cut.duration_s,
+          .max_scans = arguments.cut.max_scans};
+}
+
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   MapPipeline pipeline(arguments, context);
@@ -167,16 +179,9 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
 
   ProgressDisplay display(context);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping", display);
-  Checkpoint checkpoint(arguments.checkpoint, arguments.out,
-                        {.version = std::string(kVersion),
-                         .options_toml = pipeline.options_toml(),
-                         .robot_toml = robot_to_toml(robot),
-                         .mounts_from_log = !context.robot_given(),
-                         .cut = arguments.cut},
-                        context);
-  if (begin == RunStart::kResults) {
-    return show_results(log, arguments, checkpoint.terms(), context);
-  }
+  Checkpoint checkpoint(session_in(arguments.out, arguments.checkpoint, context),
+                        terms_of(arguments, pipeline, robot, context));
+  if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
   if (begin == RunStart::kLog && arguments.checkpoint.resume) {
     context.note(arguments.out + ": holds no session yet; from the beginning");
   }
@@ -192,7 +197,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                    .checkpoint = checkpoint,
                                    .pace = pace,
                                    .display = display,
-                                   .log_path = arguments.log,
+                                   .out = arguments.out,
                                    .resumes = begin == RunStart::kSession},
                                   robot, context.threads(), held);
   ProgressDisplay::clear_line();
@@ -213,7 +218,8 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
   info.peak_memory_bytes = peak_memory_bytes();
-  checkpoint.end(result.complete && info.failure.empty());
+  end_session(arguments.out, arguments.checkpoint, checkpoint,
+              result.complete && info.failure.empty(), context);
   return tell(result, floor, info, arguments, context);
 }
 
@@ -230,17 +236,11 @@ void add_map_command(CLI::App& app, AppContext& context) {
       ->add_option("-o,--out", arguments->out,
                    "folder for the results; made, or empty unless --force")
       ->required();
-  command
-      ->add_option("--pipeline", arguments->pipeline,
-                   "submaps, or the textbook's scan_to_scan to compare with")
-      ->check(CLI::IsMember({"submaps", "scan_to_scan"}))
-      ->capture_default_str();
+  add_word_flag(*command, "--pipeline", arguments->pipeline,
+                "submaps, or the textbook's scan_to_scan to compare with");
   add_cut_flags(*command, arguments->cut);
-  command
-      ->add_option("--odometry", arguments->odometry,
-                   "used while it agrees with the laser, always, or not at all (default: check)")
-      ->type_name("check|trust|ignore")
-      ->check(CLI::IsMember({"check", "trust", "ignore"}));
+  add_word_flag(*command, "--odometry", arguments->odometry,
+                "used while it agrees with the laser, always, or not at all (default: check)");
   command->add_flag("--no-loop-closure", arguments->no_loop_closure,
                     "do not correct the map where places are seen again");
   command->add_flag("--no-texture", arguments->no_texture,

@@ -56,8 +56,9 @@ void feed(const MapPipeline::Source& source, Mapper& mapper) {
 
 }  // namespace
 
-MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& context) {
-  if (arguments.pipeline == "scan_to_scan") {
+MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& context)
+    : context_(context) {
+  if (arguments.pipeline == Pipeline::kScanToScan) {
     refuse_flags_of_submaps(arguments);
     auto options = context.load_options<ScanToScanOptions>();
     options.map.most_cells = most_cells(context);
@@ -89,7 +90,8 @@ MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Thread
     return mapper.finish(source.display.callback());
   }
   Mapper mapper(robot, std::get<MapOptions>(options_), threads);
-  if (source.resumes) source.checkpoint.resume(mapper, source.log, source.camera, source.log_path);
+  if (source.resumes)
+    resume_from(source.out, source.checkpoint, mapper, source.log, source.camera, context_);
   held.emplace();
   feed(source, mapper);
   return mapper.finish([](const Progress&) { return !interrupted(); });

@@ -5,10 +5,10 @@
 #include <variant>
 
 #include "app.hpp"
-#include "checkpoint.hpp"
 #include "floor_run.hpp"
 #include "interrupt.hpp"
 #include "log_run.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/map_options.hpp"
@@ -16,15 +16,23 @@
 #include "loopstone/slam/scan_to_scan.hpp"
 #include "pace.hpp"
 #include "progress_display.hpp"
+#include "session_folder.hpp"
 
 namespace loopstone::app {
+
+enum class Pipeline { kSubmaps, kScanToScan };
+
+constexpr auto words_of(Pipeline /*any*/) {
+  using enum Pipeline;
+  return std::array{Word{kSubmaps, "submaps"}, Word{kScanToScan, "scan_to_scan"}};
+}
 
 struct MapArguments {
   std::string log;
   std::string out;
-  std::string pipeline = "submaps";
+  Pipeline pipeline = Pipeline::kSubmaps;
   LogCut cut;
-  std::optional<std::string> odometry;
+  std::optional<OdometryUse> odometry;
   bool no_loop_closure = false;
   bool no_texture = false;
   bool cloud = false;
@@ -51,7 +59,7 @@ class MapPipeline {
     Checkpoint& checkpoint;
     std::optional<Pace>& pace;
     ProgressDisplay& display;
-    std::string log_path;
+    std::string out;  ///< the session is there
     bool resumes = false;
   };
   /// Reads the log to its end, or until the user interrupts.
@@ -60,6 +68,7 @@ class MapPipeline {
                               std::optional<HeldInterrupt>& held) const;
 
  private:
+  const AppContext& context_;
   std::variant<MapOptions, ScanToScanOptions> options_;
 };
 

@@ -2,7 +2,9 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/point_cloud_file.hpp"
+#include "loopstone/registration/icp_guess.hpp"
 #include "parse_pose.hpp"
+#include "word_flag.hpp"
 
 namespace loopstone::app {
 
@@ -43,11 +45,7 @@ void add_input_and_search_flags(CLI::App& command, MatchArguments& arguments) {
   command.add_option("SOURCE", arguments.source, "scan or point cloud to move")->required();
   command.add_option("TARGET", arguments.target, "scan, point cloud or map to move it onto")
       ->required();
-  command.add_option("--method", arguments.method, "how")
-      ->type_name("METHOD")
-      ->check(CLI::IsMember(
-          {"auto", "icp_point", "icp_line", "icp_plane", "gicp", "correlative", "grid"}))
-      ->capture_default_str();
+  add_word_flag(command, "--method", arguments.method, "how");
   command
       .add_option("--initial", arguments.initial,
                   "guess of target_T_source: X,Y,YAW [m, rad]; in space X,Y,Z,ROLL,PITCH,YAW; or "
@@ -117,15 +115,16 @@ void check_match_usage(const MatchArguments& arguments) {
 template <int kDimension>
 AlignRequest<kDimension> match_request(const MatchArguments& arguments, Threads threads) {
   AlignRequest<kDimension> request;
-  request.method = align_method_from(arguments.method);
+  request.method = arguments.method;
   request.search_xy_m = arguments.search_xy_m;
   request.search_yaw_rad = arguments.search_yaw_rad;
   request.anywhere = arguments.global;
   request.sweep_yaw = arguments.sweep_yaw;
   request.threads = threads;
-  if (arguments.initial == "identity") {
+  const auto guess = find_word<IcpGuess>(arguments.initial);
+  if (guess == IcpGuess::kIdentity) {
     request.guess.emplace();
-  } else if (arguments.initial == "centroids") {
+  } else if (guess == IcpGuess::kCentroids) {
     request.from_centroids = true;
   } else if (!arguments.initial.empty()) {
     if constexpr (kDimension == 2) {

@@ -13,7 +13,7 @@ namespace loopstone::app {
 struct MatchArguments {
   std::string source;
   std::string target;
-  std::string method = "auto";
+  AlignMethod method = AlignMethod::kAuto;
   std::string initial;
   std::string target_pose;
   std::optional<double> search_xy_m;

@@ -11,6 +11,7 @@
 #include "output_path.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
+#include "word_flag.hpp"
 
 namespace loopstone::app {
 
@@ -20,8 +21,8 @@ struct Arguments {
   std::string log;
   std::string output;
   bool euler = false;
-  std::string yaw;
-  std::string align;
+  std::optional<YawSource> yaw;
+  std::optional<StampAlignment> align;
   bool force = false;
   bool strict = false;
 };
@@ -36,9 +37,9 @@ Examples:
 
 OdometryOptions options_of(const Arguments& arguments, const AppContext& context) {
   auto options = context.load_options<OdometryOptions>();
-  if (arguments.euler) options.integration = "euler";
-  if (!arguments.yaw.empty()) options.yaw = arguments.yaw;
-  if (!arguments.align.empty()) options.alignment = arguments.align;
+  if (arguments.euler) options.integration = StepShape::kEuler;
+  options.yaw = arguments.yaw.value_or(options.yaw);
+  options.alignment = arguments.align.value_or(options.alignment);
   return options;
 }
 
@@ -110,7 +111,7 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
                     "no odometry: the log has neither wheel counts nor odometry poses near its "
                     "scans (`loopstone info` lists what it has)");
   }
-  if (options.yaw == "gyro" && arguments.yaw == "gyro" && dead_reckoning.turned_by_gyro == 0) {
+  if (arguments.yaw == YawSource::kGyro && dead_reckoning.turned_by_gyro == 0) {
     context.warn(
         "the log has no usable gyro; the heading comes from " +
         std::string(dead_reckoning.wheel_readings > 0 ? "the wheels" : "its own odometry"));
@@ -133,16 +134,10 @@ void add_odometry_command(CLI::App& app, AppContext& context) {
       ->required();
   command->add_flag("--euler", arguments->euler,
                     "straight steps as in textbooks instead of exact arcs");
-  command
-      ->add_option("--yaw", arguments->yaw,
-                   "where the heading comes from (default: gyro where there is one)")
-      ->type_name("wheels|gyro")
-      ->check(CLI::IsMember({"wheels", "gyro"}));
-  command
-      ->add_option("--align", arguments->align,
-                   "how readings with different stamps are brought together (default: interpolate)")
-      ->type_name("nearest|interpolate")
-      ->check(CLI::IsMember({"nearest", "interpolate"}));
+  add_word_flag(*command, "--yaw", arguments->yaw,
+                "where the heading comes from (default: gyro where there is one)");
+  add_word_flag(*command, "--align", arguments->align,
+                "how readings with different stamps are brought together (default: interpolate)");
   command->add_flag("--strict", arguments->strict, "damage in the log is an error");
   add_force_flag(*command, arguments->force);
   context.add_robot_flag(*command);

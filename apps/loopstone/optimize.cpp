@@ -20,6 +20,7 @@
 #include "optimize_report.hpp"
 #include "optimize_request.hpp"
 #include "output_path.hpp"
+#include "word_flag.hpp"
 
 namespace loopstone::app {
 
@@ -28,10 +29,11 @@ namespace {
 struct Arguments {
   std::string input;
   std::string output;
-  std::string initial = "best";
-  std::string method;
-  std::string robust;
-  std::string information_order = "guess";
+  std::optional<Initialisation> initial;  ///< none: best
+  std::optional<DescentMethod> method;
+  std::optional<RobustKernel> robust;
+  bool gnc = false;  ///< in place of a kernel
+  InformationOrder information_order = InformationOrder::kGuess;
   bool certify = false;
   std::string tum;
   std::string picture;
@@ -63,33 +65,12 @@ Examples:
   loopstone optimize old.graph -o new.g2o --information-order toro     TORO in, g2o out
   loopstone optimize graph.g2o --certify --require certified --require 'cost<=45.01'   exits with 3 if it is not so)";
 
-/// The words that an option may be, from where they are defined.
-std::vector<std::string> words_of(const std::string& key) {
-  OptimizeSettings settings;
-  for (const OptionEntry& entry : list_options(settings)) {
-    if (entry.key == key) return entry.words;
-  }
-  return {};
-}
-
 OptimizeSettings settings_of(const Arguments& arguments, const AppContext& context) {
   auto settings = context.load_options<OptimizeSettings>();
-  const std::vector<OptionEntry> options = list_options(settings);
-  std::vector<OptionProblem> problems;
-  if (!arguments.robust.empty() && arguments.robust != "gnc") {
-    override_option(options, "--robust", "solver.robust_kernel=" + arguments.robust, problems);
-  }
-  if (!arguments.method.empty()) {
-    override_option(options, "--method", "solver.method=" + arguments.method, problems);
-  }
-  if (!problems.empty()) throw OptionsError(std::move(problems));
+  SolverOptions& solver = settings.solver;
+  solver.robust_kernel = arguments.robust.value_or(solver.robust_kernel);
+  solver.method = arguments.method.value_or(solver.method);
   return settings;
-}
-
-InformationOrder order_of(const std::string& word) {
-  if (word == "g2o") return InformationOrder::kG2o;
-  if (word == "toro") return InformationOrder::kToro;
-  return InformationOrder::kGuess;
 }
 
 void check_usage(const Arguments& arguments) {
@@ -180,17 +161,9 @@ void warn_of_file(const GraphFile& file, const AppContext& context) {
   }
 }
 
-std::optional<Initialisation> start_named(const std::string& name) {
-  for (const Initialisation start : {Initialisation::kAsGiven, Initialisation::kOdometryChain,
-                                     Initialisation::kSpanningTree, Initialisation::kChordal}) {
-    if (name == to_string(start)) return start;
-  }
-  return {};  // best
-}
-
 GraphOptimisationOptions options_for(const OptimizeRequest& request, const GraphFile& file) {
   GraphOptimisationOptions options;
-  options.start = start_named(request.initial);
+  options.start = request.initial;
   options.poses_given = file.has_poses;
   if (options.start == Initialisation::kAsGiven && !file.has_poses) {
     throw UsageError("--initial file: the file has no VERTEX lines; use best, or chordal");
@@ -213,14 +186,13 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   OptimizeRequest request;
   request.initial = arguments.initial;
   request.certify = arguments.certify;
-  request.gnc = arguments.robust == "gnc";
+  request.gnc = arguments.gnc;
   request.settings = settings_of(arguments, context);
   const Outputs outputs = outputs_of(arguments, context);
   outputs.check();
 
   const auto begin = Clock::now();
-  GraphFile file =
-      read_g2o(arguments.input, order_of(arguments.information_order), context.memory());
+  GraphFile file = read_g2o(arguments.input, arguments.information_order, context.memory());
   const double read_s = std::chrono::duration<double>(Clock::now() - begin).count();
   warn_of_file(file, context);
   require_connected(file, arguments.input);
@@ -253,6 +225,27 @@ void add_output_flags(CLI::App& command, Arguments& arguments) {
   add_force_flag(command, arguments.force);
 }
 
+/// Words of an enum and one more.
+void add_choices(CLI::App& command, Arguments& arguments) {
+  std::vector<std::string> starts = word_list<Initialisation>();
+  starts.insert(starts.begin(), "best");
+  add_word_flag(command, {"--initial", starts, "where to start", "best"},
+                [&arguments](const std::string& word) {
+                  arguments.initial = find_word<Initialisation>(word);
+                });
+  add_word_flag(command, "--method", arguments.method,
+                "how steps are found (default: gauss_newton)");
+  std::vector<std::string> kernels = word_list<RobustKernel>();
+  kernels.emplace_back("gnc");
+  add_word_flag(
+      command,
+      {"--robust", kernels, "how edges that disagree with the rest are softened (default: none)"},
+      [&arguments](const std::string& word) {
+        arguments.robust = find_word<RobustKernel>(word);
+        arguments.gnc = !arguments.robust;
+      });
+}
+
 }  // namespace
 
 void add_optimize_command(CLI::App& app, AppContext& context) {
@@ -261,28 +254,11 @@ void add_optimize_command(CLI::App& app, AppContext& context) {
       app.add_subcommand("optimize", "Solve a pose graph, and prove the solution optimal");
   command->add_option("IN", arguments->input, "a pose graph, g2o or TORO")->required();
   add_output_flags(*command, *arguments);
-  command->add_option("--initial", arguments->initial, "where to start")
-      ->type_name("START")
-      ->check(CLI::IsMember({"best", "file", "odometry", "spanning_tree", "chordal"}))
-      ->capture_default_str();
-  command->add_option("--method", arguments->method, "how steps are found (default: gauss_newton)")
-      ->type_name("METHOD")
-      ->check(CLI::IsMember(words_of("solver.method")));
-  std::vector<std::string> kernels = words_of("solver.robust_kernel");
-  kernels.emplace_back("gnc");
-  command
-      ->add_option("--robust", arguments->robust,
-                   "how edges that disagree with the rest are softened (default: none)")
-      ->type_name("KERNEL")
-      ->check(CLI::IsMember(kernels));
+  add_choices(*command, *arguments);
   command->add_flag("--certify", arguments->certify,
                     "prove that the isotropic optimum, where the solution begins, is global");
-  command
-      ->add_option("--information-order", arguments->information_order,
-                   "of EDGE2 lines: toro (xx xy yy tt xt yt) or g2o (xx xy xt yy yt tt)")
-      ->type_name("ORDER")
-      ->check(CLI::IsMember({"guess", "g2o", "toro"}))
-      ->capture_default_str();
+  add_word_flag(*command, "--information-order", arguments->information_order,
+                "of EDGE2 lines: toro (xx xy yy tt xt yt) or g2o (xx xy xt yy yt tt)");
   command
       ->add_option("--require", arguments->require,
                    "converged, certified, or a bound on a figure of --json's result; may be given "

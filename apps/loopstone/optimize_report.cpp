@@ -92,14 +92,13 @@ Result report_graph_run(const GraphRun& run, const OptimizeRequest& request) {
       .add_json("cost", found.solved.cost)
       .add_json("status", to_string(found.solved.status))
       .add_json("iterations", iterations)
-      .add_json("method", request.settings.solver.method)
+      .add_json("method", to_string(request.settings.solver.method))
       .add_json("robust", request.robust())
       .add_json("robust_cost", found.solved.robust_cost)
       .add_json("edges_set_aside", aside)
-      .add_row("start",
-               fmt::format("{}{}, cost {:.9g}", to_string(found.start.initialisation),
-                           request.initial == "best" && !request.gnc ? " (the cheapest)" : "",
-                           found.start.cost))
+      .add_row("start", fmt::format("{}{}, cost {:.9g}", to_string(found.start.initialisation),
+                                    !request.initial && !request.gnc ? " (the cheapest)" : "",
+                                    found.start.cost))
       .add_row("cost", fmt::format("{:.9g}", found.solved.cost), "sum of e^T Omega e")
       .add_row("status", std::string(to_string(found.solved.status)))
       .add_row("steps", fmt::format("{}", iterations));

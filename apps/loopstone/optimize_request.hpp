@@ -1,6 +1,7 @@
 #pragma once
 
-#include <string>
+#include <optional>
+#include <string_view>
 
 #include "loopstone/graph/optimize_graph.hpp"
 
@@ -20,15 +21,17 @@ void visit_options(OptimizeSettings& options, Visitor&& visit) {
   visit.group("certificate", options.certificate);
 }
 
-/// What the user asked for, in words.
+/// What the user asked for.
 struct OptimizeRequest {
-  std::string initial = "best";  ///< or file, odometry, spanning_tree, chordal
-  bool gnc = false;              ///< graduated non-convexity instead of the solver's kernel
+  std::optional<Initialisation> initial{};  ///< none: the cheapest
+  bool gnc = false;  ///< graduated non-convexity instead of the solver's kernel
   bool certify = false;
   OptimizeSettings settings{};
 
   /// "none", a kernel, or "gnc".
-  [[nodiscard]] std::string robust() const { return gnc ? "gnc" : settings.solver.robust_kernel; }
+  [[nodiscard]] std::string_view robust() const {
+    return gnc ? "gnc" : to_string(settings.solver.robust_kernel);
+  }
 };
 
 }  // namespace loopstone::app

@@ -19,6 +19,7 @@
 #include "output_path.hpp"
 #include "result.hpp"
 #include "simulated_folder.hpp"
+#include "word_flag.hpp"
 
 namespace loopstone::app {
 
@@ -40,7 +41,7 @@ struct Arguments {
   std::optional<double> max_range_m;
   std::optional<double> range_noise_m;
   std::optional<int> people;
-  std::optional<std::string> odometry_fault;
+  std::optional<SimulatedOdometryFault> odometry_fault;
   bool rgbd = false;
   std::optional<std::string> floor;
   double floor_width_m = 4.0;
@@ -107,10 +108,7 @@ SimulationOptions options_of(const Arguments& arguments, const LogFormat& format
   override_with("--laps", "drive.laps", arguments.laps);
   if (arguments.beams) options.laser.beams = *arguments.beams;
   if (arguments.people) options.people = *arguments.people;
-  if (arguments.odometry_fault) {
-    override_option(entries, "--odometry-fault", "faults.odometry=" + *arguments.odometry_fault,
-                    problems);
-  }
+  if (arguments.odometry_fault) options.faults.odometry = *arguments.odometry_fault;
   override_with("--fov", "laser.fov_rad", arguments.fov_deg, radians(1.0));
   override_with("--scan-rate", "laser.rate_hz", arguments.scan_rate_hz);
   override_with("--max-range", "laser.range_max_m", arguments.max_range_m);
@@ -227,10 +225,8 @@ void add_trouble_flags(CLI::App& command, Arguments& arguments) {
   command.add_option("--people", arguments.people, "who walk about (default: 0)")
       ->type_name("N")
       ->check(CLI::Range(0, 1000));
-  command
-      .add_option("--odometry-fault", arguments.odometry_fault,
-                  "what is wrong with wheels and gyro (default: none)")
-      ->type_name("none|missing|stuck|scaled|mirrored|lagging|jumping");
+  add_word_flag(command, "--odometry-fault", arguments.odometry_fault,
+                "what is wrong with wheels and gyro (default: none)");
 }
 
 void add_camera_flags(CLI::App& command, Arguments& arguments) {

@@ -31,7 +31,7 @@ nlohmann::ordered_json to_json(const SimulationOptions& options) {
       at = &(*at)[entry.key.substr(from, dot - from)];
       from = dot + 1;
     }
-    std::visit([&](const auto* value) { (*at)[entry.key.substr(from)] = *value; }, entry.value);
+    std::visit([&](const auto& value) { (*at)[entry.key.substr(from)] = *value; }, entry.value);
   }
   return json;
 }
@@ -82,7 +82,7 @@ SimulatedDrive write_drive(const SimulatedFolder& folder, const World& world,
   SimulationSink sink;
   sink.message = [&](const SensorMessage& message) { writer->write(message); };
   UcsdPictures pictures{folder.path.string()};
-  pictures.holds_disparity = robot.camera.encoding.kind == "disparity";
+  pictures.holds_disparity = robot.camera.encoding.kind == DepthKind::kDisparity;
   if (folder.has_pictures) {
     pictures.make_folders();
     sink.frame = [&](const SimulatedFrame& frame) -> RgbdFrame {

@@ -24,7 +24,7 @@ std::string message_of(const std::vector<OptionProblem>& problems) {
 }
 
 std::string value_of(const OptionEntry& entry) {
-  return std::visit([](const auto* value) { return fmt::format("{}", *value); }, entry.value);
+  return std::visit([](const auto& value) { return fmt::format("{}", *value); }, entry.value);
 }
 
 }  // namespace
@@ -40,34 +40,16 @@ std::string to_string(const OptionProblem& problem) {
 OptionsError::OptionsError(std::vector<OptionProblem> problems)
     : UsageError(message_of(problems)), problems_(std::move(problems)) {}
 
-void OptionLister::operator()(std::string_view name, bool& value, std::string_view help) {
-  entries_->push_back({prefix_ + std::string(name), &value, {}, {}, std::string(help)});
-}
-
-void OptionLister::operator()(std::string_view name, int& value, Range range,
-                              std::string_view help) {
-  entries_->push_back({prefix_ + std::string(name), &value, range, {}, std::string(help)});
-}
-
-void OptionLister::operator()(std::string_view name, double& value, Range range,
-                              std::string_view help) {
-  entries_->push_back({prefix_ + std::string(name), &value, range, {}, std::string(help)});
-}
-
-void OptionLister::operator()(std::string_view name, std::string& value, const OneOf& words,
-                              std::string_view help) {
-  entries_->push_back({prefix_ + std::string(name),
-                       &value,
-                       {},
-                       {words.words.begin(), words.words.end()},
-                       std::string(help)});
+void OptionLister::add(std::string_view name, decltype(OptionEntry::value) value,
+                       std::optional<Range> range, std::string_view help) {
+  entries_->push_back({prefix_ + std::string(name), value, range, std::string(help)});
 }
 
 std::string rule_of(const OptionEntry& entry) {
   if (std::holds_alternative<bool*>(entry.value)) return "true or false";
-  if (std::holds_alternative<std::string*>(entry.value)) {
-    if (entry.words.empty()) return "a text";
-    return fmt::format("one of {}", fmt::join(entry.words, ", "));
+  if (std::holds_alternative<std::string*>(entry.value)) return "a text";
+  if (const auto* choice = std::get_if<WordField>(&entry.value)) {
+    return fmt::format("one of {}", fmt::join(choice->words(), ", "));
   }
   const bool whole = std::holds_alternative<int*>(entry.value);
   const std::string_view kind = whole ? "a whole number" : "a number";
@@ -81,9 +63,8 @@ bool keeps_rule(const OptionEntry& entry) {
   };
   if (const auto* const* number = std::get_if<int*>(&entry.value)) return in_range(**number);
   if (const auto* const* number = std::get_if<double*>(&entry.value)) return in_range(**number);
-  const auto* const* text = std::get_if<std::string*>(&entry.value);
-  return text == nullptr || entry.words.empty() ||
-         std::ranges::find(entry.words, **text) != entry.words.end();
+  const auto* choice = std::get_if<WordField>(&entry.value);
+  return choice == nullptr || std::ranges::find(choice->words(), **choice) != choice->words().end();
 }
 
 std::vector<OptionProblem> problems_of(const std::vector<OptionEntry>& entries) {

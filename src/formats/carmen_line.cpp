@@ -187,30 +187,16 @@ bool looks_like_a_tag(std::string_view word) {
 
 }  // namespace
 
-std::string_view name_of(CarmenTag tag) {
-  switch (tag) {
-    case CarmenTag::kFlaser:
-      return "FLASER";
-    case CarmenTag::kRlaser:
-      return "RLASER";
-    case CarmenTag::kRobotLaser:
-      return "ROBOTLASER1";
-    case CarmenTag::kRawLaser:
-      return "RAWLASER1";
-  }
-  return "";
-}
-
 int lidar_of(CarmenTag tag) { return tag == CarmenTag::kRlaser ? 1 : 0; }
 
 CarmenLine parse_carmen_line(std::string_view text) {
   Words words(text);
   const std::string_view tag = words.next();
   if (tag.empty() || tag.front() == '#') return CarmenOther{};
-  if (tag == "FLASER") return parse_old_laser(CarmenTag::kFlaser, Fields(words));
-  if (tag == "RLASER") return parse_old_laser(CarmenTag::kRlaser, Fields(words));
-  if (tag == "ROBOTLASER1") return parse_new_laser(CarmenTag::kRobotLaser, Fields(words));
-  if (tag == "RAWLASER1") return parse_new_laser(CarmenTag::kRawLaser, Fields(words));
+  if (const auto laser = find_word<CarmenTag>(tag)) {
+    const bool is_old = laser == CarmenTag::kFlaser || laser == CarmenTag::kRlaser;
+    return is_old ? parse_old_laser(*laser, Fields(words)) : parse_new_laser(*laser, Fields(words));
+  }
   if (tag == "ODOM") return parse_odometry(Fields(words));
   if (tag == "PARAM") return parse_param(words);
   if (!looks_like_a_tag(tag)) {

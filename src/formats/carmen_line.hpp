@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/geometry/pose2.hpp"
 
 namespace loopstone {
@@ -24,8 +25,12 @@ namespace loopstone {
 
 enum class CarmenTag { kFlaser, kRlaser, kRobotLaser, kRawLaser };
 
-/// "FLASER" and so on.
-[[nodiscard]] std::string_view name_of(CarmenTag tag);
+constexpr auto words_of(CarmenTag /*any*/) {
+  using enum CarmenTag;
+  return std::array{Word{kFlaser, "FLASER"}, Word{kRlaser, "RLASER"},
+                    Word{kRobotLaser, "ROBOTLASER1"}, Word{kRawLaser, "RAWLASER1"}};
+}
+
 /// 0 for the front laser, 1 for the rear one; ROBOTLASER1 and RAWLASER1 are other reports of the
 /// front laser.
 [[nodiscard]] int lidar_of(CarmenTag tag);

@@ -146,10 +146,7 @@ class CsvReader {
                                   "; `loopstone localize` writes such files");
   }
   static LocalizationState state_of(std::string_view word, const Location& location) {
-    for (const auto state :
-         {LocalizationState::kTracking, LocalizationState::kDoubtful, LocalizationState::kLost}) {
-      if (word == to_string(state)) return state;
-    }
+    if (const auto state = find_word<LocalizationState>(word)) return *state;
     throw DataError(
         location, "the state is '" + std::string(word) + "'; expected TRACKING, DOUBTFUL or LOST");
   }

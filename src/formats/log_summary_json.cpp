@@ -67,10 +67,7 @@ Json camera_json(const CameraSummary& camera, Stamp start) {
 Json findings_json(const LogSummary& summary) {
   auto json = Json::array();
   for (const Finding& finding : summary.findings) {
-    const char* const severity = finding.severity == Severity::kError     ? "error"
-                                 : finding.severity == Severity::kWarning ? "warning"
-                                                                          : "note";
-    json.push_back({{"severity", severity}, {"text", finding.text}});
+    json.push_back({{"severity", to_string(finding.severity)}, {"text", finding.text}});
   }
   return json;
 }

@@ -73,7 +73,8 @@ std::vector<OptionProblem> apply_assignment(const std::vector<OptionEntry>& opti
   value.key = std::string(trimmed(assignment.substr(0, equals)));
   value.text = std::string(trimmed(assignment.substr(equals + 1)));
   const bool is_text = std::any_of(options.begin(), options.end(), [&](const OptionEntry& entry) {
-    return entry.key == value.key && std::holds_alternative<std::string*>(entry.value);
+    return entry.key == value.key && (std::holds_alternative<std::string*>(entry.value) ||
+                                      std::holds_alternative<WordField>(entry.value));
   });
   const TomlDocument parsed = parse_toml("value = " + value.text, source);
   if (parsed.problems.empty() && parsed.values.size() == 1 && parsed.values[0].key == "value") {

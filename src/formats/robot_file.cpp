@@ -92,7 +92,7 @@ void visit_camera(CameraModel& camera, CameraAngles& angles, Visitor& visit) {
   visit_lens("camera.colour.", camera.colour, visit);
   DepthEncoding& encoding = camera.encoding;
   const std::string prefix = "camera.encoding.";
-  visit(prefix + "kind", encoding.kind, OneOf{{"disparity", "depth"}},
+  visit(prefix + "kind", encoding.kind,
         "what the 16-bit numbers of depth pictures are; 0 is no measurement");
   visit(prefix + "disparity_slope", encoding.disparity_slope, Range{-1000.0, 1000.0},
         "depth = numerator / (slope * number + offset)");
@@ -111,7 +111,7 @@ void visit_camera(CameraModel& camera, CameraAngles& angles, Visitor& visit) {
 /// Describes a robot's fields to a visitor, as visit_options does for options.
 template <typename Visitor>
 void visit_robot(RobotModel& robot, CameraAngles& angles, Visitor&& visit) {
-  visit("name", robot.name, OneOf{}, "for people");
+  visit("name", robot.name, "for people");
   visit("footprint_radius_m", robot.footprint_radius_m, Range{0.0, 10.0},
         "cells this near to the robot's path are free [m]");
 
@@ -127,7 +127,7 @@ void visit_robot(RobotModel& robot, CameraAngles& angles, Visitor&& visit) {
   for (std::size_t i = 0; i < robot.lidars.size(); ++i) {
     LidarMount& lidar = robot.lidars[i];
     const std::string prefix = fmt::format("lidars[{}].", i);
-    visit(prefix + "name", lidar.name, OneOf{}, "for people");
+    visit(prefix + "name", lidar.name, "for people");
     visit(prefix + "x_m", lidar.robot_T_lidar.x, kMount, "ahead of the robot's centre [m]");
     visit(prefix + "y_m", lidar.robot_T_lidar.y, kMount, "left of the robot's centre [m]");
     visit(prefix + "yaw_rad", lidar.robot_T_lidar.yaw, kAngle,
@@ -174,7 +174,7 @@ std::vector<OptionProblem> check_camera(const CameraModel& camera, const std::st
                         "must be less than camera.encoding.range_max_m",
                         {path, {}, {}}});
   }
-  if (encoding.kind == "disparity" && encoding.disparity_slope == 0.0) {
+  if (encoding.kind == DepthKind::kDisparity && encoding.disparity_slope == 0.0) {
     problems.push_back({"camera.encoding.disparity_slope",
                         "0.0",
                         "must not be 0: all disparities would mean the same depth",

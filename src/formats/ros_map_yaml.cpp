@@ -10,10 +10,8 @@ namespace loopstone {
 namespace {
 
 MapMode parse_mode(const MapYaml& yaml, const YAML::Node& node) {
-  const std::string word = node.IsScalar() ? node.Scalar() : std::string();
-  if (word == "trinary") return MapMode::kTrinary;
-  if (word == "scale") return MapMode::kScale;
-  if (word == "raw") return MapMode::kRaw;
+  const auto mode = find_word<MapMode>(node.IsScalar() ? node.Scalar() : std::string());
+  if (mode) return *mode;
   yaml.fail(node, "'mode' must be trinary, scale or raw");
 }
 

@@ -112,10 +112,7 @@ bool assign(const OptionEntry& entry, const TomlValue& value) {
   }
   const auto* given = std::get_if<std::string>(&value.value);
   if (given == nullptr) return false;
-  if (!entry.words.empty() &&
-      std::find(entry.words.begin(), entry.words.end(), *given) == entry.words.end()) {
-    return false;
-  }
+  if (const auto* choice = std::get_if<WordField>(&entry.value)) return choice->set(*given);
   *std::get<std::string*>(entry.value) = *given;
   return true;
 }
@@ -262,6 +259,7 @@ std::string toml_value(const OptionEntry& entry) {
   if (const auto* value = std::get_if<bool*>(&entry.value)) return **value ? "true" : "false";
   if (const auto* value = std::get_if<int*>(&entry.value)) return fmt::format("{}", **value);
   if (const auto* value = std::get_if<double*>(&entry.value)) return toml_number(**value);
+  if (const auto* value = std::get_if<WordField>(&entry.value)) return toml_string(**value);
   return toml_string(*std::get<std::string*>(entry.value));
 }
 

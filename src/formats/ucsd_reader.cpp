@@ -72,7 +72,7 @@ class UcsdReader final : public LogReader {
   }
   std::string format() const override { return "ucsd"; }
   RobotModel robot(RobotModel base) const override {
-    if (has_plain_depth_) base.camera.encoding.kind = "depth";
+    if (has_plain_depth_) base.camera.encoding.kind = DepthKind::kDepth;
     if (!mount_) return base;
     if (base.lidars.empty()) base.lidars.emplace_back();
     base.lidars[0].robot_T_lidar = *mount_;

@@ -148,7 +148,7 @@ class UcsdWriter final : public LogWriter {
         const fs::path source(frame.depth_path);
         // Metres as floats can't be disparities; nor is what another log of this layout calls
         // depth.
-        has_plain_depth_ = robot_.camera.encoding.kind == "depth" ||
+        has_plain_depth_ = robot_.camera.encoding.kind == DepthKind::kDepth ||
                            source.filename().string().starts_with("depth") ||
                            (source.extension() != ".png" && source.extension() != ".pgm");
         depth_.emplace(pictures / ((has_plain_depth_ ? "Depth" : "Disparity") + set_),

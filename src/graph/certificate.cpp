@@ -102,24 +102,6 @@ DescentResult come_back(const IsotropicSystem& system, const PositionSolver& pos
 
 }  // namespace
 
-std::string_view to_string(CertificateStatus status) {
-  switch (status) {
-    case CertificateStatus::kCertified:
-      return "certified";
-    case CertificateStatus::kNotOptimal:
-      return "not_optimal";
-    case CertificateStatus::kGapOpen:
-      return "gap_open";
-    case CertificateStatus::kNotConverged:
-      return "not_converged";
-    case CertificateStatus::kNumericalFailure:
-      return "numerical_failure";
-    case CertificateStatus::kUnsupported:
-      return "unsupported";
-  }
-  return "unknown";
-}
-
 double isotropic_cost(const PoseGraph& graph) {
   const IsotropicProblem problem = isotropic_problem(graph);
   return isotropic_cost(problem, state_of(graph, problem));

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "graph/dogleg.hpp"
-#include "loopstone/base/error.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
@@ -229,14 +227,6 @@ class Descent {
 };
 
 }  // namespace
-
-DescentMethod descent_method_from(std::string_view name) {
-  if (name == "gauss_newton") return DescentMethod::kGaussNewton;
-  if (name == "levenberg_marquardt") return DescentMethod::kLevenbergMarquardt;
-  if (name == "dogleg") return DescentMethod::kDogleg;
-  throw UsageError("method: '" + std::string(name) +
-                   "' is none of gauss_newton, levenberg_marquardt, dogleg");
-}
 
 void apply_step(const GraphState& from, const NormalEquations& equations,
                 std::span<const Eigen::Vector3d> step, GraphState& to) {

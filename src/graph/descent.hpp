@@ -1,18 +1,12 @@
 #pragma once
 
 #include <span>
-#include <string_view>
 
 #include "graph/block_cholesky.hpp"
 #include "graph/normal_equations.hpp"
 #include "loopstone/graph/solver.hpp"
 
 namespace loopstone {
-
-enum class DescentMethod { kGaussNewton, kLevenbergMarquardt, kDogleg };
-
-/// Throws UsageError for a name that SolverOptions does not know.
-[[nodiscard]] DescentMethod descent_method_from(std::string_view name);
 
 struct DescentOptions {
   DescentMethod method = DescentMethod::kGaussNewton;

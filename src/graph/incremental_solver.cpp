@@ -47,9 +47,7 @@ void check_edge(const RelativePoseEdge& edge, int nodes) {
 class IncrementalSolver::State {
  public:
   State(PoseGraph graph, const IncrementalOptions& options)
-      : graph_(std::move(graph)),
-        options_(options),
-        kernel_(robust_kernel_from(options.robust_kernel)) {
+      : graph_(std::move(graph)), options_(options) {
     restart();
   }
 
@@ -126,10 +124,15 @@ class IncrementalSolver::State {
     return tree_.delta().size() + 1 < graph_.poses.size();
   }
 
+  /// A closure's cost.
+  [[nodiscard]] RobustValue robust(double chi2) const {
+    return evaluate(options_.robust_kernel, options_.robust_width, chi2);
+  }
+
   [[nodiscard]] RobustValue edge_cost(const RelativePoseEdge& edge) const {
     const double chi2 =
         edge_chi2(edge, graph_.poses[at(edge.from.index)], graph_.poses[at(edge.to.index)]);
-    if (edge.kind == EdgeKind::kLoopClosure) return evaluate(kernel_, options_.robust_width, chi2);
+    if (edge.kind == EdgeKind::kLoopClosure) return robust(chi2);
     return {chi2, 1.0};
   }
 
@@ -219,7 +222,7 @@ class IncrementalSolver::State {
     const EdgeJacobians j = edge_jacobians(edge, from, to);
     const double chi2 = error.dot(edge.information * error);
     const bool closure = edge.kind == EdgeKind::kLoopClosure;
-    const double weight = closure ? evaluate(kernel_, options_.robust_width, chi2).weight : 1.0;
+    const double weight = closure ? robust(chi2).weight : 1.0;
     const Eigen::Matrix3d from_information = weight * j.from.transpose() * edge.information;
     const Eigen::Matrix3d to_information = weight * j.to.transpose() * edge.information;
     factor = {};
@@ -296,7 +299,6 @@ class IncrementalSolver::State {
 
   PoseGraph graph_;
   IncrementalOptions options_;
-  RobustKernel kernel_;
   CliqueTree tree_;
   std::vector<Pose2> linearised_at_;
   std::vector<LinearFactor> factors_;

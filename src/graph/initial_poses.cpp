@@ -95,20 +95,6 @@ std::vector<Pose2> chordal_poses(const PoseGraph& graph) {
 
 }  // namespace
 
-std::string_view to_string(Initialisation initialisation) {
-  switch (initialisation) {
-    case Initialisation::kAsGiven:
-      return "file";
-    case Initialisation::kOdometryChain:
-      return "odometry";
-    case Initialisation::kSpanningTree:
-      return "spanning_tree";
-    case Initialisation::kChordal:
-      return "chordal";
-  }
-  return "unknown";
-}
-
 std::vector<Pose2> initial_poses(const PoseGraph& graph, Initialisation initialisation) {
   switch (initialisation) {
     case Initialisation::kOdometryChain:

@@ -9,26 +9,10 @@
 
 namespace loopstone {
 
-std::string_view to_string(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::kConverged:
-      return "converged";
-    case SolveStatus::kNotConverged:
-      return "not_converged";
-    case SolveStatus::kNumericalFailure:
-      return "numerical_failure";
-    case SolveStatus::kDisconnected:
-      return "disconnected";
-  }
-  return "unknown";
-}
-
 SolveResult optimize(const PoseGraph& graph, const SolverOptions& options) {
   check_graph(graph);
-  const RobustPolicy policy{robust_kernel_from(options.robust_kernel), options.robust_width,
-                            options.robust_everywhere};
-  const DescentOptions descent{descent_method_from(options.method), options.max_iterations,
-                               options.relative_tolerance};
+  const RobustPolicy policy{options.robust_kernel, options.robust_width, options.robust_everywhere};
+  const DescentOptions descent{options.method, options.max_iterations, options.relative_tolerance};
   const GraphComponents components = connected_components(graph);
   const Gauge gauge = gauge_of(graph, components);
   NormalEquations equations(graph, gauge.fixed, policy);

@@ -10,32 +10,6 @@
 
 namespace loopstone {
 
-std::string_view to_string(FilterStatus status) {
-  switch (status) {
-    case FilterStatus::kConverging:
-      return "converging";
-    case FilterStatus::kConverged:
-      return "converged";
-    case FilterStatus::kInconsistent:
-      return "inconsistent";
-  }
-  return "unknown";
-}
-
-std::string_view to_string(FilterDoubt doubt) {
-  switch (doubt) {
-    case FilterDoubt::kNone:
-      return "none";
-    case FilterDoubt::kInnovations:
-      return "innovations";
-    case FilterDoubt::kEvidence:
-      return "evidence";
-    case FilterDoubt::kEffectiveSampleSize:
-      return "effective_sample_size";
-  }
-  return "unknown";
-}
-
 std::string reason(const FilterHealth& health) {
   switch (health.doubt) {
     case FilterDoubt::kNone:

@@ -60,10 +60,10 @@ class Localizer::Impl {
         initial_(initial),
         queue_(robot.wheels),
         weigher_(map, options.sensor, threads),
-        motion_(options.motion),
+        motion_(options),
         belief_({.particles_max = options.particles_max,
                  .particles_min = options.particles_min,
-                 .resampling = resampling_scheme_from(options.resampling),
+                 .resampling = options.resampling,
                  .places_max = kPlacesMost},
                 seed, threads),
         snapshots_(options.snapshot_distance_m) {}

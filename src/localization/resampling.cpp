@@ -95,21 +95,6 @@ void append_residual(std::span<const double> weights, double total, std::size_t 
 
 }  // namespace
 
-std::string_view to_string(ResamplingScheme scheme) {
-  for (const auto& [name, value] : kResamplingSchemeNames) {
-    if (value == scheme) return name;
-  }
-  return "unknown";
-}
-
-ResamplingScheme resampling_scheme_from(std::string_view name) {
-  for (const auto& [known, value] : kResamplingSchemeNames) {
-    if (known == name) return value;
-  }
-  throw UsageError("unknown resampling scheme '" + std::string(name) +
-                   "'; there are multinomial, stratified, systematic and residual");
-}
-
 std::vector<std::size_t> resample_indices(ResamplingScheme scheme, std::span<const double> weights,
                                           std::size_t count, Rng& rng) {
   const double total = checked_total(weights);

@@ -22,11 +22,6 @@ constexpr double kLeastSeconds = 1e-6;
 
 }  // namespace
 
-RobotMotion::RobotMotion(const std::string& model)
-    : model_(model == "odometry"   ? Model::kOdometry
-             : model == "velocity" ? Model::kVelocity
-                                   : Model::kAuto) {}
-
 PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) {
   PoseWithCovariance2 motion;
   if (!first_stamp_) first_stamp_ = stamp;
@@ -65,17 +60,17 @@ void RobotMotion::found_at(const Pose2& map_T_robot) {
 PoseBelief::MotionModel RobotMotion::sampler(
     const std::optional<PoseWithCovariance2>& track) const {
   const Pose2& motion = since_weighing_.pose;
-  if (model_ == Model::kOdometry) {
-    return [parts = turn_go_turn(motion)](const Pose2& pose, Rng& noise) {
-      return sample_odometry_motion(pose, parts, {}, noise);
+  if (model_ == ParticleMotion::kOdometry) {
+    return [parts = turn_go_turn(motion), noise = odometry_noise_](const Pose2& pose, Rng& rng) {
+      return sample_odometry_motion(pose, parts, noise, rng);
     };
   }
-  if (model_ == Model::kVelocity) {
+  if (model_ == ParticleMotion::kVelocity) {
     const Tangent2 way = log(motion);
     const double duration_s = std::max(since_weighing_s_, kLeastSeconds);
-    return [way, duration_s](const Pose2& pose, Rng& noise) {
+    return [way, duration_s, noise = velocity_noise_](const Pose2& pose, Rng& rng) {
       return sample_velocity_motion(pose, way.x() / duration_s, way.z() / duration_s, duration_s,
-                                    {}, noise);
+                                    noise, rng);
     };
   }
   Eigen::Matrix3d covariance = since_weighing_.covariance;

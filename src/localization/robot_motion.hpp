@@ -1,10 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/geometry/pose2.hpp"
+#include "loopstone/localization/localization_options.hpp"
 #include "loopstone/localization/pose_belief.hpp"
 #include "loopstone/odometry/odometer.hpp"
 
@@ -13,8 +13,10 @@ namespace loopstone {
 /// How the robot has moved: from scan to scan, and since its particles were weighed last.
 class RobotMotion {
  public:
-  /// \param model  "auto", "odometry" or "velocity": how particles are moved
-  explicit RobotMotion(const std::string& model);
+  explicit RobotMotion(const LocalizationOptions& options)
+      : model_(options.motion),
+        odometry_noise_(options.odometry_noise),
+        velocity_noise_(options.velocity_noise) {}
 
   /// Goes on to the next scan's stamp. Returns the motion since the last one, from_T_to: by
   /// odometry, or at the last velocity, give or take, where there is none.
@@ -45,9 +47,9 @@ class RobotMotion {
   [[nodiscard]] bool had_odometry() const { return had_odometry_; }
 
  private:
-  enum class Model { kAuto, kOdometry, kVelocity };
-
-  Model model_;
+  ParticleMotion model_;
+  OdometryMotionNoise odometry_noise_;
+  VelocityMotionNoise velocity_noise_;
   std::optional<Stamp> first_stamp_{};
   std::optional<Stamp> last_stamp_{};
   Tangent2 velocity_ = Tangent2::Zero();

@@ -21,26 +21,21 @@ constexpr double kBeamsAsOneOfPlace = 40.0;
 
 }  // namespace
 
-ScanWeigher::ScanWeigher(const LocalizationMap& map, const std::string& sensor, Threads threads)
-    : map_(map),
-      sensor_(sensor == "beam"            ? Sensor::kBeam
-              : sensor == "beam_skipping" ? Sensor::kBeamSkipping
-                                          : Sensor::kLikelihoodField),
-      threads_(threads),
-      beam_sensor_(map.tables().caster) {}
+ScanWeigher::ScanWeigher(const LocalizationMap& map, ScanModel model, Threads threads)
+    : map_(map), model_(model), threads_(threads), beam_sensor_(map.tables().caster) {}
 
 void ScanWeigher::log_likelihoods(const LocalizationScan& scan, std::span<const Pose2> map_T_robot,
                                   std::span<double> out) {
-  const LikelihoodFieldModel& model = map_.tables().weigher;
-  switch (sensor_) {
-    case Sensor::kBeam:
+  const LikelihoodFieldModel& field = map_.tables().weigher;
+  switch (model_) {
+    case ScanModel::kBeam:
       beam_sensor_.log_likelihoods(scan, map_T_robot, out, threads_);
       break;
-    case Sensor::kBeamSkipping:
-      (void)model.log_likelihoods_skipping(map_T_robot, scan.weighed, out, {}, threads_);
+    case ScanModel::kBeamSkipping:
+      (void)field.log_likelihoods_skipping(map_T_robot, scan.weighed, out, {}, threads_);
       break;
-    case Sensor::kLikelihoodField:
-      model.log_likelihoods(map_T_robot, scan.weighed, out, threads_);
+    case ScanModel::kLikelihoodField:
+      field.log_likelihoods(map_T_robot, scan.weighed, out, threads_);
       break;
   }
   for (double& value : out) value /= kBeamsAsOne;
@@ -69,7 +64,7 @@ double ScanWeigher::evidence_of(const LocalizationScan& scan, const PlaceBelief&
 }
 
 void ScanWeigher::learn_from(const LocalizationScan& scan, const Pose2& map_T_robot) {
-  if (sensor_ == Sensor::kBeam) beam_sensor_.learn_from(scan, map_T_robot);
+  if (model_ == ScanModel::kBeam) beam_sensor_.learn_from(scan, map_T_robot);
 }
 
 }  // namespace loopstone

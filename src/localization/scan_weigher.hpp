@@ -1,11 +1,11 @@
 #pragma once
 
 #include <span>
-#include <string>
 
 #include "localization/learned_beam_sensor.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/localization/localization_map.hpp"
+#include "loopstone/localization/localization_options.hpp"
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/pose_belief.hpp"
 
@@ -14,8 +14,7 @@ namespace loopstone {
 /// Weighs poses by a scan, by the sensor model that was asked for, and whole places.
 class ScanWeigher {
  public:
-  /// \param sensor  "likelihood_field", "beam_skipping" or "beam"
-  ScanWeigher(const LocalizationMap& map, const std::string& sensor, Threads threads);
+  ScanWeigher(const LocalizationMap& map, ScanModel model, Threads threads);
 
   /// Log-likelihoods of the scan, as many readings as are independent.
   void log_likelihoods(const LocalizationScan& scan, std::span<const Pose2> map_T_robot,
@@ -33,10 +32,8 @@ class ScanWeigher {
   void learn_from(const LocalizationScan& scan, const Pose2& map_T_robot);
 
  private:
-  enum class Sensor { kLikelihoodField, kBeamSkipping, kBeam };
-
   const LocalizationMap& map_;
-  Sensor sensor_;
+  ScanModel model_;
   Threads threads_;
   LearnedBeamSensor beam_sensor_;
 };

@@ -11,20 +11,7 @@
 namespace loopstone {
 namespace {
 
-/// A scan nearer than this to the last one judged shows the same walls with the same pose error.
-constexpr double kSpacingM = 0.2;
-constexpr double kSpacingRad = 0.25;
-constexpr std::size_t kMostScans = 1500;
-/// Beams that are followed, of a scan.
-constexpr std::size_t kMostBeams = 120;
-/// Beyond, a degree of heading is more than a wall's place can tell about the map nearby.
-constexpr double kMostRangeM = 15.0;
-/// A robot does not drive so far between two scans: the log has a gap, and the way is not known.
-constexpr double kJumpM = 5.0;
-/// Neighbours are used to tell a return's noise up to this far along the wall.
-constexpr double kNeighbourM = 0.25;
-/// A return and the point on its line differ across the wall only.
-constexpr double kSameBeamM = 1e-3;
+constexpr auto kMostScans = static_cast<std::size_t>(kJudgedScans.most_scans);
 
 struct Chosen {
   std::size_t scan;
@@ -40,15 +27,18 @@ std::vector<Chosen> choose(std::span<const PosedScan> scans) {
     if (!usable(scans[i])) continue;
     const Pose2& pose = scans[i].map_T_robot;
     if (before != nullptr) {
-      travelled_m += std::min((pose.translation() - before->translation()).norm(), kJumpM);
+      travelled_m +=
+          std::min((pose.translation() - before->translation()).norm(), kJudgedScans.jump_m);
     }
     before = &pose;
     if (last_chosen != nullptr) {
       const Pose2 since = last_chosen->inverse() * pose;
-      if (std::hypot(since.x, since.y) < kSpacingM && std::abs(since.yaw) < kSpacingRad) continue;
+      if (std::hypot(since.x, since.y) < kJudgedScans.spacing_m &&
+          std::abs(since.yaw) < kJudgedScans.spacing_rad)
+        continue;
     }
     last_chosen = &pose;
-    chosen.push_back({i, static_cast<int>(travelled_m / kStretchM)});
+    chosen.push_back({i, static_cast<int>(travelled_m / kMapQuality.stretch_m)});
   }
   if (chosen.size() <= kMostScans) return chosen;
   std::vector<Chosen> thinned;
@@ -73,7 +63,8 @@ void add_noise(const Eigen::Vector2d& before, const Eigen::Vector2d& at,
   const Eigen::Vector2d tangent(-normal.y(), normal.x());
   const double back = tangent.dot(before - at);
   const double ahead = tangent.dot(after - at);
-  if (!(back * ahead < 0.0) || std::abs(back) > kNeighbourM || std::abs(ahead) > kNeighbourM)
+  if (!(back * ahead < 0.0) || std::abs(back) > kJudgedScans.neighbour_m ||
+      std::abs(ahead) > kJudgedScans.neighbour_m)
     return;
   const double a = back / (back - ahead);
   const double off = normal.dot(at - (1.0 - a) * before - a * after);
@@ -85,7 +76,8 @@ JudgedScan read(const PosedScan& posed, int stretch, BeamTable& table) {
   JudgedScan judged{.stretch = stretch};
   const LaserScan& scan = *posed.scan;
   const Tangent2 velocity = lidar_velocity(posed);
-  const SurfaceOptions surface_options{.range_max_m = kMostRangeM, .points_max = 240};
+  const SurfaceOptions surface_options{.range_max_m = kJudgedScans.most_range_m,
+                                       .points_max = kJudgedScans.most_points};
   const auto surfaces = surface_points(scan, Pose2{}, velocity, surface_options, table);
   const auto points = scan_points(scan, Pose2{}, velocity);
   const Eigen::Matrix2d rotation = posed.map_T_lidar.rotation();
@@ -100,8 +92,9 @@ JudgedScan read(const PosedScan& posed, int stretch, BeamTable& table) {
     // Both lists are in the order of the beams: the return is the next one that differs across the
     // wall only.
     std::size_t own = next;
-    while (own < points.size() && !(std::abs(tangent.dot(points[own] - on_line)) < kSameBeamM &&
-                                    std::abs(normal.dot(points[own] - on_line)) < kMostOffsetM)) {
+    while (own < points.size() &&
+           !(std::abs(tangent.dot(points[own] - on_line)) < kJudgedScans.same_beam_m &&
+             std::abs(normal.dot(points[own] - on_line)) < kMapQuality.most_offset_m)) {
       ++own;
     }
     if (own == points.size()) continue;
@@ -113,14 +106,16 @@ JudgedScan read(const PosedScan& posed, int stretch, BeamTable& table) {
                               (origin + rotation * points[own]).cast<float>(),
                               (rotation * normal).cast<float>()});
   }
+  constexpr auto kMostBeams = static_cast<std::size_t>(kJudgedScans.most_beams);
   const std::size_t stride =
       std::max<std::size_t>(1, (scan.ranges_m.size() + kMostBeams - 1) / kMostBeams);
   std::size_t beam = 0;
-  for_each_beam(posed, {.max_range_m = scan.range_max_m > 0.0 ? scan.range_max_m : kMostRangeM},
-                table, [&](const Beam& seen) {
-                  if (beam++ % stride != 0 || !seen.hit) return;
-                  judged.beams.push_back({seen.start.cast<float>(), seen.end.cast<float>()});
-                });
+  for_each_beam(
+      posed, {.max_range_m = scan.range_max_m > 0.0 ? scan.range_max_m : kJudgedScans.most_range_m},
+      table, [&](const Beam& seen) {
+        if (beam++ % stride != 0 || !seen.hit) return;
+        judged.beams.push_back({seen.start.cast<float>(), seen.end.cast<float>()});
+      });
   return judged;
 }
 

@@ -14,13 +14,7 @@
 namespace loopstone {
 namespace {
 
-constexpr float kRadiusM = 0.3F;
-constexpr std::size_t kMostQueries = 3000;
-constexpr std::size_t kMostReturns = 400000;
-/// A covariance of fewer points is none.
-constexpr int kLeastPoints = 8;
-/// Walls thinner than this are not told apart: (1 mm)^2, so that a perfect wall has an entropy.
-constexpr double kLeastVarianceM2 = 1e-6;
+constexpr auto kRadiusM = static_cast<float>(kMapEntropy.radius_m);
 constexpr std::size_t kPerTask = 128;
 
 struct EntropyPoint {
@@ -43,7 +37,7 @@ struct Moments {
   [[nodiscard]] double entropy() const {
     const Eigen::Vector2d mean = sum / count;
     Eigen::Matrix2d covariance = squares / count - mean * mean.transpose();
-    covariance.diagonal().array() += kLeastVarianceM2;
+    covariance.diagonal().array() += kMapEntropy.least_variance_m2;
     return std::log(2.0 * kPi) + 1.0 + 0.5 * std::log(covariance.determinant());
   }
 };
@@ -60,6 +54,7 @@ void for_each_near(const CellRuns<EntropyPoint>& cells, const EntropyPoint& quer
 }
 
 std::vector<EntropyPoint> points_of(std::span<const JudgedScan> scans) {
+  constexpr auto kMostReturns = static_cast<std::size_t>(kMapEntropy.most_returns);
   std::size_t count = 0;
   for (const JudgedScan& scan : scans) count += scan.returns.size();
   const std::size_t stride = std::max<std::size_t>(1, (count + kMostReturns - 1) / kMostReturns);
@@ -79,7 +74,8 @@ std::vector<EntropyPoint> points_of(std::span<const JudgedScan> scans) {
 MapEntropy map_entropy(std::span<const JudgedScan> scans, Threads threads) {
   const CellRuns<EntropyPoint> cells(points_of(scans), static_cast<double>(kRadiusM));
   const auto& points = cells.items();
-  const std::size_t queries = std::min(points.size(), kMostQueries);
+  const std::size_t queries =
+      std::min(points.size(), static_cast<std::size_t>(kMapEntropy.most_queries));
   std::vector<MapEntropy> parts((queries + kPerTask - 1) / kPerTask);
   parallel_for(parts.size(), threads, [&](std::size_t task) {
     MapEntropy& part = parts[task];
@@ -95,7 +91,7 @@ MapEntropy map_entropy(std::span<const JudgedScan> scans, Threads threads) {
         if (point.stretch == query.stretch) own.add(offset);
         if (are_apart(point.stretch, query.stretch)) ++others;
       });
-      if (own.count < kLeastPoints || others < kLeastPoints) continue;
+      if (own.count < kMapEntropy.least_points || others < kMapEntropy.least_points) continue;
       ++part.points;
       part.mean_nats += all.entropy();
       part.stretch_nats += own.entropy();

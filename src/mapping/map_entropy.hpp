@@ -8,6 +8,28 @@
 
 namespace loopstone {
 
+/// What the entropy is taken by.
+struct MapEntropyNumbers {
+  double radius_m = 0.3;
+  int most_queries = 3000;
+  int most_returns = 400000;
+  int least_points = 8;
+  double least_variance_m2 = 1e-6;
+};
+inline constexpr MapEntropyNumbers kMapEntropy{};
+
+template <typename Visitor>
+void visit_numbers(const MapEntropyNumbers& n, Visitor&& visit) {
+  visit("radius_m", n.radius_m,
+        "chosen: returns this near to a point tell how sharp the map is there");
+  visit("most_queries", n.most_queries, "chosen: bounds the cost; points at which it is taken");
+  visit("most_returns", n.most_returns, "chosen: bounds the cost and the memory");
+  visit("least_points", n.least_points, "chosen: a covariance of fewer points is none");
+  visit("least_variance_m2", n.least_variance_m2,
+        "chosen: (1 mm)^2; walls thinner than that are not told apart, and a perfect wall has an "
+        "entropy");
+}
+
 struct MapEntropy {
   std::int64_t points = 0;    ///< at which it was measured; 0: no wall was seen in two visits
   double mean_nats = 0.0;     ///< of the whole map

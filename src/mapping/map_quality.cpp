@@ -17,12 +17,6 @@
 namespace loopstone {
 namespace {
 
-/// How far off a wall a return may lie, at least: the side of a map's cell; and a beam that goes
-/// through, two of them.
-constexpr double kToleranceM = 0.05;
-/// In standard deviations of the scanner's noise, if that is more.
-constexpr double kToleranceSigmas = 3.0;
-constexpr double kMarginSigmas = 6.0;
 /// A distance between two visits has the error of both.
 const double kTwoVisits = std::sqrt(2.0);
 
@@ -81,14 +75,14 @@ void add_offsets(const std::vector<WallOffset>& offsets, MapQuality& quality) {
   std::nth_element(values.begin(), worst, values.end());
   quality.wall_offset_worst_m = static_cast<double>(*worst);
   const auto doubled = std::count_if(values.begin(), values.end(), [](float value) {
-    return value > static_cast<float>(kDoubledM);
+    return value > static_cast<float>(kMapQuality.doubled_m);
   });
   quality.doubled_share = static_cast<double>(doubled) / static_cast<double>(values.size());
 }
 
 void add_places(const std::vector<WallPiece>& pieces, const std::vector<WallOffset>& offsets,
                 const std::vector<BeamMeeting>& meetings, MapQuality& quality) {
-  BlockGrid<PlaceSums> places(kPlaceM);
+  BlockGrid<PlaceSums> places(kMapQuality.place_m);
   const auto at = [&](const Eigen::Vector2f& point) -> PlaceSums& {
     return places.at(
         places.cell_of(static_cast<double>(point.x()), static_cast<double>(point.y())));
@@ -145,14 +139,15 @@ MapQuality assess_map(std::span<const PosedScan> scans, Threads threads) {
   Walls walls = walls_of(judged, threads);
   quality.visits = walls.stretches;
   quality.local_spread_m = sigma_of(walls.spread_m);
-  const PieceIndex index(std::move(walls.pieces), kPieceM);
+  const PieceIndex index(std::move(walls.pieces), kWallPieces.piece_m);
 
   const auto offsets = wall_offsets(index, walls.stretches, threads);
   add_offsets(offsets, quality);
   const double between_m = kSigmaPerMedian * quality.wall_offset_m / kTwoVisits;
   quality.wall_thickness_m = std::hypot(quality.sensor_noise_m, quality.local_spread_m, between_m);
 
-  const double margin_m = std::max(kDoubledM, kMarginSigmas * quality.sensor_noise_m);
+  const double margin_m =
+      std::max(kMapQuality.doubled_m, kMapQuality.margin_sigmas * quality.sensor_noise_m);
   const auto meetings = beam_meetings(judged, index, static_cast<float>(margin_m), threads);
   const auto crossed =
       std::count_if(meetings.begin(), meetings.end(),
@@ -162,7 +157,8 @@ MapQuality assess_map(std::span<const PosedScan> scans, Threads threads) {
     quality.crossed_share = static_cast<double>(crossed) / static_cast<double>(meetings.size());
   }
 
-  const double tolerance_m = std::max(kToleranceM, kToleranceSigmas * quality.sensor_noise_m);
+  const double tolerance_m =
+      std::max(kMapQuality.tolerance_m, kMapQuality.tolerance_sigmas * quality.sensor_noise_m);
   std::vector<std::uint8_t> looked_through(index.items().size(), 0);
   for (const BeamMeeting& meeting : meetings) {
     if (meeting.crossed >= 0) looked_through[static_cast<std::size_t>(meeting.crossed)] = 1;

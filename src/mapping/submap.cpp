@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "loopstone/base/sound_state.hpp"
 #include "loopstone/registration/correlative_search.hpp"
 
 namespace loopstone {
@@ -67,20 +69,30 @@ struct CellBox {
 
 Submap::Submap(const SubmapOptions& options)
     : options_(options),
-      surfaces_(level_resolutions(options.cell_m)),
-      thin_surfaces_(kThinCellM),
-      free_(options.free_cell_m) {}
+      state_{SurfaceGrid(level_resolutions(options.cell_m)), BlockGrid<SurfaceCell>(kThinCellM),
+             BlockGrid<std::uint8_t>(options.free_cell_m)} {}
+
+void Submap::restore(State state) {
+  bool same = state.surfaces.level_count() == state_.surfaces.level_count() &&
+              state.thin_surfaces.resolution_m() == state_.thin_surfaces.resolution_m() &&
+              state.free.resolution_m() == state_.free.resolution_m();
+  for (std::size_t level = 0; same && level < state.surfaces.level_count(); ++level)
+    same = state.surfaces.resolution_m(level) == state_.surfaces.resolution_m(level);
+  require_sound(same, "a submap of other grids than the options ask for");
+  state_ = std::move(state);
+}
 
 void Submap::insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
                     const Pose2& robot_T_lidar, const Pose2& submap_T_robot, BeamTable& beams) {
-  surfaces_.insert(surfaces, submap_T_robot);
+  state_.surfaces.insert(surfaces, submap_T_robot);
   const Eigen::Matrix2d rotation = submap_T_robot.rotation();
   for (const SurfacePoint& surface : surfaces) {
     const Eigen::Vector2d point =
         submap_T_robot.translation() + rotation * surface.position.cast<double>();
     const Eigen::Vector2f normal = (rotation * surface.normal.cast<double>()).cast<float>();
-    const Cell cell = thin_surfaces_.cell_of(point.x(), point.y());
-    add_to(thin_surfaces_.at(cell), point - thin_surfaces_.centre_of(cell), normal, surface.weight);
+    const Cell cell = state_.thin_surfaces.cell_of(point.x(), point.y());
+    add_to(state_.thin_surfaces.at(cell), point - state_.thin_surfaces.centre_of(cell), normal,
+           surface.weight);
   }
 
   const Pose2 submap_T_lidar = submap_T_robot * robot_T_lidar;
@@ -98,20 +110,20 @@ void Submap::insert(std::span<const SurfacePoint> surfaces, const LaserScan& sca
     Eigen::Vector2d point = from;
     const int steps = static_cast<int>(length / options_.free_cell_m);
     for (int k = 0; k <= steps && length > 0.0; ++k, point += step) {
-      free_.at(free_.cell_of(point.x(), point.y())) = 1;
+      state_.free.at(state_.free.cell_of(point.x(), point.y())) = 1;
     }
   }
 }
 
 FrozenSubmap Submap::freeze() const {
   FrozenSubmap frozen;
-  thin_surfaces_.for_each([&](Cell cell, const SurfaceCell& sums) {
+  state_.thin_surfaces.for_each([&](Cell cell, const SurfaceCell& sums) {
     for (const SurfaceSum& sum : sums.sums) {
       // Something seen once, without a normal, is as likely a passer-by as a wall.
       if (sum.weight < 0.6F) continue;
       const float length = std::sqrt(sum.normal_x * sum.normal_x + sum.normal_y * sum.normal_y);
       if (!(length > 0.0F)) continue;
-      const Eigen::Vector2d centre = thin_surfaces_.centre_of(cell);
+      const Eigen::Vector2d centre = state_.thin_surfaces.centre_of(cell);
       frozen.surfaces.push_back(
           {Eigen::Vector2f(static_cast<float>(centre.x()) + sum.x / sum.weight,
                            static_cast<float>(centre.y()) + sum.y / sum.weight),
@@ -121,7 +133,7 @@ FrozenSubmap Submap::freeze() const {
   });
 
   CellBox box;
-  free_.for_each([&](Cell cell, std::uint8_t free) {
+  state_.free.for_each([&](Cell cell, std::uint8_t free) {
     if (free != 0) box.add(cell);
   });
   if (!box.empty()) {
@@ -130,7 +142,7 @@ FrozenSubmap Submap::freeze() const {
         .resolution = options_.free_cell_m,
         .columns = box.high_column - box.low_column + 1,
         .rows = box.high_row - box.low_row + 1});
-    free_.for_each([&](Cell cell, std::uint8_t free) {
+    state_.free.for_each([&](Cell cell, std::uint8_t free) {
       if (free != 0) frozen.free[{cell.column - box.low_column, cell.row - box.low_row}] = 1;
     });
     // Beams that graze a wall pass through its cells.

@@ -11,21 +11,16 @@
 namespace loopstone {
 namespace {
 
-constexpr std::size_t kMostPieces = 20000;
 constexpr std::size_t kPiecesPerTask = 512;
 constexpr std::size_t kScansPerTask = 32;
-/// Pieces lie beside each other when they overlap by a good part of their length.
-constexpr float kBesideM = 0.07F;
-/// A return belongs to a piece this near along the wall.
-constexpr float kAlongM = 0.1F;
 /// A beam passes a piece itself, not what may be beside it.
-constexpr auto kHalfPieceM = static_cast<float>(0.5 * kPieceM);
-/// Beams along a wall (more than 70 deg from its normal) pass it or not by a hair.
-constexpr float kLeastIncidence = 0.34F;
-/// Beyond, a small error of heading makes a beam pass a door post on the wrong side.
-constexpr float kMostBeamM = 12.0F;
-/// One scan in so many is held out.
-constexpr std::size_t kHeldOutEvery = 4;
+constexpr auto kHalfPieceM = static_cast<float>(0.5 * kWallPieces.piece_m);
+// As the points that are compared by them.
+constexpr auto kBesideM = static_cast<float>(kVisitAgreement.beside_m);
+constexpr auto kAlongM = static_cast<float>(kVisitAgreement.along_m);
+constexpr auto kLeastIncidence = static_cast<float>(kVisitAgreement.least_incidence);
+constexpr auto kMostBeamM = static_cast<float>(kVisitAgreement.most_beam_m);
+constexpr auto kHeldOutEvery = static_cast<std::size_t>(kVisitAgreement.held_out_every);
 
 float across(const WallPiece& piece, const Eigen::Vector2f& point) {
   return piece.normal.dot(point - piece.position);
@@ -91,7 +86,7 @@ void meet(const JudgedBeam& beam, int stretch, const PieceIndex& index, float ma
   const float length = way.norm();
   const float walked = std::min(length - margin_m, kMostBeamM);
   if (!(walked > 0.0F)) return;
-  const GridFrame frame{.origin = {0.0, 0.0}, .resolution = kPieceM};
+  const GridFrame frame{.origin = {0.0, 0.0}, .resolution = kWallPieces.piece_m};
   const Eigen::Vector2f last = beam.start + way * (walked / length);
   bool crossed = false;
   walk_ray(
@@ -118,14 +113,15 @@ void meet(const JudgedBeam& beam, int stretch, const PieceIndex& index, float ma
 
 std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches, Threads threads) {
   const auto& pieces = index.items();
-  const std::size_t looked = std::min(pieces.size(), kMostPieces);
+  const std::size_t looked =
+      std::min(pieces.size(), static_cast<std::size_t>(kVisitAgreement.most_pieces));
   std::vector<std::vector<WallOffset>> parts((looked + kPiecesPerTask - 1) / kPiecesPerTask);
   parallel_for(parts.size(), threads, [&](std::size_t task) {
     NearestByVisit nearest(stretches);
     const std::size_t end = std::min((task + 1) * kPiecesPerTask, looked);
     for (std::size_t i = task * kPiecesPerTask; i < end; ++i) {
       const WallPiece& piece = pieces[i * pieces.size() / looked];
-      constexpr int kReach = static_cast<int>(kMostOffsetM / kPieceM);
+      constexpr int kReach = static_cast<int>(kMapQuality.most_offset_m / kWallPieces.piece_m);
       index.for_each_around(index.cell_of(piece.position), kReach, [&](const WallPiece& other) {
         if (!are_apart(piece.stretch, other.stretch) ||
             piece.normal.dot(other.normal) < kSameFacing ||
@@ -133,7 +129,8 @@ std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches, Thr
           return;
         }
         const float distance_m = std::abs(across(piece, other.position));
-        if (distance_m <= static_cast<float>(kMostOffsetM)) nearest.take(other.stretch, distance_m);
+        if (distance_m <= static_cast<float>(kMapQuality.most_offset_m))
+          nearest.take(other.stretch, distance_m);
       });
       nearest.finish([&](float distance_m) {
         parts[task].push_back({piece.position, distance_m});
@@ -169,7 +166,8 @@ HeldOut held_out_agreement(std::span<const JudgedScan> scans, const PieceIndex& 
       for (const WallReturn& seen : scans[s].returns) {
         bool foretold = false;
         bool missed = false;
-        constexpr int kReach = static_cast<int>(0.5 * kMostOffsetM / kPieceM);
+        constexpr int kReach =
+            static_cast<int>(0.5 * kMapQuality.most_offset_m / kWallPieces.piece_m);
         index.for_each_around(index.cell_of(seen.surface), kReach, [&](const WallPiece& piece) {
           if (piece.normal.dot(seen.normal) < kSameFacing || along(piece, seen.surface) > kAlongM) {
             return;

@@ -13,6 +13,31 @@
 
 namespace loopstone {
 
+/// What visits are compared by.
+struct VisitAgreementNumbers {
+  int most_pieces = 20000;
+  double beside_m = 0.07;
+  double along_m = 0.1;
+  double least_incidence = 0.34;
+  double most_beam_m = 12.0;
+  int held_out_every = 4;
+};
+inline constexpr VisitAgreementNumbers kVisitAgreement{};
+
+template <typename Visitor>
+void visit_numbers(const VisitAgreementNumbers& n, Visitor&& visit) {
+  visit("most_pieces", n.most_pieces, "chosen: bounds the cost; pieces that look for others");
+  visit("beside_m", n.beside_m,
+        "chosen: pieces lie beside each other when they overlap by a good part of their length");
+  visit("along_m", n.along_m, "chosen: a return belongs to a piece this near along the wall");
+  visit("least_incidence", n.least_incidence,
+        "derived: cosine of 70 deg from a wall's normal; beams along a wall pass it or not by a "
+        "hair");
+  visit("most_beam_m", n.most_beam_m,
+        "chosen: beyond, a small error of heading makes a beam pass a door post on the wrong side");
+  visit("held_out_every", n.held_out_every, "chosen: one scan in so many is held out");
+}
+
 /// The same wall in two visits.
 struct WallOffset {
   Eigen::Vector2f where;
@@ -20,8 +45,8 @@ struct WallOffset {
 };
 
 /// Pairs pieces of wall with the nearest one of every other visit that faces the same way and lies
-/// beside it, at most kMostOffsetM away. At most some ten thousand pieces, evenly chosen, look for
-/// theirs.
+/// beside it, at most kMapQuality.most_offset_m away. At most some ten thousand pieces, evenly
+/// chosen, look for theirs.
 [[nodiscard]] std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches,
                                                    Threads threads);
 

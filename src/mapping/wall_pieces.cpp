@@ -12,12 +12,6 @@
 namespace loopstone {
 namespace {
 
-/// A wall that a single scan saw may be a passer-by.
-constexpr int kLeastScans = 2;
-/// Lines fitted around a corner face everywhere between its two walls; what is a wall faces one
-/// way: the length of the mean normal, for a spread of about 14 deg.
-constexpr float kLeastStraightness = 0.97F;
-
 struct PieceSum : SurfaceSum {
   std::int16_t scans = 0;
   std::int16_t last_scan = -1;
@@ -48,7 +42,7 @@ void add_to(PieceCell& cell, const Eigen::Vector2f& offset, const Eigen::Vector2
 }
 
 BlockGrid<PieceCell> sums_of(std::span<const JudgedScan> scans) {
-  BlockGrid<PieceCell> grid(kPieceM);
+  BlockGrid<PieceCell> grid(kWallPieces.piece_m);
   for (std::size_t s = 0; s < scans.size(); ++s) {
     for (const WallReturn& seen : scans[s].returns) {
       const Cell at = grid.cell_of(static_cast<double>(seen.surface.x()),
@@ -73,11 +67,11 @@ StretchWalls stretch_walls(std::span<const JudgedScan> scans) {
   const BlockGrid<PieceCell> grid = sums_of(scans);
   grid.for_each([&](Cell cell, const PieceCell& piece) {
     for (const PieceSum& sum : piece.sums) {
-      if (sum.scans < kLeastScans) continue;
+      if (sum.scans < kWallPieces.least_scans) continue;
       const Eigen::Vector2f normal(sum.normal_x, sum.normal_y);
-      if (normal.norm() < kLeastStraightness * sum.weight) continue;
+      if (normal.norm() < static_cast<float>(kWallPieces.least_straightness) * sum.weight) continue;
       const Eigen::Vector2f offset(sum.x / sum.weight, sum.y / sum.weight);
-      if (offset.cwiseAbs().maxCoeff() > static_cast<float>(0.5 * kPieceM)) continue;
+      if (offset.cwiseAbs().maxCoeff() > static_cast<float>(0.5 * kWallPieces.piece_m)) continue;
       walls.pieces.push_back({grid.centre_of(cell).cast<float>() + offset, normal.normalized(),
                               scans.front().stretch});
     }
@@ -89,7 +83,7 @@ StretchWalls stretch_walls(std::span<const JudgedScan> scans) {
       const PieceCell* piece = grid.find(at);
       if (piece == nullptr) continue;
       for (const PieceSum& sum : piece->sums) {
-        if (sum.scans < kLeastScans || !faces_same(sum, seen.normal)) continue;
+        if (sum.scans < kWallPieces.least_scans || !faces_same(sum, seen.normal)) continue;
         const Eigen::Vector2f mean =
             grid.centre_of(at).cast<float>() + Eigen::Vector2f(sum.x, sum.y) / sum.weight;
         const Eigen::Vector2f normal = Eigen::Vector2f(sum.normal_x, sum.normal_y).normalized();

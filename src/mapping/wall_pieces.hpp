@@ -11,10 +11,29 @@
 
 namespace loopstone {
 
-/// Length of a piece of wall, and side of the cells that index them.
-inline constexpr double kPieceM = 0.1;
-/// Walls that face the same way, within 25 deg.
-inline constexpr float kSameFacing = 0.9F;
+/// What pieces of wall are made by.
+struct WallPieceNumbers {
+  double piece_m = 0.1;
+  double same_facing = 0.9;
+  int least_scans = 2;
+  double least_straightness = 0.97;
+};
+inline constexpr WallPieceNumbers kWallPieces{};
+
+template <typename Visitor>
+void visit_numbers(const WallPieceNumbers& n, Visitor&& visit) {
+  visit("piece_m", n.piece_m,
+        "chosen: length of a piece of wall, and side of the cells that index them");
+  visit("same_facing", n.same_facing,
+        "derived: cosine of 25 deg, within which walls face the same way");
+  visit("least_scans", n.least_scans, "chosen: a wall that a single scan saw may be a passer-by");
+  visit("least_straightness", n.least_straightness,
+        "chosen: length of the mean normal, for a spread of about 14 deg; lines fitted around a "
+        "corner face everywhere between its two walls");
+}
+
+/// The same as the points that are compared by it.
+inline constexpr auto kSameFacing = static_cast<float>(kWallPieces.same_facing);
 
 /// A short piece of wall as one stretch of travel saw it, map frame.
 struct WallPiece {
@@ -24,7 +43,9 @@ struct WallPiece {
 };
 
 /// Whether two stretches are different visits.
-[[nodiscard]] inline bool are_apart(int a, int b) { return std::abs(a - b) >= kStretchesApart; }
+[[nodiscard]] inline bool are_apart(int a, int b) {
+  return std::abs(a - b) >= kMapQuality.stretches_apart;
+}
 
 /// What the scans of one stretch make of their surroundings.
 struct StretchWalls {

@@ -55,7 +55,7 @@ Eigen::Matrix3d motion_covariance(double distance_m, double rotation_rad, bool y
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   covariance(0, 0) = position;
   covariance(1, 1) = position;
-  covariance(2, 2) = yaw_from_gyro ? 0.01 * heading : heading;
+  covariance(2, 2) = yaw_from_gyro ? kDifferentialDrive.gyro_share * heading : heading;
   return covariance;
 }
 

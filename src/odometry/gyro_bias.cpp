@@ -3,31 +3,33 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/base/sound_state.hpp"
+
 namespace loopstone {
 
-namespace {
-
-constexpr double kRateNoise = 0.02;       // of one reading [rad/s]; engines and fans shake the gyro
-constexpr double kBiasWander = 2e-4;      // of the bias after 1 s [rad/s/sqrt(s)]
-constexpr double kLargestRestRate = 0.1;  // beyond the bias: somebody turns the robot [rad/s]
-
-}  // namespace
-
 bool GyroBias::could_be_rest(double rate_rad_s) const {
-  return std::abs(rate_rad_s - bias_rad_s_) < kLargestRestRate;
+  return std::abs(rate_rad_s - state_.bias_rad_s) < kGyroBias.largest_rest_rate_rad_s;
 }
 
 bool GyroBias::learn(Stamp stamp, double rate_rad_s) {
   if (!could_be_rest(rate_rad_s)) return false;
-  if (has_learned_) {
-    variance_ += kBiasWander * kBiasWander * std::max(0.0, (stamp - learned_).seconds());
+  if (state_.has_learned) {
+    state_.variance +=
+        kGyroBias.wander * kGyroBias.wander * std::max(0.0, (stamp - state_.learned).seconds());
   }
-  const double gain = variance_ / (variance_ + kRateNoise * kRateNoise);
-  bias_rad_s_ += gain * (rate_rad_s - bias_rad_s_);
-  variance_ *= 1.0 - gain;
-  learned_ = stamp;
-  has_learned_ = true;
+  const double gain =
+      state_.variance / (state_.variance + kGyroBias.rate_noise_rad_s * kGyroBias.rate_noise_rad_s);
+  state_.bias_rad_s += gain * (rate_rad_s - state_.bias_rad_s);
+  state_.variance *= 1.0 - gain;
+  state_.learned = stamp;
+  state_.has_learned = true;
   return true;
+}
+
+void GyroBias::restore(const State& state) {
+  require_sound(std::isfinite(state.bias_rad_s) && is_amount(state.variance),
+                "a gyro's bias that is no number");
+  state_ = state;
 }
 
 }  // namespace loopstone

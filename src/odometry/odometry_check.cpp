@@ -2,131 +2,84 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "loopstone/base/sound_state.hpp"
 
 namespace loopstone {
 
 namespace {
 
-constexpr std::size_t kPieces = 10;
-constexpr int kWrongToDistrust = 7;
-constexpr int kWrongInARow = 5;
-constexpr int kRightToTrust = 8;
-constexpr double kClearlyRight = 0.5;
-/// Twice the share of a motion by which wheels may be off (one standard deviation) before anything
-/// is known of them.
-constexpr double kShare = 0.3;
-/// Heading lost by driving straight [rad/m].
-constexpr double kHeadingPerMetre = 0.03;
-/// A piece that takes longer is dropped: what adds up that slowly is drift, not a wrong reading.
-constexpr double kLongestPieceS = 4.0;
-/// A single step that is off by so many tolerances, and so many times what the robot moved, is a
-/// jump.
-constexpr double kJump = 3.0;
-constexpr double kJumpsApartS = 2.0;
-/// One side moves less than this share of the other: it stands. Squared.
-constexpr double kStands2 = 0.1 * 0.1;
-/// A factor explains the disagreement when no more than this share is left (root mean square).
-/// Squared.
-constexpr double kExplained2 = 0.25 * 0.25;
-constexpr int kPiecesForScale = 20;
-/// A motion is straight when it turns by less than this a metre, and long enough to have a
-/// direction.
-constexpr double kStraightRadPerM = 0.2;
-constexpr double kStraightM = 0.01;
-constexpr double kEnoughStraightM = 10.0;
+constexpr auto kMostPieces = static_cast<std::size_t>(kOdometryCheck.pieces);
+constexpr double kStands2 = kOdometryCheck.stands * kOdometryCheck.stands;
+constexpr double kExplained2 = kOdometryCheck.explained * kOdometryCheck.explained;
 
 }  // namespace
 
-std::string_view to_string(OdometryFault fault) {
-  switch (fault) {
-    case OdometryFault::kStuck:
-      return "stuck";
-    case OdometryFault::kSpinning:
-      return "spinning";
-    case OdometryFault::kMirrored:
-      return "mirrored";
-    case OdometryFault::kScaled:
-      return "scaled";
-    case OdometryFault::kLagging:
-      return "lagging";
-    case OdometryFault::kWrong:
-      return "wrong";
-  }
-  return "unknown";
-}
-
-std::string_view to_string(OdometryPart part) {
-  switch (part) {
-    case OdometryPart::kTranslation:
-      return "translation";
-    case OdometryPart::kRotation:
-      return "rotation";
-    case OdometryPart::kWhole:
-      return "whole";
-  }
-  return "unknown";
-}
-
 double MotionAgreement::tolerance(double laser_length, double slack) const {
-  return rest_ + kShare * laser_length + slack;
+  return rest_ + kOdometryCheck.share * laser_length + slack;
 }
 
 void MotionAgreement::add(Stamp from, Stamp to, const Eigen::Vector2d& odometry,
                           const Eigen::Vector2d& laser, double slack) {
-  if (is_open_ && (to - open_.from).seconds() > kLongestPieceS) is_open_ = false;
+  if (state_.is_open && (to - state_.open.from).seconds() > kOdometryCheck.longest_piece_s)
+    state_.is_open = false;
   const double off = (odometry - laser).norm();
-  if (off > kJump * std::max(tolerance(laser.norm(), slack), laser.norm())) {
+  if (off > kOdometryCheck.jump * std::max(tolerance(laser.norm(), slack), laser.norm())) {
     // One by itself is not the way odometry is wrong; one after the other they are.
-    const bool again = last_jump_ && (to - *last_jump_).seconds() < kJumpsApartS;
-    if (trusted_) ++jumps_;
-    last_jump_ = to;
-    is_open_ = false;
+    const bool again =
+        state_.last_jump && (to - *state_.last_jump).seconds() < kOdometryCheck.jumps_apart_s;
+    if (state_.trusted) ++state_.jumps;
+    state_.last_jump = to;
+    state_.is_open = false;
     if (!again) return;
-    open_ = {from, odometry, laser};
+    state_.open = {from, odometry, laser};
     close(off, 0.0, true);
     return;
   }
-  if (!is_open_) {
-    open_ = {from};
-    open_slack_ = 0.0;
-    is_open_ = true;
+  if (!state_.is_open) {
+    state_.open = {from};
+    state_.open_slack = 0.0;
+    state_.is_open = true;
   }
-  open_.odometry += odometry;
-  open_.laser += laser;
-  open_slack_ += slack;
-  if (std::max(open_.odometry.norm(), open_.laser.norm()) < piece_) return;
-  close((open_.odometry - open_.laser).norm(), tolerance(open_.laser.norm(), open_slack_), false);
+  state_.open.odometry += odometry;
+  state_.open.laser += laser;
+  state_.open_slack += slack;
+  if (std::max(state_.open.odometry.norm(), state_.open.laser.norm()) < piece_) return;
+  close((state_.open.odometry - state_.open.laser).norm(),
+        tolerance(state_.open.laser.norm(), state_.open_slack), false);
 }
 
 void MotionAgreement::close(double error, double tolerance, bool jump) {
-  is_open_ = false;
-  open_.wrong = error > tolerance;
-  open_.right = error <= kClearlyRight * tolerance;
-  open_.jump = jump;
-  if (!open_.wrong) {
-    right_.ol += open_.odometry.dot(open_.laser);
-    right_.ll += open_.laser.squaredNorm();
-    ++right_count_;
+  state_.is_open = false;
+  state_.open.wrong = error > tolerance;
+  state_.open.right = error <= kOdometryCheck.clearly_right * tolerance;
+  state_.open.jump = jump;
+  if (!state_.open.wrong) {
+    state_.right.ol += state_.open.odometry.dot(state_.open.laser);
+    state_.right.ll += state_.open.laser.squaredNorm();
+    ++state_.right_count;
   }
-  pieces_.push_back(open_);
-  if (pieces_.size() > kPieces) pieces_.pop_front();
-  const auto count =
-      std::count_if(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.wrong; });
-  wrong_in_a_row_ = open_.wrong ? wrong_in_a_row_ + 1 : 0;
-  if (trusted_ && (count >= kWrongToDistrust || wrong_in_a_row_ >= kWrongInARow)) {
-    trusted_ = false;
+  state_.pieces.push_back(state_.open);
+  if (state_.pieces.size() > kMostPieces) state_.pieces.pop_front();
+  const auto count = std::count_if(state_.pieces.begin(), state_.pieces.end(),
+                                   [](const Piece& piece) { return piece.wrong; });
+  state_.wrong_in_a_row = state_.open.wrong ? state_.wrong_in_a_row + 1 : 0;
+  if (state_.trusted && (count >= kOdometryCheck.wrong_to_distrust ||
+                         state_.wrong_in_a_row >= kOdometryCheck.wrong_in_a_row)) {
+    state_.trusted = false;
     // What looked like jumps was the fault.
-    jumps_ -= static_cast<int>(std::count_if(pieces_.begin(), pieces_.end(),
-                                             [](const Piece& piece) { return piece.jump; }));
+    state_.jumps -= static_cast<int>(std::count_if(state_.pieces.begin(), state_.pieces.end(),
+                                                   [](const Piece& piece) { return piece.jump; }));
   }
-  const auto right =
-      std::count_if(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.right; });
-  if (!trusted_ && right >= kRightToTrust) trusted_ = true;
+  const auto right = std::count_if(state_.pieces.begin(), state_.pieces.end(),
+                                   [](const Piece& piece) { return piece.right; });
+  if (!state_.trusted && right >= kOdometryCheck.right_to_trust) state_.trusted = true;
 }
 
 MotionAgreement::Moments MotionAgreement::wrong_moments() const {
   Moments sums;
-  for (const Piece& piece : pieces_) {
+  for (const Piece& piece : state_.pieces) {
     if (!piece.wrong) continue;
     sums.oo += piece.odometry.squaredNorm();
     sums.ol += piece.odometry.dot(piece.laser);
@@ -150,15 +103,24 @@ double MotionAgreement::ratio() const {
 }
 
 Stamp MotionAgreement::wrong_since() const {
-  for (const Piece& piece : pieces_) {
+  for (const Piece& piece : state_.pieces) {
     if (piece.wrong) return piece.from;
   }
   return {};
 }
 
 std::optional<double> MotionAgreement::scale() const {
-  if (right_count_ < kPiecesForScale) return {};
-  return right_.ol / right_.ll;
+  if (state_.right_count < kOdometryCheck.pieces_for_scale) return {};
+  return state_.right.ol / state_.right.ll;
+}
+
+void MotionAgreement::restore(State state) {
+  require_sound(state.pieces.size() <= kMostPieces, "more pieces of motion than are remembered");
+  // Jumps that turn out to be the fault are taken back, now and then one too many.
+  require_sound(is_count(state.wrong_in_a_row) && is_count(state.right_count) &&
+                    is_count(std::max(state.jumps, ~state.jumps)),
+                "pieces of motion that nobody can have counted");
+  state_ = std::move(state);
 }
 
 void OdometryCheck::add(const MotionPair& pair) {
@@ -171,7 +133,7 @@ void OdometryCheck::add(const MotionPair& pair) {
     follow_straight(pair);
   if (pair.sees_rotation) {
     rotation_.add(pair.from, pair.to, {pair.odometry.yaw, 0.0}, {pair.laser.yaw, 0.0},
-                  kHeadingPerMetre * travelled);
+                  kOdometryCheck.heading_rad_per_m * travelled);
   }
   lag_.add({.from = pair.from,
             .to = pair.to,
@@ -181,7 +143,8 @@ void OdometryCheck::add(const MotionPair& pair) {
             .laser_rad = pair.laser.yaw,
             .sees_translation = pair.sees_translation && pair.odometry_has_translation,
             .sees_rotation = pair.sees_rotation});
-  if (!trusts_translation() || !trusts_rotation()) distrusted_s_ += (pair.to - pair.from).seconds();
+  if (!trusts_translation() || !trusts_rotation())
+    own_.distrusted_s += (pair.to - pair.from).seconds();
   follow(translation_, OdometryPart::kTranslation, pair.to);
   follow(rotation_, OdometryPart::kRotation, pair.to);
   follow_lag(pair.to);
@@ -192,19 +155,20 @@ void OdometryCheck::follow_straight(const MotionPair& pair) {
   const Eigen::Vector2d laser = pair.laser.translation();
   const double length_m = odometry.norm();
   const double turn = std::max(std::abs(pair.odometry.yaw), std::abs(pair.laser.yaw));
-  if (length_m < kStraightM || turn > kStraightRadPerM * length_m) return;
-  straight_.length_m += length_m;
-  straight_.dot += odometry.dot(laser);
-  straight_.cross += odometry.x() * laser.y() - odometry.y() * laser.x();
+  if (length_m < kOdometryCheck.straight_m || turn > kOdometryCheck.straight_rad_per_m * length_m)
+    return;
+  own_.straight.length_m += length_m;
+  own_.straight.dot += odometry.dot(laser);
+  own_.straight.cross += odometry.x() * laser.y() - odometry.y() * laser.x();
 }
 
 std::optional<double> OdometryCheck::laser_heading_offset_rad() const {
-  if (straight_.length_m < kEnoughStraightM) return {};
-  return std::atan2(straight_.cross, straight_.dot);
+  if (own_.straight.length_m < kOdometryCheck.enough_straight_m) return {};
+  return std::atan2(own_.straight.cross, own_.straight.dot);
 }
 
 OdometryEpisode* OdometryCheck::running(OdometryPart part) {
-  for (auto& episode : episodes_) {
+  for (auto& episode : own_.episodes) {
     if (episode.part == part && !episode.over) return &episode;
   }
   return nullptr;
@@ -214,12 +178,12 @@ void OdometryCheck::follow(const MotionAgreement& agreement, OdometryPart part, 
   OdometryEpisode* episode = running(part);
   // What lags disagrees now and then: that is the same fault.
   if (episode == nullptr && !agreement.trusted() && running(OdometryPart::kWhole) == nullptr) {
-    episodes_.push_back({.part = part,
-                         .fault = agreement.fault(),
-                         .from = agreement.wrong_since(),
-                         .noticed = now,
-                         .ratio = agreement.ratio()});
-    episode = &episodes_.back();
+    own_.episodes.push_back({.part = part,
+                             .fault = agreement.fault(),
+                             .from = agreement.wrong_since(),
+                             .noticed = now,
+                             .ratio = agreement.ratio()});
+    episode = &own_.episodes.back();
   }
   if (episode == nullptr) return;
   episode->to = now;
@@ -230,16 +194,28 @@ void OdometryCheck::follow_lag(Stamp now) {
   OdometryEpisode* episode = running(OdometryPart::kWhole);
   const auto lag_s = lag_.lag_s();
   if (episode == nullptr && lag_s) {
-    episodes_.push_back({.part = OdometryPart::kWhole,
-                         .fault = OdometryFault::kLagging,
-                         .from = now,
-                         .noticed = now});
-    episode = &episodes_.back();
+    own_.episodes.push_back({.part = OdometryPart::kWhole,
+                             .fault = OdometryFault::kLagging,
+                             .from = now,
+                             .noticed = now});
+    episode = &own_.episodes.back();
   }
   if (episode == nullptr) return;
   if (lag_s) episode->lag_s = *lag_s;
   episode->to = now;
   episode->over = !lag_s;
+}
+
+OdometryCheck::State OdometryCheck::state() const {
+  return {translation_.state(), rotation_.state(), lag_.state(), own_};
+}
+
+void OdometryCheck::restore(State state) {
+  require_sound(std::isfinite(state.own.distrusted_s), "a time that is no number");
+  translation_.restore(std::move(state.translation));
+  rotation_.restore(std::move(state.rotation));
+  lag_.restore(std::move(state.lag));
+  own_ = std::move(state.own);
 }
 
 }  // namespace loopstone

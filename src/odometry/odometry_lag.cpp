@@ -5,30 +5,15 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/sound_state.hpp"
+
 namespace loopstone {
 
 namespace {
 
-constexpr std::size_t kSteps = 256;
-constexpr std::size_t kFewestSteps = 48;
-constexpr std::size_t kJudgeEvery = 16;
-/// Shifts that are tried: as long as a scan takes, but not finer than kFinest, up to kLongest or
-/// kMostShifts.
-constexpr double kFinestS = 0.05;
-constexpr double kLongestS = 1.0;
-constexpr int kMostShifts = 10;
-/// A shift has to explain so much more than none; trust returns when it explains no more than that.
-constexpr double kConvincing = 4.0;
-constexpr double kAllClear = 1.5;
-/// Squared noise of one motion of the laser [m^2 + rad^2]: 4 mm and 3 mrad.
-constexpr double kNoise2 = 2.5e-5;
-/// A motion fits better when its error is smaller by so much [m or rad]; so many have to, against
-/// that many times fewer that fit worse.
-constexpr double kClearGain = 0.01;
-constexpr int kFewestBetter = 12;
-constexpr int kBetterThanWorse = 4;
-/// Steps farther apart are not of one stretch of the recording.
-constexpr double kGapS = 2.0;
+constexpr auto kMostSteps = static_cast<std::size_t>(kOdometryLag.steps);
+constexpr auto kFewestSteps = static_cast<std::size_t>(kOdometryLag.fewest_steps);
+constexpr auto kJudgeEvery = static_cast<std::size_t>(kOdometryLag.judge_every);
 
 /// Odometry's way and heading over time, to be read between the stamps. Reads go forward in time.
 class Unrolled {
@@ -98,56 +83,71 @@ bool many_fit_better(const Misfit& shifted, const Misfit& none) {
   int worse = 0;
   for (std::size_t i = 0; i < none.errors.size(); ++i) {
     const double gain = std::abs(none.errors[i]) - std::abs(shifted.errors[i]);
-    if (gain > kClearGain) ++better;
-    if (gain < -kClearGain) ++worse;
+    if (gain > kOdometryLag.clear_gain) ++better;
+    if (gain < -kOdometryLag.clear_gain) ++worse;
   }
-  return better >= kFewestBetter && better >= kBetterThanWorse * worse;
+  return better >= kOdometryLag.fewest_better && better >= kOdometryLag.better_than_worse * worse;
 }
 
 }  // namespace
 
 void OdometryLag::add(const Step& step) {
-  const bool continues = !steps_.empty() && step.from == steps_.back().to &&
-                         (step.to - step.from).seconds() < kGapS && step.to > step.from;
-  if (!continues) steps_.clear();
+  const bool continues = !state_.steps.empty() && step.from == state_.steps.back().to &&
+                         (step.to - step.from).seconds() < kOdometryLag.gap_s &&
+                         step.to > step.from;
+  if (!continues) state_.steps.clear();
   if (!(step.to > step.from)) return;
-  steps_.push_back(step);
-  if (steps_.size() > kSteps) steps_.pop_front();
-  if (++since_judged_ >= kJudgeEvery && steps_.size() >= kFewestSteps) {
-    since_judged_ = 0;
+  state_.steps.push_back(step);
+  if (state_.steps.size() > kMostSteps) state_.steps.pop_front();
+  if (++state_.since_judged >= kJudgeEvery && state_.steps.size() >= kFewestSteps) {
+    state_.since_judged = 0;
     judge();
   }
 }
 
 void OdometryLag::judge() {
-  const Unrolled odometry(steps_);
-  const double interval_s = odometry.end_s() / static_cast<double>(steps_.size());
-  const double unit_s = std::max(interval_s, kFinestS);
-  const int shifts = std::clamp(static_cast<int>(kLongestS / unit_s), 1, kMostShifts);
+  const Unrolled odometry(state_.steps);
+  const double interval_s = odometry.end_s() / static_cast<double>(state_.steps.size());
+  const double unit_s = std::max(interval_s, kOdometryLag.finest_s);
+  const int shifts =
+      std::clamp(static_cast<int>(kOdometryLag.longest_s / unit_s), 1, kOdometryLag.most_shifts);
   const double margin_s = shifts * unit_s;
-  const Misfit none = misfit(steps_, odometry, 0.0, margin_s);
+  const Misfit none = misfit(state_.steps, odometry, 0.0, margin_s);
   if (none.steps < kFewestSteps / 2) return;
-  const double noise = kNoise2 * static_cast<double>(none.steps);
+  const double noise = kOdometryLag.noise2 * static_cast<double>(none.steps);
   Misfit best = none;
   double best_shift_s = 0.0;
   for (int k = -shifts; k <= shifts; ++k) {
     const double shift_s = k * unit_s;
-    Misfit shifted = misfit(steps_, odometry, shift_s, margin_s);
+    Misfit shifted = misfit(state_.steps, odometry, shift_s, margin_s);
     if (shifted.squared >= best.squared) continue;
     best = std::move(shifted);
     best_shift_s = shift_s;
   }
   // At an end of the range the true shift is unknown, and so is whether there is one.
   const bool inside = std::abs(best_shift_s) < margin_s - 0.5 * unit_s;
-  if (none.squared > kConvincing * (best.squared + noise) && inside &&
+  if (none.squared > kOdometryLag.convincing * (best.squared + noise) && inside &&
       many_fit_better(best, none)) {
-    lag_s_ = best_shift_s;
-  } else if (lag_s_ && none.squared < kAllClear * (best.squared + noise)) {
+    state_.lag_s = best_shift_s;
+  } else if (state_.lag_s && none.squared < kOdometryLag.all_clear * (best.squared + noise)) {
     // Only a robot that speeds up and turns can show that odometry is in time again.
-    const Misfit late = misfit(steps_, odometry, *lag_s_, margin_s);
-    if (late.squared > kConvincing * (none.squared + noise) && many_fit_better(none, late))
-      lag_s_.reset();
+    const Misfit late = misfit(state_.steps, odometry, *state_.lag_s, margin_s);
+    if (late.squared > kOdometryLag.convincing * (none.squared + noise) &&
+        many_fit_better(none, late))
+      state_.lag_s.reset();
   }
+}
+
+void OdometryLag::restore(State state) {
+  require_sound(state.steps.size() <= kMostSteps, "more motions than are remembered");
+  require_sound(!state.lag_s || std::isfinite(*state.lag_s), "a lag that is no number");
+  const Step* before = nullptr;
+  for (const Step& step : state.steps) {
+    require_sound(step.to > step.from && (before == nullptr || step.from == before->to),
+                  "motions that do not follow one another");
+    before = &step;
+  }
+  state_ = std::move(state);
 }
 
 }  // namespace loopstone

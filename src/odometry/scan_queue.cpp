@@ -3,30 +3,29 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
 
 namespace {
 
-constexpr Duration kPatience{250'000'000};
-/// A stream that begins so long without odometry has none.
-constexpr Duration kSilentStart{1'000'000'000};
-/// Counts since the last reading are lost with the readings between; poses and counters go on,
-/// unless the robot was off.
-constexpr Duration kSilenceOfIncrements{2'000'000'000};
-constexpr Duration kSilenceOfSums{60'000'000'000};
+constexpr Duration kPatience = Duration::from_milliseconds(kScanQueue.patience_ms);
+constexpr Duration kSilentStart = Duration::from_milliseconds(kScanQueue.silent_start_ms);
+constexpr Duration kSilenceOfIncrements =
+    Duration::from_milliseconds(kScanQueue.silence_of_increments_ms);
+constexpr Duration kSilenceOfSums = Duration::from_milliseconds(kScanQueue.silence_of_sums_ms);
 
 }  // namespace
 
 void ScanQueue::add(const SensorMessage& message) {
-  newest_ = stamp_of(message);
-  if (!first_) first_ = newest_;
+  own_.newest = stamp_of(message);
+  if (!own_.first) own_.first = own_.newest;
   if (const auto* scan = std::get_if<LaserScan>(&message)) {
-    waiting_.push_back(*scan);
+    own_.waiting.push_back(*scan);
   } else if (const auto* ticks = std::get_if<WheelTicks>(&message)) {
     odometer_.add(*ticks);
-    increments_ = !counts_are_cumulative_;
+    own_.increments = !counts_are_cumulative_;
   } else if (const auto* imu = std::get_if<ImuSample>(&message)) {
     odometer_.add(*imu);
     gyro_.add(*imu);
@@ -38,34 +37,34 @@ void ScanQueue::add(const SensorMessage& message) {
 
 void ScanQueue::follow_odometry() {
   const auto newest = odometer_.newest();
-  if (!newest || (travel_.stamp && *newest <= *travel_.stamp)) return;
+  if (!newest || (own_.travel.stamp && *newest <= *own_.travel.stamp)) return;
   const Pose2 odom_T_robot = odometer_.pose_at(*newest)->pose;
-  if (travel_.stamp) {
-    const Pose2 step = travel_.odom_T_robot.inverse() * odom_T_robot;
-    travel_.path_m += std::hypot(step.x, step.y);
-    travel_.turned_rad += std::abs(step.yaw);
-    const Duration silence = increments_ ? kSilenceOfIncrements : kSilenceOfSums;
-    if (*newest - *travel_.stamp > silence) travel_.silent_until = *newest;
+  if (own_.travel.stamp) {
+    const Pose2 step = own_.travel.odom_T_robot.inverse() * odom_T_robot;
+    own_.travel.path_m += std::hypot(step.x, step.y);
+    own_.travel.turned_rad += std::abs(step.yaw);
+    const Duration silence = own_.increments ? kSilenceOfIncrements : kSilenceOfSums;
+    if (*newest - *own_.travel.stamp > silence) own_.travel.silent_until = *newest;
   }
-  travel_.stamp = newest;
-  travel_.odom_T_robot = odom_T_robot;
+  own_.travel.stamp = newest;
+  own_.travel.odom_T_robot = odom_T_robot;
 }
 
 void ScanQueue::finish() {
   odometer_.finish();
-  finished_ = true;
+  own_.finished = true;
 }
 
 std::optional<LaserScan> ScanQueue::next() {
-  if (waiting_.empty()) return {};
-  const Stamp stamp = waiting_.front().stamp;
+  if (own_.waiting.empty()) return {};
+  const Stamp stamp = own_.waiting.front().stamp;
   auto known_until = odometer_.newest();
   if (!known_until) known_until = gyro_.newest();
   const bool known = known_until && *known_until >= stamp;
-  const bool may_come = known_until || newest_ - *first_ <= kSilentStart;
-  if (!known && may_come && !finished_ && newest_ - stamp < kPatience) return {};
-  LaserScan scan = std::move(waiting_.front());
-  waiting_.pop_front();
+  const bool may_come = known_until || own_.newest - *own_.first <= kSilentStart;
+  if (!known && may_come && !own_.finished && own_.newest - stamp < kPatience) return {};
+  LaserScan scan = std::move(own_.waiting.front());
+  own_.waiting.pop_front();
   return scan;
 }
 
@@ -74,14 +73,25 @@ std::optional<OdometryReading> ScanQueue::reading_at(Stamp stamp) const {
     const auto known = odometer_.pose_at(stamp);
     if (!known) return {};
     return OdometryReading{.odom_T_robot = known->pose,
-                           .path_m = travel_.path_m,
-                           .turned_rad = travel_.turned_rad,
-                           .silent_until = travel_.silent_until};
+                           .path_m = own_.travel.path_m,
+                           .turned_rad = own_.travel.turned_rad,
+                           .silent_until = own_.travel.silent_until};
   }
   const auto heading = gyro_.heading_at(stamp);
   if (!heading) return {};
   return OdometryReading{.odom_T_robot = {0.0, 0.0, wrap_angle(*heading)},
                          .has_translation = false};
+}
+
+ScanQueue::State ScanQueue::state() const { return {odometer_.state(), gyro_.state(), own_}; }
+
+void ScanQueue::restore(State state) {
+  require_sound(state.own.waiting.empty() || state.own.first, "scans that wait for no start");
+  require_sound(is_amount(state.own.travel.path_m) && is_amount(state.own.travel.turned_rad),
+                "a path without a length");
+  odometer_.restore(std::move(state.odometer));
+  gyro_.restore(std::move(state.gyro));
+  own_ = std::move(state.own);
 }
 
 }  // namespace loopstone

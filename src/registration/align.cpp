@@ -13,10 +13,6 @@ namespace loopstone {
 
 namespace {
 
-constexpr AlignMethod kMethods[] = {
-    AlignMethod::kAuto, AlignMethod::kIcpPoint,    AlignMethod::kIcpLine, AlignMethod::kIcpPlane,
-    AlignMethod::kGicp, AlignMethod::kCorrelative, AlignMethod::kGrid};
-
 std::vector<Eigen::Vector2d> points_of(const RobotScan& scan) {
   return scan_points(scan.scan, scan.robot_T_lidar, scan.velocity);
 }
@@ -70,36 +66,6 @@ void check_in_space(const AlignRequest<3>& request) {
 }
 
 }  // namespace
-
-std::string_view to_string(AlignMethod method) {
-  switch (method) {
-    case AlignMethod::kAuto:
-      return "auto";
-    case AlignMethod::kIcpPoint:
-      return "icp_point";
-    case AlignMethod::kIcpLine:
-      return "icp_line";
-    case AlignMethod::kIcpPlane:
-      return "icp_plane";
-    case AlignMethod::kGicp:
-      return "gicp";
-    case AlignMethod::kCorrelative:
-      return "correlative";
-    case AlignMethod::kGrid:
-      return "grid";
-  }
-  return "unknown";
-}
-
-AlignMethod align_method_from(std::string_view name) {
-  std::string names;
-  for (const AlignMethod method : kMethods) {
-    if (to_string(method) == name) return method;
-    names += names.empty() ? "" : ", ";
-    names += to_string(method);
-  }
-  throw UsageError("alignment method '" + std::string(name) + "': must be one of " + names);
-}
 
 AlignOptions<2> align_options_for(std::span<const Eigen::Vector2d> target) {
   return options_in_proportion<2>(target);

@@ -17,16 +17,16 @@ constexpr double kSameShare = 0.02;
 constexpr std::ptrdiff_t kLeastPoints = 3;
 
 /// The metric of ICP that a method names.
-std::string icp_metric(AlignMethod method) {
+IcpMetric icp_metric(AlignMethod method) {
   switch (method) {
     case AlignMethod::kIcpPoint:
-      return "point";
+      return IcpMetric::kPoint;
     case AlignMethod::kIcpLine:
-      return "line";
+      return IcpMetric::kLine;
     case AlignMethod::kGicp:
-      return "gicp";
+      return IcpMetric::kGicp;
     default:
-      return "plane";
+      return IcpMetric::kPlane;
   }
 }
 
@@ -84,7 +84,7 @@ void align_clouds(AlignResult<kDimension>& result, PointSpan<kDimension> source,
   const IcpCloud<kDimension> target_cloud = cloud_of(target);
   // Only this metric looks at the source's surfaces.
   std::optional<IcpCloud<kDimension>> source_cloud;
-  if (icp.metric == "gicp") source_cloud = cloud_of(source);
+  if (icp.metric == IcpMetric::kGicp) source_cloud = cloud_of(source);
   const Matcher<kDimension> matcher = [&](const Pose& guess) {
     if (source_cloud) return match_icp<kDimension>(*source_cloud, target_cloud, guess, icp);
     return match_icp(source, target_cloud, guess, icp);

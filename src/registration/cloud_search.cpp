@@ -114,7 +114,7 @@ struct Search {
   const CloudSearchOptions& options;
   Threads threads;
 
-  [[nodiscard]] bool upright() const { return options.turns == "about_z"; }
+  [[nodiscard]] bool upright() const { return options.turns == SearchTurns::kAboutZ; }
 
   /// How far apart two poses are: in turn [rad, for small ones] or in shift
   /// [model radii], the greater.

@@ -60,8 +60,7 @@ class Icp {
       : target_(target),
         options_(options),
         schedule_(options),
-        metric_(icp_metric_from(options.metric, kDimension)),
-        kernel_(robust_kernel_from(options.kernel)),
+        metric_(metric_for(options.metric, kDimension)),
         finder_(source, target, metric_) {}
 
   [[nodiscard]] Result match(const Pose& guess) {
@@ -103,7 +102,7 @@ class Icp {
  private:
   void find_pairs(const Result& result) {
     found_ = finder_.find(result.target_T_source, schedule_.pair_distance_m());
-    cost_ = weigh<kDimension>(found_, options_.trim_fraction, kernel_,
+    cost_ = weigh<kDimension>(found_, options_.trim_fraction, options_.kernel,
                               options_.kernel_width_m * schedule_.excess());
     pairs_ = found_;
   }
@@ -161,7 +160,6 @@ class Icp {
   const IcpOptions& options_;
   Schedule schedule_;
   IcpMetric metric_;
-  RobustKernel kernel_;
   IcpPairFinder<kDimension> finder_;
   std::span<IcpPair<kDimension>> found_{};
   std::span<const IcpPair<kDimension>> pairs_{};
@@ -175,7 +173,7 @@ BasicMatchResult<kDimension> match_points(
     const typename RigidMotion<kDimension>::Pose& guess_target_T_source,
     const IcpOptions& options) {
   std::vector<SurfacePatch<kDimension>> patches;
-  if (icp_metric_from(options.metric, kDimension) == IcpMetric::kGicp) {
+  if (metric_for(options.metric, kDimension) == IcpMetric::kGicp) {
     patches = surface_patches<kDimension>(PointIndex<kDimension>({source.begin(), source.end()}));
   }
   return Icp<kDimension>({source, patches}, target, options).match(guess_target_T_source);

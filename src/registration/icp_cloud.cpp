@@ -26,16 +26,19 @@ IcpCloud<kDimension> make_icp_cloud(std::vector<Eigen::Matrix<double, kDimension
   PointIndex<kDimension> index(std::move(points));
   auto patches = surface_patches<kDimension>(index, options.patches);
   IcpCloud<kDimension> cloud{std::move(index), std::move(patches), {}};
-  if (options.search == "grid") {
-    cloud.search = CellIndex<kDimension>(cloud.points(), options.cell_size_m);
-  } else if (options.search == "projection") {
-    if constexpr (kDimension == 2) {
-      cloud.search = BearingIndex(cloud.points());
-    } else {
-      throw UsageError("search: 'projection' is for scans in the plane; use kd_tree or grid");
-    }
-  } else if (options.search != "kd_tree") {
-    throw UsageError("search: '" + options.search + "' is none of kd_tree, grid, projection");
+  switch (options.search) {
+    case PointSearch::kKdTree:
+      break;
+    case PointSearch::kGrid:
+      cloud.search = CellIndex<kDimension>(cloud.points(), options.cell_size_m);
+      break;
+    case PointSearch::kProjection:
+      if constexpr (kDimension == 2) {
+        cloud.search = BearingIndex(cloud.points());
+      } else {
+        throw UsageError("search: 'projection' is for scans in the plane; use kd_tree or grid");
+      }
+      break;
   }
   return cloud;
 }

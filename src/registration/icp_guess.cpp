@@ -1,9 +1,7 @@
 #include "loopstone/registration/icp_guess.hpp"
 
 #include <optional>
-#include <string>
 
-#include "loopstone/base/error.hpp"
 #include "loopstone/sensor/point_cloud.hpp"
 
 namespace loopstone {
@@ -25,12 +23,6 @@ std::optional<Eigen::Matrix<double, kDimension, 1>> centroid_of(
 }
 
 }  // namespace
-
-IcpGuess icp_guess_from(std::string_view name) {
-  if (name == "identity") return IcpGuess::kIdentity;
-  if (name == "centroids") return IcpGuess::kCentroids;
-  throw UsageError("initial guess: '" + std::string(name) + "' is neither identity nor centroids");
-}
 
 template <int kDimension>
 typename RigidMotion<kDimension>::Pose initial_guess(

@@ -25,15 +25,11 @@ constexpr double kRounding = 1.0 - 1e-12;
 
 }  // namespace
 
-IcpMetric icp_metric_from(const std::string& name, int dimension) {
-  if (name == "point") return IcpMetric::kPoint;
-  if (name == "plane") return IcpMetric::kPlane;
-  if (name == "gicp") return IcpMetric::kGicp;
-  if (name != "line") {
-    throw UsageError("metric: '" + name + "' is none of point, line, plane, gicp");
+IcpMetric metric_for(IcpMetric metric, int dimension) {
+  if (metric == IcpMetric::kLine && dimension != 2) {
+    throw UsageError("metric: 'line' is for the plane; use plane in space");
   }
-  if (dimension != 2) throw UsageError("metric: 'line' is for the plane; use plane in space");
-  return IcpMetric::kLine;
+  return metric;
 }
 
 template <int kDimension>

@@ -3,19 +3,16 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "loopstone/base/robust_kernel.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
-#include "loopstone/registration/icp_cloud.hpp"
+#include "loopstone/registration/icp.hpp"
 
 namespace loopstone {
 
-enum class IcpMetric { kPoint, kLine, kPlane, kGicp };
-
-/// Throws UsageError for another name, and for "line" in space.
-[[nodiscard]] IcpMetric icp_metric_from(const std::string& name, int dimension);
+/// The metric itself. Throws UsageError for kLine in space.
+[[nodiscard]] IcpMetric metric_for(IcpMetric metric, int dimension);
 
 /// What is aligned: points, and the patches around them when the metric wants them.
 template <int kDimension>

@@ -4,22 +4,6 @@ namespace loopstone {
 
 namespace {
 
-std::string_view name_of(BreakCause cause) {
-  return cause == BreakCause::kNoScans ? "no_scans" : "contradicted";
-}
-
-std::string_view name_of(BreakBridge bridge) {
-  switch (bridge) {
-    case BreakBridge::kLaser:
-      return "laser";
-    case BreakBridge::kOdometry:
-      return "odometry";
-    case BreakBridge::kNothing:
-      break;
-  }
-  return "nothing";
-}
-
 Stamp start_of(const MapResult& result) { return result.trajectory.front().stamp; }
 
 }  // namespace
@@ -63,8 +47,8 @@ nlohmann::ordered_json path_breaks(const MapResult& result) {
   for (const PathBreak& gap : result.breaks) {
     list.push_back({{"from_s", (gap.from - start).seconds()},
                     {"to_s", (gap.to - start).seconds()},
-                    {"cause", name_of(gap.cause)},
-                    {"bridged_by", name_of(gap.bridge)},
+                    {"cause", to_string(gap.cause)},
+                    {"bridged_by", to_string(gap.bridge)},
                     {"odometry_m", gap.odometry_m},
                     {"bridge_sigma_m", gap.bridge_sigma_m()},
                     {"closures", gap.closures},

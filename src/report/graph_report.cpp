@@ -38,18 +38,6 @@ double chi2_of(const GraphRun& run, std::size_t edge) {
   return edge_chi2(e, pose_of(run, e.from), pose_of(run, e.to));
 }
 
-std::string_view kind_of(const RelativePoseEdge& edge) {
-  switch (edge.kind) {
-    case EdgeKind::kOdometry:
-      return "odometry";
-    case EdgeKind::kMatch:
-      return "match";
-    case EdgeKind::kLoopClosure:
-      return "loop_closure";
-  }
-  return "unknown";
-}
-
 std::string cost_text(double cost) {
   return cost < 1e6 ? fmt::format("{:.9g}", cost) : fmt::format("{:.3g}", cost);
 }
@@ -67,7 +55,7 @@ std::string edge_table(const GraphRun& run, const std::vector<std::size_t>& edge
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.3f}</td>"
         "<td class=\"n\">{:.3f}</td><td class=\"n\">{:.2f}</td></tr>\n",
-        id_of(run, edge.from), id_of(run, edge.to), kind_of(edge), readable(chi2_of(run, i)),
+        id_of(run, edge.from), id_of(run, edge.to), to_string(edge.kind), readable(chi2_of(run, i)),
         weight_of(run, i), error.head<2>().norm(), degrees(std::abs(error.z())));
   }
   return html + "</tbody></table></div>\n";
@@ -253,7 +241,7 @@ std::string format_edge_weights(const GraphRun& run) {
   std::string text = "edge,kind,from,to,chi2,weight\n";
   for (std::size_t i = 0; i < run.file.graph.edges.size(); ++i) {
     const RelativePoseEdge& edge = run.file.graph.edges[i];
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.9g},{:.9g}\n", i, kind_of(edge),
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.9g},{:.9g}\n", i, to_string(edge.kind),
                    id_of(run, edge.from), id_of(run, edge.to), chi2_of(run, i), weight_of(run, i));
   }
   return text;

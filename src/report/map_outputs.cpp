@@ -16,6 +16,7 @@
 #include "loopstone/report/quality_picture.hpp"
 #include "loopstone/report/texture_picture.hpp"
 #include "report/closure_csv.hpp"
+#include "report/decisions.hpp"
 #include "report/output_files.hpp"
 #include "report/quality_summary.hpp"
 #include "report/report_html.hpp"
@@ -46,6 +47,8 @@ void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, File
   files.add("loop_closures.csv", "every place that was recognised or looked like it",
             format_closure_csv(result));
   files.add("options.toml", "the effective options", info.options_toml);
+  files.add("decisions.toml", "what else the map was made and judged by",
+            format_decisions(decision_numbers()));
 }
 
 void add_map_and_report(const MapResult& result, const RunInfo& info, const FloorTexture* texture,

@@ -31,7 +31,7 @@ Image paled(Image image) {
 Colour colour_of(const QualityPlace& place) {
   if (place.is_doubled() || place.is_crossed()) return kApart;
   if (place.compared == 0 && place.beams == 0) return kSeenOnce;
-  return static_cast<double>(place.offset_m) > 0.5 * kDoubledM ? kBeside : kTogether;
+  return static_cast<double>(place.offset_m) > 0.5 * kMapQuality.doubled_m ? kBeside : kTogether;
 }
 
 void draw_cross(Point low, double side, double width, Canvas& canvas) {
@@ -68,7 +68,7 @@ Image draw_quality_picture(const MapResult& result, const MapPictureOptions& opt
 
   Canvas canvas(width, view.height_px + static_cast<int>(footer.height()), kUnseenGround);
   canvas.paste(paled(shade_map(result.map, view)), 0, 0);
-  const double side = kPlaceM * view.pixels_per_metre();
+  const double side = kMapQuality.place_m * view.pixels_per_metre();
   canvas.clip({0.0, 0.0}, view.width_px, view.height_px);
   for (const QualityPlace& place : result.quality.places) {
     const Point centre = view.pixel_of(place.centre.cast<double>());

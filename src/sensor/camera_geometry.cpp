@@ -3,8 +3,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "loopstone/base/error.hpp"
-
 namespace loopstone {
 namespace {
 
@@ -83,11 +81,7 @@ Eigen::Vector3d ray_through(const LensModel& lens, const Eigen::Vector2d& pixel)
 }
 
 std::vector<float> inverse_depth_table(const DepthEncoding& encoding) {
-  const bool is_disparity = encoding.kind == "disparity";
-  if (!is_disparity && encoding.kind != "depth") {
-    throw UsageError("a depth picture holds \"disparity\" or \"depth\", not \"" + encoding.kind +
-                     "\"");
-  }
+  const bool is_disparity = encoding.kind == DepthKind::kDisparity;
   constexpr std::size_t kNumbers = 65536;
   std::vector<float> per_m(kNumbers, 0.0F);
   for (std::size_t number = 1; number < kNumbers; ++number) {

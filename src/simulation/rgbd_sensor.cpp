@@ -32,7 +32,7 @@ double normal_quantile(double p) {
 
 /// The number that stands for an inverse depth, before rounding.
 float number_of(const DepthEncoding& encoding, float inverse_per_m) {
-  if (encoding.kind == "depth") {
+  if (encoding.kind == DepthKind::kDepth) {
     return 1.0F / (inverse_per_m * static_cast<float>(encoding.metres_per_unit));
   }
   return (inverse_per_m * static_cast<float>(encoding.disparity_numerator_m) -

@@ -12,45 +12,32 @@
 
 namespace loopstone {
 
-namespace {
-
-/// A closure whose residual is less likely than this (chi-square, 3 degrees of freedom, 1e-5) does
-/// not stand.
-constexpr double kRevokeChi2 = 26.0;
-/// A closure that would bend the map and that is consistent with no other one needs at least this.
-constexpr double kLoneOverlap = 0.5;
-constexpr double kLoneAgreement = 0.9;
-/// As long as closures say together no more than this that the map does not, solving it can wait.
-constexpr double kNewsChi2 = 6.0;
-/// Rounds of looking everywhere with ever better poses.
-constexpr int kFinalRounds = 2;
-
-}  // namespace
-
 BackEnd::BackEnd(const MapOptions& options, Threads threads)
     : loop_closure_(options.loop_closure),
       loops_(options.loop, options.submap, options.match, threads),
       chain_(options.loop.drift_per_m) {}
 
-void BackEnd::add_key(const KeyScan& key) {
-  chain_.add(key);
-  const std::size_t newest = chain_.stretch_count() - 1;
-  if (newest < outline_.poses.size()) return;
-  if (newest == 0) {
-    outline_.poses.push_back(key.local_T_robot);
-    return;
-  }
-  const PoseWithCovariance2& motion = chain_.across(newest - 1);
-  const int from = static_cast<int>(newest) - 1;
-  outline_.edges.push_back(edge_between(from, from + 1, motion, EdgeKind::kOdometry));
-  outline_.poses.push_back(outline_.poses.back() * motion.pose);
+void BackEnd::add_key(const KeyScan& key) { chain_.add(key); }
+
+void BackEnd::add_scan(std::shared_ptr<const MappedScan> scan) {
+  chain_.submaps().back().scans.add(std::move(scan));
+}
+
+std::size_t BackEnd::submap_count() const {
+  const auto submaps = chain_.submaps();
+  const auto open = std::ranges::find(submaps, SubmapState::kOpen, &SubmapRecord::state);
+  return static_cast<std::size_t>(open - submaps.begin());
+}
+
+std::span<SubmapRecord> BackEnd::full_submaps() {
+  return std::span(chain_.submaps()).first(submap_count());
 }
 
 void BackEnd::add_submap(FinishedSubmap submap) {
   const Stopwatch watch;
-  loops_.add(std::move(submap), chain_.travelled_m()[loops_.submap_count()]);
+  chain_.submaps()[submap_count()].freeze(std::move(submap));
   std::vector<LoopClosure> found;
-  if (loop_closure_) found = loops_.close_newest(outline_.poses);
+  if (loop_closure_) found = loops_.close_newest(full_submaps());
   loop_closing_s_ += watch.seconds();
   take(std::move(found));
   thin_covered();
@@ -58,31 +45,30 @@ void BackEnd::add_submap(FinishedSubmap submap) {
 
 /// A stretch lies in the submap that it starts and in the one before.
 void BackEnd::thin_covered() {
-  for (const SubmapId submap : loops_.drop_covered()) {
+  const auto full = full_submaps();
+  const auto is_dropped = [&](std::size_t i) { return full[i].state == SubmapState::kDropped; };
+  for (const SubmapId submap : loops_.drop_covered(full)) {
     events_.emplace_back(SubmapDropped{submap});
     for (const std::size_t stretch : {submap.index, submap.index + 1}) {
-      if (stretch == 0 || stretch >= loops_.submap_count()) continue;
-      if (!loops_.is_dropped({stretch - 1}) || !loops_.is_dropped({stretch})) continue;
-      chain_.thin(stretch);
-      thinned_.push_back(stretch);
+      if (stretch == 0 || stretch >= full.size()) continue;
+      if (is_dropped(stretch - 1) && is_dropped(stretch)) chain_.thin({stretch});
     }
   }
 }
 
-std::vector<std::size_t> BackEnd::take_thinned() { return std::exchange(thinned_, {}); }
-
 void BackEnd::finish(const std::function<bool()>& goes_on) {
   if (unsolved_chi2() > 0.0) solve_outline();
-  for (int round = 0; loop_closure_ && round < kFinalRounds && (!goes_on || goes_on()); ++round) {
+  for (int round = 0; loop_closure_ && round < kBackEnd.final_rounds && (!goes_on || goes_on());
+       ++round) {
     const Stopwatch watch;
-    auto found = loops_.close_all(outline_.poses, goes_on);
+    auto found = loops_.close_all(full_submaps(), goes_on);
     loop_closing_s_ += watch.seconds();
     take(std::move(found));
   }
   accept_lone();
-  loops_.drop_all();
+  loops_.drop_all(full_submaps());
 
-  graph_ = chain_.expand(outline_.poses);
+  graph_ = chain_.expand();
   const auto nodes = chain_.first_nodes();
   for (auto& closure : closures_) {
     closure.from = nodes[closure.from_submap.index];
@@ -100,7 +86,8 @@ void BackEnd::accept_lone() {
   for (auto& closure : closures_) {
     if (closure.state != ClosureState::kWaiting) continue;
     const bool strong = !closure.by_appearance && !closure.second_score &&
-                        closure.overlap >= kLoneOverlap && closure.agreement >= kLoneAgreement;
+                        closure.overlap >= kBackEnd.lone_overlap &&
+                        closure.agreement >= kBackEnd.lone_agreement;
     closure.state = strong ? ClosureState::kStanding : ClosureState::kRejected;
     closure.reason = strong ? ClosureReason::kNone : ClosureReason::kNoSecond;
     news = news || strong;
@@ -121,38 +108,39 @@ void BackEnd::take(std::vector<LoopClosure> found) {
   }
   // Each solution brings the map nearer to the truth, so that more of those that wait may agree
   // with it.
-  const auto settle = [this] {
-    return accept_consistent(closures_, {outline_.poses, chain_.travelled_m()});
-  };
+  const auto settle = [this] { return accept_consistent(closures_, chain_.submaps()); };
   bool news = false;
   for (auto accepted = settle(); !accepted.empty(); accepted = settle()) {
     for (const std::size_t i : accepted) events_.emplace_back(ClosureChanged{closures_[i]});
     news = true;
-    if (unsolved_chi2() < kNewsChi2) break;
+    if (unsolved_chi2() < kBackEnd.news_chi2) break;
     solve_outline();
   }
-  if (news) loops_.set_closures(closures_);
+  if (news) loops_.set_closures(full_submaps(), closures_);
 }
 
 /// How much the closures accepted since the last solution disagree with it.
 double BackEnd::unsolved_chi2() const {
+  const std::vector<Pose2> poses = poses_of(chain_.submaps());
   double sum = 0.0;
   for (const auto& closure : closures_) {
     if (!closure.stands() || closure.chi2) continue;
-    sum += chi2_at(closure, outline_.poses);
+    sum += chi2_at(closure, poses);
   }
   return sum;
 }
 
 /// Of the stretches' first poses, and tells how far they moved.
 void BackEnd::solve_outline() {
-  const std::vector<Pose2> before = outline_.poses;
-  solve(outline_);
+  PoseGraph outline = chain_.outline();
+  const std::vector<Pose2> before = outline.poses;
+  solve(outline);
   GraphSolved solved{.submaps = before.size()};
   solved.closures =
       static_cast<std::size_t>(std::ranges::count_if(closures_, &LoopClosure::stands));
   for (std::size_t i = 0; i < before.size(); ++i) {
-    const Pose2& now = outline_.poses[i];
+    const Pose2& now = outline.poses[i];
+    chain_.submaps()[i].map_T_submap = now;
     const double shift_m = (now.translation() - before[i].translation()).norm();
     solved.mean_shift_m += shift_m / static_cast<double>(before.size());
     solved.largest_shift_m = std::max(solved.largest_shift_m, shift_m);
@@ -162,9 +150,16 @@ void BackEnd::solve_outline() {
   events_.emplace_back(solved);
 }
 
-SubmapState BackEnd::state_of(SubmapId submap) const {
-  if (submap.index >= loops_.submap_count()) return SubmapState::kOpen;
-  return loops_.is_dropped(submap) ? SubmapState::kDropped : SubmapState::kFrozen;
+BackEnd::State BackEnd::state() const {
+  return {chain_.state(), loops_.state(), closures_, loop_closing_s_, optimisation_s_};
+}
+
+void BackEnd::restore(State state) {
+  chain_.restore(std::move(state.chain));
+  loops_.restore(std::move(state.loops));
+  closures_ = std::move(state.closures);
+  loop_closing_s_ = state.loop_closing_s;
+  optimisation_s_ = state.optimisation_s;
 }
 
 /// \param graph  of the closures' nodes; without them
@@ -181,7 +176,7 @@ void BackEnd::solve(PoseGraph& graph) {
     for (auto& closure : closures_) {
       if (!closure.stands()) continue;
       closure.chi2 = chi2_at(closure, graph.poses);
-      if (*closure.chi2 > kRevokeChi2 && (worst == nullptr || closure.chi2 > worst->chi2))
+      if (*closure.chi2 > kBackEnd.revoke_chi2 && (worst == nullptr || closure.chi2 > worst->chi2))
         worst = &closure;
     }
     if (worst == nullptr) break;

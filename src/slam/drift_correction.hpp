@@ -6,7 +6,7 @@
 
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/geometry/pose2.hpp"
-#include "loopstone/slam/key_chain.hpp"
+#include "loopstone/slam/key_scan.hpp"
 
 namespace loopstone {
 

@@ -3,59 +3,35 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "slam/front_end_numbers.hpp"
 #include "slam/pose_search.hpp"
 
 namespace loopstone {
 
 namespace {
 
-/// A scan with fewer points says too little to be aligned or mapped.
-constexpr std::size_t kMinPoints = 20;
-/// Where a robot is looked for that was lost.
-constexpr double kLostM = 2.0;
-/// Scans in a row that contradict the map are left out of it; after so many the place itself must
-/// have changed.
-constexpr int kMostLost = 5;
-/// How far a match may go against the guesses. A scan is worth about 50 independent points, and
-/// that one is explained speaks for a match by ln(0.93 / 0.07) when one in fourteen never is: 50 *
-/// 2.6 of log-likelihood against half a chi-square. Beyond 5 standard deviations the guess was an
-/// error, however far.
-constexpr double kScorePerChi2 = 0.004;
-constexpr double kMostChi2 = 25.0;
-/// A match farther from its guess than chance explains (chi-square, 3 degrees of freedom, 0.05)
-/// shows that the guess was wrong; then it keeps this share of its weight.
-constexpr double kMostGuessChi2 = 7.8;
-constexpr double kOutvoted = 0.01;
-/// Scores that differ by less say the same.
-constexpr double kSameScore = 0.02;
-/// A scan that explains so much less than usual is searched for, or shows another place.
-constexpr double kScoreDrop = 0.1;
-constexpr double kScoreMemory = 50.0;
-/// ... and in a window that is so much wider.
-constexpr double kFreeWindow = 2.0;
-/// A sweep bent by more than this by a wrong velocity is straightened anew.
-constexpr double kBendM = 0.01;
-constexpr double kBendRad = 0.005;
-/// Each pass takes away what the sweep is of the time between scans: half of the error or more.
-constexpr int kStraightenings = 3;
+/// Open submaps: the one that scans are aligned to, and the one that comes after it.
+constexpr std::size_t kMostActive = 2;
 
 /// What speaks for a match: how much of the scan it explains, less how far it is from the nearest
 /// guess.
 double merit(const MatchResult& match, std::span<const PosePrior2> priors) {
   if (match.status == MatchStatus::kTooFewPairs) return -1.0;
-  double nearest = kMostChi2;
+  double nearest = kFrontEnd.most_chi2;
   for (const PosePrior2& prior : priors) nearest = std::min(nearest, chi2_from(prior, match));
-  return match.score - kScorePerChi2 * nearest;
+  return match.score - kFrontEnd.score_per_chi2 * nearest;
 }
 
 /// Whether a velocity that is wrong by so much bends a sweep.
 bool bends(const LaserScan& scan, const Tangent2& velocity_error) {
   const double sweep_s = std::abs(sweep_seconds(scan));
-  return velocity_error.head<2>().norm() * sweep_s > kBendM ||
-         std::abs(velocity_error.z()) * sweep_s > kBendRad;
+  return velocity_error.head<2>().norm() * sweep_s > kFrontEnd.bend_m ||
+         std::abs(velocity_error.z()) * sweep_s > kFrontEnd.bend_rad;
 }
 
 }  // namespace
@@ -65,69 +41,98 @@ FrontEnd::FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match
     : options_(options),
       match_options_(match),
       submap_options_(submap),
-      predictor_(options.odometry != "trust") {}
+      predictor_(options.odometry != OdometryUse::kTrust) {}
 
 TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
                           std::optional<OdometryReading> odometry) {
-  if (options_.odometry == "ignore") odometry.reset();
-  TrackedScan tracked;
-  const std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
-  tracked.local_T_robot = tracked.guess_local_T_robot = guesses.front().local_T_robot;
-
-  const bool believed = laser_check_.add(scan, odometry);
-  auto surfaces =
-      surfaces_of(scan, robot_T_lidar, velocity_to(guesses.front().local_T_robot, scan));
-  tracked.used = believed && surfaces.size() >= kMinPoints;
-  const auto blind = [&] { return blind_motion(scan.stamp, guesses.front(), odometry); };
-  Seen seen;
-  if (!tracked.used) {
-    tracked.covariance = guesses.front().information.inverse();
-  } else if (active_.empty()) {
-    tracked.status = MatchStatus::kConverged;
-    tracked.score = 1.0;
-    seen = {true, true};
-  } else if (is_gap(scan.stamp) && !blind().is_short()) {
-    seen = rejoin(surfaces, blind(), scan.stamp, tracked);
-  } else {
-    seen = follow(scan, robot_T_lidar, guesses, surfaces, tracked);
-    if (is_gap(scan.stamp)) note_gap(blind(), scan.stamp, tracked);
-  }
-  if (lost_in_a_row_ > kMostLost) {
-    begin_piece(blind_motion(scan.stamp, guesses.front(), {}), BreakCause::kContradicted,
-                scan.stamp, tracked);
-  }
+  if (options_.odometry == OdometryUse::kIgnore) odometry.reset();
+  Sighting sighting = prepare(scan, robot_T_lidar, odometry);
+  TrackedScan tracked = predicted(sighting);
+  const Seen seen = place(sighting, tracked);
+  if (own_.lost_in_a_row > kFrontEnd.most_lost) give_up_place(sighting, tracked);
 
   predictor_.settle(scan.stamp, tracked.local_T_robot, odometry, seen);
-  tracked.left_out = lost_in_a_row_ > 0;
-  tracked.tracking = tracking_of(tracked, guesses.front().measured, scan.stamp);
-  if (!tracked.used || tracked.left_out) return tracked;
-  hold(scan.stamp, tracked.local_T_robot, odometry);
-  if (active_.empty() || moved_enough(tracked.local_T_robot))
-    insert(surfaces, scan, robot_T_lidar, tracked);
+  tracked.left_out = own_.lost_in_a_row > 0;
+  tracked.tracking = tracking_of(tracked, sighting.likeliest().measured, scan.stamp);
+  if (tracked.used && !tracked.left_out) keep(sighting, tracked);
   return tracked;
 }
 
+/// What is known of a scan before it is aligned.
+FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                     const std::optional<OdometryReading>& odometry) {
+  Sighting sighting{scan, robot_T_lidar, odometry, predictor_.guesses(scan.stamp, odometry)};
+  sighting.believed = laser_check_.add(scan, odometry);
+  const Pose2& local_T_robot = sighting.likeliest().local_T_robot;
+  sighting.surfaces = surfaces_of(scan, robot_T_lidar, velocity_to(local_T_robot, scan));
+  return sighting;
+}
+
+/// The scan where it was expected, before the laser is asked.
+TrackedScan FrontEnd::predicted(const Sighting& sighting) {
+  const MotionGuess& guess = sighting.likeliest();
+  TrackedScan tracked;
+  tracked.local_T_robot = tracked.guess_local_T_robot = guess.local_T_robot;
+  tracked.used = sighting.believed &&
+                 sighting.surfaces.size() >= static_cast<std::size_t>(kFrontEnd.min_points);
+  if (!tracked.used) tracked.covariance = guess.information.inverse();
+  return tracked;
+}
+
+/// Where the scan was taken, as far as the laser can tell.
+FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
+  if (!tracked.used) return {};
+  if (active_.empty()) {  // it is the first of its piece, and says where that lies
+    tracked.status = MatchStatus::kConverged;
+    tracked.score = 1.0;
+    return {true, true};
+  }
+  const Stamp stamp = sighting.scan.stamp;
+  const auto blind = [&] { return blind_motion(stamp, sighting.likeliest(), sighting.odometry); };
+  if (is_gap(stamp)) {
+    const BlindMotion motion = blind();
+    if (!motion.is_short()) return rejoin(sighting.surfaces, motion, stamp, tracked);
+  }
+  const Seen seen = follow(sighting, tracked);
+  if (is_gap(stamp)) note_gap(blind(), stamp, tracked);  // also of one that had been lost
+  return seen;
+}
+
 /// The scan of a robot that was seen a moment ago.
-FrontEnd::Seen FrontEnd::follow(const LaserScan& scan, const Pose2& robot_T_lidar,
-                                std::span<const MotionGuess> guesses,
-                                std::vector<SurfacePoint>& surfaces, TrackedScan& tracked) {
-  Alignment alignment = align(surfaces, guesses, others_than_odometry(scan.stamp));
-  Tangent2 velocity = velocity_to(guesses.front().local_T_robot, scan);
-  for (int pass = 0; pass < kStraightenings && !alignment.lost; ++pass) {
+FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
+  const LaserScan& scan = sighting.scan;
+  const MotionGuess& guess = sighting.likeliest();
+  Alignment alignment =
+      align(sighting.surfaces, sighting.guesses, others_than_odometry(scan.stamp));
+  Tangent2 velocity = velocity_to(guess.local_T_robot, scan);
+  for (int pass = 0; pass < kFrontEnd.straightenings && !alignment.lost; ++pass) {
     // A scan that was straightened by a wrong velocity is straightened anew.
     if (!has_supported_pose(alignment.match.status)) break;
     const Tangent2 matched = velocity_to(alignment.match.target_T_source, scan);
     if (!bends(scan, matched - velocity)) break;
     velocity = matched;
-    surfaces = surfaces_of(scan, robot_T_lidar, velocity);
-    MotionGuess again = guesses.front();
+    sighting.surfaces = surfaces_of(scan, sighting.robot_T_lidar, velocity);
+    MotionGuess again = guess;
     again.local_T_robot = alignment.match.target_T_source;
-    again.information *= kOutvoted;
-    alignment.match = align(surfaces, std::span(&again, 1), {}).match;
+    again.information *= kFrontEnd.outvoted;
+    alignment.match = align(sighting.surfaces, std::span(&again, 1), {}).match;
   }
   tracked.searched = alignment.searched;
-  lost_in_a_row_ = alignment.lost ? lost_in_a_row_ + 1 : 0;
+  own_.lost_in_a_row = alignment.lost ? own_.lost_in_a_row + 1 : 0;
   return take_match(alignment.match, !alignment.lost, tracked);
+}
+
+/// Too many scans in a row contradict the map: what they show is a place of its own.
+void FrontEnd::give_up_place(const Sighting& sighting, TrackedScan& tracked) {
+  const Stamp stamp = sighting.scan.stamp;
+  begin_piece(blind_motion(stamp, sighting.likeliest(), {}), BreakCause::kContradicted, stamp,
+              tracked);
+}
+
+/// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.
+void FrontEnd::keep(const Sighting& sighting, TrackedScan& tracked) {
+  hold(sighting.scan.stamp, tracked.local_T_robot, sighting.odometry);
+  if (active_.empty() || moved_enough(tracked.local_T_robot)) insert(sighting, tracked);
 }
 
 /// What a match says of its scan. \param is_held  the laser holds the pose
@@ -138,7 +143,7 @@ FrontEnd::Seen FrontEnd::take_match(const MatchResult& match, bool is_held, Trac
   tracked.score = match.score;
   const bool fits =
       is_held && match.status != MatchStatus::kTooFewPairs && match.score >= options_.trusted_score;
-  if (fits) usual_score_ += (match.score - usual_score_) / kScoreMemory;
+  if (fits) own_.usual_score += (match.score - own_.usual_score) / kFrontEnd.score_memory;
   return {fits && match.status != MatchStatus::kDegenerate, fits};
 }
 
@@ -175,16 +180,18 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
   };
   for (const MotionGuess& guess : guesses) try_guess(guess);
   // Odometry that explains less than usual is not the only way that the robot may have gone.
-  if (guesses.front().measured && merit(best, priors) < usual_score_ - kScoreDrop) {
+  if (guesses.front().measured && merit(best, priors) < own_.usual_score - kFrontEnd.score_drop) {
     for (const MotionGuess& guess : others) try_guess(guess);
   }
   // Where the laser pulls far away from the guess, the guess was wrong and must not pull back.
-  if (has_supported_pose(best.status) && chi2_from(priors[best_prior], best) > kMostGuessChi2) {
+  if (has_supported_pose(best.status) &&
+      chi2_from(priors[best_prior], best) > kFrontEnd.most_guess_chi2) {
     PosePrior2 loose = priors[best_prior];
-    loose.information *= kOutvoted;
+    loose.information *= kFrontEnd.outvoted;
     const MatchResult freed =
         match_to_grid(surfaces, grid, best.target_T_source, loose, match_options_, 0);
-    if (has_supported_pose(freed.status) && freed.score >= best.score - kSameScore) best = freed;
+    if (has_supported_pose(freed.status) && freed.score >= best.score - kFrontEnd.same_score)
+      best = freed;
   }
 
   Alignment result;
@@ -213,9 +220,9 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
   const auto points = search_points(surfaces);
   const auto best_of = [&](const MatchResult& best, const MaxPyramid& pyramid,
                            const SearchWindow& window, double least_score) {
-    const auto found = search_about_robot(points, pyramid, window, kSearchMinScore);
+    const auto found = search_about_robot(points, pyramid, window, kPoseSearch.min_score);
     if (!found.found) return best;
-    const PosePrior2 loose{found.target_T_source, likeliest.information * kOutvoted,
+    const PosePrior2 loose{found.target_T_source, likeliest.information * kFrontEnd.outvoted,
                            likeliest.holds_unobserved};
     const MatchResult other = match_to_grid(surfaces, target.submap.surfaces(),
                                             found.target_T_source, loose, match_options_, 0);
@@ -232,20 +239,21 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
     // Without odometry the robot may have turned back as well as gone on: what counts is where it
     // was.
     window.centre = target.local_T_submap.inverse() * predictor_.last_pose();
-    window.half_xy_m *= kFreeWindow;
-    window.half_yaw_rad *= kFreeWindow;
+    window.half_xy_m *= kFrontEnd.free_window;
+    window.half_yaw_rad *= kFrontEnd.free_window;
   }
   const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, window.half_xy_m);
   Searched result{best_of(matched, pyramid, window, 0.0), false};
   const auto is_lost = [&] {
     return result.match.status == MatchStatus::kTooFewPairs ||
            (result.match.score < options_.trusted_score &&
-            agreement_at(points, pyramid, result.match.target_T_source) < kSearchMinScore);
+            agreement_at(points, pyramid, result.match.target_T_source) < kPoseSearch.min_score);
   };
   if (!is_lost()) return result;
   // It contradicts what was seen before: scans are missing, or the robot was carried. It may face
   // anywhere; among so many poses only one that explains what scans usually explain is no chance.
-  const SearchWindow anywhere{likeliest.target_T_source, std::max(kLostM, window.half_xy_m), kPi};
+  const SearchWindow anywhere{likeliest.target_T_source,
+                              std::max(kFrontEnd.lost_m, window.half_xy_m), kPi};
   result.match = best_of(result.match, frozen.search_pyramid(submap_options_, anywhere.half_xy_m),
                          anywhere, least_score());
   result.lost = is_lost();
@@ -253,36 +261,35 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
 }
 
 double FrontEnd::least_score() const {
-  return std::max(options_.trusted_score, usual_score_ - kScoreDrop);
+  return std::max(options_.trusted_score, own_.usual_score - kFrontEnd.score_drop);
 }
 
 bool FrontEnd::moved_enough(const Pose2& local_T_robot) const {
-  return std::hypot(local_T_robot.x - last_key_.x, local_T_robot.y - last_key_.y) >=
+  return std::hypot(local_T_robot.x - own_.last_key.x, local_T_robot.y - own_.last_key.y) >=
              options_.key_distance_m ||
-         std::abs(wrap_angle(local_T_robot.yaw - last_key_.yaw)) >= options_.key_angle_rad;
+         std::abs(wrap_angle(local_T_robot.yaw - own_.last_key.yaw)) >= options_.key_angle_rad;
 }
 
-void FrontEnd::insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
-                      const Pose2& robot_T_lidar, TrackedScan& tracked) {
-  const double step =
-      std::hypot(tracked.local_T_robot.x - last_key_.x, tracked.local_T_robot.y - last_key_.y);
+void FrontEnd::insert(const Sighting& sighting, TrackedScan& tracked) {
+  const double step = std::hypot(tracked.local_T_robot.x - own_.last_key.x,
+                                 tracked.local_T_robot.y - own_.last_key.y);
   for (auto& active : active_) active.travelled_m += step;
   const bool start_next =
       active_.empty() || active_.back().travelled_m >= 0.5 * options_.submap_length_m;
   if (start_next) {
-    if (active_.size() == 2) {
-      tracked.finished.push_back(
-          {active_.front().submap.freeze(), active_.front().first_key, key_count_ - 1, piece_});
+    if (active_.size() == kMostActive) {
+      tracked.finished.push_back({active_.front().submap.freeze(), active_.front().first_key,
+                                  own_.key_count - 1, own_.piece});
       active_.erase(active_.begin());
     }
-    active_.push_back({Submap(submap_options_), tracked.local_T_robot, key_count_, 0.0});
+    active_.push_back({Submap(submap_options_), tracked.local_T_robot, own_.key_count, 0.0});
   }
   for (auto& active : active_) {
-    active.submap.insert(surfaces, scan, robot_T_lidar,
+    active.submap.insert(sighting.surfaces, sighting.scan, sighting.robot_T_lidar,
                          active.local_T_submap.inverse() * tracked.local_T_robot, beams_);
   }
-  last_key_ = tracked.local_T_robot;
-  ++key_count_;
+  own_.last_key = tracked.local_T_robot;
+  ++own_.key_count;
   tracked.key = true;
   tracked.starts_submap = start_next;
 }
@@ -290,11 +297,47 @@ void FrontEnd::insert(std::span<const SurfacePoint> surfaces, const LaserScan& s
 std::vector<FinishedSubmap> FrontEnd::end_piece() {
   std::vector<FinishedSubmap> finished;
   for (const auto& active : active_)
-    finished.push_back({active.submap.freeze(), active.first_key, key_count_ - 1, piece_});
+    finished.push_back({active.submap.freeze(), active.first_key, own_.key_count - 1, own_.piece});
   active_.clear();
   return finished;
 }
 
 std::vector<FinishedSubmap> FrontEnd::finish() { return end_piece(); }
+
+FrontEnd::State FrontEnd::state() const {
+  State state{{}, predictor_.state(), laser_check_.state(), own_};
+  for (const ActiveSubmap& active : active_) {
+    state.active.push_back(
+        {active.submap.state(), active.local_T_submap, active.first_key, active.travelled_m});
+  }
+  return state;
+}
+
+void FrontEnd::restore(State state) {
+  const State::Own& own = state.own;
+  require_sound(state.active.size() <= kMostActive, "more open submaps than there can be");
+  require_sound(own.held || (state.active.empty() && own.lost_in_a_row == 0),
+                "a submap before the first scan");
+  require_sound(own.lost_in_a_row >= 0 && own.lost_in_a_row <= kFrontEnd.most_lost,
+                "more scans lost than are waited for");
+  require_sound(std::isfinite(own.usual_score) && (!own.held || is_amount(own.held->usual_seconds)),
+                "what is usual is no number");
+  std::size_t keys = 0;  // that the submaps before have seen
+  for (const State::Active& active : state.active) {
+    require_sound(active.first_key >= keys && active.first_key < own.key_count,
+                  "a submap of key scans that are not there");
+    require_sound(is_amount(active.travelled_m), "a path without a length");
+    keys = active.first_key + 1;
+  }
+  active_.clear();
+  for (State::Active& active : state.active) {
+    active_.push_back(
+        {Submap(submap_options_), active.local_T_submap, active.first_key, active.travelled_m});
+    active_.back().submap.restore(std::move(active.submap));
+  }
+  predictor_.restore(std::move(state.predictor));
+  laser_check_.restore(std::move(state.laser_check));
+  own_ = state.own;
+}
 
 }  // namespace loopstone

@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/registration/correlative_search.hpp"
 #include "loopstone/slam/front_end.hpp"
+#include "slam/front_end_numbers.hpp"
 #include "slam/pose_search.hpp"
 #include "slam/scan_edges.hpp"
 
@@ -16,30 +18,10 @@ namespace loopstone {
 
 namespace {
 
-/// Without a scan for so long, and for so many of the usual times between scans, the motion is not
-/// followed but bridged.
-constexpr double kBlindS = 1.0;
-constexpr double kBlindSteps = 4.0;
-constexpr double kUsualMemory = 20.0;
-/// A scan that fits within what odometry allows (chi-square, 3 degrees of freedom, 0.01), and
-/// leaves the pose no more uncertain than a submap's cell and a half, goes on in the same submap.
-constexpr double kFitsChi2 = 11.3;
-constexpr double kTightM = 0.15;
-/// After so little motion a scan shows what the one before showed.
-constexpr double kShortM = 0.5;
-constexpr double kShortRad = 0.5;
-/// Where a robot is looked for that nothing is known of, and what a second place may score beside
-/// the best.
-constexpr double kAroundM = 10.0;
-constexpr double kAmbiguous = 0.85;
-constexpr double kElsewhereM = 1.0;
-constexpr double kElsewhereRad = 0.35;
-/// What is uncertain where nothing tells how the robot moved: any heading.
-constexpr double kUnknownM = 10.0;
-constexpr double kUnknownRad = 1.8;
-
 PosePrior2 unknown_from(const Pose2& local_T_robot) {
-  return {local_T_robot, planar_covariance(kUnknownM, kUnknownRad).inverse(), false};
+  return {local_T_robot,
+          planar_covariance(kFrontEndRejoin.unknown_m, kFrontEndRejoin.unknown_rad).inverse(),
+          false};
 }
 
 }  // namespace
@@ -47,37 +29,40 @@ PosePrior2 unknown_from(const Pose2& local_T_robot) {
 void FrontEnd::hold(Stamp stamp, const Pose2& local_T_robot,
                     const std::optional<OdometryReading>& odometry) {
   double usual = 0.0;
-  if (held_) {
-    const double seconds = std::max(0.0, (stamp - held_->stamp).seconds());
-    usual = held_->usual_seconds > 0.0
-                ? held_->usual_seconds + (seconds - held_->usual_seconds) / kUsualMemory
+  if (own_.held) {
+    const double seconds = std::max(0.0, (stamp - own_.held->stamp).seconds());
+    usual = own_.held->usual_seconds > 0.0
+                ? own_.held->usual_seconds +
+                      (seconds - own_.held->usual_seconds) / kFrontEndRejoin.usual_memory
                 : seconds;
   }
-  held_ = HeldScan{stamp, local_T_robot, odometry, usual};
+  own_.held = HeldScan{stamp, local_T_robot, odometry, usual};
 }
 
 bool FrontEnd::is_gap(Stamp stamp) const {
-  if (!held_ || lost_in_a_row_ > 0) return false;
-  const double seconds = (stamp - held_->stamp).seconds();
-  return seconds > std::max(kBlindS, kBlindSteps * held_->usual_seconds);
+  if (!own_.held || own_.lost_in_a_row > 0) return false;
+  const double seconds = (stamp - own_.held->stamp).seconds();
+  return seconds >
+         std::max(kFrontEndRejoin.blind_s, kFrontEndRejoin.blind_steps * own_.held->usual_seconds);
 }
 
 bool FrontEnd::BlindMotion::is_short() const {
-  return prior.holds_unobserved && odometry_m <= kShortM && odometry_rad <= kShortRad;
+  return prior.holds_unobserved && odometry_m <= kFrontEndRejoin.short_m &&
+         odometry_rad <= kFrontEndRejoin.short_rad;
 }
 
 FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& guess,
                                              const std::optional<OdometryReading>& odometry) const {
   BlindMotion blind{unknown_from(guess.local_T_robot)};
-  if (!held_ || stamp <= held_->stamp || !held_->odometry || !odometry) return blind;
-  const auto told = predictor_.told(*held_->odometry, held_->stamp, *odometry);
+  if (!own_.held || stamp <= own_.held->stamp || !own_.held->odometry || !odometry) return blind;
+  const auto told = predictor_.told(*own_.held->odometry, own_.held->stamp, *odometry);
   if (!told) return blind;
-  blind.prior = {held_->local_T_robot * told->motion,
+  blind.prior = {own_.held->local_T_robot * told->motion,
                  planar_covariance(told->sigma_m, told->sigma_rad).inverse(), true};
   blind.odometry_m = std::max(std::hypot(told->motion.x, told->motion.y),
-                              odometry->path_m - held_->odometry->path_m);
+                              odometry->path_m - own_.held->odometry->path_m);
   blind.odometry_rad =
-      std::max(std::abs(told->motion.yaw), odometry->turned_rad - held_->odometry->turned_rad);
+      std::max(std::abs(told->motion.yaw), odometry->turned_rad - own_.held->odometry->turned_rad);
   return blind;
 }
 
@@ -87,8 +72,8 @@ std::optional<MatchResult> FrontEnd::recognise_near(std::span<const SurfacePoint
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           there.target_T_source, there, match_options_, 1);
   const bool fits = has_supported_pose(match.status) && match.score >= least_score() &&
-                    chi2_from(there, match) <= kFitsChi2 &&
-                    std::sqrt(position_variance_m2(match.covariance)) <= kTightM;
+                    chi2_from(there, match) <= kFrontEndRejoin.fits_chi2 &&
+                    std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m;
   if (!fits) return {};
   return in_local(match);
 }
@@ -98,19 +83,20 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
   const PosePrior2 there = in_submap(prior);
   const auto points = search_points(surfaces);
   const FrozenSubmap frozen = active_.front().submap.freeze();
-  const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, kAroundM);
-  const SearchWindow anywhere{there.target_T_source, kAroundM, kPi};
-  const SearchResult best = search_about_robot(points, pyramid, anywhere, kSearchMinScore);
+  const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, kFrontEndRejoin.around_m);
+  const SearchWindow anywhere{there.target_T_source, kFrontEndRejoin.around_m, kPi};
+  const SearchResult best = search_about_robot(points, pyramid, anywhere, kPoseSearch.min_score);
   if (!best.found) return {};
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           best.target_T_source, there, match_options_, 0);
   if (!has_supported_pose(match.status) || match.score < least_score() ||
-      std::sqrt(position_variance_m2(match.covariance)) > kTightM) {
+      std::sqrt(position_variance_m2(match.covariance)) > kFrontEndRejoin.tight_m) {
     return {};
   }
   const SearchResult second =
-      search_branch_and_bound(points, pyramid, anywhere, kAmbiguous * best.score,
-                              ExcludedPoses{best.target_T_source, kElsewhereM, kElsewhereRad});
+      search_branch_and_bound(points, pyramid, anywhere, kFrontEndRejoin.ambiguous * best.score,
+                              ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
+                                            kFrontEndRejoin.elsewhere_rad});
   if (second.found) return {};
   return in_local(match);
 }
@@ -141,7 +127,8 @@ TrackingStatus FrontEnd::tracking_of(const TrackedScan& tracked, bool odometry_g
   if (tracked.path_break && tracked.path_break->bridge == BreakBridge::kOdometry)
     return TrackingStatus::kBridged;
   if (!tracked.used || tracked.status == MatchStatus::kTooFewPairs) {
-    const bool coasts = held_ && (stamp - held_->stamp).seconds() <= kBlindS;
+    const bool coasts =
+        own_.held && (stamp - own_.held->stamp).seconds() <= kFrontEndRejoin.blind_s;
     return odometry_guides || coasts ? TrackingStatus::kBridged : TrackingStatus::kLost;
   }
   return tracked.status == MatchStatus::kDegenerate ? TrackingStatus::kDegenerate
@@ -150,8 +137,8 @@ TrackingStatus FrontEnd::tracking_of(const TrackedScan& tracked, bool odometry_g
 
 /// The laser holds the pose again, in the submap that it held it before.
 void FrontEnd::note_gap(const BlindMotion& blind, Stamp stamp, TrackedScan& tracked) const {
-  if (lost_in_a_row_ > 0) return;
-  tracked.path_break = PathBreak{.from = held_->stamp,
+  if (own_.lost_in_a_row > 0) return;
+  tracked.path_break = PathBreak{.from = own_.held->stamp,
                                  .to = stamp,
                                  .bridge = BreakBridge::kLaser,
                                  .odometry_m = blind.odometry_m,
@@ -161,7 +148,7 @@ void FrontEnd::note_gap(const BlindMotion& blind, Stamp stamp, TrackedScan& trac
 void FrontEnd::begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp,
                            TrackedScan& tracked) {
   tracked.path_break = {
-      .from = held_->stamp,
+      .from = own_.held->stamp,
       .to = stamp,
       .cause = cause,
       .bridge = blind.prior.holds_unobserved ? BreakBridge::kOdometry : BreakBridge::kNothing,
@@ -172,29 +159,26 @@ void FrontEnd::begin_piece(const BlindMotion& blind, BreakCause cause, Stamp sta
   tracked.status = MatchStatus::kConverged;
   tracked.score = 1.0;
   tracked.finished = end_piece();
-  ++piece_;
-  lost_in_a_row_ = 0;
+  ++own_.piece;
+  own_.lost_in_a_row = 0;
 }
 
 PosePrior2 FrontEnd::in_submap(const PosePrior2& prior) const {
   const Pose2& local_T_submap = active_.front().local_T_submap;
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = local_T_submap.rotation();
   return {local_T_submap.inverse() * prior.target_T_source,
-          turn.transpose() * prior.information * turn, prior.holds_unobserved};
+          rotated(prior.information, local_T_submap.rotation().transpose()),
+          prior.holds_unobserved};
 }
 
 MatchResult FrontEnd::in_local(MatchResult match) const {
   const Pose2& local_T_submap = active_.front().local_T_submap;
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = local_T_submap.rotation();
   match.target_T_source = local_T_submap * match.target_T_source;
-  match.covariance = turn * match.covariance * turn.transpose();
+  match.covariance = rotated(match.covariance, local_T_submap.rotation());
   return match;
 }
 
 std::vector<MotionGuess> FrontEnd::others_than_odometry(Stamp stamp) const {
-  if (options_.odometry == "trust") return {};
+  if (options_.odometry == OdometryUse::kTrust) return {};
   return predictor_.coast_guesses(stamp);
 }
 

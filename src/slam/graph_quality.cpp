@@ -11,16 +11,11 @@
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/graph/solver.hpp"
 #include "loopstone/slam/map_verdict.hpp"
+#include "slam/graph_quality_numbers.hpp"
 #include "slam/scan_edges.hpp"
 
 namespace loopstone {
 namespace {
-
-/// A certificate is an answer within a fraction of a second up to about this size.
-constexpr std::size_t kMostNodes = 20000;
-/// Of the cost: a solution that is better by less says the same of the edges (chi-square of
-/// hundreds of loops varies by more).
-constexpr double kOpenShare = 0.01;
 
 /// Largest distance between two sets of positions after the best alignment.
 double largest_shift_m(std::span<const Pose2> poses, std::span<const Pose2> others) {
@@ -64,7 +59,7 @@ bool GraphQuality::is_proven() const {
   if (!certificate) return false;
   return certificate->certified() ||
          (certificate->status == CertificateStatus::kGapOpen &&
-          certificate->optimality_gap <= kOpenShare * certificate->cost);
+          certificate->optimality_gap <= kGraphQuality.open_share * certificate->cost);
 }
 
 GraphQuality assess_graph(const PoseGraph& solved, std::span<const Pose2> delivered,
@@ -81,8 +76,9 @@ GraphQuality assess_graph(const PoseGraph& solved, std::span<const Pose2> delive
   // Each loop closes with three numbers.
   quality.reduced_chi2 = graph_cost(solved) / (3.0 * quality.loops);
   quality.adjusted_shift_m = largest_shift_m(delivered, solved.poses);
-  if (solved.poses.size() > kMostNodes) return quality;
-  const CertifiedSolution proven = optimize_certified(solved, {.max_rank = 2});
+  if (solved.poses.size() > static_cast<std::size_t>(kGraphQuality.most_nodes)) return quality;
+  const CertifiedSolution proven =
+      optimize_certified(solved, {.max_rank = kGraphQuality.most_rank});
   quality.certificate = proven.certificate;
   if (quality.is_proven())
     quality.certified_shift_m = largest_shift_m(solved.poses, solved_from(solved, proven.poses));

@@ -2,36 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "loopstone/geometry/covariance.hpp"
 #include "slam/scan_edges.hpp"
 
 namespace loopstone {
 
 namespace {
 
-/// What matching against a submap leaves uncertain between consecutive key scans, however good the
-/// match: its slow drift.
-constexpr double kChainRestM = 0.004;
-constexpr double kChainShare = 0.006;
-constexpr double kChainRestRad = 0.0012;
-constexpr double kChainTurnShare = 0.004;
-/// What loop closing searches across a break, in standard deviations.
-constexpr double kWindowSigmas = 2.0;
-constexpr double kLeastDrift = 1e-3;
-
 /// From one key scan to the next.
 PoseWithCovariance2 motion_between(const KeyScan& previous, const KeyScan& next) {
   const Pose2 motion = previous.local_T_robot.inverse() * next.local_T_robot;
   // What the laser did not follow is known as well as the break says.
   const double distance = next.across ? 0.0 : std::hypot(motion.x, motion.y);
-  const double sigma = kChainRestM + kChainShare * distance;
-  const double sigma_yaw = kChainRestRad + kChainTurnShare * std::abs(motion.yaw);
+  const double sigma = kKeyChain.rest_m + kKeyChain.travel_share * distance;
+  const double sigma_yaw = kKeyChain.rest_rad + kKeyChain.turn_share * std::abs(motion.yaw);
   // From the local frame to that of the previous key scan, in which the motion is told.
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = previous.local_T_robot.rotation().transpose();
   Eigen::Matrix3d covariance = previous.covariance + next.covariance;
   if (next.across) covariance += *next.across;
-  covariance = turn * covariance * turn.transpose();
+  covariance = rotated(covariance, previous.local_T_robot.rotation().transpose());
   covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, sigma_yaw * sigma_yaw);
   return {motion, covariance};
 }
@@ -39,71 +29,86 @@ PoseWithCovariance2 motion_between(const KeyScan& previous, const KeyScan& next)
 }  // namespace
 
 void KeyChain::add(const KeyScan& key) {
-  if (!stretches_.empty()) {
-    Stretch& open = stretches_.back();
-    const PoseWithCovariance2 motion = motion_between(newest_, key);
-    open.across = compound(open.across, motion);
-    length_m_ += std::hypot(motion.pose.x, motion.pose.y);
+  auto& [submaps, newest, length_m, breaks_m] = state_;
+  if (!submaps.empty()) {
+    const PoseWithCovariance2 motion = motion_between(newest, key);
+    submaps.back().across = compound(submaps.back().across, motion);
+    length_m += std::hypot(motion.pose.x, motion.pose.y);
     if (key.across) {
       const double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));
-      breaks_m_ += kWindowSigmas * sigma_m / std::max(drift_per_m_, kLeastDrift);
+      breaks_m += kKeyChain.window_sigmas * sigma_m / std::max(drift_per_m_, kKeyChain.least_drift);
     }
   }
-  if (stretches_.empty() || key.starts_submap) {
-    stretches_.emplace_back();
-    travelled_m_.push_back(length_m_ + breaks_m_);
+  if (submaps.empty() || key.starts_submap) {
+    SubmapRecord submap;
+    submap.travelled_m = length_m + breaks_m;
+    submap.map_T_submap = submaps.empty()
+                              ? key.local_T_robot
+                              : submaps.back().map_T_submap * submaps.back().across.pose;
+    submaps.push_back(std::move(submap));
   }
-  stretches_.back().keys.push_back(key);
-  newest_ = key;
+  submaps.back().keys.push_back(key);
+  newest = key;
 }
 
-void KeyChain::thin(std::size_t stretch) {
-  auto& keys = stretches_[stretch].keys;
-  keys.resize(1);
-  keys.shrink_to_fit();
+void KeyChain::thin(SubmapId stretch) {
+  SubmapRecord& submap = state_.submaps[stretch.index];
+  submap.keys.resize(1);
+  submap.keys.shrink_to_fit();
+  submap.scans.thin();
 }
 
 std::vector<KeyScan> KeyChain::keys() const {
   std::vector<KeyScan> all;
-  for (const Stretch& stretch : stretches_)
-    all.insert(all.end(), stretch.keys.begin(), stretch.keys.end());
+  for (const SubmapRecord& submap : submaps())
+    all.insert(all.end(), submap.keys.begin(), submap.keys.end());
   return all;
 }
 
 std::vector<NodeId> KeyChain::first_nodes() const {
   std::vector<NodeId> nodes;
   int next = 0;
-  for (const Stretch& stretch : stretches_) {
+  for (const SubmapRecord& submap : submaps()) {
     nodes.push_back({next});
-    next += static_cast<int>(stretch.keys.size());
+    next += static_cast<int>(submap.keys.size());
   }
   return nodes;
 }
 
-PoseGraph KeyChain::expand(std::span<const Pose2> map_T_stretch) const {
+PoseGraph KeyChain::outline() const {
+  PoseGraph graph;
+  graph.poses = poses_of(submaps());
+  for (int from = 0; from + 1 < static_cast<int>(graph.poses.size()); ++from) {
+    const auto& motion = submaps()[static_cast<std::size_t>(from)].across;
+    graph.edges.push_back(edge_between(from, from + 1, motion, EdgeKind::kOdometry));
+  }
+  return graph;
+}
+
+PoseGraph KeyChain::expand() const {
   PoseGraph graph;
   const auto add_edge = [&](const PoseWithCovariance2& motion) {
     const int from = static_cast<int>(graph.poses.size()) - 1;
     graph.edges.push_back(edge_between(from, from + 1, motion, EdgeKind::kOdometry));
   };
-  for (std::size_t s = 0; s < stretches_.size(); ++s) {
-    const auto& [keys, across] = stretches_[s];
-    const bool has_next = s + 1 < stretches_.size();
+  for (std::size_t s = 0; s < submaps().size(); ++s) {
+    const SubmapRecord& submap = submaps()[s];
+    const SubmapRecord* const next = s + 1 < submaps().size() ? &submaps()[s + 1] : nullptr;
+    const auto& keys = submap.keys;
     for (std::size_t k = 0; k < keys.size(); ++k) {
       if (k > 0) add_edge(motion_between(keys[k - 1], keys[k]));
       const Pose2 motion = keys.front().local_T_robot.inverse() * keys[k].local_T_robot;
-      Pose2 pose = map_T_stretch[s] * motion;
-      if (has_next) {
+      Pose2 pose = submap.map_T_submap * motion;
+      if (next != nullptr) {
         // What the next stretch's pose adds to the motions is shared out along the way.
         const double ratio = static_cast<double>(k) / static_cast<double>(keys.size());
-        const Pose2 from_next = map_T_stretch[s + 1] * across.pose.inverse() * motion;
+        const Pose2 from_next = next->map_T_submap * submap.across.pose.inverse() * motion;
         pose = interpolate(pose, from_next, ratio);
       }
       graph.poses.push_back(pose);
     }
-    if (!has_next) break;
-    const KeyScan& next = stretches_[s + 1].keys.front();
-    add_edge(keys.size() == 1 ? across : motion_between(keys.back(), next));
+    if (next == nullptr) break;
+    add_edge(keys.size() == 1 ? submap.across : motion_between(keys.back(), next->keys.front()));
   }
   return graph;
 }

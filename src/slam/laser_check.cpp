@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
+
+#include "loopstone/base/sound_state.hpp"
 
 namespace loopstone {
 
 namespace {
-
-/// Nearer than this there is nothing but the robot itself and what hangs over it.
-constexpr double kBlockedM = 0.35;
-/// Share of the returns that must be so near, and how many there must be at least.
-constexpr double kBlockedShare = 0.8;
-constexpr std::size_t kFewestReturns = 20;
-/// Odometry that has moved so far says that the robot does not stand.
-constexpr double kMovedM = 0.05;
-constexpr double kMovedRad = 0.05;
 
 bool is_blocked(const LaserScan& scan) {
   std::size_t returns = 0;
@@ -23,10 +17,10 @@ bool is_blocked(const LaserScan& scan) {
   for (const float range_m : scan.ranges_m) {
     if (!std::isfinite(range_m)) continue;
     ++returns;
-    if (range_m < kBlockedM) ++near;
+    if (range_m < kLaserCheck.blocked_m) ++near;
   }
-  return returns >= kFewestReturns &&
-         static_cast<double>(near) >= kBlockedShare * static_cast<double>(returns);
+  return returns >= static_cast<std::size_t>(kLaserCheck.fewest_returns) &&
+         static_cast<double>(near) >= kLaserCheck.blocked_share * static_cast<double>(returns);
 }
 
 /// To the last bit: that two scans of a laser that works are so is a matter of its resolution, and
@@ -38,24 +32,21 @@ bool same_ranges(const std::vector<float>& a, const std::vector<float>& b) {
 
 bool has_moved(const OdometryReading& from, const OdometryReading& to) {
   const Pose2 motion = from.odom_T_robot.inverse() * to.odom_T_robot;
-  return std::hypot(motion.x, motion.y) > kMovedM || std::abs(motion.yaw) > kMovedRad;
+  return std::hypot(motion.x, motion.y) > kLaserCheck.moved_m ||
+         std::abs(motion.yaw) > kLaserCheck.moved_rad;
 }
 
 }  // namespace
 
-std::string_view to_string(LaserFault fault) {
-  return fault == LaserFault::kBlocked ? "blocked" : "frozen";
-}
-
 bool LaserCheck::is_frozen(const LaserScan& scan, const std::optional<OdometryReading>& odometry) {
-  if (!same_ranges(scan.ranges_m, last_ranges_m_)) {
-    last_ranges_m_ = scan.ranges_m;
-    repeated_since_ = odometry;
-    repeated_ = 0;
+  if (!same_ranges(scan.ranges_m, state_.last_ranges_m)) {
+    state_.last_ranges_m = scan.ranges_m;
+    state_.repeated_since = odometry;
+    state_.repeated = 0;
     return false;
   }
-  if (odometry && repeated_since_) return has_moved(*repeated_since_, *odometry);
-  most_repeated_ = std::max(most_repeated_, ++repeated_);
+  if (odometry && state_.repeated_since) return has_moved(*state_.repeated_since, *odometry);
+  state_.most_repeated = std::max(state_.most_repeated, ++state_.repeated);
   return false;
 }
 
@@ -73,25 +64,31 @@ std::optional<LaserFault> LaserCheck::fault_of(const LaserScan& scan,
 bool LaserCheck::add(const LaserScan& scan, const std::optional<OdometryReading>& odometry) {
   const auto fault = fault_of(scan, odometry);
   if (!fault) {
-    open_ = false;
+    state_.open = false;
     return true;
   }
-  if (!open_ || episodes_.back().fault != *fault) {
-    episodes_.push_back({.fault = *fault, .from = scan.stamp});
-    begun_ = *fault == LaserFault::kFrozen ? repeated_since_ : odometry;
-    open_ = true;
+  if (!state_.open || state_.episodes.back().fault != *fault) {
+    state_.episodes.push_back({.fault = *fault, .from = scan.stamp});
+    state_.begun = *fault == LaserFault::kFrozen ? state_.repeated_since : odometry;
+    state_.open = true;
   }
-  LaserEpisode& episode = episodes_.back();
+  LaserEpisode& episode = state_.episodes.back();
   episode.to = scan.stamp;
   ++episode.scans;
-  if (begun_ && odometry) {
-    const Pose2 motion = begun_->odom_T_robot.inverse() * odometry->odom_T_robot;
+  if (state_.begun && odometry) {
+    const Pose2 motion = state_.begun->odom_T_robot.inverse() * odometry->odom_T_robot;
     episode.odometry_m =
-        std::max(odometry->path_m - begun_->path_m, std::hypot(motion.x, motion.y));
+        std::max(odometry->path_m - state_.begun->path_m, std::hypot(motion.x, motion.y));
     episode.odometry_rad =
-        std::max(odometry->turned_rad - begun_->turned_rad, std::abs(motion.yaw));
+        std::max(odometry->turned_rad - state_.begun->turned_rad, std::abs(motion.yaw));
   }
   return false;
+}
+
+void LaserCheck::restore(State state) {
+  require_sound(!state.open || !state.episodes.empty(), "a fault of the laser that never began");
+  require_sound(state.repeated <= state.most_repeated, "scans repeated more often than ever");
+  state_ = std::move(state);
 }
 
 }  // namespace loopstone

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
-#include "slam/scan_store.hpp"
+#include "slam/posed_scan.hpp"
 
 namespace loopstone {
 

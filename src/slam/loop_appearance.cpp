@@ -12,21 +12,19 @@ namespace loopstone {
 
 namespace {
 
-/// Less alike than this share of the middle one of all that come into question: another place. Of
-/// true ones 19 in 20 are more alike.
-constexpr double kUnlike = 0.8;
-
-const std::vector<float>& descriptor_of(LoopSubmap& submap) {
-  if (submap.descriptor.empty()) submap.descriptor = describe_place(submap.submap.surfaces);
+const std::vector<float>& descriptor_of(SubmapRecord& submap) {
+  if (submap.descriptor.empty() && submap.frozen)
+    submap.descriptor = describe_place(submap.frozen->surfaces);
   return submap.descriptor;
 }
 
 /// Centre on centre, any heading.
-LoopCandidate centred(LoopCandidate candidate, const LoopSubmap& older, const LoopSubmap& newer) {
+LoopCandidate centred(LoopCandidate candidate, const SubmapRecord& older,
+                      const SubmapRecord& newer) {
   const double yaw = candidate.older_T_newer.yaw;
   const Eigen::Vector2d shift = older.centre - Pose2{0.0, 0.0, yaw}.rotation() * newer.centre;
   candidate.older_T_newer = {shift.x(), shift.y(), yaw};
-  candidate.half_xy_m = kPlaceHalfM;
+  candidate.half_xy_m = kLoopCandidates.place_half_m;
   candidate.half_yaw_rad = kPi;
   candidate.by_appearance = true;
   return candidate;
@@ -34,7 +32,7 @@ LoopCandidate centred(LoopCandidate candidate, const LoopSubmap& older, const Lo
 
 }  // namespace
 
-std::vector<LoopCandidate> most_alike(std::vector<LoopSubmap>& submaps, SubmapId newer,
+std::vector<LoopCandidate> most_alike(std::span<SubmapRecord> submaps, SubmapId newer,
                                       std::span<const LoopCandidate> far, int most) {
   if (most <= 0 || far.empty()) return {};
   const auto& descriptor = descriptor_of(submaps[newer.index]);
@@ -48,7 +46,7 @@ std::vector<LoopCandidate> most_alike(std::vector<LoopSubmap>& submaps, SubmapId
   const auto count = static_cast<std::size_t>(most);
   double unlike = std::numeric_limits<double>::infinity();
   if (ranked.size() > count) {
-    unlike = kUnlike * ranked[ranked.size() / 2].first;
+    unlike = kLoopCandidates.unlike * ranked[ranked.size() / 2].first;
     ranked.erase(ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end());
   }
   std::vector<LoopCandidate> alike;

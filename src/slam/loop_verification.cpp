@@ -10,29 +10,19 @@ namespace loopstone {
 
 namespace {
 
-constexpr std::size_t kProbePoints = 350;
-/// What a whole submap's own bending adds to the uncertainty of a closure.
-constexpr double kBendM = 0.03;
-constexpr double kBendRad = 0.005;
-/// A pose this far from the best one is another place.
-constexpr double kElsewhereM = 1.0;
-constexpr double kElsewhereRad = 0.35;
-
 /// What a closure must reach.
 struct Bar {
   double score;
   double overlap;
   double agreement;
 };
-/// What was found without a pose's help must reach at least this.
-constexpr Bar kBarByAppearance{.score = 0.5, .overlap = 0.5, .agreement = 0.85};
 
 Bar bar_for(const LoopCandidate& candidate, const LoopOptions& options) {
   const Bar asked{options.min_score, options.min_overlap, options.min_agreement};
   if (!candidate.by_appearance) return asked;
-  return {std::max(asked.score, kBarByAppearance.score),
-          std::max(asked.overlap, kBarByAppearance.overlap),
-          std::max(asked.agreement, kBarByAppearance.agreement)};
+  return {std::max(asked.score, kLoopVerification.appearance_score),
+          std::max(asked.overlap, kLoopVerification.appearance_overlap),
+          std::max(asked.agreement, kLoopVerification.appearance_agreement)};
 }
 
 /// The score of a pose elsewhere in the window, if one comes near the best.
@@ -40,12 +30,13 @@ std::optional<double> rival_score(std::span<const Eigen::Vector2d> probe, const 
                                   const SearchWindow& window, const SearchResult& best,
                                   double max_ambiguity) {
   // In a small window there is no elsewhere.
-  const bool wide =
-      window.half_xy_m > 0.5 * kElsewhereM || window.half_yaw_rad > 0.5 * kElsewhereRad;
+  const bool wide = window.half_xy_m > 0.5 * kLoopVerification.elsewhere_m ||
+                    window.half_yaw_rad > 0.5 * kLoopVerification.elsewhere_rad;
   if (!wide) return {};
   const SearchResult second =
       search_branch_and_bound(probe, pyramid, window, max_ambiguity * best.score,
-                              ExcludedPoses{best.target_T_source, kElsewhereM, kElsewhereRad});
+                              ExcludedPoses{best.target_T_source, kLoopVerification.elsewhere_m,
+                                            kLoopVerification.elsewhere_rad});
   if (!second.found) return {};
   return second.score;
 }
@@ -64,7 +55,7 @@ std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const Froz
                                       const FrozenSubmap& newer, const LoopOptions& options,
                                       const SubmapOptions& submap_options,
                                       const GridMatchOptions& match_options) {
-  const auto probe = newer.probe(kProbePoints);
+  const auto probe = newer.probe(kLoopVerification.probe_points);
   if (probe.empty() || older.surfaces.empty()) return {};
   const Bar bar = bar_for(candidate, options);
   const MaxPyramid pyramid = older.search_pyramid(submap_options, candidate.half_xy_m);
@@ -83,8 +74,9 @@ std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const Froz
   closure.to_submap = candidate.newer;
   closure.from_T_to = match.target_T_source;
   closure.covariance = match.covariance;
-  closure.covariance.diagonal() +=
-      Eigen::Vector3d(kBendM * kBendM, kBendM * kBendM, kBendRad * kBendRad);
+  const double bend_m2 = kLoopVerification.bend_m * kLoopVerification.bend_m;
+  const double bend_rad2 = kLoopVerification.bend_rad * kLoopVerification.bend_rad;
+  closure.covariance.diagonal() += Eigen::Vector3d(bend_m2, bend_m2, bend_rad2);
   closure.by_appearance = candidate.by_appearance;
   closure.score = best.score;
   closure.second_score = rival_score(probe, pyramid, window, best, options.max_ambiguity);

@@ -7,6 +7,34 @@
 
 namespace loopstone {
 
+/// When two submaps are found to show one place.
+struct LoopVerificationNumbers {
+  std::size_t probe_points = 350;
+  double bend_m = 0.03;
+  double bend_rad = 0.005;
+  double elsewhere_m = 1.0;
+  double elsewhere_rad = 0.35;
+  double appearance_score = 0.5;
+  double appearance_overlap = 0.5;
+  double appearance_agreement = 0.85;
+};
+inline constexpr LoopVerificationNumbers kLoopVerification{};
+
+template <typename Visitor>
+void visit_numbers(const LoopVerificationNumbers& n, Visitor&& visit) {
+  visit("probe_points", n.probe_points,
+        "chosen: surfaces of the newer submap that the search uses, evenly spaced");
+  visit("bend_m", n.bend_m,
+        "chosen: what a whole submap's own bending adds to the uncertainty of a closure");
+  visit("bend_rad", n.bend_rad, "chosen: the same of the heading");
+  visit("elsewhere_m", n.elsewhere_m, "chosen: a pose this far from the best one is another place");
+  visit("elsewhere_rad", n.elsewhere_rad, "chosen: or one turned by so much");
+  visit("appearance_score", n.appearance_score,
+        "chosen: what was found without a pose's help must reach at least this score");
+  visit("appearance_overlap", n.appearance_overlap, "chosen: this overlap");
+  visit("appearance_agreement", n.appearance_agreement, "chosen: and this agreement");
+}
+
 /// A closure as registration has it, and which of the newer submap's surfaces the older one saw.
 struct VerifiedClosure {
   LoopClosure closure{};

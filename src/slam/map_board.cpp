@@ -14,10 +14,6 @@ namespace {
 /// Of events that nobody takes, so many are kept.
 constexpr std::size_t kMostEvents = 4096;
 
-Pose2 map_T_local_of(const BackEndView& view, std::size_t submap) {
-  return view.map_T_submap[submap] * view.scans[submap]->front()->local_T_robot.inverse();
-}
-
 /// What the front end has added since the view: to its last submap, and new ones.
 class OpenSubmaps {
  public:
@@ -75,8 +71,7 @@ void MapBoard::set_faults(FaultView faults) {
 
 void MapBoard::publish(BackEndView view, std::vector<MapEvent> events) {
   auto shared = std::make_shared<const BackEndView>(std::move(view));
-  const Pose2 map_T_local =
-      shared->scans.empty() ? Pose2{} : map_T_local_of(*shared, shared->scans.size() - 1);
+  const Pose2 map_T_local = shared->submaps.empty() ? Pose2{} : shared->submaps.back().map_T_local;
   const std::lock_guard lock(mutex_);
   while (open_from_ < shared->scans_taken && !open_.empty()) {
     open_.pop_front();
@@ -108,14 +103,7 @@ MapSnapshot MapBoard::snapshot() const {
   const Pose2 map_T_local = map_T_local_;
   lock.unlock();
 
-  MapSnapshot snapshot;
-  for (std::size_t i = 0; i < view->scans.size(); ++i) {
-    snapshot.submaps.push_back({.id = {i},
-                                .state = view->states[i],
-                                .map_T_submap = view->map_T_submap[i],
-                                .map_T_local = map_T_local_of(*view, i),
-                                .scans = view->scans[i]});
-  }
+  MapSnapshot snapshot{.submaps = view->submaps};
   OpenSubmaps open_submaps(snapshot.submaps, map_T_local);
   for (const OpenScan& scan : open) open_submaps.add(scan.scan, scan.starts_submap);
   open_submaps.close();

@@ -15,9 +15,7 @@ namespace loopstone {
 
 /// What the back end knows at one moment. Never changes once it is on the board.
 struct BackEndView {
-  std::vector<Pose2> map_T_submap{};
-  std::vector<SubmapState> states{};
-  std::vector<std::shared_ptr<const MappedScans>> scans{};  ///< a submap
+  std::vector<SubmapSnapshot> submaps{};
   std::vector<LoopClosure> closures{};
   std::size_t scans_taken = 0;  ///< of all that were handed over
 };

@@ -7,6 +7,7 @@
 #include "slam/break_warnings.hpp"
 #include "slam/drift_correction.hpp"
 #include "slam/odometry_warnings.hpp"
+#include "slam/posed_scan.hpp"
 #include "slam/sensor_faults.hpp"
 
 namespace loopstone {
@@ -16,6 +17,11 @@ namespace {
 /// So many are drawn in half a second and show every wall.
 constexpr std::size_t kMostScansInterrupted = 4000;
 
+template <typename Visit>
+void for_each_scan(std::span<const SubmapRecord> submaps, Visit&& visit) {
+  for (const SubmapRecord& submap : submaps) submap.scans.for_each(visit);
+}
+
 /// How the run fared.
 std::vector<std::string> run_warnings(const MapResult& result, const MapOptions& options,
                                       bool has_gyro) {
@@ -24,7 +30,7 @@ std::vector<std::string> run_warnings(const MapResult& result, const MapOptions&
   const auto share = [&](std::int64_t count) {
     return std::to_string(count) + " of " + std::to_string(s.scans) + " scans";
   };
-  const bool ignored = options.front_end.odometry == "ignore";
+  const bool ignored = options.front_end.odometry == OdometryUse::kIgnore;
   if (s.scans > 0 && (ignored || result.odometry.empty())) {
     const std::string none =
         ignored ? "odometry was left out as asked: " : "no odometry in the log: ";
@@ -57,11 +63,11 @@ std::vector<std::string> run_warnings(const MapResult& result, const MapOptions&
 
 }  // namespace
 
-std::vector<std::vector<SurfacePoint>> key_surfaces(const ScanStore& scans,
+std::vector<std::vector<SurfacePoint>> key_surfaces(std::span<const SubmapRecord> submaps,
                                                     const SurfaceOptions& options) {
   std::vector<std::vector<SurfacePoint>> surfaces;
   BeamTable beams;
-  scans.for_each([&](const MappedScan& mapped) {
+  for_each_scan(submaps, [&](const MappedScan& mapped) {
     if (!mapped.is_key) return;
     const double sweep_s = sweep_seconds(mapped.scan);
     Tangent2 velocity = Tangent2::Zero();
@@ -73,7 +79,7 @@ std::vector<std::vector<SurfacePoint>> key_surfaces(const ScanStore& scans,
 }
 
 PlacedScans place_scans(const std::deque<TrackedPose>& track, std::vector<KeyScan> keys,
-                        std::span<const Pose2> map_T_key, const ScanStore& scans) {
+                        std::span<const Pose2> map_T_key, std::span<const SubmapRecord> submaps) {
   const DriftCorrection correction(std::move(keys), map_T_key);
   PlacedScans placed;
   placed.trajectory.reserve(track.size());
@@ -83,7 +89,7 @@ PlacedScans place_scans(const std::deque<TrackedPose>& track, std::vector<KeySca
     placed.trajectory.append(stamp, correction.at(i, stamp, local_T_robot) * local_T_robot);
     if (odom_T_robot) placed.odometry.append(stamp, *odom_T_robot);
   }
-  scans.for_each([&](const MappedScan& mapped) {
+  for_each_scan(submaps, [&](const MappedScan& mapped) {
     const Pose2 map_T_local = correction.at(mapped.index, mapped.scan.stamp, mapped.local_T_robot);
     placed.on_map.push_back(posed(mapped, map_T_local));
   });

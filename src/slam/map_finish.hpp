@@ -8,41 +8,30 @@
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/odometry/trajectory.hpp"
-#include "loopstone/slam/key_chain.hpp"
+#include "loopstone/slam/key_scan.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
-#include "slam/scan_store.hpp"
+#include "loopstone/slam/submap_record.hpp"
+#include "loopstone/slam/tracked_pose.hpp"
 
 // The steps that end a run: each takes what it needs and returns what it made.
 
 namespace loopstone {
 
-/// What is kept of every scan.
-struct TrackedPose {
-  Stamp stamp{};
-  Pose2 local_T_robot{};
-  std::optional<Pose2> odom_T_robot{};  ///< dead reckoning alone
-
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(stamp, local_T_robot, odom_T_robot);
-  }
-};
-
 /// The surfaces of each key scan, in its own frame, straightened by the motion during its sweep.
-[[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces(const ScanStore& scans,
-                                                                  const SurfaceOptions& options);
+[[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces(
+    std::span<const SubmapRecord> submaps, const SurfaceOptions& options);
 
 struct PlacedScans {
   Trajectory trajectory{};          ///< map_T_robot at every scan
   Trajectory odometry{};            ///< odom_T_robot at every scan
-  std::vector<PosedScan> on_map{};  ///< those that the map is drawn from; they point into `scans`
+  std::vector<PosedScan> on_map{};  ///< those that the map is drawn from; they point into `submaps`
 };
 /// Puts every scan on the map: between key scans their corrections are blended.
 /// \param map_T_key  of each key scan
 [[nodiscard]] PlacedScans place_scans(const std::deque<TrackedPose>& track,
                                       std::vector<KeyScan> keys, std::span<const Pose2> map_T_key,
-                                      const ScanStore& scans);
+                                      std::span<const SubmapRecord> submaps);
 
 /// A few of the scans, evenly: who interrupts a run does not wait for the map of all.
 [[nodiscard]] std::vector<PosedScan> some_of(std::span<const PosedScan> scans);

@@ -11,37 +11,15 @@
 #include <vector>
 
 #include "loopstone/slam/map_result.hpp"
+#include "slam/map_verdict_numbers.hpp"
 #include "slam/run_clock.hpp"
 #include "slam/sensor_faults.hpp"
 
 namespace loopstone {
 namespace {
 
-/// Where good ends and where bad begins. What they mean and how they were checked: docs/quality.md.
-struct Limits {
-  double doubtful;
-  double bad;
-};
-constexpr Limits kDoubledShare{0.03, 0.15};
-constexpr Limits kCrossedShare{0.15, 0.30};
-constexpr Limits kMissedShare{0.10, 0.25};
-constexpr Limits kEntropyGain{0.693, 1.099};
-constexpr Limits kReducedChi2{1.5, 4.0};
-constexpr Limits kRevokedShare{0.05, 0.30};
-constexpr Limits kDegenerateShare{0.05, 0.50};
-/// Two cells of a map of 5 cm; what doubles a corridor.
-constexpr Limits kLeftOutShare{0.05, 0.5};
-constexpr Limits kBreakTieM{0.10, 2.0};
-constexpr double kShortM = 1.0;           ///< of degenerate travel: nothing
-constexpr double kCertifiedNearM = 0.10;  ///< two cells of a map of 5 cm
-
-/// Fewer than these say nothing.
-constexpr std::int64_t kLeastWalls = 200;
-constexpr std::int64_t kLeastBeams = 500;
-constexpr std::int64_t kLeastReturns = 500;
-constexpr std::int64_t kLeastEntropyPoints = 50;
-
-Verdict against(const Limits& limits, double value) {
+/// What the limits mean and how they were checked: docs/quality.md.
+Verdict against(const VerdictLimits& limits, double value) {
   if (!(value <= limits.bad)) return Verdict::kBad;
   return value <= limits.doubtful ? Verdict::kGood : Verdict::kDoubtful;
 }
@@ -66,22 +44,23 @@ QualityMeasure unknown(QualityMeasure measure, const char* why) {
 QualityMeasure wall_thickness(const MapQuality& q) {
   QualityMeasure measure{
       .name = "wall_thickness_m", .title = "Wall thickness", .value = q.wall_thickness_m};
-  if (q.walls_compared < kLeastWalls) return unknown(std::move(measure), kSeenOnce);
-  measure.verdict = against(kDoubledShare, q.doubled_share);
+  if (q.walls_compared < kMapVerdict.least_walls) return unknown(std::move(measure), kSeenOnce);
+  measure.verdict = against(kMapVerdict.doubled_share, q.doubled_share);
   measure.sentence = "The same wall lies " + centimetres(q.wall_offset_m) +
                      " apart in two visits (5 of 100: more than " +
                      centimetres(q.wall_offset_worst_m) + "); the scanner's own noise is " +
                      centimetres(q.sensor_noise_m) + ". " + percent(q.doubled_share) +
-                     " of the walls are drawn twice, more than " + number(100.0 * kDoubledM, 0) +
-                     " cm apart.";
+                     " of the walls are drawn twice, more than " +
+                     number(100.0 * kMapQuality.doubled_m, 0) + " cm apart.";
   return measure;
 }
 
 QualityMeasure entropy(const MapQuality& q) {
   QualityMeasure measure{
       .name = "entropy_gain_nats", .title = "Mean map entropy", .value = q.entropy_gain_nats};
-  if (q.entropy_points < kLeastEntropyPoints) return unknown(std::move(measure), kSeenOnce);
-  measure.verdict = against(kEntropyGain, q.entropy_gain_nats);
+  if (q.entropy_points < kMapVerdict.least_entropy_points)
+    return unknown(std::move(measure), kSeenOnce);
+  measure.verdict = against(kMapVerdict.entropy_gain_nats, q.entropy_gain_nats);
   measure.sentence = "The mean map entropy is " + number(q.entropy_nats, 2) + " nats, " +
                      number(q.entropy_gain_nats, 2) +
                      " more than that of single stretches of travel: the map is " +
@@ -92,8 +71,8 @@ QualityMeasure entropy(const MapQuality& q) {
 QualityMeasure violations(const MapQuality& q) {
   QualityMeasure measure{
       .name = "free_space_violations", .title = "Free-space violations", .value = q.crossed_share};
-  if (q.beams_tested < kLeastBeams) return unknown(std::move(measure), kSeenOnce);
-  measure.verdict = against(kCrossedShare, q.crossed_share);
+  if (q.beams_tested < kMapVerdict.least_beams) return unknown(std::move(measure), kSeenOnce);
+  measure.verdict = against(kMapVerdict.crossed_share, q.crossed_share);
   measure.sentence = percent(q.crossed_share) +
                      " of the beams that met a wall of another visit went through it. What moved "
                      "between the visits (doors, chairs, people) counts as well.";
@@ -104,8 +83,8 @@ QualityMeasure held_out(const MapQuality& q) {
   QualityMeasure measure{.name = "held_out_agreement",
                          .title = "Agreement of held-out scans",
                          .value = q.held_out_agreement};
-  if (q.held_out_returns < kLeastReturns) return unknown(std::move(measure), kSeenOnce);
-  measure.verdict = against(kMissedShare, 1.0 - q.held_out_agreement);
+  if (q.held_out_returns < kMapVerdict.least_returns) return unknown(std::move(measure), kSeenOnce);
+  measure.verdict = against(kMapVerdict.missed_share, 1.0 - q.held_out_agreement);
   measure.sentence = "The other visits foretell " + percent(q.held_out_agreement) +
                      " of the returns of scans that were held out, where they had looked.";
   return measure;
@@ -118,8 +97,8 @@ QualityMeasure loops(const GraphQuality& g) {
     return unknown(std::move(measure),
                    "No loop was closed, so drift was neither measured nor corrected.");
   const double revoked = static_cast<double>(g.closures_revoked) / g.closures;
-  measure.verdict =
-      std::max(against(kReducedChi2, g.reduced_chi2), against(kRevokedShare, revoked));
+  measure.verdict = std::max(against(kMapVerdict.reduced_chi2, g.reduced_chi2),
+                             against(kMapVerdict.revoked_share, revoked));
   measure.sentence = "The loops close with " + number(g.reduced_chi2, 2) +
                      " times the squared error that the graph's own covariances promise; " +
                      std::to_string(g.closures_revoked) + " of " + std::to_string(g.closures) +
@@ -140,7 +119,7 @@ QualityMeasure certified(const GraphQuality& g) {
                        std::string(to_string(g.certificate->status)) + ").";
     return measure;
   }
-  const bool near = g.certified_shift_m <= kCertifiedNearM;
+  const bool near = g.certified_shift_m <= kMapVerdict.certified_near_m;
   measure.verdict = near ? Verdict::kGood : Verdict::kDoubtful;
   const double open = g.certificate->optimality_gap / std::max(g.certificate->cost, 1e-12);
   const std::string best = g.certificate->certified()
@@ -163,9 +142,11 @@ QualityMeasure degenerate(const MapStatistics& s) {
       // longer than the whole.
       .value =
           s.path_length_m > 0.0 ? std::min(s.degenerate_travel_m / s.path_length_m, 1.0) : 0.0};
-  if (!(s.path_length_m > kShortM)) return unknown(std::move(measure), kNoTravel);
-  measure.verdict =
-      s.degenerate_travel_m <= kShortM ? Verdict::kGood : against(kDegenerateShare, measure.value);
+  if (!(s.path_length_m > kMapVerdict.short_travel_m))
+    return unknown(std::move(measure), kNoTravel);
+  measure.verdict = s.degenerate_travel_m <= kMapVerdict.short_travel_m
+                        ? Verdict::kGood
+                        : against(kMapVerdict.degenerate_share, measure.value);
   measure.sentence =
       number(s.degenerate_travel_m, 1) + " m of " + number(s.path_length_m, 0) +
       " m ran where the laser leaves one direction open (bare corridors); there the map is as "
@@ -175,7 +156,7 @@ QualityMeasure degenerate(const MapStatistics& s) {
 
 QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatistics& s) {
   QualityMeasure measure{.name = "break_tie_m", .title = "Breaks of the path"};
-  if (path_breaks.empty() && !(s.path_length_m > kShortM))
+  if (path_breaks.empty() && !(s.path_length_m > kMapVerdict.short_travel_m))
     return unknown(std::move(measure), kNoTravel);
   measure.verdict = Verdict::kGood;
   std::int64_t untied = 0;
@@ -185,10 +166,11 @@ QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatis
     ++count;
     // One closure by itself may be wrong.
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
-    const bool tied = gap.closures > 1 || gap.bridge_sigma_m() <= kBreakTieM.doubtful;
+    const bool tied = gap.closures > 1 || gap.bridge_sigma_m() <= kMapVerdict.break_tie_m.doubtful;
     if (!tied) ++untied;
     measure.value = std::max(measure.value, gap.tie_sigma_m);
-    const Verdict alone = guessed ? Verdict::kBad : against(kBreakTieM, gap.tie_sigma_m);
+    const Verdict alone =
+        guessed ? Verdict::kBad : against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
     measure.verdict =
         std::max({measure.verdict, alone, tied ? Verdict::kGood : Verdict::kDoubtful});
   }
@@ -210,7 +192,7 @@ QualityMeasure sensors(const std::vector<std::string>& faults, const MapStatisti
                          .title = "Sensors",
                          .value = static_cast<double>(faults.size()),
                          .verdict = faults.empty() ? Verdict::kGood : Verdict::kDoubtful};
-  if (faults.empty() && !(s.path_length_m > kShortM)) {
+  if (faults.empty() && !(s.path_length_m > kMapVerdict.short_travel_m)) {
     measure.verdict = Verdict::kUnknown;
     measure.sentence = kNoTravel;
     return measure;
@@ -265,20 +247,6 @@ void conclude(MapVerdict& verdict) {
 
 }  // namespace
 
-std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kGood:
-      return "good";
-    case Verdict::kDoubtful:
-      return "doubtful";
-    case Verdict::kBad:
-      return "bad";
-    case Verdict::kUnknown:
-      break;
-  }
-  return "unknown";
-}
-
 MapVerdict judge_map(const MapResult& result) {
   const MapQuality& quality = result.quality;
   MapVerdict verdict;
@@ -300,7 +268,7 @@ void judge_left_out(MapVerdict& verdict, double share) {
   QualityMeasure measure{.name = "log_left_out_share",
                          .title = "Left out of the log",
                          .value = share,
-                         .verdict = against(kLeftOutShare, share)};
+                         .verdict = against(kMapVerdict.left_out_share, share)};
   measure.sentence = share > 0.0
                          ? percent(share) + " of the log could not be used, as its warnings say."
                          : "All of the log was used.";

@@ -1,44 +1,27 @@
 #include "loopstone/slam/mapper.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <array>
 #include <cmath>
 #include <exception>
-#include <string_view>
 #include <utility>
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/base/release_memory.hpp"
+#include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/odometry/scan_queue.hpp"
-#include "loopstone/slam/front_end.hpp"
+#include "loopstone/geometry/covariance.hpp"
+#include "loopstone/slam/mapper_state.hpp"
 #include "loopstone/slam/surface_adjustment.hpp"
 #include "slam/back_end_worker.hpp"
 #include "slam/fault_events.hpp"
 #include "slam/map_board.hpp"
 #include "slam/map_finish.hpp"
-#include "slam/odom_frame.hpp"
 #include "slam/stopwatch.hpp"
 
 namespace loopstone {
 
 namespace {
-
-/// Scans that differ less than this from the last one mapped add next to nothing to the final map.
-constexpr double kStillCells = 1.0;
-constexpr double kStillRad = 0.04;
-
-/// From a submap's origin its robot is never farther.
-constexpr double kMostSubmapTravelM = 300.0;
-
-/// Raised whenever a field list of that part changes.
-constexpr std::uint16_t kScanQueueVersion = 3;
-constexpr std::uint16_t kFrontEndVersion = 2;
-constexpr std::uint16_t kMapperVersion = 3;
-
-/// Of updates that nobody takes, so many are kept.
-constexpr std::size_t kMostUpdates = 1000;
 
 /// Of the axis along which a pose is known least, [0, pi).
 double open_direction(const Eigen::Matrix3d& covariance) {
@@ -46,13 +29,6 @@ double open_direction(const Eigen::Matrix3d& covariance) {
   const Eigen::Vector2d axis = solver.eigenvectors().col(1);
   const double angle = std::atan2(axis.y(), axis.x());
   return angle < 0.0 ? angle + kPi : (angle >= kPi ? 0.0 : angle);
-}
-
-/// On axes that are turned by a frame.
-Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Pose2& frame) {
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn.topLeftCorner<2, 2>() = frame.rotation();
-  return turn * covariance * turn.transpose();
 }
 
 /// How odometry fared beside the laser, and the laser by itself.
@@ -109,17 +85,13 @@ class Mapper::Impl {
   }
 
   [[nodiscard]] MapSnapshot snapshot() const { return board_.snapshot(); }
-  [[nodiscard]] std::int64_t scans() const { return static_cast<std::int64_t>(track_.size()); }
+  [[nodiscard]] std::int64_t scans() const {
+    return static_cast<std::int64_t>(so_far_.track.size());
+  }
 
   [[nodiscard]] MapResult finish(const ProgressCallback& progress, const std::stop_token& cancel);
-  [[nodiscard]] std::future<std::vector<StateChunk>> save_state();
-  void restore_state(std::span<const StateChunk> chunks);
-
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(track_, last_mapped_, statistics_, gyro_scans_, breaks_, odom_frame_, was_lost_, submaps_,
-      submaps_frozen_);
-  }
+  [[nodiscard]] std::future<MapperState> save_state();
+  void restore_state(MapperState state);
 
  private:
   void add_scan(LaserScan scan);
@@ -139,15 +111,8 @@ class Mapper::Impl {
   FrontEnd front_end_;
   MapBoard board_{};
   BackEndWorker back_end_;
-  std::deque<TrackedPose> track_{};
-  Pose2 last_mapped_{};
-  MapStatistics statistics_{};
-  std::int64_t gyro_scans_ = 0;  ///< whose heading alone was known
-  std::vector<PathBreak> breaks_{};
+  MapperState::SoFar so_far_{};
   OdomFrame odom_frame_{};
-  bool was_lost_ = false;
-  std::size_t submaps_ = 0;  ///< begun
-  std::size_t submaps_frozen_ = 0;
   FaultEvents fault_events_{};
   std::deque<MapUpdate> updates_{};
   std::int64_t updates_missed_ = 0;
@@ -159,49 +124,50 @@ void Mapper::Impl::add_scan(LaserScan scan) {
   const auto odometry = scan_queue_.reading_at(scan.stamp);
   std::optional<Pose2> odom_T_robot;
   if (odometry && odometry->has_translation) odom_T_robot = odometry->odom_T_robot;
-  if (odometry && !odometry->has_translation) ++gyro_scans_;
+  if (odometry && !odometry->has_translation) ++so_far_.gyro_scans;
 
   TrackedScan tracked = front_end_.add(scan, robot_T_lidar, odometry);
   count_scan(tracked);
-  track_.push_back({scan.stamp, tracked.local_T_robot, odom_T_robot});
+  so_far_.track.push_back({scan.stamp, tracked.local_T_robot, odom_T_robot});
   if (tracked.path_break) {
-    tracked.path_break->to_scan = track_.size() - 1;
-    breaks_.push_back(*tracked.path_break);
+    tracked.path_break->to_scan = so_far_.track.size() - 1;
+    so_far_.breaks.push_back(*tracked.path_break);
   }
   tell(tracked);
-  statistics_.front_end_s += watch.seconds();
+  so_far_.statistics.front_end_s += watch.seconds();
   hand_over(std::move(scan), robot_T_lidar, std::move(tracked));
 }
 
 void Mapper::Impl::count_scan(const TrackedScan& tracked) {
-  if (!tracked.used) ++statistics_.scans_dropped;
-  if (tracked.searched) ++statistics_.searches;
-  if (tracked.key) ++statistics_.key_scans;
-  if (!track_.empty() && tracked.status == MatchStatus::kDegenerate) {
-    const Pose2 motion = track_.back().local_T_robot.inverse() * tracked.local_T_robot;
-    statistics_.degenerate_travel_m += std::hypot(motion.x, motion.y);
+  if (!tracked.used) ++so_far_.statistics.scans_dropped;
+  if (tracked.searched) ++so_far_.statistics.searches;
+  if (tracked.key) ++so_far_.statistics.key_scans;
+  if (!so_far_.track.empty() && tracked.status == MatchStatus::kDegenerate) {
+    const Pose2 motion = so_far_.track.back().local_T_robot.inverse() * tracked.local_T_robot;
+    so_far_.statistics.degenerate_travel_m += std::hypot(motion.x, motion.y);
   }
 }
 
 /// An update of the newest scan, for whoever drives by it.
 void Mapper::Impl::tell(const TrackedScan& tracked) {
-  const bool may_jump = tracked.searched || tracked.path_break || was_lost_;
-  was_lost_ = tracked.left_out;
+  const bool may_jump = tracked.searched || tracked.path_break || so_far_.was_lost;
+  so_far_.was_lost = tracked.left_out;
   MapUpdate update;
-  update.stamp = track_.back().stamp;
+  update.stamp = so_far_.track.back().stamp;
   update.scan = scans() - 1;
   update.odom_T_robot =
       odom_frame_.follow(tracked.local_T_robot, tracked.guess_local_T_robot, may_jump);
   const Pose2 map_T_local = board_.map_T_local();
   update.map_T_odom = map_T_local * odom_frame_.local_T_odom();
   update.covariance =
-      turned(tracked.path_break ? tracked.path_break->covariance : tracked.covariance, map_T_local);
+      rotated(tracked.path_break ? tracked.path_break->covariance : tracked.covariance,
+              map_T_local.rotation());
   update.status = tracked.tracking;
   if (update.status == TrackingStatus::kDegenerate)
     update.open_direction_rad = open_direction(update.covariance);
-  if (tracked.key) update.key_scan = static_cast<std::size_t>(statistics_.key_scans - 1);
+  if (tracked.key) update.key_scan = static_cast<std::size_t>(so_far_.statistics.key_scans - 1);
   update.events = events_of(tracked);
-  if (updates_.size() == kMostUpdates) {
+  if (updates_.size() == kMapper.updates_most) {
     updates_.pop_front();
     ++updates_missed_;
   }
@@ -212,24 +178,24 @@ std::vector<MapEvent> Mapper::Impl::events_of(const TrackedScan& tracked) {
   std::vector<MapEvent> events =
       fault_events_.changes(front_end_.odometry_check(), front_end_.laser_check());
   if (tracked.path_break) events.emplace_back(PathBroken{*tracked.path_break});
-  if (!events.empty() || track_.size() == 1) put_up_faults();
+  if (!events.empty() || so_far_.track.size() == 1) put_up_faults();
   for (std::size_t i = 0; i < tracked.finished.size(); ++i)
-    events.emplace_back(SubmapFrozen{{submaps_frozen_++}});
-  if (tracked.starts_submap) events.emplace_back(SubmapOpened{{submaps_++}});
+    events.emplace_back(SubmapFrozen{{so_far_.submaps_frozen++}});
+  if (tracked.starts_submap) events.emplace_back(SubmapOpened{{so_far_.submaps_opened++}});
   for (MapEvent& event : board_.take_events()) events.push_back(std::move(event));
   return events;
 }
 
 void Mapper::Impl::put_up_faults() {
-  board_.set_faults({.first_scan = track_.front().stamp,
+  board_.set_faults({.first_scan = so_far_.track.front().stamp,
                      .odometry = front_end_.odometry_check().episodes(),
                      .laser = front_end_.laser_check().episodes(),
-                     .breaks = breaks_});
+                     .breaks = so_far_.breaks});
 }
 
 /// Gives the back end what the front end is done with.
 void Mapper::Impl::hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan tracked) {
-  const std::size_t index = track_.size() - 1;
+  const std::size_t index = so_far_.track.size() - 1;
   const Pose2& local_T_robot = tracked.local_T_robot;
   std::optional<KeyScan> key;
   if (tracked.key) {
@@ -238,11 +204,12 @@ void Mapper::Impl::hand_over(LaserScan scan, const Pose2& robot_T_lidar, Tracked
       key->across = tracked.path_break->covariance;
   }
   // Standing still adds nothing to the map, and a fast scanner no more than a slow one.
-  const Pose2 since = last_mapped_.inverse() * local_T_robot;
-  const bool moved = std::hypot(since.x, since.y) > kStillCells * options_.map.resolution_m ||
-                     std::abs(since.yaw) > kStillRad;
+  const Pose2 since = so_far_.last_mapped.inverse() * local_T_robot;
+  const bool moved =
+      std::hypot(since.x, since.y) > kMapper.still_cells * options_.map.resolution_m ||
+      std::abs(since.yaw) > kMapper.still_rad;
   if (key || (tracked.used && !tracked.left_out && moved)) {
-    last_mapped_ = local_T_robot;
+    so_far_.last_mapped = local_T_robot;
     const Pose2 end = end_of_sweep(scan, local_T_robot);
     back_end_.add_scan({std::move(scan), index, robot_T_lidar, local_T_robot, end, key.has_value()},
                        key);
@@ -253,42 +220,33 @@ void Mapper::Impl::hand_over(LaserScan scan, const Pose2& robot_T_lidar, Tracked
 /// Where the robot is when the sweep of the newest scan ends, if it goes on as it came.
 Pose2 Mapper::Impl::end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const {
   const double sweep_s = sweep_seconds(scan);
-  if (track_.size() < 2 || sweep_s == 0.0) return local_T_robot;
-  const TrackedPose& before = track_[track_.size() - 2];
+  if (so_far_.track.size() < 2 || sweep_s == 0.0) return local_T_robot;
+  const TrackedPose& before = so_far_.track[so_far_.track.size() - 2];
   const double seconds = (scan.stamp - before.stamp).seconds();
   if (!(seconds > 0.0)) return local_T_robot;
   const Pose2 motion = before.local_T_robot.inverse() * local_T_robot;
   return local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
 }
 
-std::future<std::vector<StateChunk>> Mapper::Impl::save_state() {
-  std::vector<StateChunk> chunks;
-  chunks.push_back(save_chunk("SCAN", kScanQueueVersion, scan_queue_));
-  chunks.push_back(save_chunk("FRNT", kFrontEndVersion, front_end_));
-  chunks.push_back(save_chunk("MAPR", kMapperVersion, *this));
-  return back_end_.add_state(std::move(chunks));
+std::future<MapperState> Mapper::Impl::save_state() {
+  return back_end_.add_state({.scan_queue = scan_queue_.state(),
+                              .front_end = front_end_.state(),
+                              .so_far = so_far_,
+                              .odom_frame = odom_frame_.state()});
 }
 
-void Mapper::Impl::restore_state(std::span<const StateChunk> chunks) {
-  constexpr std::array<std::string_view, 6> kTags{"SCAN", "FRNT", "MAPR", "WAIT", "BACK", "MAPD"};
-  refuse_unknown(chunks, kTags);
-  load_chunk(chunks, "SCAN", kScanQueueVersion, scan_queue_);
-  load_chunk(chunks, "FRNT", kFrontEndVersion, front_end_);
-  load_chunk(chunks, "MAPR", kMapperVersion, *this);
-  back_end_.restore(chunks);
-  if (!back_end_.scans_fit(track_.size())) {
-    throw DataError({chunks.front().origin.path}, "damaged: scans that contradict the path");
-  }
-  const double reach_m = options_.front_end.range_max_m + kMostSubmapTravelM;
-  if (!front_end_.submaps_lie_within(reach_m) ||
-      !back_end_.back_end().submaps_lie_within(reach_m)) {
-    throw DataError({chunks.front().origin.path},
-                    "damaged: a submap larger than the laser reaches");
-  }
+void Mapper::Impl::restore_state(MapperState state) {
+  const double reach_m = options_.front_end.range_max_m + kMapper.submap_travel_most_m;
+  require_sound(is_sound(state, reach_m), "a map that contradicts itself");
+  scan_queue_.restore(std::move(state.scan_queue));
+  front_end_.restore(std::move(state.front_end));
+  require_sound(front_end_.submaps_lie_within(reach_m), "a submap larger than the laser reaches");
+  so_far_ = std::move(state.so_far);
+  odom_frame_.restore(state.odom_frame);
+  back_end_.restore(std::move(state.back_end), std::move(state.waiting));
   // What was told before the run was broken off is not told again.
   (void)fault_events_.changes(front_end_.odometry_check(), front_end_.laser_check());
-  if (!track_.empty()) put_up_faults();
-  back_end_.show_restored();
+  if (!so_far_.track.empty()) put_up_faults();
 }
 
 /// What the back end has, and what was counted on the way.
@@ -302,10 +260,10 @@ MapResult Mapper::Impl::result_of_back_end() const {
     result.node_stamps.push_back(key.stamp);
     node_scans.push_back(key.scan);
   }
-  result.breaks = breaks_;
+  result.breaks = so_far_.breaks;
   find_ties(result.breaks, result.graph, node_scans);
   MapStatistics& statistics = result.statistics;
-  statistics = statistics_;
+  statistics = so_far_.statistics;
   statistics.scans = scans();
   statistics.key_scans_thinned =
       statistics.key_scans - static_cast<std::int64_t>(node_scans.size());
@@ -323,8 +281,9 @@ void Mapper::Impl::adjust(MapResult& result) const {
   const Stopwatch watch;
   const SurfaceOptions surfaces{.range_max_m = options_.front_end.range_max_m,
                                 .points_max = options_.adjustment.points_max};
-  auto adjusted = adjust_to_surfaces(result.graph, key_surfaces(back_end_.scans(), surfaces),
-                                     options_.adjustment, threads_);
+  auto adjusted =
+      adjust_to_surfaces(result.graph, key_surfaces(back_end_.back_end().submaps(), surfaces),
+                         options_.adjustment, threads_);
   result.graph.poses = std::move(adjusted.poses);
   result.statistics.surface_spread_before_m = adjusted.spread_before_m;
   result.statistics.surface_spread_m = adjusted.spread_after_m;
@@ -357,11 +316,11 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
   result.statistics.judging_s = judging_graph.seconds();
   result.loop_closures = at_poses_of(result.graph, std::move(result.loop_closures));
 
-  PlacedScans placed =
-      place_scans(track_, back_end_.back_end().keys(), result.graph.poses, back_end_.scans());
+  PlacedScans placed = place_scans(so_far_.track, back_end_.back_end().keys(), result.graph.poses,
+                                   back_end_.back_end().submaps());
   result.trajectory = std::move(placed.trajectory);
   result.odometry = std::move(placed.odometry);
-  track_ = {};  // it is in the trajectories now
+  so_far_.track = {};  // it is in the trajectories now
   release_unused_memory();
 
   const Stopwatch rendering;
@@ -382,7 +341,7 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
     result.verdict = judge_map(result);
   }
   result.statistics.judging_s += judging.seconds();
-  result.warnings = warnings_of(result, options_, gyro_scans_ > 0);
+  result.warnings = warnings_of(result, options_, so_far_.gyro_scans > 0);
   result.complete = complete;
   return result;
 }
@@ -397,8 +356,8 @@ MapSnapshot Mapper::snapshot() const { return impl_->snapshot(); }
 MapResult Mapper::finish(const ProgressCallback& progress, const std::stop_token& cancel) {
   return impl_->finish(progress, cancel);
 }
-std::future<std::vector<StateChunk>> Mapper::save_state() { return impl_->save_state(); }
-void Mapper::restore_state(std::span<const StateChunk> chunks) { impl_->restore_state(chunks); }
+std::future<MapperState> Mapper::save_state() { return impl_->save_state(); }
+void Mapper::restore_state(MapperState state) { impl_->restore_state(std::move(state)); }
 std::int64_t Mapper::scans() const { return impl_->scans(); }
 
 }  // namespace loopstone

@@ -12,74 +12,60 @@ namespace loopstone {
 
 namespace {
 
-/// A correction this small can't spoil a map, true or not.
-constexpr double kHarmlessM = 0.25;
-constexpr double kHarmlessRad = 0.04;
-/// One in a hundred, chi-square of 3 degrees of freedom.
-constexpr double kAgreesChi2 = 11.345;
-/// A second closure must tell the correction from none by three standard deviations.
-constexpr double kNoticesChi2 = 9.0;
-/// What the path between the closures' ends adds: standard deviations at rest and a metre of
-/// travel.
-constexpr double kPathRestM = 0.05;
-constexpr double kPathM = 0.01;
-constexpr double kPathRestRad = 0.01;
-constexpr double kPathRad = 0.002;
-/// Over more travel than this, agreement says little.
-constexpr double kMostTravelM = 40.0;
+using Submaps = std::span<const SubmapRecord>;
 
-Pose2 present(const MapSoFar& map, NodeId from, NodeId to) {
-  return map.poses[static_cast<std::size_t>(from.index)].inverse() *
-         map.poses[static_cast<std::size_t>(to.index)];
+Pose2 present(Submaps submaps, SubmapId from, SubmapId to) {
+  return submaps[from.index].map_T_submap.inverse() * submaps[to.index].map_T_submap;
 }
 
-double travel_between(const MapSoFar& map, NodeId a, NodeId b) {
-  return std::abs(map.travelled_m[static_cast<std::size_t>(a.index)] -
-                  map.travelled_m[static_cast<std::size_t>(b.index)]);
+double travel_between(Submaps submaps, SubmapId a, SubmapId b) {
+  return std::abs(submaps[a.index].travelled_m - submaps[b.index].travelled_m);
 }
 
 /// By how much the map would have to move `to`, axes of `from` (as the closure's covariance has
 /// it).
-Eigen::Vector3d correction_of(const LoopClosure& closure, const MapSoFar& map) {
-  const Pose2 now = present(map, closure.from, closure.to);
+Eigen::Vector3d correction_of(const LoopClosure& closure, Submaps submaps) {
+  const Pose2 now = present(submaps, closure.from_submap, closure.to_submap);
   const Pose2& measured = closure.from_T_to;
   return {measured.x - now.x, measured.y - now.y, wrap_angle(measured.yaw - now.yaw)};
 }
 
 /// The part of the correction that the closure insists on. Directions that it does not hold fade
 /// out, compared with a harmless correction.
-Eigen::Vector3d pull_of(const LoopClosure& closure, const MapSoFar& map) {
-  const Eigen::Vector3d harmless(kHarmlessM * kHarmlessM, kHarmlessM * kHarmlessM,
-                                 kHarmlessRad * kHarmlessRad);
+Eigen::Vector3d pull_of(const LoopClosure& closure, Submaps submaps) {
+  const Eigen::Vector3d harmless(
+      kPairwiseConsistency.harmless_m * kPairwiseConsistency.harmless_m,
+      kPairwiseConsistency.harmless_m * kPairwiseConsistency.harmless_m,
+      kPairwiseConsistency.harmless_rad * kPairwiseConsistency.harmless_rad);
   Eigen::Matrix3d sum = closure.covariance;
   sum.diagonal() += harmless;
-  return harmless.cwiseProduct(sum.ldlt().solve(correction_of(closure, map)));
+  return harmless.cwiseProduct(sum.ldlt().solve(correction_of(closure, submaps)));
 }
 
-bool pulls_far(const Eigen::Vector3d& pull) { return pull.head<2>().norm() > kHarmlessM; }
-bool turns_far(const Eigen::Vector3d& pull) { return std::abs(pull[2]) > kHarmlessRad; }
+bool pulls_far(const Eigen::Vector3d& pull) {
+  return pull.head<2>().norm() > kPairwiseConsistency.harmless_m;
+}
+bool turns_far(const Eigen::Vector3d& pull) {
+  return std::abs(pull[2]) > kPairwiseConsistency.harmless_rad;
+}
 
 /// Whether what is this uncertain tells a pull from none, in position and in heading.
 bool notices(const Eigen::Vector3d& pull, const Eigen::Matrix3d& covariance) {
   const Eigen::Vector2d shift = pull.head<2>();
-  if (pulls_far(pull) &&
-      shift.dot(covariance.topLeftCorner<2, 2>().ldlt().solve(shift)) < kNoticesChi2)
+  if (pulls_far(pull) && shift.dot(covariance.topLeftCorner<2, 2>().ldlt().solve(shift)) <
+                             kPairwiseConsistency.notices_chi2)
     return false;
-  return !turns_far(pull) || pull[2] * pull[2] >= kNoticesChi2 * covariance(2, 2);
+  return !turns_far(pull) ||
+         pull[2] * pull[2] >= kPairwiseConsistency.notices_chi2 * covariance(2, 2);
 }
 
 double chi2(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   return error.dot(covariance.ldlt().solve(error));
 }
 
-/// Neighbours along the path hold scans of each other: what deceives the one deceives the other.
-/// Closures between submaps of which both pairs are neighbours are hardly two, and must each be
-/// this good.
-constexpr double kSharedOverlap = 0.75;
-constexpr double kSharedAgreement = 0.85;
-
 bool is_good(const LoopClosure& closure) {
-  return closure.overlap >= kSharedOverlap && closure.agreement >= kSharedAgreement;
+  return closure.overlap >= kPairwiseConsistency.shared_overlap &&
+         closure.agreement >= kPairwiseConsistency.shared_agreement;
 }
 
 bool share_scans(const LoopClosure& a, const LoopClosure& b) {
@@ -91,18 +77,19 @@ bool share_scans(const LoopClosure& a, const LoopClosure& b) {
 
 }  // namespace
 
-bool bends_nothing(const LoopClosure& closure, const MapSoFar& map) {
-  const Eigen::Vector3d pull = pull_of(closure, map);
+bool bends_nothing(const LoopClosure& closure, Submaps submaps) {
+  const Eigen::Vector3d pull = pull_of(closure, submaps);
   return !pulls_far(pull) && !turns_far(pull);
 }
 
-bool are_consistent(const LoopClosure& a, const LoopClosure& b, const MapSoFar& map) {
-  const double travel_m = travel_between(map, a.from, b.from) + travel_between(map, a.to, b.to);
-  if (travel_m > kMostTravelM) return false;
+bool are_consistent(const LoopClosure& a, const LoopClosure& b, Submaps submaps) {
+  const double travel_m = travel_between(submaps, a.from_submap, b.from_submap) +
+                          travel_between(submaps, a.to_submap, b.to_submap);
+  if (travel_m > kPairwiseConsistency.travel_most_m) return false;
   if (share_scans(a, b) && !(is_good(a) && is_good(b))) return false;
   // What b says of a's ends: a.from -> b.from -> b.to -> a.to.
-  const Pose2 from_T_from = present(map, a.from, b.from);
-  const Pose2 to_T_to = present(map, b.to, a.to);
+  const Pose2 from_T_from = present(submaps, a.from_submap, b.from_submap);
+  const Pose2 to_T_to = present(submaps, b.to_submap, a.to_submap);
   const Pose2 told = from_T_from * b.from_T_to * to_T_to;
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = from_T_from.rotation();
@@ -111,29 +98,31 @@ bool are_consistent(const LoopClosure& a, const LoopClosure& b, const MapSoFar& 
   Eigen::Matrix3d swing = Eigen::Matrix3d::Identity();
   swing(0, 2) = -arm.y();
   swing(1, 2) = arm.x();
-  const double sigma_m = kPathRestM + kPathM * travel_m;
-  const double sigma_rad = kPathRestRad + kPathRad * travel_m;
+  const double sigma_m =
+      kPairwiseConsistency.path_rest_m + kPairwiseConsistency.path_share * travel_m;
+  const double sigma_rad =
+      kPairwiseConsistency.path_rest_rad + kPairwiseConsistency.path_rad_per_m * travel_m;
   const Eigen::Matrix3d jacobian = swing * turn;
   Eigen::Matrix3d covariance = a.covariance + jacobian * b.covariance * jacobian.transpose();
   covariance.diagonal() +=
       Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
   const Eigen::Vector3d open(told.x - a.from_T_to.x, told.y - a.from_T_to.y,
                              wrap_angle(told.yaw - a.from_T_to.yaw));
-  return chi2(open, covariance) <= kAgreesChi2 && notices(pull_of(a, map), covariance);
+  return chi2(open, covariance) <= kPairwiseConsistency.agrees_chi2 &&
+         notices(pull_of(a, submaps), covariance);
 }
 
-std::vector<std::size_t> accept_consistent(std::vector<LoopClosure>& closures,
-                                           const MapSoFar& map) {
+std::vector<std::size_t> accept_consistent(std::vector<LoopClosure>& closures, Submaps submaps) {
   const auto waits = [](const LoopClosure& c) { return c.state == ClosureState::kWaiting; };
   std::vector<std::size_t> accepted;
   for (std::size_t i = 0; i < closures.size(); ++i) {
     const LoopClosure& closure = closures[i];
     if (!waits(closure)) continue;
     const bool stands =
-        bends_nothing(closure, map) ||
+        bends_nothing(closure, submaps) ||
         std::any_of(closures.begin(), closures.end(), [&](const LoopClosure& other) {
           return &other != &closure && (other.stands() || waits(other)) &&
-                 are_consistent(closure, other, map);
+                 are_consistent(closure, other, submaps);
         });
     if (stands) accepted.push_back(i);
   }

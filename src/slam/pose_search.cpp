@@ -7,16 +7,10 @@
 
 namespace loopstone {
 
-namespace {
-
-constexpr double kSliceRad = 0.15;
-constexpr std::size_t kSearchPoints = 200;
-
-}  // namespace
-
 SearchResult search_about_robot(std::span<const Eigen::Vector2d> points, const MaxPyramid& target,
                                 const SearchWindow& window, double min_score) {
-  const int slices = std::max(1, static_cast<int>(std::ceil(window.half_yaw_rad / kSliceRad)));
+  const int slices =
+      std::max(1, static_cast<int>(std::ceil(window.half_yaw_rad / kPoseSearch.slice_rad)));
   const double half_slice = window.half_yaw_rad / slices;
   SearchResult best;
   best.score = min_score;
@@ -36,7 +30,8 @@ SearchResult search_about_robot(std::span<const Eigen::Vector2d> points, const M
 }
 
 std::vector<Eigen::Vector2d> search_points(std::span<const SurfacePoint> surfaces) {
-  const std::size_t stride = std::max<std::size_t>(1, surfaces.size() / kSearchPoints);
+  const std::size_t stride =
+      std::max<std::size_t>(1, surfaces.size() / static_cast<std::size_t>(kPoseSearch.points));
   std::vector<Eigen::Vector2d> points;
   for (std::size_t i = 0; i < surfaces.size(); i += stride)
     points.emplace_back(surfaces[i].position.cast<double>());

@@ -10,6 +10,25 @@
 
 namespace loopstone {
 
+/// What the search for a pose decides by.
+struct PoseSearchNumbers {
+  double min_score = 0.25;
+  double slice_rad = 0.15;
+  int points = 200;
+};
+inline constexpr PoseSearchNumbers kPoseSearch{};
+
+template <typename Visitor>
+void visit_numbers(const PoseSearchNumbers& n, Visitor&& visit) {
+  visit("min_score", n.min_score,
+        "chosen: of a search; a scan of which not even a quarter more lies on surfaces than in "
+        "free space contradicts the map");
+  visit("slice_rad", n.slice_rad,
+        "chosen: half of the headings searched at once, so that turning about the points' centre "
+        "and about the robot are nearly the same");
+  visit("points", n.points, "chosen: of a scan, evenly spread; a search costs in proportion");
+}
+
 /// The best pose of a robot's points on a map within a window of the robot's own positions and
 /// headings. The correlative search underneath turns points about their centre; in slices of the
 /// heading range both are the same.
@@ -17,9 +36,6 @@ namespace loopstone {
 [[nodiscard]] SearchResult search_about_robot(std::span<const Eigen::Vector2d> points,
                                               const MaxPyramid& target, const SearchWindow& window,
                                               double min_score);
-
-/// Below this score of a search a scan contradicts the map.
-inline constexpr double kSearchMinScore = 0.25;
 
 /// Some hundred positions of a scan, evenly spread, to search with.
 [[nodiscard]] std::vector<Eigen::Vector2d> search_points(std::span<const SurfacePoint> surfaces);

@@ -4,63 +4,96 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <utility>
 
 #include "loopstone/slam/back_end.hpp"
 #include "loopstone/slam/front_end.hpp"
-#include "loopstone/slam/key_chain.hpp"
+#include "loopstone/slam/mapper_state.hpp"
 
 namespace loopstone {
 
 namespace {
 
-bool edges_stay_inside(const PoseGraph& graph) {
-  const auto inside = [&](NodeId node) {
-    return node.index >= 0 && static_cast<std::size_t>(node.index) < graph.poses.size();
-  };
-  // A mapper's graph has poses and edges alone.
-  return graph.priors.empty() && graph.landmarks.empty() && graph.landmark_edges.empty() &&
-         std::ranges::all_of(graph.fixed, inside) &&
-         std::ranges::all_of(graph.edges, [&](const RelativePoseEdge& edge) {
-           return inside(edge.from) && inside(edge.to);
+bool only_grow(std::span<const SubmapRecord> submaps) {
+  double before_m = 0.0;
+  return std::ranges::all_of(submaps, [&](const SubmapRecord& submap) {
+    const double last_m = std::exchange(before_m, submap.travelled_m);
+    return std::isfinite(submap.travelled_m) && submap.travelled_m >= last_m;
+  });
+}
+
+/// Whether full submaps come first, and speak of each other alone.
+bool are_in_order(std::span<const SubmapRecord> submaps, std::size_t full, double reach_m) {
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    const SubmapRecord& submap = submaps[i];
+    if ((submap.state == SubmapState::kOpen) != (i >= full)) return false;
+    if (submap.frozen && !submap.frozen->lies_within(reach_m)) return false;
+    if (!std::ranges::all_of(submap.closed_with, [&](SubmapId id) { return id.index < full; }))
+      return false;
+  }
+  return true;
+}
+
+/// Whether key scans and mapped scans come in order, key scans are those that say so, and every
+/// stretch begins with one.
+bool scans_fit(std::span<const SubmapRecord> submaps, std::size_t scans) {
+  std::optional<std::size_t> last;
+  for (const SubmapRecord& submap : submaps) {
+    std::size_t key = 0;
+    bool fits = !submap.keys.empty() && !submap.scans.empty();
+    submap.scans.for_each([&](const MappedScan& mapped) {
+      const bool is_key = key < submap.keys.size() && submap.keys[key].scan == mapped.index;
+      if (is_key) ++key;
+      fits = fits && (is_key || key > 0) && mapped.is_key == is_key && mapped.index < scans &&
+             (!last || mapped.index > *last);
+      last = mapped.index;
+    });
+    if (!fits || key != submap.keys.size()) return false;
+  }
+  return true;
+}
+
+/// Whether the scans that wait follow those that the back end has.
+bool waiting_fit(std::span<const WaitingScan> waiting, std::span<const SubmapRecord> submaps,
+                 std::size_t scans) {
+  if (waiting.empty()) return true;
+  std::optional<std::size_t> last;
+  if (!submaps.empty())
+    submaps.back().scans.for_each([&](const MappedScan& mapped) { last = mapped.index; });
+  return (last || waiting.front().key) && std::ranges::all_of(waiting, [&](const WaitingScan& w) {
+           const std::size_t index = w.scan->index;
+           const bool follows = index < scans && (!last || index > *last);
+           last = index;
+           return follows && w.scan->is_key == w.key.has_value() &&
+                  (!w.key || w.key->scan == index);
          });
 }
 
 }  // namespace
 
-bool only_grows(std::span<const double> travelled_m) {
-  return std::ranges::all_of(travelled_m, [](double m) { return m >= 0.0 && std::isfinite(m); }) &&
-         std::ranges::is_sorted(travelled_m);
+bool is_sound(const BackEnd::State& state, std::size_t scans, double reach_m) {
+  const std::span<const SubmapRecord> submaps = state.chain.submaps;
+  const auto open = std::ranges::find(submaps, SubmapState::kOpen, &SubmapRecord::state);
+  const auto full = static_cast<std::size_t>(open - submaps.begin());
+  return std::isfinite(state.chain.length_m + state.chain.breaks_m) && only_grow(submaps) &&
+         are_in_order(submaps, full, reach_m) && scans_fit(submaps, scans) &&
+         is_sound(state.loops, submaps.first(full)) &&
+         std::ranges::all_of(state.closures, [&](const LoopClosure& closure) {
+           return closure.from_submap.index < full && closure.to_submap.index < full;
+         });
 }
 
-bool KeyChain::is_sound() const {
-  if (travelled_m_.size() != stretches_.size() || !only_grows(travelled_m_) ||
-      !std::isfinite(length_m_ + breaks_m_))
-    return false;
-  const KeyScan* before = nullptr;
-  for (const Stretch& stretch : stretches_) {
-    if (stretch.keys.empty()) return false;
-    for (const KeyScan& key : stretch.keys) {
-      if (before != nullptr && key.scan <= before->scan) return false;
-      before = &key;
-    }
-  }
-  return true;
-}
-
-bool BackEnd::is_sound() const {
-  const std::size_t stretches = chain_.stretch_count();
-  const std::size_t submaps = loops_.submap_count();
-  return outline_.poses.size() == stretches && submaps <= stretches &&
-         edges_stay_inside(outline_) && edges_stay_inside(graph_) &&
-         std::ranges::all_of(closures_,
-                             [&](const LoopClosure& closure) {
-                               return closure.from_submap.index < submaps &&
-                                      closure.to_submap.index < submaps &&
-                                      closure.state <= ClosureState::kRevoked &&
-                                      closure.reason <= ClosureReason::kContradictsGraph;
-                             }) &&
-         std::ranges::all_of(thinned_, [&](std::size_t stretch) { return stretch < stretches; });
+bool is_sound(const MapperState& state, double reach_m) {
+  const MapperState::SoFar& so_far = state.so_far;
+  const std::size_t scans = so_far.track.size();
+  return is_sound(state.back_end, scans, reach_m) &&
+         waiting_fit(state.waiting, state.back_end.chain.submaps, scans) &&
+         so_far.gyro_scans >= 0 && so_far.submaps_frozen <= so_far.submaps_opened &&
+         so_far.submaps_opened <= scans &&
+         std::ranges::all_of(so_far.breaks,
+                             [&](const PathBreak& found) { return found.to_scan < scans; });
 }
 
 bool FrontEnd::submaps_lie_within(double reach_m) const {

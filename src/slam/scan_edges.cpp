@@ -9,17 +9,9 @@ namespace loopstone {
 
 namespace {
 
-/// A match farther from the expected motion is not believed.
-constexpr double kGateM = 0.5;
-constexpr double kGateRad = 0.35;
-constexpr double kFloorM = 0.005;
-constexpr double kFloorRad = 0.002;
-constexpr double kGuessedM = 0.3;
-constexpr double kGuessedRad = 0.2;
-
 bool near(const Pose2& pose, const Pose2& expected) {
   const Pose2 off = expected.inverse() * pose;
-  return std::hypot(off.x, off.y) <= kGateM && std::abs(off.yaw) <= kGateRad;
+  return std::hypot(off.x, off.y) <= kScanEdges.gate_m && std::abs(off.yaw) <= kScanEdges.gate_rad;
 }
 
 }  // namespace
@@ -29,11 +21,11 @@ Eigen::Matrix3d planar_covariance(double sigma_m, double sigma_rad) {
 }
 
 PoseWithCovariance2 guessed_motion(const Pose2& last_motion) {
-  return {last_motion, planar_covariance(kGuessedM, kGuessedRad)};
+  return {last_motion, planar_covariance(kScanEdges.guessed_m, kScanEdges.guessed_rad)};
 }
 
 PoseWithCovariance2 with_floor(PoseWithCovariance2 motion) {
-  motion.covariance += planar_covariance(kFloorM, kFloorRad);
+  motion.covariance += planar_covariance(kScanEdges.floor_m, kScanEdges.floor_rad);
   return motion;
 }
 
@@ -51,8 +43,9 @@ std::optional<PoseWithCovariance2> believed(const MatchResult& match,
 
 RelativePoseEdge edge_between(int from, int to, const PoseWithCovariance2& from_T_to,
                               EdgeKind kind) {
-  const Eigen::Matrix3d information =
-      rotated(from_T_to.covariance, from_T_to.pose.rotation().transpose()).inverse();
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.topLeftCorner<2, 2>() = from_T_to.pose.rotation().transpose();
+  const Eigen::Matrix3d information = (turn * from_T_to.covariance * turn.transpose()).inverse();
   return {NodeId{from}, NodeId{to}, from_T_to.pose, 0.5 * (information + information.transpose()),
           kind};
 }

@@ -16,17 +16,6 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 /// So many faults of a kind are told one by one; of the rest their number.
 constexpr std::size_t kTold = 8;
-/// Shorter faults of the laser are beneath notice.
-constexpr double kBriefS = 1.0;
-/// The same scan so often in a row, where no odometry tells whether the robot stood.
-constexpr std::int64_t kManyRepeats = 100;
-/// Wheels measured with a ruler are right to some per cent; recorded logs of calibrated robots lie
-/// within 4.
-constexpr double kScaleOff = 0.06;
-/// A mount set by eye is right to a degree or two.
-constexpr double kMountOffRad = 3.0 / kDegrees;
-/// Correlation at which two tell the same, or the opposite.
-constexpr double kSame = 0.7;
 
 std::string moved(const LaserEpisode& episode) {
   if (!(episode.odometry_m > 0.0 || episode.odometry_rad > 0.0)) return {};
@@ -38,7 +27,7 @@ void add_unusable_scans(const MapResult& result, const RunClock& clock,
                         std::vector<std::string>& faults) {
   std::size_t told = 0;
   for (const LaserEpisode& episode : result.laser_episodes) {
-    if ((episode.to - episode.from).seconds() < kBriefS || ++told > kTold) continue;
+    if ((episode.to - episode.from).seconds() < kSensorFaults.brief_s || ++told > kTold) continue;
     const std::string when = clock.span(episode.from, episode.to) + moved(episode);
     const std::string left_out = fmt::format("; these {} scans were not used", episode.scans);
     faults.push_back(episode.fault == LaserFault::kBlocked
@@ -49,7 +38,7 @@ void add_unusable_scans(const MapResult& result, const RunClock& clock,
   }
   if (told > kTold)
     faults.push_back(fmt::format("{} more times the laser was blocked or frozen", told - kTold));
-  if (result.statistics.scans_repeated >= kManyRepeats) {
+  if (result.statistics.scans_repeated >= kSensorFaults.many_repeats) {
     faults.push_back(fmt::format(
         "{} scans in a row are the same to the last bit: the robot stood still, or the laser was "
         "frozen; without odometry nothing tells which",
@@ -58,9 +47,9 @@ void add_unusable_scans(const MapResult& result, const RunClock& clock,
 }
 
 std::string likelier(const std::optional<double>& wheels_with_gyro) {
-  if (wheels_with_gyro && *wheels_with_gyro > kSame)
+  if (wheels_with_gyro && *wheels_with_gyro > kSensorFaults.same_correlation)
     return "wheels and gyro agree with one another, so the laser is the likelier one";
-  if (wheels_with_gyro && *wheels_with_gyro < -kSame)
+  if (wheels_with_gyro && *wheels_with_gyro < -kSensorFaults.same_correlation)
     return "wheels and gyro contradict one another too, so the gyro is the likelier one";
   return "the data can't tell which";
 }
@@ -86,13 +75,14 @@ void add_contradictions(const MapResult& result, const RunClock& clock,
 
 void add_calibration(const MapStatistics& s, std::vector<std::string>& faults) {
   const double scale = s.odometry_translation_scale;
-  if (scale > 0.0 && std::abs(scale - 1.0) > kScaleOff) {
+  if (scale > 0.0 && std::abs(scale - 1.0) > kSensorFaults.scale_off) {
     faults.push_back(fmt::format(
         "odometry goes {:.2f} times as far as the laser sees: the wheels' size is wrong, or the "
         "laser's ranges are; the data can't tell which. The map has the laser's scale",
         scale));
   }
-  if (s.laser_heading_offset_rad && std::abs(*s.laser_heading_offset_rad) > kMountOffRad) {
+  if (s.laser_heading_offset_rad &&
+      std::abs(*s.laser_heading_offset_rad) > kSensorFaults.mount_off_deg / kDegrees) {
     const double offset = kDegrees * *s.laser_heading_offset_rad;
     faults.push_back(fmt::format(
         "the laser sees the robot go {:.1f} deg to the {} while odometry goes straight ahead: the "

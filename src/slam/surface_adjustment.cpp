@@ -13,6 +13,7 @@
 #include "loopstone/graph/block_system.hpp"
 #include "loopstone/graph/linearised_graph.hpp"
 #include "slam/scan_edges.hpp"
+#include "slam/surface_adjustment_numbers.hpp"
 #include "slam/surface_patches.hpp"
 #include "slam/surface_segments.hpp"
 #include "slam/surface_system.hpp"
@@ -20,17 +21,6 @@
 namespace loopstone {
 
 namespace {
-
-/// A step is found to this accuracy; the next round goes on from there.
-constexpr double kStepAccuracy = 0.1;
-constexpr int kProductsMax = 40;
-/// Neighbouring points of a scan err alike, so many of them do not average all noise away.
-constexpr double kSharedNoise = 2.0;
-/// Points are stored to better than this.
-constexpr double kLeastSigmaM = 1e-4;
-/// Share of a key scan's own surfaces that the graph's factor takes in: enough to know which
-/// directions they hold, without holding together what moves together.
-constexpr double kOwnSurfaces = 0.1;
 
 using Blocks = std::vector<Eigen::Vector3d>;
 
@@ -79,7 +69,8 @@ class Adjustment {
     const double spread_m = system.spread_m(keys);
     if (result_.rounds == 0) result_.spread_before_m = result_.spread_after_m = spread_m;
     equations_.linearise(state_);
-    system.linearise(keys, kSharedNoise * std::max(spread_m, kLeastSigmaM));
+    system.linearise(keys, kSurfaceAdjustment.shared_noise *
+                               std::max(spread_m, kSurfaceAdjustment.least_sigma_m));
     if (!segments_ && !factorise(system)) return false;
     find_step(system);
     GraphState trial = equations_.moved(state_, step_);
@@ -95,7 +86,7 @@ class Adjustment {
   bool factorise(const SurfaceSystem& system) {
     BlockMatrix matrix = equations_.hessian();
     for (std::size_t i = 0; i < matrix.diagonal.size(); ++i) {
-      matrix.diagonal[i] += kOwnSurfaces * system.diagonal()[i];
+      matrix.diagonal[i] += kSurfaceAdjustment.own_surfaces * system.diagonal()[i];
     }
     segments_.emplace(state_.poses, places_);
     return solver_.factorise(matrix) && segments_->factorise(system, equations_.hessian());
@@ -111,8 +102,9 @@ class Adjustment {
     condition_residual();
     direction_ = conditioned_;
     double left = dot(residual_, conditioned_);
-    const double enough = kStepAccuracy * kStepAccuracy * left;
-    for (int i = 0; i < kProductsMax && left > enough; ++i) {
+    const double enough =
+        kSurfaceAdjustment.step_accuracy * kSurfaceAdjustment.step_accuracy * left;
+    for (int i = 0; i < kSurfaceAdjustment.products_max && left > enough; ++i) {
       multiply(equations_.hessian(), direction_, product_);
       system.multiply_add(direction_, product_);
       ++result_.products;

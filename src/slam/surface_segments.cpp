@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/surface_adjustment_numbers.hpp"
+
 namespace loopstone {
-
-namespace {
-
-constexpr std::size_t kKeysPerSegment = 12;
-
-}  // namespace
 
 /// What one segment saw of a patch: sums over its sights, as if they were of one rigid body.
 struct SurfaceSegments::Group {
@@ -22,12 +18,13 @@ SurfaceSegments::SurfaceSegments(std::span<const Pose2> map_T_key, std::span<con
   std::size_t size = 0;
   for (const int place : places) size += place >= 0 ? 1 : 0;
   members_.resize(size);
-  std::size_t inside = kKeysPerSegment;
+  constexpr auto kKeys = static_cast<std::size_t>(kSurfaceAdjustment.keys_per_segment);
+  std::size_t inside = kKeys;
   std::vector<std::size_t> counts;
   std::vector<int> segment_of(places.size(), -1);
   for (std::size_t key = 0; key < places.size(); ++key) {
     if (places[key] < 0) continue;
-    if (inside == kKeysPerSegment) {
+    if (inside == kKeys) {
       centres_.emplace_back(Eigen::Vector2d::Zero());
       counts.push_back(0);
       inside = 0;

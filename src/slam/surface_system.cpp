@@ -5,6 +5,7 @@
 
 #include "loopstone/base/median.hpp"
 #include "loopstone/base/robust_kernel.hpp"
+#include "slam/surface_adjustment_numbers.hpp"
 
 namespace loopstone {
 
@@ -12,10 +13,6 @@ namespace {
 
 /// So many shares that are summed in order, whatever the number of threads.
 constexpr std::size_t kChunks = 8;
-/// Distances beyond so many standard deviations count less and less.
-constexpr double kKernelWidth = 2.0;
-/// How far a patch's direction may be off the mean of its points' normals.
-constexpr double kSlopeSigma = 0.1;
 /// A point is in a patch of either grid.
 constexpr double kGrids = 2.0;
 
@@ -49,7 +46,7 @@ Offset offset_of(const PatchSight& sight, const SurfacePatch& patch,
 struct LineSums {
   double w = 0.0;
   double wt = 0.0;
-  double wtt = 1.0 / (kSlopeSigma * kSlopeSigma);
+  double wtt = 1.0 / (kSurfaceAdjustment.slope_sigma * kSurfaceAdjustment.slope_sigma);
   double wr = 0.0;
   double wtr = 0.0;
 
@@ -115,9 +112,10 @@ void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey
     for (std::size_t i = patch.first; i < patch.last; ++i) {
       Row& row = rows_[i];
       const double off = distances[i - patch.first] - line.offset - line.slope * row.along;
-      const double weight =
-          information * patches_.sights[i].weight *
-          evaluate(RobustKernel::kCauchy, kKernelWidth, off * off / (sigma_m * sigma_m)).weight;
+      const double weight = information * patches_.sights[i].weight *
+                            evaluate(RobustKernel::kCauchy, kSurfaceAdjustment.kernel_width,
+                                     off * off / (sigma_m * sigma_m))
+                                .weight;
       row.weight = static_cast<float>(weight);
       sums.add(row.weight, row.along, distances[i - patch.first]);
     }
@@ -127,9 +125,10 @@ void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey
   for (std::size_t i = patch.first; i < patch.last; ++i) {
     const Row& row = rows_[i];
     const double off = distances[i - patch.first] - line.offset - line.slope * row.along;
-    chunk.cost +=
-        0.5 * patches_.sights[i].weight *
-        evaluate(RobustKernel::kCauchy, kKernelWidth, off * off / (sigma_m * sigma_m)).cost;
+    chunk.cost += 0.5 * patches_.sights[i].weight *
+                  evaluate(RobustKernel::kCauchy, kSurfaceAdjustment.kernel_width,
+                           off * off / (sigma_m * sigma_m))
+                      .cost;
     if (row.place < 0) continue;
     const auto place = static_cast<std::size_t>(row.place);
     const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), row.turn);

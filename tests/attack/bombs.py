@@ -346,11 +346,14 @@ def session():
     def checked(piece):
         return piece + struct.pack("<I", zlib.crc32(piece))
 
-    head = checked(b"LOOPSESS" + struct.pack("<I", 1))
-    for tag in (b"END ", b"RUN ", b"SCAN", b"FRNT", b"MAPR", b"WAIT", b"BACK", b"MAPD"):
-        for size in (0, 8, 1 << 32, 1 << 63, (1 << 64) - 1):
-            yield head + tag + struct.pack("<HHQ", 1, 0, size) + b"\xff" * 64
-        yield head + checked(tag + struct.pack("<HHQ", 1, 0, 64) + b"\xff" * 64) + checked(
-            b"END " + struct.pack("<HHQI", 1, 0, 4, 1)
-        )
+    for version in (0, 1, 3, (1 << 32) - 1):
+        yield checked(b"LOOPSESS" + struct.pack("<I", version))
+    head = checked(b"LOOPSESS" + struct.pack("<I", 2))
+    for size in (0, 8, 1 << 32, 1 << 63, (1 << 64) - 1):
+        yield head + struct.pack("<Q", size) + b"\xff" * 64
+    # Texts and lists that say that they are longer than all that follows.
+    for count in (64, 1 << 32, 1 << 63, (1 << 64) - 1):
+        for before in (0, 8, 24, 25, 64):
+            content = bytes(before) + struct.pack("<Q", count) + b"\xff" * 64
+            yield head + checked(struct.pack("<Q", len(content)) + content)
     yield head

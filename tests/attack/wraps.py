@@ -137,25 +137,17 @@ class Mat:
 
 
 class Session:
-    """The head without its checksum, then each part of the session without its own; lengths are
-    counted anew."""
+    """The head without its checksum, and the content; its length and checksum are made anew."""
 
     def unpack(self, data):
-        parts, at = [data[:12]], 16
-        while at + 16 <= len(data):
-            size = struct.unpack("<Q", data[at + 8 : at + 16])[0]
-            parts.append(data[at : at + 8] + data[at + 16 : at + 16 + size])
-            at += 16 + size + 4
-        return parts
+        return [data[:12], data[24:-4]]
 
     def pack(self, parts):
-        def checked(piece):
-            return piece + struct.pack("<I", zlib.crc32(piece))
-
-        out = checked(parts[0]) if parts else b""
-        for part in parts[1:]:
-            out += checked(part[:8] + struct.pack("<Q", max(0, len(part) - 8)) + part[8:])
-        return out
+        head = parts[0] if parts else b""
+        content = b"".join(parts[1:])
+        length = struct.pack("<Q", len(content))
+        checksums = [struct.pack("<I", zlib.crc32(piece)) for piece in (head, length + content)]
+        return head + checksums[0] + length + content + checksums[1]
 
 
 class HeadAndBody:

@@ -60,6 +60,16 @@ TEST(Program, BadUsageIsOneLineAndExitCodeTwo) {
   EXPECT_THAT(run_program({"odometri"}).error, HasSubstr("did you mean odometry?"));
 }
 
+TEST(Program, FlagsOfWordsSayWhichThereAre) {
+  const ProgramResult wrong = run_program({"map", "x", "-o", "y", "--odometry", "belief"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.error, HasSubstr("belief not in {check,trust,ignore}"));
+  const std::string help = run_program({"optimize", "--help"}).out;
+  EXPECT_THAT(help, HasSubstr("--initial best|file|odometry|spanning_tree|chordal=best"));
+  EXPECT_THAT(help, HasSubstr("--method gauss_newton|levenberg_marquardt|dogleg\n"));
+  EXPECT_THAT(help, HasSubstr("--robust none|huber|cauchy|geman_mcclure|tukey|dcs|gnc"));
+}
+
 TEST(Program, SmallFilesThatUnpackToGigabytesAreRefused) {
   const TempDir folder;
   const std::string map = folder.write(

@@ -82,7 +82,7 @@ class SessionCommand : public testing::Test {
   }
   static void expect_same_result() {
     for (const char* name : {"trajectory.tum", "odometry.tum", "graph.g2o", "loop_closures.csv",
-                             "map.pgm", "map.yaml", "map.png", "options.toml"}) {
+                             "map.pgm", "map.yaml", "map.png", "options.toml", "decisions.toml"}) {
       const std::string expected = folder->read(std::string("whole/") + name);
       EXPECT_FALSE(expected.empty()) << name;
       EXPECT_TRUE(folder->read(std::string("out/") + name) == expected) << name;

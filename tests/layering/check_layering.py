@@ -32,7 +32,7 @@ THIRD_PARTY = {
     "yaml-cpp/": FILE_PARTS,
     "png.h": FILE_PARTS,
     "zip.h": FILE_PARTS,
-    "zlib.h": FILE_PARTS,
+    "zlib.h": FILE_PARTS | {"base"},
     "libdeflate.h": FILE_PARTS,
     "bzlib.h": FILE_PARTS,
     "cairo": FILE_PARTS,

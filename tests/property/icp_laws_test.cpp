@@ -22,9 +22,10 @@ using Planar = std::vector<Eigen::Vector2d>;
 using Spatial = std::vector<Eigen::Vector3d>;
 using test::pose_near;
 
-constexpr const char* kMetrics[] = {"point", "line", "plane", "gicp"};
+constexpr IcpMetric kMetrics[] = {IcpMetric::kPoint, IcpMetric::kLine, IcpMetric::kPlane,
+                                  IcpMetric::kGicp};
 
-IcpOptions with_metric(const std::string& metric) {
+IcpOptions with_metric(IcpMetric metric) {
   IcpOptions options;
   options.metric = metric;
   options.max_pair_distance_m = 0.5;
@@ -69,7 +70,7 @@ RC_GTEST_PROP(IcpLaws, ACommonMotionOfTheTargetMovesTheResult, ()) {
   const Pose2 moved_T_target = *test::any_pose2();
   const Planar target = room_seen_from(kWorld_T_target);
   const Planar source = room_seen_from(kWorld_T_target * kTruth);
-  for (const char* metric : kMetrics) {
+  for (const IcpMetric metric : kMetrics) {
     const MatchResult here = match_icp(source, make_icp_cloud<2>(target), {}, with_metric(metric));
     const MatchResult there = match_icp(source, make_icp_cloud<2>(moved(moved_T_target, target)),
                                         moved_T_target, with_metric(metric));
@@ -85,7 +86,7 @@ RC_GTEST_PROP(IcpLaws, AnotherFrameOfTheSourceIsTakenOffTheResult, ()) {
                              *test::any_angle()};
   const auto target = make_icp_cloud<2>(room_seen_from(kWorld_T_target));
   const Planar source = room_seen_from(kWorld_T_target * kTruth);
-  for (const char* metric : kMetrics) {
+  for (const IcpMetric metric : kMetrics) {
     const MatchResult here = match_icp(source, target, {}, with_metric(metric));
     const MatchResult other = match_icp(moved(source_T_other.inverse(), source), target,
                                         source_T_other, with_metric(metric));
@@ -97,7 +98,7 @@ TEST(IcpLaws, TheOrderOfThePointsDoesNotMatter) {
   Rng rng(81);
   const Planar target = room_seen_from(kWorld_T_target, 0.01, &rng);
   const Planar source = room_seen_from(kWorld_T_target * kTruth, 0.01, &rng);
-  for (const char* metric : kMetrics) {
+  for (const IcpMetric metric : kMetrics) {
     const MatchResult first = match_icp(source, make_icp_cloud<2>(target), {}, with_metric(metric));
     for (int draw = 0; draw < 5; ++draw) {
       Planar shuffled_target = target;
@@ -106,9 +107,10 @@ TEST(IcpLaws, TheOrderOfThePointsDoesNotMatter) {
       shuffle(shuffled_source, rng);
       const MatchResult again =
           match_icp(shuffled_source, make_icp_cloud<2>(shuffled_target), {}, with_metric(metric));
-      EXPECT_TRUE(pose_near(again.target_T_source, first.target_T_source, 1e-9, 1e-9)) << metric;
-      EXPECT_EQ(again.pairs, first.pairs) << metric;
-      EXPECT_TRUE(again.covariance.isApprox(first.covariance, 1e-6)) << metric;
+      EXPECT_TRUE(pose_near(again.target_T_source, first.target_T_source, 1e-9, 1e-9))
+          << to_string(metric);
+      EXPECT_EQ(again.pairs, first.pairs) << to_string(metric);
+      EXPECT_TRUE(again.covariance.isApprox(first.covariance, 1e-6)) << to_string(metric);
     }
   }
 }
@@ -117,16 +119,18 @@ TEST(IcpLaws, AllWaysToTheNearestPointGiveTheSameResult) {
   Rng rng(82);
   const Planar target = room_seen_from(kWorld_T_target, 0.01, &rng);
   const Planar source = room_seen_from(kWorld_T_target * kTruth, 0.01, &rng);
-  for (const char* metric : kMetrics) {
+  for (const IcpMetric metric : kMetrics) {
     const MatchResult by_tree =
         match_icp(source, make_icp_cloud<2>(target), {}, with_metric(metric));
-    for (const char* search : {"grid", "projection"}) {
+    for (const PointSearch search : {PointSearch::kGrid, PointSearch::kProjection}) {
       IcpCloudOptions<2> options;
       options.search = search;
       const MatchResult result =
           match_icp(source, make_icp_cloud<2>(target, options), {}, with_metric(metric));
-      EXPECT_EQ(result.target_T_source, by_tree.target_T_source) << metric << " " << search;
-      EXPECT_EQ(result.covariance, by_tree.covariance) << metric << " " << search;
+      EXPECT_EQ(result.target_T_source, by_tree.target_T_source)
+          << to_string(metric) << " " << to_string(search);
+      EXPECT_EQ(result.covariance, by_tree.covariance)
+          << to_string(metric) << " " << to_string(search);
     }
   }
 }
@@ -142,7 +146,7 @@ RC_GTEST_PROP(IcpLaws, ScalesWithTheUnitOfLength, ()) {
   IcpCloudOptions<2> cloud;
   cloud.patches.dense_radius_m *= scale;
   cloud.patches.reach_m *= scale;
-  for (const char* metric : kMetrics) {
+  for (const IcpMetric metric : kMetrics) {
     const MatchResult one = match_icp(source, make_icp_cloud<2>(target), {}, with_metric(metric));
     IcpOptions options = with_metric(metric);
     options.max_pair_distance_m *= scale;
@@ -166,7 +170,7 @@ TEST(IcpLaws, SpaceAgreesWithThePlaneOnWalls) {
   PatchOptions<2> planar;
   planar.smooth = false;
   planar.dense_radius_m = 0.0;
-  for (const char* metric : {"point", "plane", "gicp"}) {
+  for (const IcpMetric metric : {IcpMetric::kPoint, IcpMetric::kPlane, IcpMetric::kGicp}) {
     const MatchResult in_plane =
         match_icp(source, make_icp_cloud<2>(target, {.patches = planar}), {}, with_metric(metric));
     const MatchResult3 in_space =
@@ -175,9 +179,9 @@ TEST(IcpLaws, SpaceAgreesWithThePlaneOnWalls) {
     // height, stays.
     EXPECT_TRUE(pose_near(in_space.target_T_source, Pose3::from_pose2(in_plane.target_T_source),
                           5e-3, 2e-3))
-        << metric;
-    EXPECT_NEAR(in_space.target_T_source.translation.z(), 0.0, 1e-4) << metric;
-    EXPECT_EQ(in_space.status, MatchStatus::kDegenerate) << metric;
+        << to_string(metric);
+    EXPECT_NEAR(in_space.target_T_source.translation.z(), 0.0, 1e-4) << to_string(metric);
+    EXPECT_EQ(in_space.status, MatchStatus::kDegenerate) << to_string(metric);
   }
 }
 
@@ -186,19 +190,19 @@ TEST(IcpLaws, SwappingSourceAndTargetGivesTheInverse) {
   for (int draw = 0; draw < 5; ++draw) {
     const Planar target = room_seen_from(kWorld_T_target, 0.005, &rng);
     const Planar source = room_seen_from(kWorld_T_target * kTruth, 0.005, &rng);
-    for (const char* metric : {"line", "plane", "gicp"}) {
+    for (const IcpMetric metric : {IcpMetric::kLine, IcpMetric::kPlane, IcpMetric::kGicp}) {
       const MatchResult there =
           match_icp(source, make_icp_cloud<2>(target), {}, with_metric(metric));
       const MatchResult back =
           match_icp(target, make_icp_cloud<2>(source), {}, with_metric(metric));
       EXPECT_TRUE(pose_near(back.target_T_source, there.target_T_source.inverse(), 6e-3, 3e-3))
-          << metric;
+          << to_string(metric);
     }
   }
 }
 
 /// Mean of e^T C^-1 e over random pairs of scans: 3 if the covariance tells the truth.
-double mean_nees(const std::string& metric, int draws) {
+double mean_nees(IcpMetric metric, int draws) {
   Rng rng(85);
   double sum = 0.0;
   for (int draw = 0; draw < draws; ++draw) {
@@ -215,10 +219,10 @@ double mean_nees(const std::string& metric, int draws) {
 }
 
 TEST(IcpLaws, TheCovarianceTellsTheErrors) {
-  for (const char* metric : {"line", "plane", "gicp"}) {
+  for (const IcpMetric metric : {IcpMetric::kLine, IcpMetric::kPlane, IcpMetric::kGicp}) {
     const double nees = mean_nees(metric, 200);
-    EXPECT_GT(nees, 1.5) << metric;
-    EXPECT_LT(nees, 6.0) << metric;
+    EXPECT_GT(nees, 1.5) << to_string(metric);
+    EXPECT_LT(nees, 6.0) << to_string(metric);
   }
 }
 
@@ -228,7 +232,7 @@ TEST(IcpLaws, AWrongMinimumIsNotCalledConverged) {
   Rng rng(86);
   const auto target = make_icp_cloud<2>(room_seen_from(kWorld_T_target, 0.01, &rng));
   const Planar source = room_seen_from(kWorld_T_target * kTruth, 0.01, &rng);
-  for (const char* metric : {"line", "plane", "gicp"}) {
+  for (const IcpMetric metric : {IcpMetric::kLine, IcpMetric::kPlane, IcpMetric::kGicp}) {
     IcpOptions options;
     options.metric = metric;
     int wrong = 0;
@@ -237,14 +241,14 @@ TEST(IcpLaws, AWrongMinimumIsNotCalledConverged) {
       const Pose2 guess{rng.uniform(-2.0, 2.0), rng.uniform(-2.0, 2.0), rng.uniform(-kPi, kPi)};
       const MatchResult result = match_icp(source, target, guess, options);
       if (pose_near(result.target_T_source, kTruth, 0.05, 0.02)) {
-        EXPECT_EQ(result.status, MatchStatus::kConverged) << metric;
+        EXPECT_EQ(result.status, MatchStatus::kConverged) << to_string(metric);
         continue;
       }
       ++wrong;
       if (result.status == MatchStatus::kConverged) ++believed;
     }
-    EXPECT_GT(wrong, 10) << metric;
-    EXPECT_LE(believed, wrong / 10) << metric;
+    EXPECT_GT(wrong, 10) << to_string(metric);
+    EXPECT_LE(believed, wrong / 10) << to_string(metric);
   }
 }
 

@@ -118,7 +118,7 @@ TEST(BrokenRecording, WithoutOdometryAGapIsANewPiece) {
   const SimulatedLog log =
       with_scans([](double time_s, const LaserScan&) { return time_s < 20.0 || time_s >= 40.0; });
   MapOptions options{.loop_closure = false};
-  options.front_end.odometry = "ignore";
+  options.front_end.odometry = OdometryUse::kIgnore;
   expect_said(map_of(log, options), "nothing tells how the robot moved");
 }
 
@@ -159,7 +159,7 @@ TEST(BrokenRecording, OneScanForEverIsNamed) {
   });
   expect_said(map_of(log), "it repeated one scan to the last bit");
   MapOptions laser_only;
-  laser_only.front_end.odometry = "ignore";
+  laser_only.front_end.odometry = OdometryUse::kIgnore;
   expect_said(map_of(log, laser_only), "nothing tells which");
 }
 

@@ -32,8 +32,10 @@ bool warns_of(const MapResult& result, const std::string& words) {
       [&](const std::string& warning) { return warning.find(words) != std::string::npos; });
 }
 
+using Fault = SimulatedOdometryFault;
+
 struct FaultCase {
-  std::string fault;
+  Fault fault;
   std::string warning;
 };
 
@@ -50,15 +52,16 @@ TEST_P(RobustTo, TheMapStaysRightAndTheRunSaysWhy) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Odometry, RobustTo,
-                         testing::Values(FaultCase{"none", ""},
-                                         FaultCase{"missing", "no odometry in the log"},
-                                         FaultCase{"stuck", "stands still while the robot drives"},
-                                         FaultCase{"scaled", "times the true one"},
-                                         FaultCase{"mirrored", "turn opposite ways"},
-                                         FaultCase{"lagging", "s late"},
-                                         FaultCase{"jumping", "odometry jumped"}),
-                         [](const auto& named) { return named.param.fault; });
+INSTANTIATE_TEST_SUITE_P(
+    Odometry, RobustTo,
+    testing::Values(FaultCase{Fault::kNone, ""},
+                    FaultCase{Fault::kMissing, "no odometry in the log"},
+                    FaultCase{Fault::kStuck, "stands still while the robot drives"},
+                    FaultCase{Fault::kScaled, "times the true one"},
+                    FaultCase{Fault::kMirrored, "turn opposite ways"},
+                    FaultCase{Fault::kLagging, "s late"},
+                    FaultCase{Fault::kJumping, "odometry jumped"}),
+    [](const auto& named) { return std::string(to_string(named.param.fault)); });
 
 TEST(Robustness, HealthyOdometryIsNotAccused) {
   for (const std::string world : {"office", "rooms", "warehouse"}) {
@@ -74,7 +77,7 @@ TEST(Robustness, HealthyOdometryIsNotAccused) {
 }
 
 TEST(Robustness, AGyroAloneGivesTheHeading) {
-  const SimulatedLog log = office_with({.odometry = "missing"}, false);
+  const SimulatedLog log = office_with({.odometry = Fault::kMissing}, false);
   const MapResult result = map_of(log);
   EXPECT_TRUE(as_usual(ate_rmse_m(result.trajectory, log), 0.0025));
   EXPECT_TRUE(warns_of(result, "the gyro tells the heading"));
@@ -82,7 +85,7 @@ TEST(Robustness, AGyroAloneGivesTheHeading) {
 }
 
 TEST(Robustness, OdometryThatHasBecomeRightIsUsedAgain) {
-  const SimulatedLog log = office_with({.odometry = "stuck", .from_s = 20.0, .to_s = 50.0});
+  const SimulatedLog log = office_with({.odometry = Fault::kStuck, .from_s = 20.0, .to_s = 50.0});
   const MapResult result = map_of(log);
   EXPECT_TRUE(as_usual(ate_rmse_m(result.trajectory, log), 0.0024));
   ASSERT_FALSE(result.odometry_episodes.empty());
@@ -101,7 +104,7 @@ TEST(Robustness, LostScansPeopleAndGlassTogether) {
     const SimulatedLog log =
         office_with({.scans_dropped = 0.3, .glass = 0.15}, false, small_scale() ? 3 : 8);
     MapOptions options;
-    if (!with_odometry) options.front_end.odometry = "ignore";
+    if (!with_odometry) options.front_end.odometry = OdometryUse::kIgnore;
     EXPECT_TRUE(as_usual(ate_rmse_m(map_of(log, options).trajectory, log), 0.0033))
         << with_odometry;
   }
@@ -114,7 +117,7 @@ TEST(Robustness, AFastTurningRobotNeedsNoOdometry) {
   options.laser.beams = 541;
   const SimulatedLog log = simulate_log("office", 22, options);
   MapOptions laser_only;
-  laser_only.front_end.odometry = "ignore";
+  laser_only.front_end.odometry = OdometryUse::kIgnore;
   EXPECT_TRUE(as_usual(ate_rmse_m(map_of(log, laser_only).trajectory, log), 0.0024));
 }
 
@@ -124,7 +127,7 @@ TEST(Robustness, WheelsThatAreTooLargeAreCorrectedAlongACorridor) {
   options.laser.beams = 361;
   const SimulatedLog log = simulate_log("corridor", 3, options);
   MapOptions trusting;
-  trusting.front_end.odometry = "trust";
+  trusting.front_end.odometry = OdometryUse::kTrust;
   const MapResult result = map_of(log);
   EXPECT_TRUE(as_usual(
       ate_rmse_m(result.trajectory, log) / ate_rmse_m(map_of(log, trusting).trajectory, log),
@@ -137,20 +140,20 @@ TEST(Robustness, StandingStillAddsNothing) {
   options.drive.standstill_s = 60.0;
   options.laser.beams = 181;
   const SimulatedLog log = simulate_log("office", 23, options);
-  for (const std::string odometry : {"check", "ignore"}) {
+  for (const OdometryUse odometry : {OdometryUse::kCheck, OdometryUse::kIgnore}) {
     Mapper mapper(log.robot, {.front_end = {.odometry = odometry}}, Threads{1});
     for (const auto& message : log.messages) {
       if ((stamp_of(message) - stamp_of(log.messages.front())).seconds() < 58.0)
         mapper.add(message);
     }
     const MapResult result = mapper.finish();
-    EXPECT_EQ(result.graph.poses.size(), 1u) << odometry;
-    EXPECT_EQ(result.statistics.key_scans, 1) << odometry;
+    EXPECT_EQ(result.graph.poses.size(), 1u) << to_string(odometry);
+    EXPECT_EQ(result.statistics.key_scans, 1) << to_string(odometry);
   }
 }
 
 TEST(Robustness, ThreadsDoNotChangeARunWithFaults) {
-  const SimulatedLog log = office_with({.odometry = "stuck", .scans_dropped = 0.2}, true, 3);
+  const SimulatedLog log = office_with({.odometry = Fault::kStuck, .scans_dropped = 0.2}, true, 3);
   const MapResult one = map_of(log, {}, Threads{1});
   const MapResult three = map_of(log, {}, Threads{3});
   ASSERT_EQ(one.trajectory.size(), three.trajectory.size());
@@ -167,7 +170,7 @@ void expect_consistent_from_the_laser_alone(const std::string& name, double usua
     GTEST_SKIP() << "carmen/" << name << " is not among the recorded data; set LOOPSTONE_DATA";
   if (small_scale()) GTEST_SKIP() << "LOOPSTONE_TEST_SCALE=small leaves the long logs out";
   const auto log = open_log(path);
-  Mapper mapper(log->robot({}), {.front_end = {.odometry = "ignore"}}, {});
+  Mapper mapper(log->robot({}), {.front_end = {.odometry = OdometryUse::kIgnore}}, {});
   while (const auto message = log->next()) mapper.add(*message);
   const auto error = relations_error(mapper.finish().trajectory, read_relations(relations));
   EXPECT_TRUE(as_usual(error.translation_m.mean, usual_m));

@@ -18,26 +18,52 @@
 #include <vector>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/words.hpp"
 
 namespace loopstone {
 
-// The state of an object as bytes: ByteWriter takes it down, ByteReader puts it back. A class names
-// its fields once, for both directions, so that they can't diverge:
+// Data as bytes: ByteWriter takes it down, ByteReader puts it back. Data names its fields once, for
+// both directions, so that they can't diverge:
+//
+//   struct Count {
+//     int number = 0;
+//     std::vector<std::string> names{};
+//
+//     template <typename Archive>
+//     void archive(Archive& a) {
+//       a(number, names);
+//       a.check(number >= 0, "a negative count");  // when reading: else the bytes are refused
+//     }
+//   };
+//
+// What lives and works is not data. It gives its state out as data and goes on from it:
 //
 //   class Counter {
 //    public:
-//     template <typename Archive>
-//     void archive(Archive& a) {
-//       a(count_, names_);
-//       a.check(count_ >= 0, "a negative count");  // when reading: else the bytes are refused
-//     }
+//     struct State { ... archive() ... };
+//     [[nodiscard]] const State& state() const;
+//     void restore(State state);  // throws when nothing can have led to it
 //
 // What is fixed by how an object was made (its options) and what can be computed again (caches) is
-// left out.
+// no part of its state.
 //
 // Numbers are little-endian and as wide as their type; a bool is one byte, 0 or 1. Lists, sets,
 // maps and text begin with their count in 64 bits, optional values with a bool. Matrices go column
-// by column.
+// by column. Enums count from 0 and have a table of words (base/words.hpp), or say beside their
+// definition which of their values is the last:
+//
+//   enum class Colour { kRed, kGreen };
+//   constexpr Colour last_of(Colour) { return Colour::kGreen; }
+
+/// The largest value of an enum.
+template <typename Enum>
+[[nodiscard]] constexpr Enum last_enumerator() {
+  if constexpr (WithWords<Enum>) {
+    return static_cast<Enum>(kWordTable<Enum>.size() - 1);
+  } else {
+    return last_of(Enum{});
+  }
+}
 
 /// Whether runs of these can be copied as they are.
 template <typename T>
@@ -197,6 +223,9 @@ class ByteReader {
     } else if constexpr (std::is_enum_v<T>) {
       std::underlying_type_t<T> number{};
       get(number);
+      using Bits = std::make_unsigned_t<std::underlying_type_t<T>>;  // what is negative is large
+      if (static_cast<Bits>(number) > static_cast<Bits>(last_enumerator<T>()))
+        fail("a kind that is none");
       value = static_cast<T>(number);
     } else if constexpr (std::is_arithmetic_v<T>) {
       std::array<char, sizeof(T)> bytes;

@@ -16,9 +16,8 @@ namespace loopstone {
 /// its help text. The pointers lead into the struct that was listed, which must outlive the entry.
 struct OptionEntry {
   std::string key;  ///< "front_end.max_range_m": groups, then the field
-  std::variant<bool*, int*, double*, std::string*> value{};
-  std::optional<Range> range{};      ///< of int and double
-  std::vector<std::string> words{};  ///< that a text may be; empty: any text
+  std::variant<bool*, int*, double*, std::string*, WordField> value{};
+  std::optional<Range> range{};  ///< of int and double
   std::string help{};
 };
 
@@ -50,11 +49,22 @@ class OptionLister {
   explicit OptionLister(std::vector<OptionEntry>& entries, std::string prefix = {})
       : entries_(&entries), prefix_(std::move(prefix)) {}
 
-  void operator()(std::string_view name, bool& value, std::string_view help);
-  void operator()(std::string_view name, int& value, Range range, std::string_view help);
-  void operator()(std::string_view name, double& value, Range range, std::string_view help);
-  void operator()(std::string_view name, std::string& value, const OneOf& words,
-                  std::string_view help);
+  void operator()(std::string_view name, bool& value, std::string_view help) {
+    add(name, &value, {}, help);
+  }
+  void operator()(std::string_view name, int& value, Range range, std::string_view help) {
+    add(name, &value, range, help);
+  }
+  void operator()(std::string_view name, double& value, Range range, std::string_view help) {
+    add(name, &value, range, help);
+  }
+  void operator()(std::string_view name, std::string& value, std::string_view help) {
+    add(name, &value, {}, help);
+  }
+  template <WithWords Enum>
+  void operator()(std::string_view name, Enum& value, std::string_view help) {
+    add(name, WordField(value), {}, help);
+  }
 
   template <typename Options>
   void group(std::string_view name, Options& options) {
@@ -62,6 +72,9 @@ class OptionLister {
   }
 
  private:
+  void add(std::string_view name, decltype(OptionEntry::value) value, std::optional<Range> range,
+           std::string_view help);
+
   std::vector<OptionEntry>* entries_;
   std::string prefix_;
 };

@@ -1,26 +1,20 @@
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <string_view>
-#include <utility>
+
+#include "loopstone/base/words.hpp"
 
 namespace loopstone {
 
 /// How the cost of a residual grows with its chi2.
 enum class RobustKernel { kNone, kHuber, kCauchy, kGemanMcClure, kTukey, kDcs };
 
-/// The names that options use.
-inline constexpr std::array<std::pair<std::string_view, RobustKernel>, 6> kRobustKernelNames{
-    {{"none", RobustKernel::kNone},
-     {"huber", RobustKernel::kHuber},
-     {"cauchy", RobustKernel::kCauchy},
-     {"geman_mcclure", RobustKernel::kGemanMcClure},
-     {"tukey", RobustKernel::kTukey},
-     {"dcs", RobustKernel::kDcs}}};
-
-/// The kernel of that name. Throws UsageError for another one.
-[[nodiscard]] RobustKernel robust_kernel_from(std::string_view name);
+constexpr auto words_of(RobustKernel /*any*/) {
+  using enum RobustKernel;
+  return std::array{Word{kNone, "none"},     Word{kHuber, "huber"},
+                    Word{kCauchy, "cauchy"}, Word{kGemanMcClure, "geman_mcclure"},
+                    Word{kTukey, "tukey"},   Word{kDcs, "dcs"}};
+}
 
 /// What a kernel makes of a chi2: the cost rho(chi2) and the weight rho'(chi2) of the residual in
 /// the normal equations.

@@ -13,6 +13,9 @@ struct Duration {
   [[nodiscard]] static Duration from_seconds(double seconds) {
     return {static_cast<std::int64_t>(std::llround(seconds * 1e9))};
   }
+  [[nodiscard]] static constexpr Duration from_milliseconds(std::int64_t milliseconds) {
+    return {milliseconds * 1'000'000};
+  }
   [[nodiscard]] constexpr double seconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
   friend constexpr auto operator<=>(const Duration&, const Duration&) = default;
 };
@@ -32,7 +35,10 @@ struct Stamp {
 
   template <typename Archive>
   void archive(Archive& a) {
+    // Readers of logs give no more, so that differences fit, too.
+    constexpr std::int64_t kMost = std::int64_t{1} << 62;
     a(nanoseconds);
+    a.check(nanoseconds > -kMost && nanoseconds < kMost, "a stamp that no log has");
   }
 };
 

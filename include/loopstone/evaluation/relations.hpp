@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/evaluation/trajectory_error.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 
@@ -23,6 +24,12 @@ enum class RelationErrorOrder {
   kMeasuredTimesInverseExpected,
   kInverseExpectedTimesMeasured,  ///< e^-1 * d, the difference as seen from the true pose at `to`
 };
+
+constexpr auto words_of(RelationErrorOrder /*any*/) {
+  using enum RelationErrorOrder;
+  return std::array{Word{kMeasuredTimesInverseExpected, "measured-first"},
+                    Word{kInverseExpectedTimesMeasured, "expected-first"}};
+}
 
 /// The relations metric.
 struct RelationsError {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 
 namespace loopstone {
@@ -20,6 +21,11 @@ struct ErrorStatistics {
 [[nodiscard]] ErrorStatistics statistics_of(std::vector<double> errors);
 
 enum class Alignment { kNone, kSe2 };
+
+constexpr auto words_of(Alignment /*any*/) {
+  using enum Alignment;
+  return std::array{Word{kSe2, "se2"}, Word{kNone, "none"}};
+}
 
 /// Absolute trajectory error.
 struct AbsoluteError {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "loopstone/base/memory_budget.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
 namespace loopstone {
@@ -18,6 +19,11 @@ enum class InformationOrder {
   kG2o,
   kToro,
 };
+
+constexpr auto words_of(InformationOrder /*any*/) {
+  using enum InformationOrder;
+  return std::array{Word{kGuess, "guess"}, Word{kG2o, "g2o"}, Word{kToro, "toro"}};
+}
 
 /// A pose graph as a text file of g2o or TORO holds it.
 struct GraphFile {

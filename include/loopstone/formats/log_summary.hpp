@@ -9,6 +9,7 @@
 
 #include "loopstone/base/progress.hpp"
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/formats/left_out.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/geometry/pose2.hpp"
@@ -110,6 +111,11 @@ struct CameraSummary {
 };
 
 enum class Severity { kNote, kWarning, kError };
+
+constexpr auto words_of(Severity /*any*/) {
+  using enum Severity;
+  return std::array{Word{kNote, "note"}, Word{kWarning, "warning"}, Word{kError, "error"}};
+}
 
 /// Something that a user should know, in plain words.
 struct Finding {

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "loopstone/base/words.hpp"
 #include "loopstone/formats/image.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/grid/grid.hpp"
@@ -24,6 +25,11 @@ enum class MapMode {
   kScale,    ///< percent between the thresholds
   kRaw,      ///< the pixel is the percentage; above 100 unknown
 };
+
+constexpr auto words_of(MapMode /*any*/) {
+  using enum MapMode;
+  return std::array{Word{kTrinary, "trinary"}, Word{kScale, "scale"}, Word{kRaw, "raw"}};
+}
 
 /// The YAML file beside a map's picture.
 struct RosMapInfo {

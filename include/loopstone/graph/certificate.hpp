@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string_view>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -18,11 +17,8 @@ namespace loopstone {
 /// Rosen, Carlone, Bandeira and Leonard 2019, "SE-Sync", problem 1 and its reference
 /// implementation.
 struct CertificateOptions {
-  /// Certified means: no solution is cheaper by more than this share of the cost.
   double relative_gap = 1e-7;
   int max_iterations = 100;
-  /// Of the relaxation, in complex numbers (twice as many real ones); 1: no escape from a local
-  /// minimum.
   int max_rank = 4;
 };
 
@@ -33,7 +29,7 @@ void visit_options(CertificateOptions& options, Visitor&& visit) {
   visit("max_iterations", options.max_iterations, Range{1, 10000},
         "steps of one descent to a minimum");
   visit("max_rank", options.max_rank, Range{1, 10},
-        "of the relaxation that leads out of a local minimum; 1: no way out");
+        "of the relaxation that leads out of a local minimum, in complex numbers; 1: no way out");
 }
 
 enum class CertificateStatus {
@@ -45,7 +41,15 @@ enum class CertificateStatus {
   kUnsupported,  ///< more than one pose of a component is held, so the objective is another one
 };
 
-[[nodiscard]] std::string_view to_string(CertificateStatus status);
+constexpr auto words_of(CertificateStatus /*any*/) {
+  using enum CertificateStatus;
+  return std::array{Word{kCertified, "certified"},
+                    Word{kNotOptimal, "not_optimal"},
+                    Word{kGapOpen, "gap_open"},
+                    Word{kNotConverged, "not_converged"},
+                    Word{kNumericalFailure, "numerical_failure"},
+                    Word{kUnsupported, "unsupported"}};
+}
 
 struct Certificate {
   CertificateStatus status = CertificateStatus::kNotConverged;

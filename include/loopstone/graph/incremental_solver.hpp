@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -12,22 +11,15 @@
 namespace loopstone {
 
 struct IncrementalOptions {
-  /// A pose that has moved farther than this from where its edges were linearised has them
-  /// linearised anew.
   double relinearise_m = 0.1;
   double relinearise_rad = 0.02;
-  /// Eliminations between two looks for such poses.
   int relinearise_every = 2;
-  /// A change smaller than this [m or rad] is not passed on to poses farther away.
   double negligible_change = 1e-3;
-  /// So many poses farther away an update gets to; the next updates go on from there.
   int poses_at_once = 1000;
-  /// Closures that agree with what is known wait until their edges cost this much in all, or for so
-  /// many updates.
   double wait_chi2 = 3.0;
   int wait_updates = 10;
-  std::string robust_kernel = "none";
-  double robust_width = 1.0;  ///< in standard deviations of a loop closure
+  RobustKernel robust_kernel = RobustKernel::kNone;
+  double robust_width = 1.0;
 };
 
 template <typename Visitor>
@@ -47,7 +39,6 @@ void visit_options(IncrementalOptions& options, Visitor&& visit) {
   visit("wait_updates", options.wait_updates, Range{1, 1000},
         "and for fewer updates than this; 1: none waits");
   visit("robust_kernel", options.robust_kernel,
-        OneOf{{"none", "huber", "cauchy", "geman_mcclure", "tukey", "dcs"}},
         "how loop closures that disagree with the rest are softened");
   visit("robust_width", options.robust_width, Range{1e-3, 1e6},
         "standard deviations up to which a loop closure counts in full");

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string_view>
 #include <vector>
 
+#include "loopstone/base/words.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
 namespace loopstone {
@@ -15,7 +15,11 @@ enum class Initialisation {
   kChordal,        ///< all edges at once: headings by a linear relaxation, then positions
 };
 
-[[nodiscard]] std::string_view to_string(Initialisation initialisation);
+constexpr auto words_of(Initialisation /*any*/) {
+  using enum Initialisation;
+  return std::array{Word{kAsGiven, "file"}, Word{kOdometryChain, "odometry"},
+                    Word{kSpanningTree, "spanning_tree"}, Word{kChordal, "chordal"}};
+}
 
 /// Poses from the measurements alone, as a start for optimize(). Held poses stay where the graph
 /// has them; a component without one begins at a prior, or else its first pose stays (components

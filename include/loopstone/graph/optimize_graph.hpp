@@ -28,7 +28,9 @@ struct GraphOptimisationOptions {
   /// Proves that the minimum where the solution begins is the global one.
   std::optional<CertificateOptions> certificate{};
 
-  [[nodiscard]] bool is_robust() const { return gnc || solver.robust_kernel != "none"; }
+  [[nodiscard]] bool is_robust() const {
+    return gnc || solver.robust_kernel != RobustKernel::kNone;
+  }
 };
 
 /// Wall time of each part [s], and the CPU time of all of them.
@@ -65,8 +67,7 @@ struct GraphOptimisation {
 /// minimum of the edges that it kept (weight at least kSetAsideBelow).
 ///
 /// \param graph  connected, or each part held by a fixed pose or a prior; else status kDisconnected
-/// Throws UsageError as check_graph does, and for an unknown kernel or method. Deterministic but
-/// for the times.
+/// Throws UsageError as check_graph does. Deterministic but for the times.
 /// Cost: of best_start, optimize or optimize_gnc, and optimize_certified; docs/benchmarks.md.
 [[nodiscard]] GraphOptimisation optimize_graph(const PoseGraph& graph,
                                                const GraphOptimisationOptions& options = {});

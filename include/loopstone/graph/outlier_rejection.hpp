@@ -13,22 +13,18 @@ namespace loopstone {
 
 /// Loop closures are judged, all other edges are trusted.
 struct GncOptions {
-  /// Squared standard deviations that a true closure may be off: 0.99999 of a chi-square with 3
-  /// degrees of freedom.
   double inlier_chi2 = 25.902;
-  /// By how much the cost is bent more sharply from round to round.
   double sharpening = 1.4;
   int max_rounds = 200;
-  /// Start from the chain of odometry edges, which are trusted; the graph's own poses when false.
   bool start_from_odometry = true;
-  /// Judge first which closures agree with one another, and begin with those (consistent_closures).
   bool consistency_first = false;
 };
 
 template <typename Visitor>
 void visit_options(GncOptions& options, Visitor&& visit) {
   visit("inlier_chi2", options.inlier_chi2, Range{0.1, 1e6},
-        "squared standard deviations that a true loop closure may be off");
+        "squared standard deviations that a true loop closure may be off; 25.902: 0.99999 of a "
+        "chi-square with 3 degrees of freedom");
   visit("sharpening", options.sharpening, Range{1.01, 10.0},
         "by how much outliers are told apart more sharply from round to round");
   visit("max_rounds", options.max_rounds, Range{1, 10000}, "stop after so many rounds");

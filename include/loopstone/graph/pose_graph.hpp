@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "loopstone/base/words.hpp"
 #include "loopstone/geometry/pose2.hpp"
 
 namespace loopstone {
@@ -25,6 +26,12 @@ enum class EdgeKind {
   kMatch,        ///< a scan aligned to the surroundings it was recorded in
   kLoopClosure,  ///< a place seen again
 };
+
+constexpr auto words_of(EdgeKind /*any*/) {
+  using enum EdgeKind;
+  return std::array{Word{kOdometry, "odometry"}, Word{kMatch, "match"},
+                    Word{kLoopClosure, "loop_closure"}};
+}
 
 /// A measured relative pose. Error in g2o's convention: e = vector(from_T_to^-1 * (pose_from^-1 *
 /// pose_to)), so the translation part is rotated by R(measurement)^T; chi2 = e^T information e.

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -11,29 +9,34 @@
 
 namespace loopstone {
 
+enum class DescentMethod {
+  kGaussNewton,  ///< undamped steps while they help, damped ones when they do not
+  kLevenbergMarquardt,
+  kDogleg,
+};
+
+constexpr auto words_of(DescentMethod /*any*/) {
+  using enum DescentMethod;
+  return std::array{Word{kGaussNewton, "gauss_newton"},
+                    Word{kLevenbergMarquardt, "levenberg_marquardt"}, Word{kDogleg, "dogleg"}};
+}
+
 struct SolverOptions {
-  /// gauss_newton: undamped steps while they help, damped ones when they do not.
-  std::string method = "gauss_newton";
+  DescentMethod method = DescentMethod::kGaussNewton;
   int max_iterations = 100;
-  /// Stop when what is left to gain is less than this share of the cost: what a step promises, or
-  /// what the next one would, going by how the promises of undamped steps shrink.
   double relative_tolerance = 1e-7;
-  std::string robust_kernel = "none";
-  /// In standard deviations of an edge.
+  RobustKernel robust_kernel = RobustKernel::kNone;
   double robust_width = 1.0;
-  /// Whether the kernel softens every edge, not just the loop closures.
   bool robust_everywhere = false;
 };
 
 template <typename Visitor>
 void visit_options(SolverOptions& options, Visitor&& visit) {
-  visit("method", options.method, OneOf{{"gauss_newton", "levenberg_marquardt", "dogleg"}},
-        "how steps are found");
+  visit("method", options.method, "how steps are found");
   visit("max_iterations", options.max_iterations, Range{1, 10000}, "stop after so many steps");
   visit("relative_tolerance", options.relative_tolerance, Range{0.0, 0.1},
         "stop when less than this share of the cost is left to gain");
   visit("robust_kernel", options.robust_kernel,
-        OneOf{{"none", "huber", "cauchy", "geman_mcclure", "tukey", "dcs"}},
         "how edges that disagree with the rest are softened");
   visit("robust_width", options.robust_width, Range{1e-3, 1e6},
         "standard deviations up to which an edge counts in full");
@@ -50,7 +53,12 @@ enum class SolveStatus {
   kDisconnected,
 };
 
-[[nodiscard]] std::string_view to_string(SolveStatus status);
+constexpr auto words_of(SolveStatus /*any*/) {
+  using enum SolveStatus;
+  return std::array{Word{kConverged, "converged"}, Word{kNotConverged, "not_converged"},
+                    Word{kNumericalFailure, "numerical_failure"},
+                    Word{kDisconnected, "disconnected"}};
+}
 
 struct SolveResult {
   std::vector<Pose2> poses;
@@ -72,11 +80,12 @@ struct SolveResult {
 ///
 /// Gauss-Newton lets the cost rise for a few steps before it turns to Levenberg-Marquardt, since
 /// full steps often lead through a rise to the optimum; the poses returned are always the best
-/// found.
+/// found. What is left to gain is what a step promises, or what the next one would, going by how
+/// the promises of undamped steps shrink.
 ///
-/// Throws UsageError as check_graph does, and for an unknown kernel or method. Graphs without poses
-/// or edges are solved as they are. Cost: per step, one multifrontal Cholesky factorisation with
-/// 3x3 blocks in a fill-reducing order. Deterministic.
+/// Throws UsageError as check_graph does. Graphs without poses or edges are solved as they are.
+/// Cost: per step, one multifrontal Cholesky factorisation with 3x3 blocks in a fill-reducing
+/// order. Deterministic.
 /// Source: Grisetti et al. 2010, "A tutorial on graph-based SLAM"; damping of Nielsen 1999; dogleg
 /// of Powell 1970.
 [[nodiscard]] SolveResult optimize(const PoseGraph& graph, const SolverOptions& options = {});

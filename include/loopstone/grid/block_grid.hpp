@@ -97,13 +97,13 @@ class BlockGrid {
 
   [[nodiscard]] bool empty() const { return cells_.empty(); }
 
-  /// Of each block, a bit for every cell that is not as new (row by row, lowest bit first), and
-  /// those cells.
+  /// With its resolution. Of each block, a bit for every cell that is not as new (row by row,
+  /// lowest bit first), and those cells.
   template <typename Archive>
   void archive(Archive& a) {
-    double resolution_m = resolution_m_;
-    a(resolution_m, first_block_, block_columns_, block_rows_, directory_);
-    a.check(resolution_m == resolution_m_, "a grid of another resolution");
+    a(resolution_m_, first_block_, block_columns_, block_rows_, directory_);
+    a.check(resolution_m_ > 0.0 && std::isfinite(resolution_m_), "a grid of cells without a size");
+    if constexpr (Archive::kReads) inverse_ = 1.0 / resolution_m_;
     std::uint64_t blocks = cells_.size() / kBlockCells;
     a(blocks);
     a.check(directory_fits(blocks), "a grid whose directory contradicts its blocks");

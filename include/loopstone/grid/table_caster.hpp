@@ -6,7 +6,6 @@
 #include <memory_resource>
 #include <span>
 
-#include "loopstone/base/options.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/grid/grid.hpp"
 #include "loopstone/grid/ray.hpp"
@@ -16,11 +15,6 @@ namespace loopstone {
 struct TableCasterOptions {
   int headings = 384;  ///< evenly around the circle
 };
-
-template <typename Visitor>
-void visit_options(TableCasterOptions& options, Visitor&& visit) {
-  visit("headings", options.headings, Range{4, 7200}, "headings that ranges are tabulated for");
-}
 
 /// Casts rays by looking them up: the ranges from the centres of cells at evenly spaced headings,
 /// in 16 bits.

@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "loopstone/base/options.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/grid/ray_cast.hpp"
@@ -22,19 +21,6 @@ struct BeamMixture {
   double hit_sigma_m = 0.05;   ///< standard deviation of a return about what the map says
   double short_rate_per_m = 0.5;  ///< things in the way: so many a metre of beam
 };
-
-template <typename Visitor>
-void visit_options(BeamMixture& mixture, Visitor&& visit) {
-  visit("hit_weight", mixture.hit_weight, Range{0.0, 1.0}, "share of beams that measure the map");
-  visit("short_weight", mixture.short_weight, Range{0.0, 1.0},
-        "share that is stopped before by what the map does not know");
-  visit("max_weight", mixture.max_weight, Range{0.0, 1.0}, "share that does not come back");
-  visit("random_weight", mixture.random_weight, Range{0.0, 1.0}, "share that measures anything");
-  visit("hit_sigma_m", mixture.hit_sigma_m, Range{0.001, 10.0},
-        "standard deviation of a return about what the map says");
-  visit("short_rate_per_m", mixture.short_rate_per_m, Range{0.001, 100.0},
-        "things that stop a beam, a metre");
-}
 
 /// p(measured | expected) of one beam. Returns are densities on [0, max range) [1/m]; no return is
 /// a probability: together they sum to 1. Ranges: +inf, or the greatest range and more, is no
@@ -72,13 +58,6 @@ struct BeamModelOptions {
   BeamMixture mixture{};
   double table_step_m = 0.05;  ///< of the tabulated likelihoods, measured and expected
 };
-
-template <typename Visitor>
-void visit_options(BeamModelOptions& options, Visitor&& visit) {
-  visit.group("mixture", options.mixture);
-  visit("table_step_m", options.table_step_m, Range{0.001, 1.0},
-        "step of the tabulated likelihoods");
-}
 
 /// How well a scan fits a map from each of many poses, beam by beam: unlike a likelihood field it
 /// minds what a beam went through on its way. Likelihoods are tabulated over measured and expected

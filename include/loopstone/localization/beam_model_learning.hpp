@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "loopstone/base/options.hpp"
 #include "loopstone/localization/beam_model.hpp"
 
 namespace loopstone {
@@ -17,23 +16,11 @@ struct RangePair {
 
 struct BeamLearningOptions {
   int max_iterations = 200;
-  double tolerance = 1e-7;     ///< stop when the mean log-likelihood grows by less [nats]
-  double sigma_min_m = 0.002;  ///< ranges come in steps of a millimetre or more
-  double short_rate_min_per_m = 0.01;
+  double tolerance = 1e-7;             ///< stop when the mean log-likelihood grows by less [nats]
+  double sigma_min_m = 0.002;          ///< ranges come in steps of a millimetre or more
+  double short_rate_min_per_m = 0.01;  ///< of things in the way
   double short_rate_max_per_m = 20.0;
 };
-
-template <typename Visitor>
-void visit_options(BeamLearningOptions& options, Visitor&& visit) {
-  visit("max_iterations", options.max_iterations, Range{1, 10000}, "stop after so many steps");
-  visit("tolerance", options.tolerance, Range{0.0, 1.0},
-        "stop when the mean log-likelihood grows by less");
-  visit("sigma_min_m", options.sigma_min_m, Range{1e-6, 1.0}, "least standard deviation of a hit");
-  visit("short_rate_min_per_m", options.short_rate_min_per_m, Range{1e-6, 1.0},
-        "least rate of things in the way");
-  visit("short_rate_max_per_m", options.short_rate_max_per_m, Range{1.0, 1000.0},
-        "greatest rate of things in the way");
-}
 
 enum class BeamLearningStatus {
   kConverged,

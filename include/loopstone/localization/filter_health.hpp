@@ -2,9 +2,8 @@
 
 #include <deque>
 #include <string>
-#include <string_view>
 
-#include "loopstone/base/options.hpp"
+#include "loopstone/base/words.hpp"
 
 namespace loopstone {
 
@@ -15,7 +14,11 @@ enum class FilterStatus {
   kInconsistent,  ///< the readings are not what the belief predicts: the estimate must not be used
 };
 
-[[nodiscard]] std::string_view to_string(FilterStatus status);
+constexpr auto words_of(FilterStatus /*any*/) {
+  using enum FilterStatus;
+  return std::array{Word{kConverging, "converging"}, Word{kConverged, "converged"},
+                    Word{kInconsistent, "inconsistent"}};
+}
 
 /// Why a filter is inconsistent.
 enum class FilterDoubt {
@@ -26,7 +29,12 @@ enum class FilterDoubt {
   kEffectiveSampleSize,
 };
 
-[[nodiscard]] std::string_view to_string(FilterDoubt doubt);
+constexpr auto words_of(FilterDoubt /*any*/) {
+  using enum FilterDoubt;
+  return std::array{Word{kNone, "none"}, Word{kInnovations, "innovations"},
+                    Word{kEvidence, "evidence"},
+                    Word{kEffectiveSampleSize, "effective_sample_size"}};
+}
 
 /// One reading, compared with what the filter predicted before it.
 struct FilterReading {
@@ -45,15 +53,6 @@ struct FilterHealthOptions {
   double z_quantile = 5.0;  ///< normal quantile of the bounds; false alarms become rare with it
   double min_effective_share = 0.01;  ///< geometric mean over the window
 };
-
-template <typename Visitor>
-void visit_options(FilterHealthOptions& options, Visitor&& visit) {
-  visit("window", options.window, Range{1, 10000}, "readings that are judged together");
-  visit("min_readings", options.min_readings, Range{1, 10000}, "no judgement before so many");
-  visit("z_quantile", options.z_quantile, Range{1.0, 20.0}, "normal quantile of the bounds");
-  visit("min_effective_share", options.min_effective_share, Range{0.0, 1.0},
-        "least effective sample size per particle, geometric mean");
-}
 
 /// The judgement over a window of readings.
 struct FilterHealth {

@@ -7,7 +7,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "loopstone/base/options.hpp"
 #include "loopstone/base/rng.hpp"
 #include "loopstone/geometry/pose2.hpp"
 
@@ -30,22 +29,12 @@ struct LandmarkSighting {
 struct LandmarkSensor {
   double range_sigma_m = 0.1;
   double bearing_sigma_rad = 0.035;
-  double max_range_m = 10.0;
+  double max_range_m = 10.0;  ///< nothing is seen farther away
   double clutter_share =
       0.05;  ///< of sightings that are of no landmark, or of another one than they say
   double gate_chi2 =
       13.8;  ///< a sighting farther from a landmark is not of it; 99.9 % of a chi-square of 2
 };
-
-template <typename Visitor>
-void visit_options(LandmarkSensor& sensor, Visitor&& visit) {
-  visit("range_sigma_m", sensor.range_sigma_m, Range{1e-4, 100.0}, "standard deviation of a range");
-  visit("bearing_sigma_rad", sensor.bearing_sigma_rad, Range{1e-5, 3.0}, "of a bearing");
-  visit("max_range_m", sensor.max_range_m, Range{0.01, 1e5}, "nothing is seen farther away");
-  visit("clutter_share", sensor.clutter_share, Range{1e-6, 0.99}, "sightings of no landmark");
-  visit("gate_chi2", sensor.gate_chi2, Range{0.1, 1000.0},
-        "squared distance to a landmark that ends belief in it");
-}
 
 /// How sightings of landmarks depend on the robot's pose. Immutable.
 ///

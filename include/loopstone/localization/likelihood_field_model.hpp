@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "loopstone/base/options.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/grid/grid.hpp"
@@ -22,35 +21,11 @@ struct LikelihoodFieldOptions {
   int occupied_percent = 65;      ///< cells of this occupancy or more are walls
 };
 
-template <typename Visitor>
-void visit_options(LikelihoodFieldOptions& options, Visitor&& visit) {
-  visit("hit_sigma_m", options.hit_sigma_m, Range{0.001, 10.0},
-        "standard deviation of a return about its wall");
-  visit("random_share", options.random_share, Range{0.001, 0.999},
-        "share of the returns that come from anywhere");
-  visit("max_range_m", options.max_range_m, Range{0.1, 1000.0},
-        "random returns spread evenly up to here");
-  visit("max_distance_m", options.max_distance_m, Range{0.01, 100.0},
-        "farther from every wall makes no difference");
-  visit("agree_distance_m", options.agree_distance_m, Range{0.0, 100.0},
-        "beam skipping: a point farther from every wall disagrees with the map");
-  visit("occupied_percent", options.occupied_percent, Range{1, 100},
-        "cells of this occupancy or more are walls");
-}
-
 /// When a point is left out for all poses.
 struct BeamSkipOptions {
   double max_disagreeing_share = 0.7;  ///< of the poses; a point with more is left out
   double max_skipped_share = 0.9;      ///< of the points; when more would go, all are kept
 };
-
-template <typename Visitor>
-void visit_options(BeamSkipOptions& options, Visitor&& visit) {
-  visit("max_disagreeing_share", options.max_disagreeing_share, Range{0.0, 1.0},
-        "a point that disagrees with the map for a larger share of the poses is left out");
-  visit("max_skipped_share", options.max_skipped_share, Range{0.0, 1.0},
-        "when a larger share of the points would be left out, none is");
-}
 
 /// What beam skipping left out.
 struct BeamSkipResult {

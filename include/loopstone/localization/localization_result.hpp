@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 
@@ -20,16 +20,9 @@ enum class LocalizationState {
   kLost,      ///< it is wrong, or there is none yet
 };
 
-[[nodiscard]] constexpr std::string_view to_string(LocalizationState state) {
-  switch (state) {
-    case LocalizationState::kTracking:
-      return "TRACKING";
-    case LocalizationState::kDoubtful:
-      return "DOUBTFUL";
-    case LocalizationState::kLost:
-      return "LOST";
-  }
-  return "unknown";
+constexpr auto words_of(LocalizationState /*any*/) {
+  using enum LocalizationState;
+  return std::array{Word{kTracking, "TRACKING"}, Word{kDoubtful, "DOUBTFUL"}, Word{kLost, "LOST"}};
 }
 
 /// What speaks for and against a pose: the inputs of its probability.

@@ -11,18 +11,22 @@ namespace loopstone {
 /// How much a robot's motion strays from what odometry says. Thrun, Burgard and Fox 2005, section
 /// 5.4.
 struct OdometryMotionNoise {
-  double turn_from_turn = 0.1;       ///< alpha1 [rad/rad]
-  double turn_from_travel = 0.05;    ///< alpha2 [rad/m]
-  double travel_from_travel = 0.05;  ///< alpha3 [m/m]
-  double travel_from_turn = 0.02;    ///< alpha4 [m/rad]
+  double turn_from_turn = 0.1;
+  double turn_from_travel = 0.05;
+  double travel_from_travel = 0.05;
+  double travel_from_turn = 0.02;
 };
 
 template <typename Visitor>
 void visit_options(OdometryMotionNoise& noise, Visitor&& visit) {
-  visit("turn_from_turn", noise.turn_from_turn, Range{0.0, 10.0}, "alpha1 [rad/rad]");
-  visit("turn_from_travel", noise.turn_from_travel, Range{0.0, 10.0}, "alpha2 [rad/m]");
-  visit("travel_from_travel", noise.travel_from_travel, Range{0.0, 10.0}, "alpha3 [m/m]");
-  visit("travel_from_turn", noise.travel_from_turn, Range{0.0, 10.0}, "alpha4 [m/rad]");
+  visit("turn_from_turn", noise.turn_from_turn, Range{0.0, 10.0},
+        "standard deviation of a turn by its size, alpha1 [rad/rad]");
+  visit("turn_from_travel", noise.turn_from_travel, Range{0.0, 10.0},
+        "and by the travel, alpha2 [rad/m]");
+  visit("travel_from_travel", noise.travel_from_travel, Range{0.0, 10.0},
+        "standard deviation of the travel by its length, alpha3 [m/m]");
+  visit("travel_from_turn", noise.travel_from_turn, Range{0.0, 10.0},
+        "and by the turns, alpha4 [m/rad]");
 }
 
 /// A motion between two odometry poses as a turn, a straight way and another turn.
@@ -48,22 +52,27 @@ struct TurnGoTurn {
 /// How much a robot's motion strays from its commanded or measured velocity: standard deviations of
 /// the speeds, section 5.3.
 struct VelocityMotionNoise {
-  double speed_from_speed = 0.05;  ///< alpha1 [1]
-  double speed_from_rate = 0.02;   ///< alpha2 [m/rad]
-  double rate_from_speed = 0.05;   ///< alpha3 [rad/m]
-  double rate_from_rate = 0.1;     ///< alpha4 [1]
-  double turn_from_speed = 0.02;   ///< alpha5 [rad/m], of the extra turn at the end
-  double turn_from_rate = 0.02;    ///< alpha6 [1]
+  double speed_from_speed = 0.05;
+  double speed_from_rate = 0.02;
+  double rate_from_speed = 0.05;
+  double rate_from_rate = 0.1;
+  double turn_from_speed = 0.02;
+  double turn_from_rate = 0.02;
 };
 
 template <typename Visitor>
 void visit_options(VelocityMotionNoise& noise, Visitor&& visit) {
-  visit("speed_from_speed", noise.speed_from_speed, Range{0.0, 10.0}, "alpha1 [1]");
-  visit("speed_from_rate", noise.speed_from_rate, Range{0.0, 10.0}, "alpha2 [m/rad]");
-  visit("rate_from_speed", noise.rate_from_speed, Range{0.0, 10.0}, "alpha3 [rad/m]");
-  visit("rate_from_rate", noise.rate_from_rate, Range{0.0, 10.0}, "alpha4 [1]");
-  visit("turn_from_speed", noise.turn_from_speed, Range{0.0, 10.0}, "alpha5 [rad/m]");
-  visit("turn_from_rate", noise.turn_from_rate, Range{0.0, 10.0}, "alpha6 [1]");
+  visit("speed_from_speed", noise.speed_from_speed, Range{0.0, 10.0},
+        "standard deviation of the speed by its size, alpha1 [1]");
+  visit("speed_from_rate", noise.speed_from_rate, Range{0.0, 10.0},
+        "and by the yaw rate, alpha2 [m/rad]");
+  visit("rate_from_speed", noise.rate_from_speed, Range{0.0, 10.0},
+        "standard deviation of the yaw rate by the speed, alpha3 [rad/m]");
+  visit("rate_from_rate", noise.rate_from_rate, Range{0.0, 10.0}, "and by its size, alpha4 [1]");
+  visit("turn_from_speed", noise.turn_from_speed, Range{0.0, 10.0},
+        "standard deviation of the extra turn at the end by the speed, alpha5 [rad/m]");
+  visit("turn_from_rate", noise.turn_from_rate, Range{0.0, 10.0},
+        "and by the yaw rate, alpha6 [1]");
 }
 
 /// One sample of where the robot may be after moving at a speed [m/s] and yaw rate [rad/s] for a

@@ -4,11 +4,10 @@
 #include <cstddef>
 #include <functional>
 #include <span>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "loopstone/base/rng.hpp"
+#include "loopstone/base/words.hpp"
 
 namespace loopstone {
 
@@ -24,16 +23,11 @@ enum class ResamplingScheme {
   kResidual,  ///< floor of the expected copies, the rest by multinomial draws (Liu and Chen 1998)
 };
 
-/// The names that options use.
-inline constexpr std::array<std::pair<std::string_view, ResamplingScheme>, 4>
-    kResamplingSchemeNames{{{"multinomial", ResamplingScheme::kMultinomial},
-                            {"stratified", ResamplingScheme::kStratified},
-                            {"systematic", ResamplingScheme::kSystematic},
-                            {"residual", ResamplingScheme::kResidual}}};
-
-[[nodiscard]] std::string_view to_string(ResamplingScheme scheme);
-/// The scheme of that name. Throws UsageError for another one.
-[[nodiscard]] ResamplingScheme resampling_scheme_from(std::string_view name);
+constexpr auto words_of(ResamplingScheme /*any*/) {
+  using enum ResamplingScheme;
+  return std::array{Word{kSystematic, "systematic"}, Word{kStratified, "stratified"},
+                    Word{kResidual, "residual"}, Word{kMultinomial, "multinomial"}};
+}
 
 /// `count` indices into `weights`, ascending, drawn in proportion to the weights.
 /// Weights need not sum to one. Throws UsageError where one is negative, infinite or NaN, or where

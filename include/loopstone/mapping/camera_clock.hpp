@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "loopstone/base/parallel_for.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/mapping/rgbd_source.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 #include "loopstone/sensor/camera_model.hpp"
@@ -14,6 +15,11 @@ enum class ClockStatus {
   kEstimated,
   kNotObserved,  ///< the robot hardly changed its speed, or the floor has nothing to hold on to
 };
+
+constexpr auto words_of(ClockStatus /*any*/) {
+  using enum ClockStatus;
+  return std::array{Word{kEstimated, "estimated"}, Word{kNotObserved, "not_observed"}};
+}
 
 /// How a camera's clock stands to the trajectory's.
 struct CameraClock {

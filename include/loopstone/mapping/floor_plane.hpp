@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "loopstone/base/words.hpp"
 #include "loopstone/geometry/pose3.hpp"
 #include "loopstone/sensor/camera_model.hpp"
 #include "loopstone/sensor/rgbd_images.hpp"
@@ -31,6 +32,11 @@ enum class FloorStatus {
   kEstimated,
   kNotSeen,  ///< too little floor in the pictures; the given mount is kept
 };
+
+constexpr auto words_of(FloorStatus /*any*/) {
+  using enum FloorStatus;
+  return std::array{Word{kEstimated, "estimated"}, Word{kNotSeen, "not_seen"}};
+}
 
 /// Where the camera really sits above the floor.
 struct FloorEstimate {

@@ -15,22 +15,41 @@ namespace loopstone {
 // places. What can be checked is whether they agree: each wall should lie where the other visits
 // put it, no beam should pass through a wall that another visit hit, and what one visit sees the
 // others should foretell. Within a visit poses agree because each scan was aligned to the ones
-// before; so only scans that are at least kVisitApartM of travel apart are compared.
+// before; so only scans that are some stretches of travel apart (kMapQuality) are compared.
 //
 // What can't be seen this way: a map that is wrong everywhere alike (its scale), a stretch that was
 // travelled once, two places that look the same and were taken for one.
 
-/// Scans are judged in stretches of this much travel.
-inline constexpr double kStretchM = 4.0;
-/// Stretches this far apart in sequence are different visits: at least 8 m, on average 12 m of
-/// travel between them.
-inline constexpr int kStretchesApart = 3;
-/// Side of a place.
-inline constexpr double kPlaceM = 0.5;
-/// Farther apart than this, two walls that face the same way are not taken for one.
-inline constexpr double kMostOffsetM = 0.5;
-/// A wall whose visits lie farther apart than this is drawn twice: two cells of a map of 5 cm.
-inline constexpr double kDoubledM = 0.10;
+/// What the judgement of a map decides by.
+struct MapQualityNumbers {
+  double stretch_m = 4.0;
+  int stretches_apart = 3;
+  double place_m = 0.5;
+  double most_offset_m = 0.5;
+  double doubled_m = 0.10;
+  double tolerance_m = 0.05;
+  double tolerance_sigmas = 3.0;
+  double margin_sigmas = 6.0;
+};
+inline constexpr MapQualityNumbers kMapQuality{};
+
+template <typename Visitor>
+void visit_numbers(const MapQualityNumbers& n, Visitor&& visit) {
+  visit("stretch_m", n.stretch_m, "chosen: travel within which poses agree with one another");
+  visit("stretches_apart", n.stretches_apart,
+        "derived: at least 8 m, on average 12 m of travel between two visits");
+  visit("place_m", n.place_m, "chosen: side of a place of the picture");
+  visit("most_offset_m", n.most_offset_m,
+        "chosen: farther apart, two walls that face the same way are not taken for one");
+  visit("doubled_m", n.doubled_m,
+        "derived: two cells of a map of 5 cm, from where on a wall is drawn twice");
+  visit("tolerance_m", n.tolerance_m,
+        "derived: the side of a map's cell, by which a return may lie off a wall");
+  visit("tolerance_sigmas", n.tolerance_sigmas,
+        "chosen: the same in standard deviations of the scanner's noise, if that is more");
+  visit("margin_sigmas", n.margin_sigmas,
+        "chosen: so far behind a wall a beam has gone through it, and doubled_m at least");
+}
 
 /// A place that holds walls, and what the visits say about it.
 struct QualityPlace {
@@ -40,7 +59,9 @@ struct QualityPlace {
   std::int32_t beams = 0;    ///< of one visit that met a wall of another here
   std::int32_t crossed = 0;  ///< of them, those that went through it
 
-  [[nodiscard]] bool is_doubled() const { return offset_m > static_cast<float>(kDoubledM); }
+  [[nodiscard]] bool is_doubled() const {
+    return offset_m > static_cast<float>(kMapQuality.doubled_m);
+  }
   /// At least a quarter of a few beams: one beam through the gap under a door is nothing.
   [[nodiscard]] bool is_crossed() const { return crossed >= 4 && 4 * crossed >= beams; }
 };
@@ -60,7 +81,7 @@ struct MapQuality {
   std::int64_t walls_compared = 0;   ///< pieces of wall in pairs of visits
   double wall_offset_m = 0.0;        ///< between the same wall in two visits, median
   double wall_offset_worst_m = 0.0;  ///< the same, 95 of 100 are below
-  double doubled_share = 0.0;        ///< of them, farther apart than kDoubledM
+  double doubled_share = 0.0;        ///< of them, farther apart than kMapQuality.doubled_m
   /// Of all returns about the one wall that they show: noise, own stretch and between visits
   /// together, standard deviation.
   double wall_thickness_m = 0.0;

@@ -18,12 +18,11 @@ namespace loopstone {
 /// table 9.1.
 struct OccupancyOptions {
   double resolution_m = 0.05;
-  double hit_probability = 0.7;   ///< p(occupied | a beam ended here)
-  double miss_probability = 0.4;  ///< p(occupied | a beam passed through)
-  double clamp_probability =
-      0.97;                        ///< belief never leaves [1 - p, p], so a map can change its mind
-  double no_return_carve_m = 5.0;  ///< a beam without return frees cells up to this far
-  double max_range_m = 80.0;       ///< returns beyond are treated as beams without return
+  double hit_probability = 0.7;
+  double miss_probability = 0.4;
+  double clamp_probability = 0.97;
+  double no_return_carve_m = 5.0;
+  double max_range_m = 80.0;
   /// What the machine may hold, no matter of taste. The default is 820 m x 820 m at 5 cm, and takes
   /// 2 GB with what is made of it.
   std::uint64_t most_cells = std::uint64_t{1} << 28U;
@@ -37,7 +36,7 @@ void visit_options(OccupancyOptions& options, Visitor&& visit) {
   visit("miss_probability", options.miss_probability, Range{0.001, 0.5},
         "belief that a cell is occupied where a beam passed through");
   visit("clamp_probability", options.clamp_probability, Range{0.5, 0.9999},
-        "belief stays within [1 - p, p]");
+        "belief stays within [1 - p, p], so that a map can change its mind");
   visit("no_return_carve_m", options.no_return_carve_m, Range{0.0, 200.0},
         "a beam without return frees cells up to this far");
   visit("max_range_m", options.max_range_m, Range{0.1, 1000.0},

@@ -16,9 +16,9 @@
 namespace loopstone {
 
 struct SubmapOptions {
-  double cell_m = 0.10;         ///< finest cell of the surfaces that scans are aligned to
-  double search_cell_m = 0.10;  ///< cell of the grid that loop closing searches
-  double free_cell_m = 0.20;    ///< cell of the record of free space
+  double cell_m = 0.10;
+  double search_cell_m = 0.10;
+  double free_cell_m = 0.20;
   double no_return_carve_m = 5.0;
 };
 
@@ -67,19 +67,28 @@ class Submap {
   void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
               const Pose2& robot_T_lidar, const Pose2& submap_T_robot, BeamTable& beams);
 
-  [[nodiscard]] const SurfaceGrid& surfaces() const { return surfaces_; }
+  [[nodiscard]] const SurfaceGrid& surfaces() const { return state_.surfaces; }
   [[nodiscard]] FrozenSubmap freeze() const;
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(surfaces_, thin_surfaces_, free_);
-  }
+  /// What was inserted.
+  struct State {
+    SurfaceGrid surfaces{};
+    BlockGrid<SurfaceCell> thin_surfaces{1.0};  ///< pieces that freeze() keeps
+    BlockGrid<std::uint8_t> free{1.0};          ///< 1 where a beam passed
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(surfaces, thin_surfaces, free);
+    }
+  };
+
+  [[nodiscard]] const State& state() const { return state_; }
+  /// Throws UsageError when its grids are not those of this submap's options.
+  void restore(State state);
 
  private:
   SubmapOptions options_;
-  SurfaceGrid surfaces_;
-  BlockGrid<SurfaceCell> thin_surfaces_;
-  BlockGrid<std::uint8_t> free_;
+  State state_;
 };
 
 }  // namespace loopstone

@@ -11,6 +11,19 @@
 
 namespace loopstone {
 
+/// What the covariance of a step is computed by.
+struct DifferentialDriveNumbers {
+  double gyro_share = 0.01;
+};
+inline constexpr DifferentialDriveNumbers kDifferentialDrive{};
+
+template <typename Visitor>
+void visit_numbers(const DifferentialDriveNumbers& n, Visitor&& visit) {
+  visit("gyro_share", n.gyro_share,
+        "chosen: share of the heading's variance that is left with a gyro: it is ten times as good "
+        "as wheels");
+}
+
 /// A motion of the robot along one arc.
 struct ArcMotion {
   double distance_m = 0.0;    ///< of the robot's centre, forward

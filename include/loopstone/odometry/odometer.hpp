@@ -13,6 +13,48 @@
 
 namespace loopstone {
 
+/// What dead reckoning decides by.
+struct OdometerNumbers {
+  int memory_ms = 10000;
+  int gyro_wait_ms = 100;
+  int gyro_silence_ms = 500;
+  int largest_gyro_gap_ms = 200;
+  int gyro_hold_ms = 50;
+  int standstill_ms = 500;
+  int velocity_span_ms = 20;
+  double fastest_wheel_m_s = 20.0;
+  double shortest_reset_s = 0.1;
+  double enough_turning_rad2 = 0.05;
+};
+inline constexpr OdometerNumbers kOdometer{};
+
+template <typename Visitor>
+void visit_numbers(const OdometerNumbers& n, Visitor&& visit) {
+  visit("memory_ms", n.memory_ms, "chosen: older poses are forgotten; no scan waits so long");
+  visit("gyro_wait_ms", n.gyro_wait_ms,
+        "chosen: so long a wheel reading waits for the gyro; both come ten times a second or more");
+  visit("gyro_silence_ms", n.gyro_silence_ms,
+        "chosen: a gyro that is silent for so long is not waited for");
+  visit("largest_gyro_gap_ms", n.largest_gyro_gap_ms,
+        "chosen: between samples that are interpolated; across a longer gap the wheels turn the "
+        "robot");
+  visit("gyro_hold_ms", n.gyro_hold_ms, "chosen: so long a rate is taken to stay the same");
+  visit("standstill_ms", n.standstill_ms,
+        "chosen: when the wheels have been still for so long the robot stands, and does not swing "
+        "any more");
+  visit("velocity_span_ms", n.velocity_span_ms,
+        "chosen: a velocity is taken over so long at least: readings may be a fraction of a "
+        "millisecond apart");
+  visit("fastest_wheel_m_s", n.fastest_wheel_m_s,
+        "chosen: counters that jump by more were reset (the base was switched off and on), not "
+        "driven");
+  visit("shortest_reset_s", n.shortest_reset_s,
+        "chosen: a shorter time between readings is taken for so long there: stamps are not that "
+        "good");
+  visit("enough_turning_rad2", n.enough_turning_rad2,
+        "derived: of squared turns: a radian, told in intervals of a twentieth of one");
+}
+
 /// Dead reckoning while a log streams by: readings in, odom_T_robot at any recent stamp out.
 ///
 ///   Odometer odometer(robot.wheels);
@@ -66,29 +108,20 @@ class Odometer {
 
   [[nodiscard]] double gyro_bias_rad_s() const { return bias_.bias_rad_s(); }
   /// Wheel readings whose heading came from the gyro, and from the wheels.
-  [[nodiscard]] std::int64_t turned_by_gyro() const { return turned_by_gyro_; }
-  [[nodiscard]] std::int64_t turned_by_wheels() const { return turned_by_wheels_; }
+  [[nodiscard]] std::int64_t turned_by_gyro() const { return own_.turned_by_gyro; }
+  [[nodiscard]] std::int64_t turned_by_wheels() const { return own_.turned_by_wheels; }
   /// Correlation [-1, 1] of the turns that wheels and gyro tell, -1 when one of them has the wrong
   /// sign. Nothing before both turned by a radian or two.
   [[nodiscard]] std::optional<double> wheels_with_gyro() const;
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(source_, nodes_, forgot_nodes_, last_ticks_, waiting_, rates_, bias_, started_, seen_until_,
-      still_since_, turned_by_gyro_, turned_by_wheels_, last_pose_, odom_T_log_odom_, counted_from_,
-      turns_);
-    a.check(waiting_.empty() || (started_ && !nodes_.empty()), "readings that wait for no start");
-    a.check(source_ >= Source::kNone && source_ <= Source::kPoses, "odometry of no known kind");
-    a.check(source_ == Source::kNone || !nodes_.empty(), "odometry that has not begun");
-  }
-
- private:
   enum class Source { kNone, kWheels, kPoses };
+  friend constexpr Source last_of(Source) { return Source::kPoses; }
 
   struct Node {
-    Stamp stamp;
-    PoseWithCovariance2 odom_T_robot;
-    Eigen::Matrix3d step_covariance;  ///< of the motion from the node before, in that node's frame
+    Stamp stamp{};
+    PoseWithCovariance2 odom_T_robot{};
+    /// Of the motion from the node before, in that node's frame.
+    Eigen::Matrix3d step_covariance = Eigen::Matrix3d::Zero();
 
     template <typename Archive>
     void archive(Archive& a) {
@@ -96,9 +129,9 @@ class Odometer {
     }
   };
   struct Interval {  ///< between two wheel readings
-    Stamp from;
-    Stamp to;
-    ArcMotion motion;  ///< rotation as the wheels say
+    Stamp from{};
+    Stamp to{};
+    ArcMotion motion{};  ///< rotation as the wheels say
     bool still = false;
 
     template <typename Archive>
@@ -107,15 +140,64 @@ class Odometer {
     }
   };
   struct Rate {
-    Stamp stamp;
-    double rate_rad_s;
+    Stamp stamp{};
+    double rate_rad_s = 0.0;
 
     template <typename Archive>
     void archive(Archive& a) {
       a(stamp, rate_rad_s);
     }
   };
+  /// Sums of products of the turns that wheels (w) and gyro (g) tell.
+  struct Turns {
+    double ww = 0.0;
+    double wg = 0.0;
+    double gg = 0.0;
 
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(ww, wg, gg);
+    }
+  };
+  struct State {
+    /// What the gyro's bias does not have.
+    struct Own {
+      Source source = Source::kNone;
+      std::deque<Node> nodes{};  ///< stamps increase
+      bool forgot_nodes = false;
+      std::optional<WheelTicks> last_ticks{};
+      std::deque<Interval> waiting{};
+      std::deque<Rate> rates{};  ///< stamps increase
+      std::optional<Stamp> started{};
+      Stamp seen_until{};
+      std::optional<Stamp> still_since{};
+      std::int64_t turned_by_gyro = 0;
+      std::int64_t turned_by_wheels = 0;
+      std::optional<OdometryPose> last_pose{};
+      Pose2 odom_T_log_odom{};
+      std::optional<Stamp> counted_from{};  ///< of the last restart
+      Turns turns{};
+
+      template <typename Archive>
+      void archive(Archive& a) {
+        a(source, nodes, forgot_nodes, last_ticks, waiting, rates, started, seen_until, still_since,
+          turned_by_gyro, turned_by_wheels, last_pose, odom_T_log_odom, counted_from, turns);
+      }
+    };
+    Own own{};
+    GyroBias::State bias{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(own, bias);
+    }
+  };
+
+  [[nodiscard]] State state() const;
+  /// Throws UsageError when nothing can have led to it; then the odometer is of no use.
+  void restore(State state);
+
+ private:
   void integrate_waiting(bool all);
   void integrate(Interval interval);
   void integrate_along_gyro(const Interval& interval);
@@ -131,36 +213,8 @@ class Odometer {
 
   WheelModel wheels_;
   OdometryOptions options_;
-  Source source_ = Source::kNone;
-  std::deque<Node> nodes_{};
-  bool forgot_nodes_ = false;
-
-  std::optional<WheelTicks> last_ticks_{};
-  std::deque<Interval> waiting_{};
-  std::deque<Rate> rates_{};
+  State::Own own_{};
   GyroBias bias_{};
-  std::optional<Stamp> started_{};
-  Stamp seen_until_{};
-  std::optional<Stamp> still_since_{};
-  std::int64_t turned_by_gyro_ = 0;
-  std::int64_t turned_by_wheels_ = 0;
-
-  /// Sums of products of the turns that wheels (w) and gyro (g) tell.
-  struct Turns {
-    double ww = 0.0;
-    double wg = 0.0;
-    double gg = 0.0;
-
-    template <typename Archive>
-    void archive(Archive& a) {
-      a(ww, wg, gg);
-    }
-  };
-  Turns turns_{};
-
-  std::optional<OdometryPose> last_pose_{};
-  Pose2 odom_T_log_odom_{};
-  std::optional<Stamp> counted_from_{};  ///< of the last restart
 };
 
 }  // namespace loopstone

@@ -6,6 +6,34 @@
 
 namespace loopstone {
 
+/// What the accuracy of odometry is learned by.
+struct OdometryAccuracyNumbers {
+  double window_m = 4.0;
+  double most_windows = 40.0;
+  double least_share = 0.02;
+  double least_rad_per_m = 0.004;
+  double first_share = 0.15;
+  double first_rad_per_m = 0.03;
+};
+inline constexpr OdometryAccuracyNumbers kOdometryAccuracy{};
+
+template <typename Visitor>
+void visit_numbers(const OdometryAccuracyNumbers& n, Visitor&& visit) {
+  visit("window_m", n.window_m,
+        "chosen: some metres, long beside the laser's noise, short enough that a drive has many");
+  visit("most_windows", n.most_windows,
+        "chosen: older windows fade, after 160 m: floors and tyres change");
+  visit("least_share", n.least_share, "chosen: no wheels are better than two per cent for long");
+  visit("least_rad_per_m", n.least_rad_per_m,
+        "chosen: none keep their heading better than a quarter of a degree a metre for long");
+  visit("first_share", n.first_share,
+        "chosen: share of the way that may be wrong (one standard deviation): wheels that nobody "
+        "calibrated, a floor that is not even; counts as one window");
+  visit("first_rad_per_m", n.first_rad_per_m,
+        "chosen: heading that such wheels lose by driving straight: as tyres that differ by 1.5 %, "
+        "half a metre apart, do");
+}
+
 /// Where odometry and the laser put the robot when a window began.
 struct OdometryWindow {
   Pose2 odom_T_robot{};
@@ -35,23 +63,34 @@ class OdometryAccuracy {
   /// \param path_m  travelled by odometry since the recording began
   void add(const Pose2& odom_T_robot, const Pose2& local_T_robot, double path_m);
   /// The laser lost the robot: the window that is open says nothing.
-  void interrupt() { open_.reset(); }
+  void interrupt() { state_.open.reset(); }
 
   /// One standard deviation after a way of that length [m], [rad]. \param reach_m from its
   /// beginning to its end
   [[nodiscard]] double sigma_m(double path_m, double reach_m) const;
   [[nodiscard]] double sigma_rad(double path_m) const;
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(open_, share2_, rad_per_m2_, windows_);
-  }
+  /// What was learned.
+  struct State {
+    std::optional<OdometryWindow> open{};
+    /// Mean square of the error / the way.
+    double share2 = kOdometryAccuracy.first_share * kOdometryAccuracy.first_share;
+    /// Mean square of the turn missed / the way.
+    double rad_per_m2 = kOdometryAccuracy.first_rad_per_m * kOdometryAccuracy.first_rad_per_m;
+    double windows = 1.0;  ///< that the means are of; the first guess counts as one
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(open, share2, rad_per_m2, windows);
+    }
+  };
+
+  [[nodiscard]] const State& state() const { return state_; }
+  /// Throws UsageError when it can't have been learned.
+  void restore(const State& state);
 
  private:
-  std::optional<OdometryWindow> open_{};
-  double share2_ = 0.15 * 0.15;      ///< mean square of the error / the way
-  double rad_per_m2_ = 0.03 * 0.03;  ///< mean square of the turn missed / the way
-  double windows_ = 1.0;             ///< that the means are of; the first guess counts as one
+  State state_{};
 };
 
 }  // namespace loopstone

@@ -1,37 +1,57 @@
 #pragma once
 
-#include <string>
-
 #include "loopstone/base/options.hpp"
 
 namespace loopstone {
 
+/// Where the heading comes from.
+enum class YawSource {
+  kGyro,  ///< where it is silent, the wheels
+  kWheels,
+};
+
+constexpr auto words_of(YawSource /*any*/) {
+  using enum YawSource;
+  return std::array{Word{kGyro, "gyro"}, Word{kWheels, "wheels"}};
+}
+
+/// How a step of the wheels becomes a motion.
+enum class StepShape {
+  kArc,    ///< exact
+  kEuler,  ///< straight along the old heading, as in textbooks
+};
+
+constexpr auto words_of(StepShape /*any*/) {
+  using enum StepShape;
+  return std::array{Word{kArc, "arc"}, Word{kEuler, "euler"}};
+}
+
+/// How readings with different stamps are brought together.
+enum class StampAlignment { kInterpolate, kNearest };
+
+constexpr auto words_of(StampAlignment /*any*/) {
+  using enum StampAlignment;
+  return std::array{Word{kInterpolate, "interpolate"}, Word{kNearest, "nearest"}};
+}
+
 /// How wheel and gyro readings become a pose.
 struct OdometryOptions {
-  std::string yaw =
-      "gyro";  ///< "gyro": the gyro's wherever it is, else the wheels'; "wheels": the wheels'
-  std::string integration =
-      "arc";  ///< "arc": exact; "euler": straight along the old heading, as in textbooks
-  std::string alignment =
-      "interpolate";  ///< of sensors with different stamps: "interpolate" or "nearest"
-  bool use_standstill =
-      true;  ///< while the wheels stand, learn the gyro's bias and hold the heading
-  double max_extrapolation_s = 0.2;  ///< beyond the newest reading, at constant velocity
-  double distance_noise = 0.03;      ///< standard deviation of position after 1 m [m/sqrt(m)]
-  double heading_noise_per_metre =
-      0.02;  ///< of heading after 1 m [rad/sqrt(m)]; a tenth of it with a gyro
-  double heading_noise_per_radian =
-      0.1;  ///< of heading after 1 rad of turning [rad/sqrt(rad)]; a tenth with a gyro
+  YawSource yaw = YawSource::kGyro;
+  StepShape integration = StepShape::kArc;
+  StampAlignment alignment = StampAlignment::kInterpolate;
+  bool use_standstill = true;
+  double max_extrapolation_s = 0.2;
+  double distance_noise = 0.03;
+  double heading_noise_per_metre = 0.02;
+  double heading_noise_per_radian = 0.1;
 };
 
 template <typename Visitor>
 void visit_options(OdometryOptions& options, Visitor&& visit) {
-  visit("yaw", options.yaw, OneOf{{"gyro", "wheels"}},
+  visit("yaw", options.yaw,
         "where the heading comes from; gyro falls back to wheels where it is silent");
-  visit("integration", options.integration, OneOf{{"arc", "euler"}},
-        "exact arcs, or straight steps as in textbooks");
-  visit("alignment", options.alignment, OneOf{{"interpolate", "nearest"}},
-        "how readings with different stamps are brought together");
+  visit("integration", options.integration, "exact arcs, or straight steps as in textbooks");
+  visit("alignment", options.alignment, "how readings with different stamps are brought together");
   visit("use_standstill", options.use_standstill,
         "while the wheels stand, learn the gyro's bias and hold the heading");
   visit("max_extrapolation_s", options.max_extrapolation_s, Range{0.0, 5.0},

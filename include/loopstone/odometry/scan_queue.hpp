@@ -11,6 +11,29 @@
 
 namespace loopstone {
 
+/// What the queue of scans decides by.
+struct ScanQueueNumbers {
+  int patience_ms = 250;
+  int silent_start_ms = 1000;
+  int silence_of_increments_ms = 2000;
+  int silence_of_sums_ms = 60000;
+};
+inline constexpr ScanQueueNumbers kScanQueue{};
+
+template <typename Visitor>
+void visit_numbers(const ScanQueueNumbers& n, Visitor&& visit) {
+  visit(
+      "patience_ms", n.patience_ms,
+      "chosen: so long a scan waits for odometry of its time; buses and drivers are late by less");
+  visit("silent_start_ms", n.silent_start_ms,
+        "chosen: a stream that begins so long without odometry has none");
+  visit("silence_of_increments_ms", n.silence_of_increments_ms,
+        "chosen: counts since the last reading are lost with the readings between: after so long, "
+        "too many");
+  visit("silence_of_sums_ms", n.silence_of_sums_ms,
+        "chosen: poses and counters go on, unless the robot was off, which takes longer");
+}
+
 /// Holds each scan back until odometry for its time has come, at most 0.25 s of the recording. A
 /// stream that has had neither odometry nor gyro for its first second has none: then scans wait no
 /// more, until some comes.
@@ -35,15 +58,6 @@ class ScanQueue {
   /// none, the gyro's heading.
   [[nodiscard]] std::optional<OdometryReading> reading_at(Stamp stamp) const;
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(odometer_, gyro_, waiting_, first_, newest_, finished_, travel_, increments_);
-  }
-
- private:
-  /// What odometry's newest pose adds to the path so far.
-  void follow_odometry();
-
   /// The path as odometry has it, up to its newest pose.
   struct Travel {
     std::optional<Stamp> stamp{};
@@ -57,16 +71,43 @@ class ScanQueue {
       a(stamp, odom_T_robot, path_m, turned_rad, silent_until);
     }
   };
+  struct State {
+    /// What the sensors' parts do not have.
+    struct Own {
+      std::deque<LaserScan> waiting{};
+      std::optional<Stamp> first{};  ///< of any message
+      Stamp newest{};
+      bool finished = false;
+      Travel travel{};
+      bool increments = false;  ///< odometry is counts since the last reading
+
+      template <typename Archive>
+      void archive(Archive& a) {
+        a(waiting, first, newest, finished, travel, increments);
+      }
+    };
+    Odometer::State odometer{};
+    GyroHeading::State gyro{};
+    Own own{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(odometer, gyro, own);
+    }
+  };
+
+  [[nodiscard]] State state() const;
+  /// Throws UsageError when nothing can have led to it; then the queue is of no use.
+  void restore(State state);
+
+ private:
+  /// What odometry's newest pose adds to the path so far.
+  void follow_odometry();
 
   bool counts_are_cumulative_;
-  bool increments_ = false;  ///< odometry is counts since the last reading
   Odometer odometer_;
   GyroHeading gyro_{};
-  std::deque<LaserScan> waiting_{};
-  std::optional<Stamp> first_{};  ///< of any message
-  Stamp newest_{};
-  bool finished_ = false;
-  Travel travel_{};
+  State::Own own_{};
 };
 
 }  // namespace loopstone

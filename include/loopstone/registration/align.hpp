@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "loopstone/base/parallel_for.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/grid/grid.hpp"
 #include "loopstone/registration/align_options.hpp"
 #include "loopstone/registration/cloud_extent.hpp"
@@ -31,10 +31,13 @@ enum class AlignMethod {
   kGrid,         ///< Gauss-Newton on a grid, of a map or another scan; in the plane alone
 };
 
-/// "auto", "icp_point", "icp_line", "icp_plane", "gicp", "correlative", "grid".
-[[nodiscard]] std::string_view to_string(AlignMethod method);
-/// Throws UsageError for another name.
-[[nodiscard]] AlignMethod align_method_from(std::string_view name);
+constexpr auto words_of(AlignMethod /*any*/) {
+  using enum AlignMethod;
+  return std::array{Word{kAuto, "auto"},        Word{kIcpPoint, "icp_point"},
+                    Word{kIcpLine, "icp_line"}, Word{kIcpPlane, "icp_plane"},
+                    Word{kGicp, "gicp"},        Word{kCorrelative, "correlative"},
+                    Word{kGrid, "grid"}};
+}
 
 /// What is known, and what is wanted.
 template <int kDimension>

@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -55,30 +54,30 @@ class CloudModel {
   DistanceField<kDimension> field_;
 };
 
+/// Which turns are tried, in space; in the plane there is but one axis.
+enum class SearchTurns {
+  kAny,
+  kAboutZ,  ///< for clouds that both stand upright; refinement may tilt them
+};
+
+constexpr auto words_of(SearchTurns /*any*/) {
+  using enum SearchTurns;
+  return std::array{Word{kAny, "any"}, Word{kAboutZ, "about_z"}};
+}
+
 struct CloudSearchOptions {
-  /// Which turns are tried: "any", or "about_z" for clouds that both stand upright (refinement may
-  /// tilt them). In the plane there is but one.
-  std::string turns = "any";
-  /// About so many, evenly spread.
+  SearchTurns turns = SearchTurns::kAny;
   int starts = 256;
-  /// So many source points stand for the cloud while all starts are tried; four times as many for
-  /// the best of them.
   int points = 80;
-  /// The share of the source's surface that the model holds; the rest, the points farthest from it,
-  /// is left out. 1: all.
   double overlap = 1.0;
-  /// Another pose whose rmse is less than so many times the best one's fits as well: the answer is
-  /// ambiguous.
   double rival_ratio = 1.1;
-  /// This share of the source must lie within a fourteenth of the model's radius from it.
   double least_explained = 0.5;
-  /// Of the last refinement.
   int max_iterations = 100;
 };
 
 template <typename Visitor>
 void visit_options(CloudSearchOptions& options, Visitor&& visit) {
-  visit("turns", options.turns, OneOf{{"any", "about_z"}},
+  visit("turns", options.turns,
         "turns to try, in space: all, or those about the z axis of clouds that both stand upright");
   visit("starts", options.starts, Range{1, 1e6}, "about so many turns are tried, evenly spread");
   visit("points", options.points, Range{10, 1e5},
@@ -88,7 +87,8 @@ void visit_options(CloudSearchOptions& options, Visitor&& visit) {
   visit("rival_ratio", options.rival_ratio, Range{1.0, 100.0},
         "another pose with less than so many times the best rmse makes the answer ambiguous");
   visit("least_explained", options.least_explained, Range{0.0, 1.0},
-        "share of the source that must lie near the model, else not_converged");
+        "share of the source that must lie within a fourteenth of the model's radius from it, else "
+        "not_converged");
   visit("max_iterations", options.max_iterations, Range{1, 10000}, "steps of the last refinement");
 }
 

@@ -4,23 +4,15 @@
 #include <optional>
 #include <span>
 
-#include "loopstone/base/options.hpp"
 #include "loopstone/registration/correlative_search.hpp"
 #include "loopstone/registration/match_result.hpp"
 
 namespace loopstone {
 
 struct CorrelativeTargetOptions {
-  double cell_m = 0.05;
+  double cell_m = 0.05;  ///< of the grid that is searched
   double blur_m = 0.05;  ///< standard deviation of the bump around each point
 };
-
-template <typename Visitor>
-void visit_options(CorrelativeTargetOptions& options, Visitor&& visit) {
-  visit("cell_m", options.cell_m, Range{0.005, 1.0}, "cell of the grid that is searched");
-  visit("blur_m", options.blur_m, Range{0.005, 1.0},
-        "standard deviation of the bump around each target point");
-}
 
 /// A reference scan or cloud as a grid to search on: kSurface at its points, fading to kUnknown
 /// around them.
@@ -40,19 +32,6 @@ struct CorrelativeMatchOptions {
   double distinct_m = 0.5;  ///< peaks that differ by less than this and distinct_rad are one
   double distinct_rad = 0.17;
 };
-
-template <typename Visitor>
-void visit_options(CorrelativeMatchOptions& options, Visitor&& visit) {
-  visit("min_score", options.min_score, Range{-1.0, 1.0}, "poses that score less are no match");
-  visit("evidence", options.evidence, Range{1e-3, 100.0},
-        "log likelihood that a point gains from nothing to a surface");
-  visit("max_ambiguity", options.max_ambiguity, Range{0.0, 1.0},
-        "a second peak with more than this share of the best score is as good as the best");
-  visit("distinct_m", options.distinct_m, Range{0.01, 100.0},
-        "peaks nearer to each other than this and distinct_rad are one");
-  visit("distinct_rad", options.distinct_rad, Range{0.001, 3.2},
-        "peaks nearer to each other than this and distinct_m are one");
-}
 
 /// A match and how well the next best place fits.
 struct CorrelativeMatch {

@@ -11,17 +11,19 @@
 namespace loopstone {
 
 struct FieldMatchOptions {
-  int max_iterations = 20;       ///< on each level
-  double kernel_width_m = 0.05;  ///< on the finest level; on coarser ones in proportion to the cell
-  double point_sigma_m = 0.01;   ///< of a point; the least that the covariance is computed with
+  int max_iterations = 20;
+  double kernel_width_m = 0.05;
+  double point_sigma_m = 0.01;
 };
 
 template <typename Visitor>
 void visit_options(FieldMatchOptions& options, Visitor&& visit) {
   visit("max_iterations", options.max_iterations, Range{1, 200},
         "Gauss-Newton steps on each level");
-  visit("kernel_width_m", options.kernel_width_m, Range{0.001, 1.0},
-        "distances beyond this count less and less (Cauchy kernel)");
+  visit(
+      "kernel_width_m", options.kernel_width_m, Range{0.001, 1.0},
+      "distances beyond this count less and less (Cauchy kernel); on coarser levels in proportion "
+      "to the cell");
   visit("point_sigma_m", options.point_sigma_m, Range{1e-6, 1.0},
         "standard deviation of a point; the least that the covariance is computed with");
 }

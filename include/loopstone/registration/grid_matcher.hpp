@@ -13,21 +13,21 @@
 namespace loopstone {
 
 struct GridMatchOptions {
-  int max_iterations = 15;  ///< on each level
-  double kernel_width_m =
-      0.04;  ///< residuals beyond count less and less; on coarser levels in proportion to the cell
-  double residual_sigma_m =
-      0.04;  ///< of one point's distance to its line, with what neighbours share
+  int max_iterations = 15;
+  double kernel_width_m = 0.04;
+  double residual_sigma_m = 0.04;
 };
 
 template <typename Visitor>
 void visit_options(GridMatchOptions& options, Visitor&& visit) {
   visit("max_iterations", options.max_iterations, Range{1, 200},
         "Gauss-Newton steps on each level");
-  visit("kernel_width_m", options.kernel_width_m, Range{0.001, 1.0},
-        "distances beyond this count less and less (Cauchy kernel)");
+  visit(
+      "kernel_width_m", options.kernel_width_m, Range{0.001, 1.0},
+      "distances beyond this count less and less (Cauchy kernel); on coarser levels in proportion "
+      "to the cell");
   visit("residual_sigma_m", options.residual_sigma_m, Range{0.001, 1.0},
-        "uncertainty of one point's distance to its surface");
+        "uncertainty of one point's distance to its surface, with what neighbours share");
 }
 
 /// What is known about a pose before looking.

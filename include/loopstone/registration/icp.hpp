@@ -2,47 +2,47 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <string>
 
 #include "loopstone/base/options.hpp"
+#include "loopstone/base/robust_kernel.hpp"
 #include "loopstone/registration/icp_cloud.hpp"
 #include "loopstone/registration/match_result.hpp"
 
 namespace loopstone {
 
+/// The distance that is made small:
+enum class IcpMetric {
+  kPoint,  ///< to the nearest points,
+  kLine,   ///< to the segments between them, in the plane alone,
+  kPlane,  ///< to the lines or planes fitted around them,
+  kGicp,   ///< or between planes of both clouds
+};
+
+constexpr auto words_of(IcpMetric /*any*/) {
+  using enum IcpMetric;
+  return std::array{Word{kPoint, "point"}, Word{kLine, "line"}, Word{kPlane, "plane"},
+                    Word{kGicp, "gicp"}};
+}
+
 struct IcpOptions {
-  /// What is made small: "point": distances to the nearest points; "line": to the segments between
-  /// them, in the plane; "plane": to the lines or planes fitted around them; "gicp": to planes of
-  /// both clouds.
-  std::string metric = "plane";
-  /// Pairs farther apart are ignored: at the start up to here,
+  IcpMetric metric = IcpMetric::kPlane;
   double max_pair_distance_m = 3.0;
-  /// in the end up to here; 0: as at the start.
   double final_pair_distance_m = 0.2;
-  /// The distance shrinks by the same factor in each of so many steps, at once when steps get
-  /// short; the kernel's width shrinks alike.
   int shrink_iterations = 20;
-  /// Only this share of the pairs, the closest ones, is used.
   double trim_fraction = 0.9;
-  std::string kernel = "cauchy";
-  /// Residuals beyond it count less and less; 0: all alike.
+  RobustKernel kernel = RobustKernel::kCauchy;
   double kernel_width_m = 0.1;
   int max_iterations = 50;
-  /// A step shorter than both ends the search,
   double tolerance_m = 1e-4;
   double tolerance_rad = 1e-4;
-  /// and so do five steps that together lower the residuals by less than this share.
   double tolerance_cost = 0.002;
-  /// Of one point. Points within three of it of the target's surface are explained.
   double point_sigma_m = 0.02;
-  /// Of the points that have a target point within max_pair_distance_m, this share must be
-  /// explained in the end.
   double least_explained = 0.5;
 };
 
 template <typename Visitor>
 void visit_options(IcpOptions& options, Visitor&& visit) {
-  visit("metric", options.metric, OneOf{{"point", "line", "plane", "gicp"}},
+  visit("metric", options.metric,
         "distance to the nearest point, to the segment between nearest points (in the plane), to "
         "the line or plane "
         "fitted around it, or between planes of both clouds");
@@ -55,8 +55,7 @@ void visit_options(IcpOptions& options, Visitor&& visit) {
         "width shrinks alike");
   visit("trim_fraction", options.trim_fraction, Range{0.05, 1.0},
         "share of the pairs, closest first, that is used");
-  visit("kernel", options.kernel, OneOf{{"none", "huber", "cauchy", "geman_mcclure", "tukey"}},
-        "how distances beyond its width count less");
+  visit("kernel", options.kernel, "how distances beyond its width count less");
   visit("kernel_width_m", options.kernel_width_m, Range{0.0, 1e6},
         "distances beyond this count less and less; 0: all alike");
   visit("max_iterations", options.max_iterations, Range{1, 1000}, "stop after so many steps");
@@ -90,7 +89,7 @@ void visit_options(IcpOptions& options, Visitor&& visit) {
 /// until steps are small, or residuals no longer shrink. The farthest pairs are trimmed, the rest
 /// weighted by the kernel.
 ///
-/// \param source                 points in the source frame [m]; the metric "gicp" uses their
+/// \param source                 points in the source frame [m]; the metric kGicp uses their
 ///                               patches
 /// \param guess_target_T_source  start; scans of rooms converge from about 0.4 m and 30 deg
 /// \return target_T_source and its covariance. score = share of the source that is explained:
@@ -109,7 +108,7 @@ void visit_options(IcpOptions& options, Visitor&& visit) {
 /// of its patches: H^-1 (s_p^2 sum_i w_i^2 J_i^T J_i + s_q^2 sum_j G_j^T G_j) H^-1, where G_j sums
 /// w_i J_i of all source points that share target point j (Censi 2007, "An accurate closed-form
 /// estimate of ICP's covariance"). It does not know of wrong pairs.
-/// Throws UsageError for an unknown metric or kernel, and for "line" in space.
+/// Throws UsageError for the metric kLine in space.
 /// Cost: O(iterations * source * log target); while the nearest point can't have changed it is not
 /// searched for (Greenspan and Godin 2001). Deterministic. Thread-safe.
 /// Source: Besl and McKay 1992; Chen and Medioni 1992; trimming of Chetverikov 2002; remapping of
@@ -120,7 +119,7 @@ template <int kDimension>
     const typename RigidMotion<kDimension>::Pose& guess_target_T_source,
     const IcpOptions& options = {});
 
-/// The same for bare points. With the metric "gicp" their patches are computed first.
+/// The same for bare points. With the metric kGicp their patches are computed first.
 [[nodiscard]] MatchResult match_icp(std::span<const Eigen::Vector2d> source,
                                     const IcpCloud<2>& target, const Pose2& guess_target_T_source,
                                     const IcpOptions& options = {});

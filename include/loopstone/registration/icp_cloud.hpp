@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -13,19 +12,28 @@
 
 namespace loopstone {
 
+/// How nearest points are looked up. All find the same ones.
+enum class PointSearch {
+  kKdTree,
+  kGrid,
+  kProjection,  ///< by bearing: for single scans in the plane
+};
+
+constexpr auto words_of(PointSearch /*any*/) {
+  using enum PointSearch;
+  return std::array{Word{kKdTree, "kd_tree"}, Word{kGrid, "grid"}, Word{kProjection, "projection"}};
+}
+
 template <int kDimension>
 struct IcpCloudOptions {
-  /// How nearest points are looked up. All three find the same ones; "projection" is for single
-  /// scans in the plane.
-  std::string search = "kd_tree";
-  /// Of the search "grid".
+  PointSearch search = PointSearch::kKdTree;
   double cell_size_m = 0.1;
   PatchOptions<kDimension> patches{};
 };
 
 template <int kDimension, typename Visitor>
 void visit_options(IcpCloudOptions<kDimension>& options, Visitor&& visit) {
-  visit("search", options.search, OneOf{{"kd_tree", "grid", "projection"}},
+  visit("search", options.search,
         "how nearest points are looked up; projection: by bearing, for single scans in the plane");
   visit("cell_size_m", options.cell_size_m, Range{1e-6, 1e6}, "cells of the search by grid");
   visit.group("patches", options.patches);
@@ -49,7 +57,7 @@ struct IcpCloud {
 };
 
 /// \param points  [m]; those that are not finite are ignored
-/// Throws UsageError when `search` is unknown, or is "projection" in space.
+/// Throws UsageError for the search kProjection in space.
 /// Cost: O(points log points).
 template <int kDimension>
 [[nodiscard]] IcpCloud<kDimension> make_icp_cloud(

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <string_view>
 
+#include "loopstone/base/words.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
 
 namespace loopstone {
@@ -15,8 +15,10 @@ enum class IcpGuess {
   kCentroids,  ///< the source is shifted, not turned, so that the means of both clouds coincide
 };
 
-/// "identity" or "centroids". Throws UsageError for another name.
-[[nodiscard]] IcpGuess icp_guess_from(std::string_view name);
+constexpr auto words_of(IcpGuess /*any*/) {
+  using enum IcpGuess;
+  return std::array{Word{kIdentity, "identity"}, Word{kCentroids, "centroids"}};
+}
 
 /// The guess target_T_source. Points that are not finite are ignored; a cloud without points leaves
 /// the identity.

@@ -10,9 +10,9 @@
 namespace loopstone {
 
 struct MapFieldOptions {
-  double reach_m = 0.3;       ///< distances grow up to here, on the finest level
-  int levels = 3;             ///< each with cells and reach twice the size
-  int occupied_percent = 65;  ///< cells of this occupancy or more are walls
+  double reach_m = 0.3;
+  int levels = 3;
+  int occupied_percent = 65;
 };
 
 template <typename Visitor>

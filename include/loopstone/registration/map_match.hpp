@@ -18,16 +18,16 @@
 namespace loopstone {
 
 struct MapSearchOptions {
-  double cell_m = 0.1;  ///< of the search; a whole multiple of the map's cell is best
-  double tolerance_m =
-      0.1;  ///< a point so near to a wall counts in full, out to 2.5 times that less and less
-  double robot_radius_m = 0;  ///< places nearer to a wall are left out
+  double cell_m = 0.1;
+  double tolerance_m = 0.1;
+  double robot_radius_m = 0;
   MapFieldOptions field{};
 };
 
 template <typename Visitor>
 void visit_options(MapSearchOptions& options, Visitor&& visit) {
-  visit("cell_m", options.cell_m, Range{0.02, 1.0}, "cell of the search");
+  visit("cell_m", options.cell_m, Range{0.02, 1.0},
+        "cell of the search; a whole multiple of the map's is best");
   visit("tolerance_m", options.tolerance_m, Range{0.01, 1.0},
         "a point so near to a wall counts in full, out to 2.5 times that less and less");
   visit("robot_radius_m", options.robot_radius_m, Range{0.0, 10.0},
@@ -57,15 +57,14 @@ class MapSearch {
 };
 
 struct MapMatchOptions {
-  double min_score = 0.4;   ///< of the search; poses below are of no interest
-  double sure_score = 0.6;  ///< a best pose that explains less of the scan is never called sure
-  double sure_gap = 0.03;   ///< nor is one that explains no more than so much above the next best
-  int poses_max = 5;        ///< distinct poses to return
-  int refined_max = 64;     ///< distinct lattice poses to refine, the best first
-  int points_max = 160;     ///< of the scan, for the search; the refinement takes up to 400
-  double range_max_m =
-      15.0;  ///< farther points only when there are few others: they make headings many
-  double distinct_m = 1.0;  ///< poses that differ by less than this and distinct_rad are one
+  double min_score = 0.4;
+  double sure_score = 0.6;
+  double sure_gap = 0.03;
+  int poses_max = 5;
+  int refined_max = 64;
+  int points_max = 160;
+  double range_max_m = 15.0;
+  double distinct_m = 1.0;
   double distinct_rad = 0.35;
 };
 
@@ -78,10 +77,11 @@ void visit_options(MapMatchOptions& options, Visitor&& visit) {
         "nor is one that explains no more than so much above the next best");
   visit("poses_max", options.poses_max, Range{1, 1000}, "distinct poses to return");
   visit("refined_max", options.refined_max, Range{1, 10000},
-        "distinct poses of the lattice to refine");
-  visit("points_max", options.points_max, Range{10, 2000}, "points of the scan to search with");
+        "distinct poses of the lattice to refine, the best first");
+  visit("points_max", options.points_max, Range{10, 2000},
+        "points of the scan to search with; the refinement takes up to 400");
   visit("range_max_m", options.range_max_m, Range{1.0, 1000.0},
-        "farther points only when there are few others");
+        "farther points only when there are few others: they make headings many");
   visit("distinct_m", options.distinct_m, Range{0.01, 100.0},
         "poses nearer to each other than this and distinct_rad are one");
   visit("distinct_rad", options.distinct_rad, Range{0.001, 3.2},

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <string_view>
 
+#include "loopstone/base/words.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
 
 namespace loopstone {
@@ -17,18 +17,10 @@ enum class MatchStatus {
   kDegenerate,
 };
 
-[[nodiscard]] constexpr std::string_view to_string(MatchStatus status) {
-  switch (status) {
-    case MatchStatus::kConverged:
-      return "converged";
-    case MatchStatus::kNotConverged:
-      return "not_converged";
-    case MatchStatus::kTooFewPairs:
-      return "too_few_pairs";
-    case MatchStatus::kDegenerate:
-      return "degenerate";
-  }
-  return "unknown";
+constexpr auto words_of(MatchStatus /*any*/) {
+  using enum MatchStatus;
+  return std::array{Word{kConverged, "converged"}, Word{kNotConverged, "not_converged"},
+                    Word{kTooFewPairs, "too_few_pairs"}, Word{kDegenerate, "degenerate"}};
 }
 
 /// Whether the data support the pose.

@@ -13,17 +13,10 @@ namespace loopstone {
 /// Which neighbours of a point tell the surface around it.
 template <int kDimension>
 struct PatchOptions {
-  /// So many nearest points, the point itself included,
   int neighbours = kDimension == 2 ? 7 : 12;
-  /// and all others up to here, so that noise is averaged where points are dense,
   double dense_radius_m = kDimension == 2 ? 0.1 : 0.0;
-  /// but none beyond.
   double reach_m = 0.6;
-  /// A neighbourhood whose thickness is more than this share of its width is no surface (a corner,
-  /// clutter).
   double thickness_share = 0.35;
-  /// The patch passes through the mean of its neighbours, which averages their noise but cuts
-  /// corners and lies inside of curves; else through the point itself.
   bool smooth = kDimension == 2;
 };
 

@@ -31,8 +31,7 @@ struct ScanView {
                                  const SurfaceOptions& options = {});
 
 struct ScanMatchOptions {
-  double search_half_xy_m =
-      1.0;  ///< the guess may be wrong by so much; both 0: it is good, no search
+  double search_half_xy_m = 1.0;
   double search_half_yaw_rad = 0.87;
   int candidates = 10;
   int max_iterations = 30;

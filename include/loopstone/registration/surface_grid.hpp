@@ -78,6 +78,8 @@ struct SurfaceLine {
 /// Kohlbrecher 2011 for the grid levels.
 class SurfaceGrid {
  public:
+  /// Without a level: to be read from bytes.
+  SurfaceGrid() = default;
   /// \param resolutions_m  finest first, at least one
   explicit SurfaceGrid(std::span<const double> resolutions_m);
 
@@ -109,11 +111,11 @@ class SurfaceGrid {
 
   template <typename Archive>
   void archive(Archive& a) {
-    for (auto& level : levels_) a(level);
+    a.list(levels_, [] { return BlockGrid<SurfaceCell>(1.0); });  // it brings its own resolution
   }
 
  private:
-  std::vector<BlockGrid<SurfaceCell>> levels_;
+  std::vector<BlockGrid<SurfaceCell>> levels_{};
 };
 
 }  // namespace loopstone

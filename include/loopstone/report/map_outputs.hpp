@@ -9,12 +9,13 @@
 namespace loopstone {
 
 /// Writes trajectory.tum, odometry.tum, graph.g2o, map.pgm, map.yaml, map.png, report.html,
-/// summary.json and options.toml. All of them are complete on disk before the first gets its name.
-/// Where map, pictures or report can't be made or written (too large, the disk is full),
-/// trajectories, graph, loop closures, options and a summary.json with `complete: false` are left,
-/// and this throws; where not even those fit, the folder stays as it was. An older set of results
-/// is replaced as a whole. Makes the folder when it is missing. Throws UsageError when it holds
-/// something and `force` is false, else std::runtime_error naming what can't be written.
+/// summary.json, options.toml and decisions.toml. All of them are complete on disk before the first
+/// gets its name. Where map, pictures or report can't be made or written (too large, the disk is
+/// full), trajectories, graph, loop closures, options, decisions and a summary.json with
+/// `complete: false` are left, and this throws; where not even those fit, the folder stays as it
+/// was. An older set of results is replaced as a whole. Makes the folder when it is missing. Throws
+/// UsageError when it holds something and `force` is false, else std::runtime_error naming what
+/// can't be written.
 /// \param texture  when given: texture.png and what belongs to it as well (texture_outputs.hpp)
 void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir,
                        const FloorTexture* texture = nullptr);

@@ -29,8 +29,7 @@ namespace loopstone {
 /// Newton's method when the lens is distorted (to 1e-10 within the picture of any usual lens).
 [[nodiscard]] Eigen::Vector3d ray_through(const LensModel& lens, const Eigen::Vector2d& pixel);
 
-/// 1 / depth [1/m] of every 16-bit number of a depth picture; 0 for what is no measurement. Throws
-/// UsageError for an unknown kind.
+/// 1 / depth [1/m] of every 16-bit number of a depth picture; 0 for what is no measurement.
 [[nodiscard]] std::vector<float> inverse_depth_table(const DepthEncoding& encoding);
 
 }  // namespace loopstone

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <string>
-
+#include "loopstone/base/words.hpp"
 #include "loopstone/geometry/pose3.hpp"
 
 namespace loopstone {
@@ -23,12 +22,20 @@ struct LensModel {
   double k3 = 0.0;
 };
 
+enum class DepthKind {
+  kDisparity,  ///< depth = numerator / (slope * number + offset)
+  kDepth,      ///< depth = metres_per_unit * number
+};
+
+constexpr auto words_of(DepthKind /*any*/) {
+  using enum DepthKind;
+  return std::array{Word{kDisparity, "disparity"}, Word{kDepth, "depth"}};
+}
+
 /// What the numbers of a depth picture mean. Depth is measured along the optical axis, not along
-/// the ray.
+/// the ray. 0 is no measurement.
 struct DepthEncoding {
-  /// "disparity": depth = numerator / (slope * number + offset); "depth": depth = metres_per_unit *
-  /// number. 0 is no measurement in both.
-  std::string kind = "disparity";
+  DepthKind kind = DepthKind::kDisparity;
   double disparity_slope = -0.00304;
   double disparity_offset = 3.31;
   double disparity_numerator_m = 1.03;

@@ -14,8 +14,8 @@ struct DriveOptions {
   double speed_m_s = 0.7;
   double yaw_rate_rad_s = 1.0;
   double acceleration_m_s2 = 0.6;
-  double standstill_s = 3.0;  ///< before it sets off
-  int laps = 1;               ///< times that it goes the whole route, each time back to the start
+  double standstill_s = 3.0;
+  int laps = 1;
 };
 
 /// A motion of constant speed and yaw rate in each of many short steps, so that the pose, the

@@ -20,41 +20,39 @@ namespace loopstone {
 struct SimulatedLaser {
   double rate_hz = 10.0;
   int beams = 1081;
-  double fov_rad = 1.5 * kPi;  ///< from the first beam to the last, centred on the lidar's x axis
+  double fov_rad = 1.5 * kPi;
   double range_min_m = 0.1;
   double range_max_m = 30.0;
-  double noise_m = 0.01;               ///< standard deviation of a range
-  double dropout_probability = 0.002;  ///< a beam comes back bad (NaN)
-  double sweep_s = 0.01875;            ///< from the first beam to the last
-  double clock_offset_s = 0.005;       ///< its stamps are this late
+  double noise_m = 0.01;
+  double dropout_probability = 0.002;
+  double sweep_s = 0.01875;
+  double clock_offset_s = 0.005;
 };
 
 /// Wheel encoders, and how wheels differ from their model. Systematic errors are drawn once for
 /// each seed: between half and all of the given size, either sign.
 struct SimulatedWheels {
   double rate_hz = 40.0;
-  double scale_error = 0.02;  ///< both sides too large or too small, share of the distance
-  double imbalance = 0.0003;  ///< one side against the other, share of the distance
-  double turn_slip = 0.01;    ///< skid: turning seen by the wheels beyond the robot's, share
-  double slip_m_per_sqrt_m =
-      0.003;  ///< random slip: standard deviation after 1 m of travel; grows with the root
+  double scale_error = 0.02;
+  double imbalance = 0.0003;
+  double turn_slip = 0.01;
+  double slip_m_per_sqrt_m = 0.003;
 };
 
 /// Gyro and accelerometer.
 struct SimulatedImu {
   double rate_hz = 100.0;
-  double bias_rad_s = 0.01;          ///< drawn as the systematic errors of the wheels
-  double bias_drift_rad_s = 0.0002;  ///< random walk of the bias: standard deviation after a minute
-  double noise_rad_s = 0.004;        ///< standard deviation of a sample
+  double bias_rad_s = 0.01;
+  double bias_drift_rad_s = 0.0002;
+  double noise_rad_s = 0.004;
   double acceleration_noise_m_s2 = 0.05;
 };
 
 struct SimulationOptions {
-  double duration_s = 0.0;  ///< cuts the drive; 0: the whole route
-  double start_s = 1000.0;  ///< stamp of the first moment
-  int people = 0;           ///< that walk about
-  bool odometry_poses =
-      false;  ///< the robot's own dead reckoning instead of counts and imu, as CARMEN logs it
+  double duration_s = 0.0;
+  double start_s = 1000.0;
+  int people = 0;
+  bool odometry_poses = false;
   DriveOptions drive{};
   SimulatedLaser laser{};
   SimulatedWheels wheels{};
@@ -69,14 +67,16 @@ void visit_options(DriveOptions& options, Visitor&& visit) {
   visit("yaw_rate_rad_s", options.yaw_rate_rad_s, Range{0.2, 3.0}, "fastest turn");
   visit("acceleration_m_s2", options.acceleration_m_s2, Range{0.1, 5.0}, "how fast it gains speed");
   visit("standstill_s", options.standstill_s, Range{0.0, 60.0}, "rest before it sets off");
-  visit("laps", options.laps, Range{1, 1000}, "times that it goes the whole route");
+  visit("laps", options.laps, Range{1, 1000},
+        "times that it goes the whole route, each time back to the start");
 }
 
 template <typename Visitor>
 void visit_options(SimulatedLaser& options, Visitor&& visit) {
   visit("rate_hz", options.rate_hz, Range{0.1, 100.0}, "scans a second");
   visit("beams", options.beams, Range{2, 20000}, "beams of a scan");
-  visit("fov_rad", options.fov_rad, Range{0.01, 6.2832}, "from the first beam to the last");
+  visit("fov_rad", options.fov_rad, Range{0.01, 6.2832},
+        "from the first beam to the last, centred on the lidar's x axis");
   visit("range_min_m", options.range_min_m, Range{0.0, 5.0}, "nearer returns are bad beams");
   visit("range_max_m", options.range_max_m, Range{0.5, 500.0}, "farther surfaces give no return");
   visit("noise_m", options.noise_m, Range{0.0, 1.0}, "standard deviation of a range");
@@ -89,22 +89,25 @@ void visit_options(SimulatedLaser& options, Visitor&& visit) {
 template <typename Visitor>
 void visit_options(SimulatedWheels& options, Visitor&& visit) {
   visit("rate_hz", options.rate_hz, Range{1.0, 1000.0}, "readings a second");
-  visit("scale_error", options.scale_error, Range{0.0, 0.5}, "both sides too large or too small");
-  visit("imbalance", options.imbalance, Range{0.0, 0.2}, "one side against the other");
+  visit("scale_error", options.scale_error, Range{0.0, 0.5},
+        "both sides too large or too small, share of the distance");
+  visit("imbalance", options.imbalance, Range{0.0, 0.2},
+        "one side against the other, share of the distance");
   visit("turn_slip", options.turn_slip, Range{0.0, 0.5}, "wheels turn more than the robot, share");
   visit("slip_m_per_sqrt_m", options.slip_m_per_sqrt_m, Range{0.0, 0.5},
-        "random slip after 1 m of travel");
+        "random slip: standard deviation after 1 m of travel; grows with the root");
 }
 
 template <typename Visitor>
 void visit_options(SimulatedImu& options, Visitor&& visit) {
   visit("rate_hz", options.rate_hz, Range{1.0, 2000.0}, "samples a second");
-  visit("bias_rad_s", options.bias_rad_s, Range{0.0, 1.0}, "bias of the gyro");
+  visit("bias_rad_s", options.bias_rad_s, Range{0.0, 1.0},
+        "bias of the gyro, drawn as the systematic errors of the wheels");
   visit("bias_drift_rad_s", options.bias_drift_rad_s, Range{0.0, 0.1},
-        "change of the bias within a minute");
-  visit("noise_rad_s", options.noise_rad_s, Range{0.0, 1.0}, "noise of a gyro sample");
+        "random walk of the bias: standard deviation after a minute");
+  visit("noise_rad_s", options.noise_rad_s, Range{0.0, 1.0}, "standard deviation of a gyro sample");
   visit("acceleration_noise_m_s2", options.acceleration_noise_m_s2, Range{0.0, 10.0},
-        "noise of a sample");
+        "standard deviation of an accelerometer sample");
 }
 
 template <typename Visitor>
@@ -112,7 +115,8 @@ void visit_options(SimulationOptions& options, Visitor&& visit) {
   visit("duration_s", options.duration_s, Range{0.0, 1e6}, "cuts the drive; 0: the whole route");
   visit("start_s", options.start_s, Range{0.0, 4e9}, "stamp of the first moment");
   visit("people", options.people, Range{0, 1000}, "people who walk about");
-  visit("odometry_poses", options.odometry_poses, "dead reckoning instead of counts and imu");
+  visit("odometry_poses", options.odometry_poses,
+        "the robot's own dead reckoning instead of counts and imu, as CARMEN logs it");
   visit.group("drive", options.drive);
   visit.group("laser", options.laser);
   visit.group("wheels", options.wheels);

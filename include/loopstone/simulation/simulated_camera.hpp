@@ -8,29 +8,29 @@ namespace loopstone {
 /// What makes depths uncertain. The defaults are a Kinect's of the first kind (Khoshelham and
 /// Elberink 2012, "Accuracy and resolution of Kinect depth data").
 struct SimulatedDepth {
-  double noise_steps = 0.7;            ///< standard deviation in steps of the Kinect's disparity
-  double dropout_probability = 0.003;  ///< share of pixels without depth for no visible reason
-  double grazing_dropout = 1.0;  ///< and of those that see a surface edge-on; none from 6 deg on
-  double projector_baseline_m = 0.075;  ///< what its light can't reach has no depth; 0: no shadows
+  double noise_steps = 0.7;
+  double dropout_probability = 0.003;
+  double grazing_dropout = 1.0;
+  double projector_baseline_m = 0.075;
 };
 
 /// What makes colours uncertain.
 struct SimulatedColour {
-  double exposure_s = 0.006;  ///< the floor's texture smears along its motion
-  double gain_wander = 0.04;  ///< of the automatic exposure: standard deviation of log brightness
-  double vignetting = 0.06;   ///< how much darker the corners are, share
-  double noise_levels = 1.5;  ///< standard deviation of a channel, of 255
-  double lag_s = 0.013;       ///< colour is taken this much after depth, and stamped so
+  double exposure_s = 0.006;
+  double gain_wander = 0.04;
+  double vignetting = 0.06;
+  double noise_levels = 1.5;
+  double lag_s = 0.013;
 };
 
 /// An RGB-D camera on a robot, and how it differs from what the robot's file says. The default
 /// mount errors are what a bracket bent by hand has.
 struct SimulatedCamera {
   double rate_hz = 5.0;
-  double clock_offset_s = 0.0;      ///< all its stamps are this late
-  double pitch_error_rad = 0.0175;  ///< it truly looks this much farther down than the model says
-  double roll_error_rad = 0.005;    ///< and leans this much to the right
-  double height_error_m = 0.004;    ///< and sits this much higher
+  double clock_offset_s = 0.0;
+  double pitch_error_rad = 0.0175;
+  double roll_error_rad = 0.005;
+  double height_error_m = 0.004;
   SimulatedDepth depth{};
   SimulatedColour colour{};
 };
@@ -40,11 +40,11 @@ void visit_options(SimulatedDepth& options, Visitor&& visit) {
   visit("noise_steps", options.noise_steps, Range{0.0, 100.0},
         "standard deviation in steps of the Kinect's disparity");
   visit("dropout_probability", options.dropout_probability, Range{0.0, 1.0},
-        "share of pixels without depth");
+        "share of pixels without depth for no visible reason");
   visit("grazing_dropout", options.grazing_dropout, Range{0.0, 1.0},
-        "share of those that see a surface edge-on");
+        "and of those that see a surface edge-on; none from 6 deg on");
   visit("projector_baseline_m", options.projector_baseline_m, Range{0.0, 1.0},
-        "its shadows have no depth; 0: no shadows");
+        "what its light can't reach has no depth; 0: no shadows");
 }
 
 template <typename Visitor>
@@ -52,10 +52,12 @@ void visit_options(SimulatedColour& options, Visitor&& visit) {
   visit("exposure_s", options.exposure_s, Range{0.0, 0.1}, "smears the floor along its motion");
   visit("gain_wander", options.gain_wander, Range{0.0, 1.0},
         "automatic exposure: standard deviation of log brightness");
-  visit("vignetting", options.vignetting, Range{0.0, 0.9}, "how much darker the corners are");
+  visit("vignetting", options.vignetting, Range{0.0, 0.9},
+        "how much darker the corners are, share");
   visit("noise_levels", options.noise_levels, Range{0.0, 100.0},
         "standard deviation of a channel, of 255");
-  visit("lag_s", options.lag_s, Range{-0.5, 0.5}, "colour is taken this much after depth");
+  visit("lag_s", options.lag_s, Range{-0.5, 0.5},
+        "colour is taken this much after depth, and stamped so");
 }
 
 template <typename Visitor>

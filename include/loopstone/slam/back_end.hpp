@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -13,57 +14,91 @@
 #include "loopstone/slam/loop_closer.hpp"
 #include "loopstone/slam/loop_closure.hpp"
 #include "loopstone/slam/map_options.hpp"
-#include "loopstone/slam/map_snapshot.hpp"
 #include "loopstone/slam/map_update.hpp"
+#include "loopstone/slam/submap_record.hpp"
 
 namespace loopstone {
 
-/// Keeps the graph: key scans in a chain, closures across it, solved whenever a closure was found.
-/// Depends only on what it is given and in which order, so it may run beside the front end.
+/// When the back end believes, waits and takes back.
+struct BackEndNumbers {
+  double revoke_chi2 = 26.0;
+  double lone_overlap = 0.5;
+  double lone_agreement = 0.9;
+  double news_chi2 = 6.0;
+  int final_rounds = 2;
+};
+inline constexpr BackEndNumbers kBackEnd{};
+
+template <typename Visitor>
+void visit_numbers(const BackEndNumbers& n, Visitor&& visit) {
+  visit("revoke_chi2", n.revoke_chi2,
+        "derived: chi-square of three degrees of freedom, exceeded by 1e-5 of true closures; one "
+        "whose residual is larger does not stand");
+  visit("lone_overlap", n.lone_overlap,
+        "chosen: at the end a closure that bends the map and is consistent with no other one "
+        "needs at least this overlap");
+  visit("lone_agreement", n.lone_agreement, "chosen: and this agreement");
+  visit("news_chi2", n.news_chi2,
+        "chosen: as long as closures say together no more than this that the map does not, "
+        "solving can wait");
+  visit("final_rounds", n.final_rounds,
+        "chosen: rounds of looking everywhere at the end, with ever better poses");
+}
+
+/// Keeps the graph: submaps with their key scans in a chain, closures across it, solved whenever a
+/// closure was found. Depends only on what it is given and in which order, so it may run beside the
+/// front end.
 ///
 /// Memory: grows with the area, not with time. What older submaps cover is thinned: of such a
 /// stretch the first key scan stays, some hundred bytes for metres of travel.
 class BackEnd {
  public:
+  /// All that it knows before finish(); plain data.
+  struct State {
+    KeyChain::State chain{};
+    LoopCloser::State loops{};
+    std::vector<LoopClosure> closures{};
+    double loop_closing_s = 0.0;
+    double optimisation_s = 0.0;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(chain, loops, closures, loop_closing_s, optimisation_s);
+    }
+  };
+
   BackEnd(const MapOptions& options, Threads threads);
 
   void add_key(const KeyScan& key);
+  /// A scan to draw the map from; belongs to the stretch of the newest key scan.
+  void add_scan(std::shared_ptr<const MappedScan> scan);
   /// Submaps come in the order of the key scans that they start with.
   void add_submap(FinishedSubmap submap);
   /// Looks once more for closures everywhere, settles which stand, and makes the graph of all key
   /// scans. Call once, at the end.
   void finish(const std::function<bool()>& goes_on = {});
 
-  /// The stretches thinned since the last call: only their first key scans are still of use.
-  [[nodiscard]] std::vector<std::size_t> take_thinned();
-
   /// What happened since the last call, in order: submaps dropped, closures, solutions.
   [[nodiscard]] std::vector<MapEvent> take_events() { return std::exchange(events_, {}); }
-  /// Of each stretch, the pose of its first key scan.
-  [[nodiscard]] std::span<const Pose2> map_T_submap() const { return outline_.poses; }
-  [[nodiscard]] SubmapState state_of(SubmapId submap) const;
+  [[nodiscard]] std::span<const SubmapRecord> submaps() const { return chain_.submaps(); }
+  [[nodiscard]] const std::vector<LoopClosure>& closures() const { return closures_; }
+  /// Of submaps that were full, dropped ones included.
+  [[nodiscard]] std::size_t submap_count() const;
 
   /// After finish().
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
   [[nodiscard]] std::vector<KeyScan> keys() const { return chain_.keys(); }  ///< the graph's nodes
-  [[nodiscard]] std::size_t stretch_count() const { return chain_.stretch_count(); }
-  [[nodiscard]] const std::vector<LoopClosure>& closures() const { return closures_; }
   [[nodiscard]] double path_length_m() const { return chain_.length_m(); }
-  [[nodiscard]] std::size_t submap_count() const { return loops_.submap_count(); }
-  [[nodiscard]] bool submaps_lie_within(double reach_m) const {
-    return loops_.submaps_lie_within(reach_m);
-  }
   [[nodiscard]] double loop_closing_s() const { return loop_closing_s_; }
   [[nodiscard]] double optimisation_s() const { return optimisation_s_; }
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(loops_, chain_, outline_, graph_, closures_, thinned_, loop_closing_s_, optimisation_s_);
-    if constexpr (Archive::kReads) a.check(is_sound(), "a graph that contradicts itself");
-  }
+  /// Cost: that of copying some hundred bytes a key scan; scans and full submaps are shared.
+  [[nodiscard]] State state() const;
+  /// The state must be sound, or behaviour is undefined.
+  void restore(State state);
 
  private:
-  [[nodiscard]] bool is_sound() const;
+  [[nodiscard]] std::span<SubmapRecord> full_submaps();
   void take(std::vector<LoopClosure> found);
   void thin_covered();
   void accept_lone();
@@ -74,13 +109,18 @@ class BackEnd {
   bool loop_closure_;
   LoopCloser loops_;
   KeyChain chain_;
-  PoseGraph outline_{};  ///< a node a stretch, and edges along the path; closures live in closures_
-  PoseGraph graph_{};    ///< in the end: of all key scans, and with closures
+  PoseGraph graph_{};  ///< in the end: of all key scans, and with closures
   std::vector<LoopClosure> closures_{};
-  std::vector<std::size_t> thinned_{};
   std::vector<MapEvent> events_{};
   double loop_closing_s_ = 0.0;
   double optimisation_s_ = 0.0;
 };
+
+/// Whether a state hangs together: every index lies inside what it points into, and what only grows
+/// does. For what comes from a file; a run that went on from one that does not would read what is
+/// not there.
+/// \param scans    of all scans so far; mapped ones are among them
+/// \param reach_m  no submap reaches farther than this from its origin
+[[nodiscard]] bool is_sound(const BackEnd::State& state, std::size_t scans, double reach_m);
 
 }  // namespace loopstone

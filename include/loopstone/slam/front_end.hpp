@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -18,6 +17,17 @@
 
 namespace loopstone {
 
+enum class OdometryUse {
+  kCheck,  ///< used while it agrees with the laser
+  kTrust,  ///< used always
+  kIgnore,
+};
+
+constexpr auto words_of(OdometryUse /*any*/) {
+  using enum OdometryUse;
+  return std::array{Word{kCheck, "check"}, Word{kTrust, "trust"}, Word{kIgnore, "ignore"}};
+}
+
 struct FrontEndOptions {
   double range_max_m = 60.0;     ///< farther returns are not used for matching
   int points_max = 360;          ///< of a scan, after thinning
@@ -28,8 +38,7 @@ struct FrontEndOptions {
       0.6;  ///< below it, a search checks whether another pose nearby explains more
   double search_half_xy_m = 0.6;  ///< window of that search
   double search_half_yaw_rad = 0.5;
-  std::string odometry =
-      "check";  ///< "check": used while it agrees with the laser; "trust"; "ignore"
+  OdometryUse odometry = OdometryUse::kCheck;
 };
 
 template <typename Visitor>
@@ -49,7 +58,7 @@ void visit_options(FrontEndOptions& options, Visitor&& visit) {
         "half side of the window of that search");
   visit("search_half_yaw_rad", options.search_half_yaw_rad, Range{0.01, 3.2},
         "half heading range of that search");
-  visit("odometry", options.odometry, OneOf{{"check", "trust", "ignore"}},
+  visit("odometry", options.odometry,
         "used while it agrees with the laser, used always, or not at all");
 }
 
@@ -113,11 +122,48 @@ class FrontEnd {
   /// The submaps still open, as they are. Call once, at the end.
   [[nodiscard]] std::vector<FinishedSubmap> finish();
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a.list(active_, [this] { return ActiveSubmap{Submap(submap_options_), {}, 0, 0.0}; });
-    a(key_count_, last_key_, predictor_, lost_in_a_row_, usual_score_, laser_check_, held_, piece_);
-  }
+  struct State {
+    /// A submap that is open.
+    struct Active {
+      Submap::State submap{};
+      Pose2 local_T_submap{};
+      std::size_t first_key = 0;
+      double travelled_m = 0.0;
+
+      template <typename Archive>
+      void archive(Archive& a) {
+        a(submap, local_T_submap, first_key, travelled_m);
+      }
+    };
+    /// What the parts do not have.
+    struct Own {
+      std::size_t key_count = 0;
+      Pose2 last_key{};
+      int lost_in_a_row = 0;
+      double usual_score = 1.0;  ///< of the scans so far, mean over some tens
+      std::optional<HeldScan> held{};
+      std::size_t piece = 0;
+
+      template <typename Archive>
+      void archive(Archive& a) {
+        a(key_count, last_key, lost_in_a_row, usual_score, held, piece);
+      }
+    };
+    std::vector<Active> active{};  ///< oldest first
+    MotionPredictor::State predictor{};
+    LaserCheck::State laser_check{};
+    Own own{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(active, predictor, laser_check, own);
+    }
+  };
+
+  [[nodiscard]] State state() const;
+  /// Throws UsageError when nothing can have led to it with these options; then the front end is of
+  /// no use.
+  void restore(State state);
 
  private:
   struct ActiveSubmap {
@@ -125,11 +171,6 @@ class FrontEnd {
     Pose2 local_T_submap;
     std::size_t first_key;
     double travelled_m;
-
-    template <typename Archive>
-    void archive(Archive& a) {
-      a(submap, local_T_submap, first_key, travelled_m);
-    }
   };
   struct Alignment {
     MatchResult match;  ///< local frame
@@ -137,6 +178,29 @@ class FrontEnd {
     bool lost =
         false;  ///< the scan contradicts the submap wherever it was looked for; the pose is a guess
   };
+
+  using Seen = MotionPredictor::Seen;
+  /// A scan, and what is known of it before it is aligned.
+  struct Sighting {
+    const LaserScan& scan;
+    const Pose2& robot_T_lidar;
+    const std::optional<OdometryReading>& odometry;
+    std::vector<MotionGuess> guesses;  ///< at least one
+    bool believed = false;             ///< the laser shows its surroundings
+    std::vector<SurfacePoint> surfaces{};
+
+    [[nodiscard]] const MotionGuess& likeliest() const { return guesses.front(); }
+  };
+
+  // The steps of add(), in their order.
+  [[nodiscard]] Sighting prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                 const std::optional<OdometryReading>& odometry);
+  [[nodiscard]] static TrackedScan predicted(const Sighting& sighting);
+  [[nodiscard]] Seen place(Sighting& sighting, TrackedScan& tracked);
+  [[nodiscard]] Seen follow(Sighting& sighting, TrackedScan& tracked);
+  void give_up_place(const Sighting& sighting, TrackedScan& tracked);
+  void keep(const Sighting& sighting, TrackedScan& tracked);
+  void insert(const Sighting& sighting, TrackedScan& tracked);
 
   [[nodiscard]] std::vector<SurfacePoint> surfaces_of(const LaserScan& scan,
                                                       const Pose2& robot_T_lidar,
@@ -161,7 +225,6 @@ class FrontEnd {
     /// Odometry says that the robot hardly moved: the scan is aligned as any other.
     [[nodiscard]] bool is_short() const;
   };
-  using Seen = MotionPredictor::Seen;
 
   void hold(Stamp stamp, const Pose2& local_T_robot,
             const std::optional<OdometryReading>& odometry);
@@ -175,9 +238,6 @@ class FrontEnd {
   /// The same without odometry: anywhere around.
   [[nodiscard]] std::optional<MatchResult> recognise_around(std::span<const SurfacePoint> surfaces,
                                                             const PosePrior2& prior) const;
-  [[nodiscard]] Seen follow(const LaserScan& scan, const Pose2& robot_T_lidar,
-                            std::span<const MotionGuess> guesses,
-                            std::vector<SurfacePoint>& surfaces, TrackedScan& tracked);
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
                             Stamp stamp, TrackedScan& tracked);
   [[nodiscard]] Seen take_match(const MatchResult& match, bool is_held, TrackedScan& tracked);
@@ -198,22 +258,15 @@ class FrontEnd {
   [[nodiscard]] bool moved_enough(const Pose2& local_T_robot) const;
   /// A scan that explains less, by much less than usual, shows another place.
   [[nodiscard]] double least_score() const;
-  void insert(std::span<const SurfacePoint> surfaces, const LaserScan& scan,
-              const Pose2& robot_T_lidar, TrackedScan& tracked);
 
   FrontEndOptions options_;
   GridMatchOptions match_options_;
   SubmapOptions submap_options_;
   BeamTable beams_{};
   std::vector<ActiveSubmap> active_{};  ///< oldest first; the oldest is what scans are aligned to
-  std::size_t key_count_ = 0;
-  Pose2 last_key_{};
   MotionPredictor predictor_;
-  int lost_in_a_row_ = 0;
-  double usual_score_ = 1.0;  ///< of the scans so far, mean over some tens
   LaserCheck laser_check_{};
-  std::optional<HeldScan> held_{};
-  std::size_t piece_ = 0;
+  State::Own own_{};
 };
 
 }  // namespace loopstone

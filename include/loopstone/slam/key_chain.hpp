@@ -1,38 +1,39 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstddef>
-#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "loopstone/base/stamp.hpp"
-#include "loopstone/geometry/pose2.hpp"
 #include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/slam/key_scan.hpp"
+#include "loopstone/slam/submap_record.hpp"
 
 namespace loopstone {
 
-/// A scan that is a node of the graph.
-struct KeyScan {
-  Stamp stamp{};
-  Pose2 local_T_robot{};  ///< where the front end put it
-  Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
-  std::size_t scan = 0;         ///< its place among all scans
-  bool starts_submap = false;
-  /// Of the motion from the key scan before, where the laser did not hold it: (x, y, yaw), local
-  /// frame.
-  std::optional<Eigen::Matrix3d> across{};
-
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(stamp, local_T_robot, covariance, scan, starts_submap, across);
-  }
+/// The noise model of the motion from one key scan to the next.
+struct KeyChainNumbers {
+  double rest_m = 0.004;
+  double travel_share = 0.006;
+  double rest_rad = 0.0012;
+  double turn_share = 0.004;
+  double window_sigmas = 2.0;
+  double least_drift = 1e-3;
 };
+inline constexpr KeyChainNumbers kKeyChain{};
 
-/// Whether the lengths of a path at places along it are what they can be: finite, and nowhere less
-/// than before. For what comes from a file.
-[[nodiscard]] bool only_grows(std::span<const double> travelled_m);
+template <typename Visitor>
+void visit_numbers(const KeyChainNumbers& n, Visitor&& visit) {
+  visit("rest_m", n.rest_m,
+        "chosen: what matching against a submap leaves uncertain between key scans, however good "
+        "the match: its slow drift");
+  visit("travel_share", n.travel_share, "chosen: the same, of the distance between them");
+  visit("rest_rad", n.rest_rad, "chosen: as rest_m, of the heading");
+  visit("turn_share", n.turn_share, "chosen: the same, of the turn between them");
+  visit("window_sigmas", n.window_sigmas,
+        "chosen: what loop closing searches across a break, in standard deviations");
+  visit("least_drift", n.least_drift,
+        "chosen: drift per metre that a break is compared with, at the least: no division by 0");
+}
 
 /// The path as key scans, cut into stretches: a stretch begins with the key scan that a submap
 /// begins with.
@@ -42,58 +43,48 @@ struct KeyScan {
 /// motions, until expand() spells it out.
 class KeyChain {
  public:
+  /// All that it knows; plain data.
+  struct State {
+    std::vector<SubmapRecord> submaps{};
+    KeyScan newest{};
+    double length_m = 0.0;  ///< from the first key scan to the newest
+    double breaks_m = 0.0;  ///< what breaks count for
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(submaps, newest, length_m, breaks_m);
+    }
+  };
+
   /// \param drift_per_m  position uncertainty gained by a metre of travel: what is uncertain across
   ///                     a break of the path counts as the travel that would have made it so
   explicit KeyChain(double drift_per_m) : drift_per_m_(drift_per_m) {}
 
-  /// The first key scan begins a stretch in any case.
+  /// The first key scan begins a stretch in any case. A new stretch lies where the motions put it.
   void add(const KeyScan& key);
-  /// Forgets all key scans of a stretch but the first. It must not be the newest.
-  void thin(std::size_t stretch);
+  /// Forgets all scans of a stretch but the first. It must not be the newest.
+  void thin(SubmapId stretch);
 
-  [[nodiscard]] std::size_t stretch_count() const { return stretches_.size(); }
-  /// Motion from the first key scan of a stretch to that of the next one, or to its own last.
-  [[nodiscard]] const PoseWithCovariance2& across(std::size_t stretch) const {
-    return stretches_[stretch].across;
-  }
+  [[nodiscard]] std::vector<SubmapRecord>& submaps() { return state_.submaps; }
+  [[nodiscard]] std::span<const SubmapRecord> submaps() const { return state_.submaps; }
   /// From the first key scan to the newest [m]: between key scans a robot only trembles.
-  [[nodiscard]] double length_m() const { return length_m_; }
-  /// Length of the path up to each stretch [m], and what breaks count for.
-  [[nodiscard]] std::span<const double> travelled_m() const { return travelled_m_; }
+  [[nodiscard]] double length_m() const { return state_.length_m; }
 
   /// The key scans that are kept, in order.
   [[nodiscard]] std::vector<KeyScan> keys() const;
   /// Of each stretch, the place of its first key scan among them.
   [[nodiscard]] std::vector<NodeId> first_nodes() const;
-  /// Their graph, edges along the path only. \param map_T_stretch pose of each stretch's first key
-  /// scan
-  [[nodiscard]] PoseGraph expand(std::span<const Pose2> map_T_stretch) const;
+  /// The graph of the stretches' first key scans, edges along the path only.
+  [[nodiscard]] PoseGraph outline() const;
+  /// The graph of all key scans, likewise.
+  [[nodiscard]] PoseGraph expand() const;
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(stretches_, travelled_m_, newest_, length_m_, breaks_m_);
-    if constexpr (Archive::kReads)
-      a.check(is_sound(), "a chain of key scans that contradicts itself");
-  }
+  [[nodiscard]] const State& state() const { return state_; }
+  void restore(State state) { state_ = std::move(state); }
 
  private:
-  [[nodiscard]] bool is_sound() const;
-
-  struct Stretch {
-    std::vector<KeyScan> keys{};
-    PoseWithCovariance2 across{};
-
-    template <typename Archive>
-    void archive(Archive& a) {
-      a(keys, across);
-    }
-  };
   double drift_per_m_;
-  std::vector<Stretch> stretches_{};
-  std::vector<double> travelled_m_{};
-  KeyScan newest_{};
-  double length_m_ = 0.0;
-  double breaks_m_ = 0.0;  ///< what breaks count for
+  State state_{};
 };
 
 }  // namespace loopstone

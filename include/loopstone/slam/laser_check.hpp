@@ -2,14 +2,37 @@
 
 #include <cstddef>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
 #include "loopstone/slam/motion_predictor.hpp"
 
 namespace loopstone {
+
+/// What the check of the laser decides by.
+struct LaserCheckNumbers {
+  double blocked_m = 0.35;
+  double blocked_share = 0.8;
+  int fewest_returns = 20;
+  double moved_m = 0.05;
+  double moved_rad = 0.05;
+};
+inline constexpr LaserCheckNumbers kLaserCheck{};
+
+template <typename Visitor>
+void visit_numbers(const LaserCheckNumbers& n, Visitor&& visit) {
+  visit("blocked_m", n.blocked_m,
+        "chosen: nearer than this there is nothing but the robot itself and what hangs over it");
+  visit("blocked_share", n.blocked_share,
+        "chosen: of the returns must be so near; a robot in a niche sees out of it");
+  visit("fewest_returns", n.fewest_returns, "chosen: fewer say too little to be judged");
+  visit("moved_m", n.moved_m,
+        "chosen: odometry that moved so far says that the robot does not stand; far beyond what "
+        "wheels tremble");
+  visit("moved_rad", n.moved_rad, "chosen: as moved_m, of a point a metre off");
+}
 
 /// What is wrong with the laser, as far as its scans tell.
 enum class LaserFault {
@@ -17,7 +40,10 @@ enum class LaserFault {
   kFrozen,   ///< the same scan to the last bit, while odometry says that the robot moves
 };
 
-[[nodiscard]] std::string_view to_string(LaserFault fault);
+constexpr auto words_of(LaserFault /*any*/) {
+  using enum LaserFault;
+  return std::array{Word{kBlocked, "blocked"}, Word{kFrozen, "frozen"}};
+}
 
 /// A time during which scans said nothing of the surroundings.
 struct LaserEpisode {
@@ -46,17 +72,31 @@ class LaserCheck {
   /// Whether the scan can be believed. \param odometry  at its stamp, if there is any
   [[nodiscard]] bool add(const LaserScan& scan, const std::optional<OdometryReading>& odometry);
 
-  [[nodiscard]] const std::vector<LaserEpisode>& episodes() const { return episodes_; }
+  [[nodiscard]] const std::vector<LaserEpisode>& episodes() const { return state_.episodes; }
   /// Whether the last episode goes on.
-  [[nodiscard]] bool is_faulty() const { return open_; }
+  [[nodiscard]] bool is_faulty() const { return state_.open; }
   /// Most scans in a row that were the same to the last bit while no odometry told whether the
   /// robot stood, the first one not counted.
-  [[nodiscard]] std::size_t most_repeated() const { return most_repeated_; }
+  [[nodiscard]] std::size_t most_repeated() const { return state_.most_repeated; }
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(episodes_, last_ranges_m_, repeated_since_, repeated_, most_repeated_, open_, begun_);
-  }
+  struct State {
+    std::vector<LaserEpisode> episodes{};
+    std::vector<float> last_ranges_m{};
+    std::optional<OdometryReading> repeated_since{};  ///< at the scan that is repeated
+    std::size_t repeated = 0;
+    std::size_t most_repeated = 0;
+    bool open = false;                       ///< the last episode goes on
+    std::optional<OdometryReading> begun{};  ///< odometry when it began
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(episodes, last_ranges_m, repeated_since, repeated, most_repeated, open, begun);
+    }
+  };
+
+  [[nodiscard]] const State& state() const { return state_; }
+  /// Throws UsageError when nothing can have led to it.
+  void restore(State state);
 
  private:
   [[nodiscard]] std::optional<LaserFault> fault_of(const LaserScan& scan,
@@ -64,13 +104,7 @@ class LaserCheck {
   [[nodiscard]] bool is_frozen(const LaserScan& scan,
                                const std::optional<OdometryReading>& odometry);
 
-  std::vector<LaserEpisode> episodes_{};
-  std::vector<float> last_ranges_m_{};
-  std::optional<OdometryReading> repeated_since_{};  ///< at the scan that is repeated
-  std::size_t repeated_ = 0;
-  std::size_t most_repeated_ = 0;
-  bool open_ = false;                       ///< the last episode goes on
-  std::optional<OdometryReading> begun_{};  ///< odometry when it began
+  State state_{};
 };
 
 }  // namespace loopstone

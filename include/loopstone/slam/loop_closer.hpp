@@ -6,15 +6,15 @@
 #include <map>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "loopstone/base/byte_archive.hpp"
 #include "loopstone/base/options.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/mapping/submap.hpp"
 #include "loopstone/registration/grid_matcher.hpp"
-#include "loopstone/slam/finished_submap.hpp"
 #include "loopstone/slam/loop_closure.hpp"
+#include "loopstone/slam/submap_record.hpp"
 
 namespace loopstone {
 
@@ -54,7 +54,33 @@ void visit_options(LoopOptions& options, Visitor&& visit) {
         "none");
 }
 
-struct LoopSubmap;
+/// What is compared again, and what is not compared any more.
+struct LoopCloserNumbers {
+  double same_try_m = 0.25;
+  double same_try_rad = 0.03;
+  double elsewhere_m = 1.0;
+  double covered = 0.9;
+  std::size_t beside = 2;
+  std::size_t at_once = 64;
+};
+inline constexpr LoopCloserNumbers kLoopCloser{};
+
+template <typename Visitor>
+void visit_numbers(const LoopCloserNumbers& n, Visitor&& visit) {
+  visit("same_try_m", n.same_try_m,
+        "chosen: a pair that failed is tried again once its poses have changed by this much");
+  visit("same_try_rad", n.same_try_rad, "chosen: or turned by so much");
+  visit("elsewhere_m", n.elsewhere_m,
+        "chosen: two closures of one submap that put it this far apart speak of two places");
+  visit("covered", n.covered, "chosen: a submap of which older ones saw such a share adds nothing");
+  visit("beside", n.beside,
+        "chosen: so many are compared beside each other, whatever the number of threads; the "
+        "nearest first, until the submap is covered");
+  visit("at_once", n.at_once,
+        "chosen: in the end so many, some tenths of a second, before somebody is asked whether to "
+        "go on");
+}
+
 struct LoopCandidate;
 
 /// Two submaps, in the order in which maps of pairs keep them.
@@ -69,75 +95,76 @@ struct SubmapPair {
   }
 };
 
-/// Recognises places: compares whole submaps, which are far more distinctive than single scans.
+/// Recognises places: compares whole submaps, which are far more distinctive than single scans. The
+/// submaps that it is given are always the same ones in order, with more of them at the end: those
+/// that are full or were dropped.
 class LoopCloser {
  public:
+  /// What it remembers of its attempts; plain data.
+  struct State {
+    std::set<SubmapPair> standing{};
+    std::map<SubmapPair, Pose2> tried{};  ///< older_T_newer at the last attempt
+    /// Compared by appearance, which no pose changes.
+    std::set<SubmapPair> tried_by_appearance{};
+    /// Which of the newer one's surfaces the older one saw; of closures that waited when found.
+    std::map<SubmapPair, std::vector<bool>> seen{};
+    std::set<SubmapId> newly_closed{};  ///< the newer ones of closures since drop_covered()
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(standing, tried, tried_by_appearance, seen, newly_closed);
+    }
+  };
+
   LoopCloser(const LoopOptions& options, const SubmapOptions& submap, const GridMatchOptions& match,
              Threads threads);
-  ~LoopCloser();
-  LoopCloser(LoopCloser&&) noexcept;
-  LoopCloser& operator=(LoopCloser&&) noexcept;
-
-  /// \param travelled_m  along the path, at the submap's first key scan
-  void add(FinishedSubmap submap, double travelled_m);
 
   /// Compares the newest submap with older ones within reach at the present poses, nearest first,
   /// until those that match saw nearly all of it; then with those that look like it, where the
   /// poses may be wrong by more than the largest window. Everything tried that scored well enough
   /// to be considered is returned, waiting or rejected; its nodes are submaps.
-  [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<const Pose2> map_T_submap);
+  [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<SubmapRecord> submaps);
 
   /// Compares all pairs within reach that have not been closed yet; for the end of a run, when
   /// poses are good.
   /// \param goes_on  asked now and then; once it returns false, what was found until then is
   ///                 returned. May be empty.
-  [[nodiscard]] std::vector<LoopClosure> close_all(std::span<const Pose2> map_T_submap,
+  [[nodiscard]] std::vector<LoopClosure> close_all(std::span<SubmapRecord> submaps,
                                                    const std::function<bool()>& goes_on = {});
 
   /// Drops what submaps hold that saw nothing new: standing closures tie them to older ones, and
   /// those saw nearly all of their surfaces. They keep their places, but nothing is compared with
   /// them any more. Returns which.
-  std::vector<SubmapId> drop_covered();
-
-  [[nodiscard]] bool is_dropped(SubmapId submap) const;
-
-  /// FrozenSubmap::lies_within() of every submap.
-  [[nodiscard]] bool submaps_lie_within(double reach_m) const;
+  std::vector<SubmapId> drop_covered(std::span<SubmapRecord> submaps);
 
   /// Nothing will be compared any more: drops what all submaps hold.
-  void drop_all();
+  void drop_all(std::span<SubmapRecord> submaps);
 
   /// Tells which closures stand, so that uncertainty can be followed through them.
-  void set_closures(std::span<const LoopClosure> closures);
+  void set_closures(std::span<SubmapRecord> submaps, std::span<const LoopClosure> closures);
 
-  [[nodiscard]] std::size_t submap_count() const;
-
-  void archive(ByteWriter& a);
-  void archive(ByteReader& a);
+  [[nodiscard]] const State& state() const { return state_; }
+  void restore(State state) { state_ = std::move(state); }
 
  private:
-  template <typename Archive>
-  void archive_fields(Archive& a);
-  [[nodiscard]] bool is_sound() const;
   [[nodiscard]] std::vector<LoopCandidate> untried_for(SubmapId newer,
-                                                       std::span<const Pose2> map_T_submap);
+                                                       std::span<SubmapRecord> submaps);
   [[nodiscard]] bool was_tried(const LoopCandidate& candidate) const;
   void note_tried(const LoopCandidate& candidate);
-  [[nodiscard]] std::vector<LoopClosure> compare(std::span<const LoopCandidate> candidates);
-  void reject_rivals(std::vector<LoopClosure>& closures, std::span<const Pose2> map_T_submap) const;
+  [[nodiscard]] std::vector<LoopClosure> compare(std::span<const LoopCandidate> candidates,
+                                                 std::span<const SubmapRecord> submaps);
+  void reject_rivals(std::vector<LoopClosure>& closures,
+                     std::span<const SubmapRecord> submaps) const;
 
   LoopOptions options_;
   SubmapOptions submap_options_;
   GridMatchOptions match_options_;
   Threads threads_;
-  std::vector<LoopSubmap> submaps_;
-  std::set<SubmapPair> standing_;
-  std::map<SubmapPair, Pose2> tried_;  ///< older_T_newer at the last attempt
-  /// Compared by appearance, which no pose changes.
-  std::set<SubmapPair> tried_by_appearance_;
-  /// Which of the newer one's surfaces the older one saw; of closures that waited when found.
-  std::map<SubmapPair, std::vector<bool>> seen_;
-  std::set<SubmapId> newly_closed_;  ///< the newer ones of closures since drop_covered()
+  State state_{};
 };
+
+/// Whether a closer's memory speaks only of submaps that are there, and of all of their surfaces;
+/// for what comes from a file.
+[[nodiscard]] bool is_sound(const LoopCloser::State& state, std::span<const SubmapRecord> submaps);
 
 }  // namespace loopstone

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <string_view>
 
+#include "loopstone/base/words.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
@@ -30,7 +30,12 @@ enum class ClosureState {
   kRejected,  ///< it was never in the graph
   kRevoked,   ///< it was, and contradicted the rest
 };
-[[nodiscard]] std::string_view to_string(ClosureState state);
+
+constexpr auto words_of(ClosureState /*any*/) {
+  using enum ClosureState;
+  return std::array{Word{kWaiting, "waiting"}, Word{kStanding, "standing"},
+                    Word{kRejected, "rejected"}, Word{kRevoked, "revoked"}};
+}
 
 /// Why a closure does not stand.
 enum class ClosureReason {
@@ -44,8 +49,20 @@ enum class ClosureReason {
   kNoSecond,          ///< and none came until the end
   kContradictsGraph,  ///< its residual is too large to be chance
 };
-/// In plain words, without comma or quote; empty for kNone.
-[[nodiscard]] std::string_view to_string(ClosureReason reason);
+
+/// Without comma or quote.
+constexpr auto words_of(ClosureReason /*any*/) {
+  using enum ClosureReason;
+  return std::array{Word{kNone, ""},
+                    Word{kTooFewPairs, "refinement found too few pairs"},
+                    Word{kAmbiguousPose, "ambiguous: another pose scores nearly as well"},
+                    Word{kAmbiguousPlace, "ambiguous: another place matches as well"},
+                    Word{kTooLittleOverlap, "too little overlap"},
+                    Word{kSurfacesDisagree, "surfaces disagree"},
+                    Word{kWaitsForSecond, "waits for a second closure that asks for the same"},
+                    Word{kNoSecond, "no second closure asks for the same"},
+                    Word{kContradictsGraph, "revoked: contradicts the rest of the graph"}};
+}
 
 /// A place that was recognised, or looked like it, with the evidence.
 struct LoopClosure {

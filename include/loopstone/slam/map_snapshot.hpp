@@ -9,36 +9,13 @@
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/odometry/odometry_check.hpp"
-#include "loopstone/sensor/laser_scan.hpp"
 #include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/loop_closure.hpp"
+#include "loopstone/slam/mapped_scan.hpp"
 #include "loopstone/slam/path_break.hpp"
+#include "loopstone/slam/submap_record.hpp"
 
 namespace loopstone {
-
-/// A scan that maps are drawn from.
-struct MappedScan {
-  LaserScan scan{};
-  std::size_t index = 0;  ///< among all scans
-  Pose2 robot_T_lidar{};
-  Pose2 local_T_robot{};      ///< where the front end put it; local: smooth, drifts
-  Pose2 local_T_robot_end{};  ///< at the end of its sweep
-  bool is_key = false;
-
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(scan, index, robot_T_lidar, local_T_robot, local_T_robot_end, is_key);
-  }
-};
-
-/// Scans in order. They never change; holders share them.
-using MappedScans = std::vector<std::shared_ptr<const MappedScan>>;
-
-enum class SubmapState {
-  kOpen,     ///< scans are still added
-  kFrozen,   ///< full
-  kDropped,  ///< older ones saw all of it: nothing is compared with it, its scans are thinned
-};
 
 /// A submap, and the scans from its beginning to that of the next one.
 struct SubmapSnapshot {
@@ -48,6 +25,9 @@ struct SubmapSnapshot {
   Pose2 map_T_local{};   ///< puts its scans on the map
   std::shared_ptr<const MappedScans> scans{};
 };
+
+/// \param index  its place among the submaps. It must have scans.
+[[nodiscard]] SubmapSnapshot snapshot_of(const SubmapRecord& submap, std::size_t index);
 
 struct KeyScanSnapshot {
   Stamp stamp{};

@@ -3,9 +3,9 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "loopstone/base/words.hpp"
 #include "loopstone/graph/certificate.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/slam/loop_closure.hpp"
@@ -20,7 +20,12 @@ enum class Verdict {
   kDoubtful,
   kBad,
 };
-[[nodiscard]] std::string_view to_string(Verdict verdict);
+
+constexpr auto words_of(Verdict /*any*/) {
+  using enum Verdict;
+  return std::array{Word{kUnknown, "unknown"}, Word{kGood, "good"}, Word{kDoubtful, "doubtful"},
+                    Word{kBad, "bad"}};
+}
 
 /// What the pose graph says about itself.
 struct GraphQuality {

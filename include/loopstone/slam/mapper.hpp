@@ -1,17 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <future>
 #include <memory>
 #include <optional>
-#include <span>
 #include <stop_token>
-#include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/base/progress.hpp"
-#include "loopstone/base/state_chunk.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/map_options.hpp"
@@ -20,6 +17,29 @@
 #include "loopstone/slam/map_update.hpp"
 
 namespace loopstone {
+
+struct MapperState;
+
+/// What the mapper itself decides by.
+struct MapperNumbers {
+  double still_cells = 1.0;
+  double still_rad = 0.04;
+  double submap_travel_most_m = 300.0;
+  std::size_t updates_most = 1000;
+};
+inline constexpr MapperNumbers kMapper{};
+
+template <typename Visitor>
+void visit_numbers(const MapperNumbers& n, Visitor&& visit) {
+  visit("still_cells", n.still_cells,
+        "chosen: a scan nearer to the last one mapped, in cells of the map, adds next to nothing "
+        "to the final map");
+  visit("still_rad", n.still_rad, "chosen: the same of the heading");
+  visit("submap_travel_most_m", n.submap_travel_most_m,
+        "chosen: from a submap's origin its robot is never farther; a saved state that says so is "
+        "damaged");
+  visit("updates_most", n.updates_most, "chosen: of updates that nobody takes, so many are kept");
+}
 
 /// Turns a stream of sensor messages into a trajectory, a pose graph and a map, and tells where the
 /// robot is while it drives.
@@ -78,14 +98,14 @@ class Mapper {
   [[nodiscard]] MapResult finish(const ProgressCallback& progress = {},
                                  const std::stop_token& cancel = {});
 
-  /// Everything that the messages so far have led to. A new mapper of the same robot and options
-  /// that is given it goes on to the same bytes. Returns once the front end is saved; the rest
-  /// follows when the back end has come as far, on its thread. Updates that wait are not part of
-  /// it.
-  [[nodiscard]] std::future<std::vector<StateChunk>> save_state();
-  /// Before the first message. Throws DataError when a part is missing, of another version or
-  /// damaged; this mapper is of no use then.
-  void restore_state(std::span<const StateChunk> chunks);
+  /// Everything that the messages so far have led to, as plain data (mapper_state.hpp). A new
+  /// mapper of the same robot and options that is given it goes on to the same bytes. Returns once
+  /// the front end is copied; the rest follows when the back end has come as far, on its thread.
+  /// Updates that wait are not part of it.
+  [[nodiscard]] std::future<MapperState> save_state();
+  /// Before the first message. Throws UsageError when nothing can have led to this state with this
+  /// mapper's options; the mapper is of no use then.
+  void restore_state(MapperState state);
 
   [[nodiscard]] std::int64_t scans() const;
 

@@ -13,6 +13,78 @@
 
 namespace loopstone {
 
+/// What the motion to the next scan is predicted by.
+struct MotionPredictorNumbers {
+  double wheel_share = kOdometryAccuracy.first_share;
+  double wheel_rest_m = 0.01;
+  double wheel_rest_rad = 0.01;
+  double wheel_rad_per_m = kOdometryAccuracy.first_rad_per_m;
+  double turn_share = 0.02;
+  int steps = 3;
+  double longest_coast_s = 1.0;
+  double longest_coast_steps = 4.0;
+  double walking_m_s = 1.0;
+  double walking_rad_s = 1.0;
+  double same_m = 0.05;
+  double same_rad = 0.03;
+  double coast_least_m = 0.05;
+  double coast_most_m = 0.3;
+  double coast_least_rad = 0.05;
+  double coast_most_rad = 0.4;
+  double coast_memory = 30.0;
+  double coast_first_m2 = 0.01;
+  double coast_first_rad2 = 0.0225;
+  double first_m = 1.0;
+  double first_rad = 1.0;
+  double unlikely = 3.0;
+};
+inline constexpr MotionPredictorNumbers kMotionPredictor{};
+
+template <typename Visitor>
+void visit_numbers(const MotionPredictorNumbers& n, Visitor&& visit) {
+  visit("wheel_share", n.wheel_share,
+        "derived: share of the motion that may be wrong: first_share of the accuracy of odometry");
+  visit("wheel_rest_m", n.wheel_rest_m, "chosen: uncertain even at rest: stamps, rounding");
+  visit("wheel_rest_rad", n.wheel_rest_rad, "chosen: as wheel_rest_m, of a point a metre off");
+  visit("wheel_rad_per_m", n.wheel_rad_per_m,
+        "derived: heading lost by driving straight: first_rad_per_m of the accuracy of odometry");
+  visit("turn_share", n.turn_share,
+        "chosen: of all turning, over a longer way: errors of turns to the left and to the right "
+        "cancel in part");
+  visit(
+      "steps", n.steps,
+      "chosen: a velocity is the mean over so many motions: one alone is noise, many are the past");
+  visit("longest_coast_s", n.longest_coast_s,
+        "chosen: after so long a velocity says nothing of what comes later");
+  visit("longest_coast_steps", n.longest_coast_steps,
+        "chosen: but not before so many of the usual times between scans");
+  visit(
+      "walking_m_s", n.walking_m_s,
+      "chosen: where nothing tells how far the robot went: as fast as a person walks, either way");
+  visit("walking_rad_s", n.walking_rad_s, "chosen: and turns as a person does");
+  visit("same_m", n.same_m,
+        "chosen: half a cell of the grid that scans are aligned to: motions that differ by less "
+        "start the same alignment");
+  visit("same_rad", n.same_rad, "chosen: turns by less do so, too: half a cell at two metres");
+  visit("coast_least_m", n.coast_least_m,
+        "chosen: a motion that goes on is never less uncertain, however steady the drive was");
+  visit("coast_most_m", n.coast_most_m,
+        "chosen: nor more: a cell of the coarse grid, from farther off no alignment starts");
+  visit("coast_least_rad", n.coast_least_rad, "chosen: as coast_least_m");
+  visit("coast_most_rad", n.coast_most_rad, "chosen: as coast_most_m");
+  visit("coast_memory", n.coast_memory,
+        "chosen: scans over which the uncertainty is learned, some seconds");
+  visit("coast_first_m2", n.coast_first_m2,
+        "chosen: its variance before anything is learned: 10 cm");
+  visit("coast_first_rad2", n.coast_first_rad2, "chosen: likewise: 0.15 rad");
+  visit("first_m", n.first_m,
+        "chosen: of the first scan, whose pose is where the map begins: wide");
+  visit("first_rad", n.first_rad, "chosen: as first_m");
+  visit("unlikely", n.unlikely,
+        "chosen: odometry that is so many standard deviations from the motion so far is one of "
+        "several guesses");
+}
+
 /// Where the robot may be, before the laser is asked.
 struct MotionGuess {
   Pose2 local_T_robot{};
@@ -68,16 +140,10 @@ class MotionPredictor {
   [[nodiscard]] double coast_sigma_m() const;
   [[nodiscard]] double coast_sigma_rad() const;
   [[nodiscard]] const OdometryCheck& check() const { return check_; }
-  [[nodiscard]] const Pose2& last_pose() const { return last_pose_; }
-  [[nodiscard]] const std::optional<Stamp>& last_stamp() const { return last_stamp_; }
+  [[nodiscard]] const Pose2& last_pose() const { return own_.last_pose; }
+  [[nodiscard]] const std::optional<Stamp>& last_stamp() const { return own_.last_stamp; }
 
-  template <typename Archive>
-  void archive(Archive& a) {
-    a(check_, accuracy_, last_stamp_, last_pose_, last_odometry_, last_seen_, steps_,
-      coast_variance_m2_, coast_variance_rad2_);
-  }
-
- private:
+  /// From one scan to the next.
   struct Step {
     double seconds = 0.0;
     Tangent2 motion = Tangent2::Zero();
@@ -87,23 +153,51 @@ class MotionPredictor {
       a(seconds, motion);
     }
   };
+  struct State {
+    /// What the parts do not have.
+    struct Own {
+      std::optional<Stamp> last_stamp{};
+      Pose2 last_pose{};
+      std::optional<OdometryReading> last_odometry{};
+      Seen last_seen{};
+      std::deque<Step> steps{};  ///< the last few
+      double coast_variance_m2 = kMotionPredictor.coast_first_m2;
+      double coast_variance_rad2 = kMotionPredictor.coast_first_rad2;
 
+      template <typename Archive>
+      void archive(Archive& a) {
+        a(last_stamp, last_pose, last_odometry, last_seen, steps, coast_variance_m2,
+          coast_variance_rad2);
+      }
+    };
+    OdometryCheck::State check{};
+    OdometryAccuracy::State accuracy{};
+    Own own{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(check, accuracy, own);
+    }
+  };
+
+  [[nodiscard]] State state() const;
+  /// Throws UsageError when nothing can have led to it; then the predictor is of no use.
+  void restore(State state);
+
+ private:
   /// The motion goes on: as far as the last one, and as fast.
   [[nodiscard]] std::vector<Pose2> coasts(Stamp stamp) const;
   [[nodiscard]] bool coast_is_over(Stamp stamp) const;
+  void check_odometry(Stamp stamp, const Pose2& motion, const OdometryReading& odometry, Seen seen);
+  void learn_coast(Stamp stamp, const Pose2& motion, Seen seen);
+  void remember_step(Stamp stamp, const Pose2& motion);
   /// Odometry's motion between two readings at the scale that was learned.
   [[nodiscard]] Pose2 scaled_motion(const OdometryReading& from, const OdometryReading& to) const;
 
   bool checks_;
   OdometryCheck check_{};
   OdometryAccuracy accuracy_{};
-  std::optional<Stamp> last_stamp_{};
-  Pose2 last_pose_{};
-  std::optional<OdometryReading> last_odometry_{};
-  Seen last_seen_{};
-  std::deque<Step> steps_{};  ///< the last few
-  double coast_variance_m2_ = 0.01;
-  double coast_variance_rad2_ = 0.0225;
+  State::Own own_{};
 };
 
 }  // namespace loopstone

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
 namespace loopstone {
@@ -18,12 +18,22 @@ enum class BreakCause {
   kContradicted,  ///< scans contradict what was seen before, wherever the robot is looked for
 };
 
+constexpr auto words_of(BreakCause /*any*/) {
+  using enum BreakCause;
+  return std::array{Word{kNoScans, "no_scans"}, Word{kContradicted, "contradicted"}};
+}
+
 /// What carried the pose across.
 enum class BreakBridge {
   kLaser,     ///< the first scan after it fits what was seen before
   kOdometry,  ///< the laser sees a place that it did not know
   kNothing,   ///< no odometry that could be trusted either: where the path goes on is a guess
 };
+
+constexpr auto words_of(BreakBridge /*any*/) {
+  using enum BreakBridge;
+  return std::array{Word{kLaser, "laser"}, Word{kOdometry, "odometry"}, Word{kNothing, "nothing"}};
+}
 
 /// A time during which the laser did not hold the robot's pose.
 struct PathBreak {

@@ -19,15 +19,10 @@ namespace loopstone {
 
 /// Options of the textbook pipeline.
 struct ScanToScanOptions {
-  /// Every so many nodes an edge from the node so many before; 0: none.
   int interval = 10;
-  /// Also edges from all nodes in between to the last one.
   bool interval_all = false;
-  /// A scan becomes a node only when the robot moved or turned this far since the last node; 0 and
-  /// 0: every scan.
   double node_distance_m = 0.0;
   double node_angle_rad = 0.0;
-  /// Points of a scan nearer to the last one kept are left out.
   double point_spacing_m = 0.03;
   /// Odometry is a good guess: what is farther away belongs to something else.
   IcpOptions icp{.max_pair_distance_m = 0.5};

@@ -12,9 +12,9 @@ namespace loopstone {
 
 struct SurfaceAdjustmentOptions {
   bool enabled = true;
-  double patch_m = 0.2;  ///< surfaces within such a cell are taken for one straight line
-  int rounds = 3;        ///< of finding patches anew at the poses of the last one
-  int points_max = 120;  ///< of a key scan
+  double patch_m = 0.2;
+  int rounds = 3;
+  int points_max = 120;
 };
 
 template <typename Visitor>

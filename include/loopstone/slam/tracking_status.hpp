@@ -1,6 +1,6 @@
 #pragma once
 
-#include <string_view>
+#include "loopstone/base/words.hpp"
 
 namespace loopstone {
 
@@ -11,6 +11,11 @@ enum class TrackingStatus {
   kBridged,     ///< odometry, or for a second the motion as it was: the laser says nothing
   kLost,        ///< nothing: the scan contradicts the map, or there is neither scan nor odometry
 };
-[[nodiscard]] std::string_view to_string(TrackingStatus status);
+
+constexpr auto words_of(TrackingStatus /*any*/) {
+  using enum TrackingStatus;
+  return std::array{Word{kTracked, "tracked"}, Word{kDegenerate, "degenerate"},
+                    Word{kBridged, "bridged"}, Word{kLost, "lost"}};
+}
 
 }  // namespace loopstone

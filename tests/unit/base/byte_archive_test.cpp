@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "loopstone/base/sound_state.hpp"
 #include "loopstone/base/stamp.hpp"
-#include "loopstone/base/state_chunk.hpp"
 #include "support/saved_state.hpp"
 
 namespace loopstone {
@@ -22,6 +22,7 @@ using test::state_of;
 using testing::HasSubstr;
 
 enum class Colour { kRed, kGreen };
+constexpr Colour last_of(Colour) { return Colour::kGreen; }
 
 struct Inner {
   int number = 0;
@@ -195,6 +196,25 @@ TEST(ByteArchive, ElementsAreMadeByWhoKnowsHowAndHeldToTheirConditions) {
   EXPECT_THROW(restore(after, state_of(std::vector<int>{6})), DataError);
 }
 
+TEST(ByteArchive, EnumsAreNoOtherThanThereAre) {
+  Colour colour = Colour::kRed;
+  restore(colour, state_of(1));
+  EXPECT_EQ(colour, Colour::kGreen);
+  for (const int number : {2, -1, 1 << 30, std::numeric_limits<int>::min()})
+    EXPECT_THROW(restore(colour, state_of(number)), DataError) << number;
+}
+
+TEST(ByteArchive, StampsAreNearEnoughToBeSubtracted) {
+  Stamp stamp;
+  const std::int64_t most = (std::int64_t{1} << 62) - 1;
+  for (const std::int64_t nanoseconds : {most, -most}) {
+    restore(stamp, state_of(nanoseconds));
+    EXPECT_EQ(stamp.nanoseconds, nanoseconds);
+  }
+  for (const std::int64_t nanoseconds : {most + 1, -most - 1})
+    EXPECT_THROW(restore(stamp, state_of(nanoseconds)), DataError) << nanoseconds;
+}
+
 TEST(ByteArchive, ErrorsNamePathAndOffset) {
   int number = 0;
   bool flag = false;
@@ -211,24 +231,36 @@ TEST(ByteArchive, ErrorsNamePathAndOffset) {
   }
 }
 
-TEST(StateChunk, AnObjectComesBackFromItsOwnChunkOnly) {
-  const Inner before{7, {1.0F}};
-  std::vector<StateChunk> chunks{save_chunk("AAAA", 1, full()), save_chunk("BBBB", 3, before)};
-  Inner after;
-  load_chunk(chunks, "BBBB", 3, after);
-  EXPECT_EQ(after, before);
-  EXPECT_THROW(load_chunk(chunks, "CCCC", 1, after), DataError) << "missing";
-  EXPECT_THROW(load_chunk(chunks, "BBBB", 2, after), DataError) << "another version";
-  chunks[1].bytes += '\0';
-  EXPECT_THROW(load_chunk(chunks, "BBBB", 3, after), DataError) << "left over";
-}
+/// Lives by counting.
+class Counter {
+ public:
+  struct State {
+    int count = 0;
 
-TEST(StateChunk, UnknownOnesAreRefusedUnlessTheyMayBeLeftOut) {
-  const std::vector<std::string_view> known{"AAAA"};
-  std::vector<StateChunk> chunks{save_chunk("AAAA", 1, 1), save_chunk("ZZZZ", 1, 1)};
-  EXPECT_THROW(refuse_unknown(chunks, known), DataError);
-  chunks[1].optional = true;
-  EXPECT_NO_THROW(refuse_unknown(chunks, known));
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(count);
+    }
+  };
+  void add() { ++state_.count; }
+  [[nodiscard]] const State& state() const { return state_; }
+  void restore(State state) {
+    require_sound(is_count(state.count), "a negative count");
+    state_ = state;
+  }
+
+ private:
+  State state_{};
+};
+
+TEST(SoundState, AnObjectGoesOnFromAStateThatItCanHaveHad) {
+  Counter before;
+  before.add();
+  Counter after = test::restored(before, Counter());
+  after.add();
+  EXPECT_EQ(after.state().count, 2);
+  EXPECT_THROW(after.restore({-1}), UsageError);
+  EXPECT_EQ(after.state().count, 2);
 }
 
 }  // namespace

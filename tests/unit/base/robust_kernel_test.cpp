@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "loopstone/base/error.hpp"
-
 namespace loopstone {
 namespace {
 
@@ -58,11 +56,6 @@ TEST(RobustKernel, HuberWeightIsWidthOverResidual) {
 TEST(RobustKernel, TukeyForgetsWhatLiesBeyondItsWidth) {
   EXPECT_GT(evaluate(RobustKernel::kTukey, 2.0, 3.9).weight, 0.0);
   EXPECT_EQ(evaluate(RobustKernel::kTukey, 2.0, 4.1).weight, 0.0);
-}
-
-TEST(RobustKernel, HasAName) {
-  for (const auto& [name, kernel] : kRobustKernelNames) EXPECT_EQ(robust_kernel_from(name), kernel);
-  EXPECT_THROW((void)robust_kernel_from("huger"), UsageError);
 }
 
 }  // namespace

@@ -20,9 +20,16 @@ void visit_options(Inner& options, Visitor&& visit) {
   visit("beams", options.beams, Range{1, 2000}, "of a scan");
 }
 
+enum class Kernel { kHuber, kCauchy };
+
+constexpr auto words_of(Kernel /*any*/) {
+  return std::array{Word{Kernel::kHuber, "huber"}, Word{Kernel::kCauchy, "cauchy"}};
+}
+
 struct Outer {
   bool fast = false;
-  std::string kernel = "huber";
+  Kernel kernel = Kernel::kHuber;
+  std::string name = "plain";
   Inner front_end{};
   Inner loop{12.5, 90};
 };
@@ -31,7 +38,8 @@ template <typename Visitor>
 void visit_options(Outer& options, Visitor&& visit) {
   visit.group("front_end", options.front_end);
   visit("fast", options.fast, "in a hurry");
-  visit("kernel", options.kernel, OneOf{{"huber", "cauchy"}}, "of the residuals");
+  visit("kernel", options.kernel, "of the residuals");
+  visit("name", options.name, "for people");
   visit.group("loop", options.loop);
 }
 
@@ -41,7 +49,7 @@ TEST(OptionsFile, ListsEveryFieldWithItsGroup) {
   std::vector<std::string> keys;
   for (const OptionEntry& entry : entries) keys.push_back(entry.key);
   EXPECT_THAT(keys, testing::ElementsAre("front_end.max_range_m", "front_end.beams", "fast",
-                                         "kernel", "loop.max_range_m", "loop.beams"));
+                                         "kernel", "name", "loop.max_range_m", "loop.beams"));
 }
 
 TEST(OptionsFile, FileOverridesDefaultsAndNothingElse) {
@@ -137,11 +145,13 @@ TEST(OptionsFile, AssignmentsNeedNoQuotes) {
   EXPECT_TRUE(apply_assignment(entries, "kernel=cauchy").empty());
   EXPECT_TRUE(apply_assignment(entries, "front_end.max_range_m = 7").empty());
   EXPECT_TRUE(apply_assignment(entries, "fast=true").empty());
-  EXPECT_EQ(options.kernel, "cauchy");
+  EXPECT_EQ(options.kernel, Kernel::kCauchy);
   EXPECT_EQ(options.front_end.max_range_m, 7.0);
   EXPECT_TRUE(options.fast);
   EXPECT_TRUE(apply_assignment(entries, "kernel=\"huber\"").empty());
-  EXPECT_EQ(options.kernel, "huber");
+  EXPECT_EQ(options.kernel, Kernel::kHuber);
+  EXPECT_TRUE(apply_assignment(entries, "name=any text").empty());
+  EXPECT_EQ(options.name, "any text");
 }
 
 TEST(OptionsFile, BadAssignmentsSayWhatIsWrong) {
@@ -154,6 +164,8 @@ TEST(OptionsFile, BadAssignmentsSayWhatIsWrong) {
   EXPECT_THAT(only("kernel"), HasSubstr("key=value"));
   EXPECT_THAT(only("=3"), HasSubstr("key=value"));
   EXPECT_THAT(only("kernel=tukey"), HasSubstr("one of huber, cauchy"));
+  EXPECT_THAT(only("kernel=1"), HasSubstr("one of huber, cauchy"));
+  EXPECT_THAT(only("kernel="), HasSubstr("one of huber, cauchy"));
   EXPECT_THAT(only("max_rang_m=3"), HasSubstr("did you mean front_end.max_range_m?"));
   EXPECT_THAT(only("front_end=3"), HasSubstr("is a group"));
   EXPECT_THAT(only("zzzzzzzzzz=3"), HasSubstr("unknown key"));
@@ -167,14 +179,17 @@ TEST(OptionsFile, WhatIsWrittenReadsBackTheSame) {
   options.loop.max_range_m = 5.0;
   options.loop.beams = 7;
   options.fast = true;
-  options.kernel = "cauchy";
+  options.kernel = Kernel::kCauchy;
+  options.name = "a \"quoted\" one";
   const std::string toml = options_to_toml(list_options(options));
   Outer read;
   EXPECT_TRUE(apply_toml(list_options(read), toml, "o.toml").empty()) << toml;
   EXPECT_EQ(read.front_end.max_range_m, options.front_end.max_range_m);
   EXPECT_EQ(read.loop.beams, 7);
   EXPECT_TRUE(read.fast);
-  EXPECT_EQ(read.kernel, "cauchy");
+  EXPECT_EQ(read.kernel, Kernel::kCauchy);
+  EXPECT_EQ(read.name, options.name);
+  EXPECT_THAT(toml, HasSubstr("# of the residuals (one of huber, cauchy)\nkernel = \"cauchy\"\n"));
   EXPECT_EQ(options_to_toml(list_options(read)), toml);
   EXPECT_THAT(toml, HasSubstr("# returns beyond are ignored (a number from 0.1 to 1000)"));
   EXPECT_LT(toml.find("fast"), toml.find("[front_end]")) << "free options stand before the tables";

@@ -75,7 +75,7 @@ TEST(RobotFile, WhatIsWrittenReadsBackTheSame) {
   robot.camera.depth = {501.25, 502.5, 310.1, 240.2, 320, 240, 0.1, -0.2, 0.003, -0.004, 0.05};
   robot.camera.colour = {1.0 / 0.007, 602.5, 640.5, 512.25, 1280, 1024, -0.3, 0.4, -0.5, 0.6, -0.7};
   robot.camera.colour_is_registered = true;
-  robot.camera.encoding = {"depth", 0.125, 2.0, 7.5, 0.0001, 0.25, 6.5};
+  robot.camera.encoding = {DepthKind::kDepth, 0.125, 2.0, 7.5, 0.0001, 0.25, 6.5};
   const std::string toml = robot_to_toml(robot);
   expect_same(parse_robot(toml, "r.toml"), robot);
   EXPECT_EQ(robot_to_toml(parse_robot(toml, "r.toml")), toml);

@@ -218,10 +218,11 @@ TEST(UcsdCamera, PlainDepthHasItsOwnFolder) {
   log.write("out");
   EXPECT_TRUE(fs::exists(log.path("out/dataRGBD/Depth20/depth20_6.png")));
   expect_six_frames(test::read_log(log.path("out")));
-  EXPECT_EQ(open_log(log.path("out"))->robot(RobotModel{}).camera.encoding.kind, "depth");
+  EXPECT_EQ(open_log(log.path("out"))->robot(RobotModel{}).camera.encoding.kind, DepthKind::kDepth);
   const CameraLog other("disparity");
   other.write("out");
-  EXPECT_EQ(open_log(other.path("out"))->robot(RobotModel{}).camera.encoding.kind, "disparity");
+  EXPECT_EQ(open_log(other.path("out"))->robot(RobotModel{}).camera.encoding.kind,
+            DepthKind::kDisparity);
 }
 
 TEST(UcsdCamera, NothingIsLeftWithoutFinish) {

@@ -143,10 +143,10 @@ TEST_P(GraphLaw, OnePriorPlacesTheGraphAndCostsNothing) {
 TEST_P(GraphLaw, MethodsAgree) {
   const PoseGraph graph = random_graph(GetParam());
   const SolveResult expected = optimize(graph, kExactly);
-  for (const char* method : {"levenberg_marquardt", "dogleg"}) {
+  for (const DescentMethod method : {DescentMethod::kLevenbergMarquardt, DescentMethod::kDogleg}) {
     const SolveResult found = optimize(graph, {.method = method, .relative_tolerance = 1e-13});
-    EXPECT_EQ(found.status, SolveStatus::kConverged) << method;
-    EXPECT_NEAR(found.cost, expected.cost, 1e-9 * expected.cost) << method;
+    EXPECT_EQ(found.status, SolveStatus::kConverged) << to_string(method);
+    EXPECT_NEAR(found.cost, expected.cost, 1e-9 * expected.cost) << to_string(method);
   }
 }
 

@@ -98,7 +98,7 @@ TEST(OptimizeGraph, AKernelOfTheSolverIsRobustToo) {
   options.certificate = CertificateOptions{};
   options.start = Initialisation::kOdometryChain;
   EXPECT_FALSE(options.is_robust());
-  options.solver.robust_kernel = "dcs";
+  options.solver.robust_kernel = RobustKernel::kDcs;
   EXPECT_TRUE(options.is_robust());
   const GraphOptimisation found = optimize_graph(graph, options);
   EXPECT_GE(edges_set_aside(found.solved), 3U);

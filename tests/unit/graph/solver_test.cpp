@@ -54,10 +54,11 @@ std::vector<Pose2> dense_gauss_newton(const PoseGraph& graph, int iterations) {
 
 TEST(Optimize, AgreesWithDenseGaussNewton) {
   const SimulatedGraph world = manhattan_graph({.nodes = 80, .blocks = 2}, Rng(1));
-  for (const char* method : {"gauss_newton", "levenberg_marquardt", "dogleg"}) {
+  for (const DescentMethod method :
+       {DescentMethod::kGaussNewton, DescentMethod::kLevenbergMarquardt, DescentMethod::kDogleg}) {
     const SolveResult result =
         optimize(world.graph, {.method = method, .relative_tolerance = 1e-13});
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << method;
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << to_string(method);
     expect_near(result.poses, dense_gauss_newton(world.graph, 12), 1e-7);
   }
 }
@@ -129,10 +130,11 @@ TEST(Optimize, NeverRaisesTheCostFromABadStart) {
   for (Pose2& pose : world.graph.poses) {
     pose = {rng.uniform(-20.0, 20.0), rng.uniform(-20.0, 20.0), rng.uniform(-kPi, kPi)};
   }
-  for (const char* kernel : {"none", "huber", "cauchy", "geman_mcclure"}) {
+  for (const RobustKernel kernel : {RobustKernel::kNone, RobustKernel::kHuber,
+                                    RobustKernel::kCauchy, RobustKernel::kGemanMcClure}) {
     const SolveResult result = optimize(
         world.graph, {.max_iterations = 30, .robust_kernel = kernel, .robust_everywhere = true});
-    EXPECT_LT(result.robust_cost, result.robust_cost_initial) << kernel;
+    EXPECT_LT(result.robust_cost, result.robust_cost_initial) << to_string(kernel);
   }
 }
 
@@ -154,15 +156,16 @@ TEST(Optimize, RobustKernelsSetAsideAWrongClosure) {
   const SolveResult plain = optimize(world.graph);
   EXPECT_GT(plain.cost, 5.0 * clean_cost);
   EXPECT_GT(error_of(plain.poses), 1.0);
-  for (const char* kernel : {"huber", "cauchy", "geman_mcclure"}) {
+  for (const RobustKernel kernel :
+       {RobustKernel::kHuber, RobustKernel::kCauchy, RobustKernel::kGemanMcClure}) {
     // A start near the truth: kernels that let go have local minima.
     PoseGraph graph = world.graph;
     graph.poses = world.truth;
     const SolveResult robust = optimize(
         graph, {.max_iterations = 1000, .relative_tolerance = 1e-6, .robust_kernel = kernel});
-    EXPECT_EQ(robust.status, SolveStatus::kConverged) << kernel;
-    EXPECT_LT(error_of(robust.poses), 0.5) << kernel;
-    EXPECT_LT(robust.edge_weights.back(), 0.05) << kernel;
+    EXPECT_EQ(robust.status, SolveStatus::kConverged) << to_string(kernel);
+    EXPECT_LT(error_of(robust.poses), 0.5) << to_string(kernel);
+    EXPECT_LT(robust.edge_weights.back(), 0.05) << to_string(kernel);
     EXPECT_EQ(robust.edge_weights.front(), 1.0) << "odometry is not softened";
   }
 }
@@ -204,7 +207,6 @@ TEST(Optimize, TakesEmptyAndTinyGraphs) {
 }
 
 TEST(Optimize, RefusesAnUnknownKernelAndBadInformation) {
-  EXPECT_THROW((void)optimize({}, {.robust_kernel = "tukey?"}), UsageError);
   PoseGraph graph;
   graph.poses.resize(2);
   graph.edges = {{{0}, {1}, {}, Eigen::Matrix3d::Zero()}};

@@ -4,6 +4,8 @@
 #include <rapidcheck/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -107,7 +109,9 @@ RC_GTEST_PROP(BlockGridLaws, OneThatWasSavedGoesOnAsIfItHadNotBeen, ()) {
   BlockGrid<float> grid(0.1);
   for (const auto& [column, row] : before)
     grid.at({column, row}) = column % 3 == 0 ? -0.0F : static_cast<float>(row);
-  BlockGrid<float> again = test::restored(grid, BlockGrid<float>(0.1));
+  BlockGrid<float> again = test::restored(grid, BlockGrid<float>(0.2));
+  RC_ASSERT(again.resolution_m() == grid.resolution_m());
+  RC_ASSERT(again.cell_of(0.55, -0.35) == grid.cell_of(0.55, -0.35));
   RC_ASSERT(test::state_of(again) == test::state_of(grid));
   for (const auto& [column, row] : after) {
     grid.at({column, row}) += 1.0F;
@@ -137,7 +141,9 @@ TEST(BlockGrid, AStateThatLeadsOutsideIsRefused) {
     return false;
   };
   EXPECT_FALSE(refused(state(0.1, {0, 0}, 2, 1, {0, -1}, 1)));
-  EXPECT_TRUE(refused(state(0.2, {0, 0}, 2, 1, {0, -1}, 1))) << "resolution";
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  for (const double resolution : {0.0, -0.1, std::nan(""), kInf})
+    EXPECT_TRUE(refused(state(resolution, {0, 0}, 2, 1, {0, -1}, 1))) << resolution;
   EXPECT_TRUE(refused(state(0.1, {0, 0}, 2, 1, {1, -1}, 1))) << "no such block";
   EXPECT_TRUE(refused(state(0.1, {0, 0}, 2, 1, {-2, 0}, 1))) << "no such block";
   EXPECT_TRUE(refused(state(0.1, {0, 0}, 3, 1, {0, -1}, 1))) << "size";

@@ -152,13 +152,6 @@ TEST(Resampling, RefusesWeightsThatAreNone) {
   }
 }
 
-TEST(Resampling, HasNames) {
-  for (const ResamplingScheme scheme : kSchemes) {
-    EXPECT_EQ(resampling_scheme_from(to_string(scheme)), scheme);
-  }
-  EXPECT_THROW((void)resampling_scheme_from("lottery"), UsageError);
-}
-
 TEST(LogWeights, AreNormalisedOnAnyScale) {
   for (const double offset : {0.0, -1e5, 1e5}) {
     const auto normalised =

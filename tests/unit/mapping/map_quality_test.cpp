@@ -117,7 +117,7 @@ TEST(MapQuality, WallsDrawnTwiceShowHowFarApartTheyLie) {
     EXPECT_NEAR(quality.wall_offset_m, offset_m, 0.2 * offset_m + 0.01) << offset_m;
     EXPECT_NEAR(quality.sensor_noise_m, noise_m, 5e-4) << "the scanner has not changed";
     EXPECT_EQ(quality.held_out_agreement<0.85, offset_m> 0.05) << offset_m;
-    if (offset_m > kDoubledM) {
+    if (offset_m > kMapQuality.doubled_m) {
       EXPECT_GT(quality.doubled_share, 0.5) << offset_m;
       EXPECT_GT(quality.crossed_share, crossed_before) << offset_m;
       EXPECT_GT(quality.crossed_share, 0.1) << offset_m;
@@ -239,7 +239,7 @@ Parts parts_of(const std::vector<PosedScan>& posed) {
     pieces.insert(pieces.end(), walls.pieces.begin(), walls.pieces.end());
     first = end;
   }
-  return {std::move(scans), PieceIndex(std::move(pieces), kPieceM)};
+  return {std::move(scans), PieceIndex(std::move(pieces), kWallPieces.piece_m)};
 }
 
 TEST(WallOffsets, AreThoseOfASearchThroughAllPieces) {
@@ -254,8 +254,9 @@ TEST(WallOffsets, AreThoseOfASearchThroughAllPieces) {
       const Eigen::Vector2f offset = other.position - piece.position;
       const float across = std::abs(piece.normal.dot(offset));
       const float along = std::abs(piece.normal.x() * offset.y() - piece.normal.y() * offset.x());
-      if (std::abs(other.stretch - piece.stretch) < kStretchesApart || along > 0.07F ||
-          across > static_cast<float>(kMostOffsetM) || piece.normal.dot(other.normal) < 0.9F) {
+      if (std::abs(other.stretch - piece.stretch) < kMapQuality.stretches_apart || along > 0.07F ||
+          across > static_cast<float>(kMapQuality.most_offset_m) ||
+          piece.normal.dot(other.normal) < 0.9F) {
         continue;
       }
       const auto found = std::find_if(nearest.begin(), nearest.end(), [&](const auto& pair) {
@@ -286,7 +287,7 @@ TEST(BeamMeetings, CrossOnlyWhatASearchThroughAllPiecesCrosses) {
       const Eigen::Vector2f way = beam.end - beam.start;
       const bool crosses = std::any_of(
           parts.index.items().begin(), parts.index.items().end(), [&](const auto& piece) {
-            if (std::abs(piece.stretch - scan.stretch) < kStretchesApart) return false;
+            if (std::abs(piece.stretch - scan.stretch) < kMapQuality.stretches_apart) return false;
             const float before = piece.normal.dot(beam.start - piece.position);
             const float behind = piece.normal.dot(beam.end - piece.position);
             if (before <= kMargin || behind >= -kMargin || before - behind < 0.34F * way.norm())
@@ -303,7 +304,8 @@ TEST(BeamMeetings, CrossOnlyWhatASearchThroughAllPiecesCrosses) {
   ASSERT_GT(naive, 1000U);
   EXPECT_LE(crossed, naive);
   EXPECT_GE(10 * crossed, 9 * naive) << "only cells that the beam passes are looked at";
-  EXPECT_TRUE(beam_meetings(parts.scans, PieceIndex({}, kPieceM), kMargin, {1}).empty());
+  EXPECT_TRUE(
+      beam_meetings(parts.scans, PieceIndex({}, kWallPieces.piece_m), kMargin, {1}).empty());
 }
 
 TEST(MapEntropy, GrowsByTheLogarithmOfTheThickness) {
@@ -313,7 +315,7 @@ TEST(MapEntropy, GrowsByTheLogarithmOfTheThickness) {
     Rng rng(11);
     std::vector<JudgedScan> scans(2);
     for (std::size_t visit = 0; visit < 2; ++visit) {
-      scans[visit].stretch = static_cast<int>(visit) * kStretchesApart;
+      scans[visit].stretch = static_cast<int>(visit) * kMapQuality.stretches_apart;
       for (int i = 0; i < 1500; ++i) {
         const Eigen::Vector2f at(
             static_cast<float>(0.0027 * i),

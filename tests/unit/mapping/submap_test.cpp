@@ -11,6 +11,7 @@
 #include "loopstone/registration/correlative_search.hpp"
 #include "loopstone/registration/grid_matcher.hpp"
 #include "support/pose_near.hpp"
+#include "support/saved_state.hpp"
 #include "support/segment_world.hpp"
 
 namespace loopstone {
@@ -117,6 +118,25 @@ TEST(Submap, BeamsWithoutReturnFreeNoMoreThanTheBound) {
   scan.ranges_m.assign(180, std::numeric_limits<float>::quiet_NaN());
   blind.insert({}, scan, {}, Pose2{}, beams);
   EXPECT_TRUE(blind.freeze().free.empty());
+}
+
+TEST(Submap, GoesOnFromItsState) {
+  Submap submap = submap_of_room();
+  Submap again = test::restored(submap, Submap({}));
+  EXPECT_EQ(test::state_of(again), test::state_of(submap));
+  BeamTable beams;
+  const Pose2 at{5.0, 2.0, 0.3};
+  const auto scan = test::scan_from(test::furnished_room(), at, {}, {});
+  const auto surfaces = surface_points(scan, {}, Tangent2::Zero(), {}, beams);
+  for (Submap* one : {&submap, &again})
+    one->insert(surfaces, scan, {}, visits().front().inverse() * at, beams);
+  EXPECT_EQ(test::state_of(again.freeze()), test::state_of(submap.freeze()));
+  const auto spoilt = [&](const SubmapOptions& other) {
+    return test::refuses(submap, [&](Submap::State& state) { state = Submap(other).state(); });
+  };
+  EXPECT_FALSE(spoilt({}));
+  EXPECT_TRUE(spoilt({.cell_m = 0.05}));
+  EXPECT_TRUE(spoilt({.free_cell_m = 0.1}));
 }
 
 TEST(Submap, EmptyFreezesToNothingThatStillAnswers) {

@@ -138,8 +138,8 @@ TEST(Odometer, InterpolatesBetweenReadings) {
 TEST(Odometer, NearestAndEulerAreWorseButClose) {
   const Drive drive = fine_drive();
   OdometryOptions rough;
-  rough.alignment = "nearest";
-  rough.integration = "euler";
+  rough.alignment = StampAlignment::kNearest;
+  rough.integration = StepShape::kEuler;
   const Pose2 truth = drive.truth(10.0);
   const double fine_error = distance(run(drive).pose_at(at(10.0))->pose, truth);
   const double rough_error = distance(run(drive, rough).pose_at(at(10.0))->pose, truth);

@@ -196,7 +196,7 @@ TEST(CloudSearch, LeavesOutWhatTheModelDoesNotHold) {
 TEST(CloudSearch, TurnsAboutZAloneWhenAsked) {
   Rng rng(12);
   CloudSearchOptions options;
-  options.turns = "about_z";
+  options.turns = SearchTurns::kAboutZ;
   options.starts = 24;
   for (const double yaw : {-2.0, 0.5, 3.0}) {
     const Pose3 object_T_camera = Pose3::from_roll_pitch_yaw({0.5, -0.3, 0.2}, 0.0, 0.0, yaw);

@@ -168,12 +168,9 @@ TEST(Correspondences, OfNothingAreNone) {
   EXPECT_EQ(BearingIndex(one).nearest_point({kNan, 0.0}, 1e9).index, -1);
 }
 
-TEST(IcpCloud, RefusesASearchThatIsUnknownOrNotForSpace) {
-  IcpCloudOptions<2> planar;
-  planar.search = "octree";
-  EXPECT_THROW((void)make_icp_cloud<2>({}, planar), UsageError);
+TEST(IcpCloud, RefusesASearchThatIsNotForSpace) {
   IcpCloudOptions<3> spatial;
-  spatial.search = "projection";
+  spatial.search = PointSearch::kProjection;
   EXPECT_THROW((void)make_icp_cloud<3>({}, spatial), UsageError);
 }
 

@@ -27,11 +27,5 @@ TEST(IcpGuess, OfNothingIsTheIdentity) {
   EXPECT_EQ(initial_guess<2>(IcpGuess::kCentroids, some, {}), Pose2{});
 }
 
-TEST(IcpGuess, HasNames) {
-  EXPECT_EQ(icp_guess_from("identity"), IcpGuess::kIdentity);
-  EXPECT_EQ(icp_guess_from("centroids"), IcpGuess::kCentroids);
-  EXPECT_THROW((void)icp_guess_from("search"), UsageError);
-}
-
 }  // namespace
 }  // namespace loopstone

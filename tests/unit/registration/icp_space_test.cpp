@@ -15,9 +15,9 @@ namespace {
 using Cloud = std::vector<Eigen::Vector3d>;
 using test::pose_near;
 
-constexpr const char* kMetrics[] = {"point", "plane", "gicp"};
+constexpr IcpMetric kMetrics[] = {IcpMetric::kPoint, IcpMetric::kPlane, IcpMetric::kGicp};
 
-IcpOptions with_metric(const std::string& metric) {
+IcpOptions with_metric(IcpMetric metric) {
   IcpOptions options;
   options.metric = metric;
   options.max_pair_distance_m = 0.5;
@@ -59,15 +59,15 @@ TEST(IcpInSpace, FindsTheMotionOfTheSamePoints) {
   Rng rng(71);
   const Cloud source = corner(rng, 0.0);
   const auto target = make_icp_cloud<3>(transformed(kTruth, source));
-  for (const char* metric : {"plane", "gicp"}) {
+  for (const IcpMetric metric : {IcpMetric::kPlane, IcpMetric::kGicp}) {
     const MatchResult3 result = match_icp(source, target, {}, with_metric(metric));
-    EXPECT_EQ(result.status, MatchStatus::kConverged) << metric;
-    EXPECT_TRUE(pose_near(result.target_T_source, kTruth, 2e-3, 1e-3)) << metric;
-    EXPECT_GT(result.score, 0.8) << metric;
+    EXPECT_EQ(result.status, MatchStatus::kConverged) << to_string(metric);
+    EXPECT_TRUE(pose_near(result.target_T_source, kTruth, 2e-3, 1e-3)) << to_string(metric);
+    EXPECT_GT(result.score, 0.8) << to_string(metric);
   }
   // Point to point stops where every point has its neighbour's partner, unless it starts nearby.
   const Pose3 nearby = Pose3::from_roll_pitch_yaw({0.1, -0.055, 0.05}, 0.03, -0.048, 0.08);
-  const MatchResult3 result = match_icp(source, target, nearby, with_metric("point"));
+  const MatchResult3 result = match_icp(source, target, nearby, with_metric(IcpMetric::kPoint));
   EXPECT_TRUE(pose_near(result.target_T_source, kTruth, 1e-6, 1e-6));
 }
 
@@ -75,10 +75,10 @@ TEST(IcpInSpace, FindsTheMotionBetweenTwoSamples) {
   Rng rng(72);
   const auto target = make_icp_cloud<3>(transformed(kTruth, corner(rng, 0.005)));
   const auto source = make_icp_cloud<3>(corner(rng, 0.005));
-  for (const char* metric : {"plane", "gicp"}) {
+  for (const IcpMetric metric : {IcpMetric::kPlane, IcpMetric::kGicp}) {
     const MatchResult3 result = match_icp(source, target, {}, with_metric(metric));
-    EXPECT_EQ(result.status, MatchStatus::kConverged) << metric;
-    EXPECT_TRUE(pose_near(result.target_T_source, kTruth, 5e-3, 3e-3)) << metric;
+    EXPECT_EQ(result.status, MatchStatus::kConverged) << to_string(metric);
+    EXPECT_TRUE(pose_near(result.target_T_source, kTruth, 5e-3, 3e-3)) << to_string(metric);
   }
 }
 
@@ -86,17 +86,18 @@ TEST(IcpInSpace, BarePointsGiveWhatACloudGives) {
   Rng rng(73);
   const auto target = make_icp_cloud<3>(transformed(kTruth, corner(rng, 0.005)));
   const auto source = make_icp_cloud<3>(corner(rng, 0.005));
-  for (const char* metric : kMetrics) {
+  for (const IcpMetric metric : kMetrics) {
     const MatchResult3 cloud = match_icp(source, target, {}, with_metric(metric));
     const MatchResult3 points = match_icp(source.points(), target, {}, with_metric(metric));
-    EXPECT_TRUE(pose_near(cloud.target_T_source, points.target_T_source, 0.0, 0.0)) << metric;
-    EXPECT_EQ(cloud.covariance, points.covariance) << metric;
-    EXPECT_EQ(cloud.iterations, points.iterations) << metric;
+    EXPECT_TRUE(pose_near(cloud.target_T_source, points.target_T_source, 0.0, 0.0))
+        << to_string(metric);
+    EXPECT_EQ(cloud.covariance, points.covariance) << to_string(metric);
+    EXPECT_EQ(cloud.iterations, points.iterations) << to_string(metric);
   }
 }
 
 TEST(IcpInSpace, CovarianceHoldsTheError) {
-  for (const char* metric : {"plane", "gicp"}) {
+  for (const IcpMetric metric : {IcpMetric::kPlane, IcpMetric::kGicp}) {
     Rng rng(74);
     double sum = 0.0;
     constexpr int kDraws = 40;
@@ -107,23 +108,23 @@ TEST(IcpInSpace, CovarianceHoldsTheError) {
       const Tangent3 error = RigidMotion<3>::difference(result.target_T_source, kTruth);
       sum += error.dot(result.covariance.ldlt().solve(error));
     }
-    EXPECT_GT(sum / kDraws, 3.0) << metric;  // ideally 6
-    EXPECT_LT(sum / kDraws, 15.0) << metric;
+    EXPECT_GT(sum / kDraws, 3.0) << to_string(metric);  // ideally 6
+    EXPECT_LT(sum / kDraws, 15.0) << to_string(metric);
   }
 }
 
 /// Every direction that the shape leaves open must be open, and keep the guess.
 void expect_degenerate(const Cloud& cloud, const Pose3& guess,
                        const std::vector<Tangent3>& open_motions) {
-  for (const char* metric : kMetrics) {
+  for (const IcpMetric metric : kMetrics) {
     const MatchResult3 result =
         match_icp(cloud, make_icp_cloud<3>(cloud), guess, with_metric(metric));
-    EXPECT_EQ(result.status, MatchStatus::kDegenerate) << metric;
-    EXPECT_FALSE(result.covariance.hasNaN()) << metric;
+    EXPECT_EQ(result.status, MatchStatus::kDegenerate) << to_string(metric);
+    EXPECT_FALSE(result.covariance.hasNaN()) << to_string(metric);
     for (const Tangent3& motion : open_motions) {
       const Tangent3 direction = motion.normalized();
       EXPECT_GT(direction.dot(result.covariance * direction), 1.0)
-          << metric << " " << motion.transpose();
+          << to_string(metric) << " " << motion.transpose();
     }
   }
 }
@@ -140,7 +141,7 @@ TEST(IcpInSpace, KnowsWhatAPlaneLeavesOpen) {
   expect_degenerate(plane, guess,
                     {motion(1, 0, 0, 0, 0, 0), motion(0, 1, 0, 0, 0, 0), motion(0, 0, 0, 0, 0, 1)});
   const MatchResult3 result =
-      match_icp(plane, make_icp_cloud<3>(plane), guess, with_metric("plane"));
+      match_icp(plane, make_icp_cloud<3>(plane), guess, with_metric(IcpMetric::kPlane));
   EXPECT_NEAR(result.target_T_source.translation.x(), 0.1, 0.01);
   EXPECT_NEAR(result.target_T_source.translation.y(), 0.05, 0.01);
   EXPECT_NEAR(result.target_T_source.translation.z(), 0.0, 1e-3);
@@ -180,13 +181,13 @@ TEST(IcpInSpace, SaysThatALineOrAHeapIsTooLittle) {
   for (int i = 0; i < 100; ++i) line.emplace_back(0.02 * i, 0.0, 0.0);
   const Cloud heap(50, Eigen::Vector3d(1.0, 1.0, 1.0));
   for (const Cloud& cloud : {line, heap}) {
-    for (const char* metric : kMetrics) {
+    for (const IcpMetric metric : kMetrics) {
       const MatchResult3 result =
           match_icp(cloud, make_icp_cloud<3>(cloud), {}, with_metric(metric));
-      EXPECT_NE(result.status, MatchStatus::kConverged) << metric;
-      EXPECT_FALSE(result.covariance.hasNaN()) << metric;
-      EXPECT_TRUE(result.target_T_source.translation.allFinite()) << metric;
-      EXPECT_GT(result.covariance.trace(), 1.0) << metric;
+      EXPECT_NE(result.status, MatchStatus::kConverged) << to_string(metric);
+      EXPECT_FALSE(result.covariance.hasNaN()) << to_string(metric);
+      EXPECT_TRUE(result.target_T_source.translation.allFinite()) << to_string(metric);
+      EXPECT_GT(result.covariance.trace(), 1.0) << to_string(metric);
     }
   }
 }
@@ -195,18 +196,18 @@ TEST(IcpInSpace, ReturnsTheGuessWhenThereIsNothing) {
   Rng rng(78);
   const Cloud cloud = corner(rng, 0.0);
   const Cloud bad(10, Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
-  for (const char* metric : kMetrics) {
+  for (const IcpMetric metric : kMetrics) {
     for (const Cloud& nothing : {Cloud{}, bad, Cloud(4, Eigen::Vector3d::Ones())}) {
       const MatchResult3 result =
           match_icp(nothing, make_icp_cloud<3>(cloud), kTruth, with_metric(metric));
-      EXPECT_EQ(result.status, MatchStatus::kTooFewPairs) << metric;
-      EXPECT_TRUE(pose_near(result.target_T_source, kTruth, 0.0, 0.0)) << metric;
+      EXPECT_EQ(result.status, MatchStatus::kTooFewPairs) << to_string(metric);
+      EXPECT_TRUE(pose_near(result.target_T_source, kTruth, 0.0, 0.0)) << to_string(metric);
     }
   }
 }
 
 TEST(IcpInSpace, HasNoLines) {
-  EXPECT_THROW((void)match_icp(Cloud{}, make_icp_cloud<3>({}), {}, with_metric("line")),
+  EXPECT_THROW((void)match_icp(Cloud{}, make_icp_cloud<3>({}), {}, with_metric(IcpMetric::kLine)),
                UsageError);
 }
 

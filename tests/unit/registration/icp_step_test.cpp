@@ -144,7 +144,7 @@ TEST(IcpStep, GicpWeightIsTheInverseOfTheSummedCovariances) {
 
 TEST(IcpStep, WeightsStayWhenResidualsAndWidthScaleTogether) {
   Rng rng(63);
-  for (const auto& [name, kernel] : kRobustKernelNames) {
+  for (const auto& [kernel, name] : kWordTable<RobustKernel>) {
     for (const double scale : {1e-3, 7.0, 1e4}) {
       auto pairs = random_pairs<2>({}, 50, rng);
       for (auto& pair : pairs) {

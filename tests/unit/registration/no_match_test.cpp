@@ -21,7 +21,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 const Pose2 kGuess{0.2, -0.1, 0.3};
 
 template <int kDimension>
-void expect_nothing_known(const BasicMatchResult<kDimension>& match, const std::string& what) {
+void expect_nothing_known(const BasicMatchResult<kDimension>& match, std::string_view what) {
   SCOPED_TRACE(what);
   EXPECT_FALSE(has_supported_pose(match.status)) << to_string(match.status);
   for (Eigen::Index i = 0; i < match.covariance.rows(); ++i) {
@@ -32,7 +32,7 @@ void expect_nothing_known(const BasicMatchResult<kDimension>& match, const std::
   EXPECT_EQ(match.score, 0.0);
 }
 
-void expect_no_match(const MatchResult& match, const std::string& what) {
+void expect_no_match(const MatchResult& match, std::string_view what) {
   expect_nothing_known<2>(match, what);
   EXPECT_EQ(match.target_T_source.x, kGuess.x) << what;
   EXPECT_EQ(match.target_T_source.y, kGuess.y) << what;
@@ -94,25 +94,26 @@ RobotScan scan_of(int beams, double range_m) {
 
 TEST(NoMatch, IcpInThePlane) {
   const IcpCloud<2> target = make_icp_cloud<2>(corner());
-  for (const char* metric : {"point", "line", "plane", "gicp"}) {
+  for (const IcpMetric metric :
+       {IcpMetric::kPoint, IcpMetric::kLine, IcpMetric::kPlane, IcpMetric::kGicp}) {
     IcpOptions options;
     options.metric = metric;
     for (const auto& source : too_little()) {
-      expect_no_match(match_icp(source, target, kGuess, options), metric);
+      expect_no_match(match_icp(source, target, kGuess, options), to_string(metric));
     }
-    expect_no_match(match_icp(corner(), make_icp_cloud<2>({}), kGuess, options), metric);
+    expect_no_match(match_icp(corner(), make_icp_cloud<2>({}), kGuess, options), to_string(metric));
   }
 }
 
 TEST(NoMatch, IcpInSpace) {
   const IcpCloud<3> target = make_icp_cloud<3>(in_space(corner()));
   const Pose3 guess = Pose3::from_pose2(kGuess);
-  for (const char* metric : {"point", "plane", "gicp"}) {
+  for (const IcpMetric metric : {IcpMetric::kPoint, IcpMetric::kPlane, IcpMetric::kGicp}) {
     IcpOptions options;
     options.metric = metric;
     for (const auto& source : too_little()) {
       const MatchResult3 match = match_icp(in_space(source), target, guess, options);
-      expect_nothing_known<3>(match, metric);
+      expect_nothing_known<3>(match, to_string(metric));
       EXPECT_EQ(match.target_T_source.translation, guess.translation);
     }
   }
@@ -175,9 +176,10 @@ TEST(NoMatch, CloudSearch) {
 
 TEST(NoMatch, AlignWhateverTheMethod) {
   const std::vector<Eigen::Vector2d> target = corner();
-  for (const char* name : {"auto", "icp_point", "icp_line", "icp_plane", "gicp", "correlative"}) {
+  for (const auto& [method, name] : kWordTable<AlignMethod>) {
+    if (method == AlignMethod::kGrid) continue;  // not for points
     AlignRequest<2> request;
-    request.method = align_method_from(name);
+    request.method = method;
     request.guess = kGuess;
     const std::vector<Eigen::Vector2d> nothing;
     expect_no_match(align(nothing, target, request).match, name);
@@ -186,10 +188,9 @@ TEST(NoMatch, AlignWhateverTheMethod) {
     expect_nothing_known<2>(align(nothing, target, request).match, name);
     expect_nothing_known<2>(align(target, nothing, request).match, name);
   }
-  for (const char* name :
-       {"auto", "icp_point", "icp_line", "icp_plane", "gicp", "correlative", "grid"}) {
+  for (const auto& [method, name] : kWordTable<AlignMethod>) {
     AlignRequest<2> request;
-    request.method = align_method_from(name);
+    request.method = method;
     request.guess = kGuess;
     expect_no_match(align(scan_of(100, kInf), scan_of(100, 3.0), request).match, name);
     expect_no_match(align(scan_of(100, 3.0), scan_of(100, kInf), request).match, name);

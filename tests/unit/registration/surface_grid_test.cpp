@@ -12,6 +12,7 @@
 
 #include "loopstone/geometry/angle.hpp"
 #include "support/generators.hpp"
+#include "support/saved_state.hpp"
 
 namespace loopstone {
 namespace {
@@ -153,6 +154,17 @@ TEST(SurfaceGrid, KnowsNothingWhereNothingWasPut) {
   EXPECT_FALSE(grid.line_near(0, {0.21, 0.05}, {1.0, 0.0}).has_value()) << "two cells away";
   EXPECT_TRUE(grid.line_near(1, {0.21, 0.05}, {1.0, 0.0}).has_value())
       << "a neighbour on the coarser level";
+}
+
+TEST(SurfaceGrid, ComesBackWithItsLevels) {
+  SurfaceGrid grid(kResolutions);
+  const SurfacePoint single{{0.05F, 0.05F}, {1.0F, 0.0F}};
+  grid.insert({&single, 1}, Pose2{});
+  const SurfaceGrid again = test::restored(grid, SurfaceGrid{});
+  ASSERT_EQ(again.level_count(), 2U);
+  EXPECT_EQ(again.resolution_m(1), 0.3);
+  EXPECT_TRUE(again.line_near(1, {0.21, 0.05}, {1.0, 0.0}).has_value());
+  EXPECT_EQ(test::state_of(again), test::state_of(grid));
 }
 
 }  // namespace

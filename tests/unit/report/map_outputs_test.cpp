@@ -19,6 +19,7 @@
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/map_picture.hpp"
 #include "loopstone/report/peak_memory.hpp"
+#include "report/decisions.hpp"
 #include "report/output_files.hpp"
 #include "support/temp_dir.hpp"
 
@@ -81,9 +82,10 @@ RunInfo small_info() {
   return info;
 }
 
-const std::vector<std::string> kFiles{
-    "graph.g2o",    "loop_closures.csv", "map.pgm",     "map.png",      "map.yaml",
-    "odometry.tum", "options.toml",      "report.html", "summary.json", "trajectory.tum"};
+const std::vector<std::string> kFiles{"decisions.toml", "graph.g2o",     "loop_closures.csv",
+                                      "map.pgm",        "map.png",       "map.yaml",
+                                      "odometry.tum",   "options.toml",  "report.html",
+                                      "summary.json",   "trajectory.tum"};
 
 TEST(MapOutputs, EveryFileIsThereAndReadsBack) {
   const TempDir dir;
@@ -103,6 +105,7 @@ TEST(MapOutputs, EveryFileIsThereAndReadsBack) {
   EXPECT_EQ(read_ros_map(dir / "out/map.yaml").cells(), cell_states(result.map).cells());
   EXPECT_EQ(read_image(dir / "out/map.png").channels, 3);
   EXPECT_EQ(dir.read("out/options.toml"), small_info().options_toml);
+  EXPECT_EQ(dir.read("out/decisions.toml"), format_decisions(decision_numbers()));
 }
 
 TEST(MapOutputs, EveryClosureIsListedWithItsEvidence) {
@@ -252,7 +255,7 @@ TEST(MapOutputs, WhereOnlyTheMapDoesNotFitTrajectoryAndGraphAreLeft) {
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
   rlimit small = before;
-  small.rlim_cur = 16000;  // the trajectory takes 12 kB, the page with the picture more than this
+  small.rlim_cur = 32000;  // decisions.toml takes 25 kB, the page with the picture more than this
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
   EXPECT_THROW(write_map_outputs(small_result(), small_info(), dir / "out"), std::runtime_error);
   ::setrlimit(RLIMIT_FSIZE, &before);

@@ -14,6 +14,7 @@ namespace {
 using test::noise_free;
 using test::simulate_log;
 using test::SimulatedLog;
+using Fault = SimulatedOdometryFault;
 
 SimulatedLog log_with(const SimulatedFaults& faults, bool poses = true) {
   SimulationOptions options = noise_free({.duration_s = 60.0, .odometry_poses = poses});
@@ -52,7 +53,7 @@ Way way_of(const Trajectory& trajectory) {
 }
 
 TEST(SimulatedFaults, StuckWheelsStandFromTheMomentOnThatIsGiven) {
-  const Trajectory odometry = odometry_of(log_with({.odometry = "stuck", .from_s = 30.0}));
+  const Trajectory odometry = odometry_of(log_with({.odometry = Fault::kStuck, .from_s = 30.0}));
   const Trajectory healthy = odometry_of(log_with({}));
   const Pose2 stuck_at =
       odometry.at_clamped(odometry.front().stamp + Duration{31'000'000'000}).value();
@@ -63,7 +64,7 @@ TEST(SimulatedFaults, StuckWheelsStandFromTheMomentOnThatIsGiven) {
 
 TEST(SimulatedFaults, AFaultMayEnd) {
   const Way broken =
-      way_of(odometry_of(log_with({.odometry = "stuck", .from_s = 20.0, .to_s = 30.0})));
+      way_of(odometry_of(log_with({.odometry = Fault::kStuck, .from_s = 20.0, .to_s = 30.0})));
   const Way healthy = way_of(odometry_of(log_with({})));
   EXPECT_LT(broken.travelled_m, healthy.travelled_m - 2.0);
   EXPECT_GT(broken.travelled_m, 0.4 * healthy.travelled_m);
@@ -71,17 +72,17 @@ TEST(SimulatedFaults, AFaultMayEnd) {
 
 TEST(SimulatedFaults, ScaledAndMirroredWheels) {
   const Way healthy = way_of(odometry_of(log_with({})));
-  const Way scaled = way_of(odometry_of(log_with({.odometry = "scaled", .strength = 1.5})));
+  const Way scaled = way_of(odometry_of(log_with({.odometry = Fault::kScaled, .strength = 1.5})));
   EXPECT_NEAR(scaled.travelled_m, 1.5 * healthy.travelled_m, 0.05);
   EXPECT_NEAR(scaled.turned_rad, 1.5 * healthy.turned_rad, 0.05);
-  const Way mirrored = way_of(odometry_of(log_with({.odometry = "mirrored"})));
+  const Way mirrored = way_of(odometry_of(log_with({.odometry = Fault::kMirrored})));
   EXPECT_NEAR(mirrored.travelled_m, healthy.travelled_m, 0.05);
   EXPECT_NEAR(mirrored.turned_rad, -healthy.turned_rad, 0.05);
 }
 
 TEST(SimulatedFaults, MirroredTurnsTheGyroTooAndNothingElse) {
   const SimulatedLog healthy = log_with({}, false);
-  const SimulatedLog mirrored = log_with({.odometry = "mirrored"}, false);
+  const SimulatedLog mirrored = log_with({.odometry = Fault::kMirrored}, false);
   ASSERT_EQ(healthy.messages.size(), mirrored.messages.size());
   for (std::size_t i = 0; i < healthy.messages.size(); ++i) {
     if (const auto* imu = std::get_if<ImuSample>(&healthy.messages[i])) {
@@ -96,7 +97,7 @@ TEST(SimulatedFaults, MirroredTurnsTheGyroTooAndNothingElse) {
 
 TEST(SimulatedFaults, WheelsThatLagAreLateByThatMuch) {
   const Trajectory healthy = odometry_of(log_with({}));
-  const Trajectory late = odometry_of(log_with({.odometry = "lagging", .strength = 0.5}));
+  const Trajectory late = odometry_of(log_with({.odometry = Fault::kLagging, .strength = 0.5}));
   for (double seconds = 10.0; seconds < 55.0; seconds += 1.7) {
     const Stamp stamp = healthy.front().stamp + Duration::from_seconds(seconds);
     const Pose2 then = healthy.at_clamped(stamp - Duration{500'000'000}).value();
@@ -106,7 +107,7 @@ TEST(SimulatedFaults, WheelsThatLagAreLateByThatMuch) {
 }
 
 TEST(SimulatedFaults, JumpsComeNowAndThen) {
-  const Trajectory odometry = odometry_of(log_with({.odometry = "jumping", .strength = 2.0}));
+  const Trajectory odometry = odometry_of(log_with({.odometry = Fault::kJumping, .strength = 2.0}));
   int jumps = 0;
   for (std::size_t i = 1; i < odometry.size(); ++i) {
     const Pose2 step = odometry.poses()[i - 1].pose.inverse() * odometry.poses()[i].pose;
@@ -117,14 +118,14 @@ TEST(SimulatedFaults, JumpsComeNowAndThen) {
 }
 
 TEST(SimulatedFaults, MissingWheelsLeaveTheGyro) {
-  const SimulatedLog log = log_with({.odometry = "missing"}, false);
+  const SimulatedLog log = log_with({.odometry = Fault::kMissing}, false);
   int samples = 0;
   for (const SensorMessage& message : log.messages) {
     EXPECT_FALSE(std::holds_alternative<WheelTicks>(message));
     if (std::holds_alternative<ImuSample>(message)) ++samples;
   }
   EXPECT_GT(samples, 5000);
-  EXPECT_TRUE(odometry_of(log_with({.odometry = "missing"})).empty());
+  EXPECT_TRUE(odometry_of(log_with({.odometry = Fault::kMissing})).empty());
 }
 
 TEST(SimulatedFaults, LostScansAreNeitherInTheLogNorInTheTruth) {

@@ -338,7 +338,7 @@ TEST(RgbdSensor, MillimetresComeOutWhenTheModelSaysSo) {
   const Crowd nobody(world, drive, 0, Rng(1));
   CameraModel camera = small_robot().camera;
   camera.robot_T_camera = Pose3{{0.0, 0.0, 0.4}, Eigen::Quaterniond::Identity()};
-  camera.encoding.kind = "depth";
+  camera.encoding.kind = DepthKind::kDepth;
   RgbdSensor sensor(world, drive, surfaces, nobody, camera, perfect_camera().camera, Rng(1));
   EXPECT_EQ(sensor.depth_at(0.0).numbers[60 * 160 + 80], 3000);
 }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "loop_scene.hpp"
@@ -119,6 +121,56 @@ TEST(BackEnd, NothingIsNothing) {
   single.add_key({});
   single.finish();
   EXPECT_EQ(single.graph().poses.size(), 1U);
+}
+
+constexpr double kReachM = 100.0;
+constexpr std::size_t kScans = 50;
+
+/// Two full submaps and an open one, two key scans and another mapped scan in each.
+BackEnd::State sound_state() {
+  BackEnd::State state;
+  for (std::size_t i = 0; i < 3; ++i) {
+    SubmapRecord& submap = state.chain.submaps.emplace_back();
+    if (i < 2) submap.freeze(empty_submap(2 * i));
+    submap.travelled_m = 5.0 * static_cast<double>(i);
+    for (std::size_t scan = 10 * i; scan < 10 * i + 3; ++scan) {
+      const bool is_key = scan % 2 == 0;
+      if (is_key) submap.keys.push_back({.scan = scan});
+      submap.scans.add(
+          std::make_shared<const MappedScan>(MappedScan{.index = scan, .is_key = is_key}));
+    }
+  }
+  state.closures.push_back({.from_submap = {0}, .to_submap = {1}});
+  return state;
+}
+
+TEST(BackEnd, AStateThatContradictsItselfIsNotSound) {
+  EXPECT_TRUE(is_sound(BackEnd::State{}, 0, kReachM));
+  EXPECT_TRUE(is_sound(sound_state(), kScans, kReachM));
+  EXPECT_FALSE(is_sound(sound_state(), 20, kReachM)) << "a scan that never came";
+  const auto spoiled = [](const auto& spoil) {
+    BackEnd::State state = sound_state();
+    spoil(state);
+    return !is_sound(state, kScans, kReachM);
+  };
+  using State = BackEnd::State;
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[1].keys.clear(); }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[1].scans = {}; }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[1].keys[1].scan = 11; }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[1].keys[0].scan = 9; }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[2].scans = s.chain.submaps[1].scans; }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[2].travelled_m = 4.0; }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[1].travelled_m = std::nan(""); }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[0].state = SubmapState::kOpen; }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[0].closed_with.push_back({2}); }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.length_m = std::nan(""); }));
+  EXPECT_TRUE(spoiled([](State& s) { s.loops.newly_closed.insert({2}); })) << "it is open";
+  EXPECT_TRUE(spoiled([](State& s) { s.closures[0].to_submap = {2}; }));
+  EXPECT_TRUE(spoiled([](State& s) {
+    FinishedSubmap far = empty_submap(0);
+    far.submap.surfaces.push_back({.position = {500.0F, 0.0F}});
+    s.chain.submaps[0].freeze(std::move(far));
+  })) << "larger than the laser reaches";
 }
 
 }  // namespace

@@ -234,7 +234,7 @@ TEST(FrontEnd, WrongWheelsDoNotDragTheLaserAlong) {
 }
 
 TEST(FrontEnd, OdometryThatIsIgnoredDoesNotMatter) {
-  const FrontEndOptions ignoring{.odometry = "ignore"};
+  const FrontEndOptions ignoring{.odometry = OdometryUse::kIgnore};
   FrontEnd without(ignoring, {}, {});
   FrontEnd with(ignoring, {}, {});
   Rng rng(6);

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <memory>
 #include <vector>
 
-#include "loopstone/base/byte_archive.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/graph/solver.hpp"
 #include "support/pose_near.hpp"
@@ -42,20 +41,18 @@ KeyChain chain_of(const std::vector<KeyScan>& keys) {
   return chain;
 }
 
-/// Where the front end put the first key scans of stretches.
-std::vector<Pose2> firsts(const std::vector<KeyScan>& keys) {
-  std::vector<Pose2> poses;
-  for (const KeyScan& key : keys) {
-    if (key.starts_submap) poses.push_back(key.local_T_robot);
-  }
-  return poses;
+/// The graph of the key scans with the stretches at other poses.
+PoseGraph expanded(KeyChain chain, const std::vector<Pose2>& map_T_submap) {
+  for (std::size_t s = 0; s < map_T_submap.size(); ++s)
+    chain.submaps()[s].map_T_submap = map_T_submap[s];
+  return chain.expand();
 }
 
 TEST(KeyChain, SpellsOutWhatItWasGiven) {
   const auto keys = winding();
   const KeyChain chain = chain_of(keys);
-  EXPECT_EQ(chain.stretch_count(), 5U);
-  const PoseGraph graph = chain.expand(firsts(keys));
+  EXPECT_EQ(chain.submaps().size(), 5U);
+  const PoseGraph graph = chain.expand();
   ASSERT_EQ(graph.poses.size(), kKeys);
   ASSERT_EQ(graph.edges.size(), kKeys - 1);
   for (std::size_t i = 0; i < kKeys; ++i)
@@ -69,26 +66,26 @@ TEST(KeyChain, SpellsOutWhatItWasGiven) {
     const Pose2 step = keys[i - 1].local_T_robot.inverse() * keys[i].local_T_robot;
     way_m += std::hypot(step.x, step.y);
   }
-  EXPECT_NEAR(chain.travelled_m()[4], way_m, 1e-12);
+  EXPECT_NEAR(chain.submaps()[4].travelled_m, way_m, 1e-12);
 }
 
 TEST(KeyChain, AThinnedStretchIsOneEdgeThatSaysTheSame) {
   const auto keys = winding();
   const KeyChain whole = chain_of(keys);
   KeyChain thinned = chain_of(keys);
-  thinned.thin(1);
-  thinned.thin(3);
+  thinned.thin({1});
+  thinned.thin({3});
   EXPECT_EQ(thinned.keys().size(), kKeys - 8);
   EXPECT_EQ(thinned.keys()[6].scan, keys[10].scan);
 
   // With its ends pulled apart, the chain of single motions costs to first order what the one edge
   // does.
-  auto ends = firsts(keys);
+  auto ends = poses_of(whole.submaps());
   for (std::size_t s = 0; s < ends.size(); ++s)
     ends[s] =
         ends[s] * Pose2{0.002 * static_cast<double>(s), -0.001, 0.0004 * static_cast<double>(s)};
   const auto settled = [&](const KeyChain& chain) {
-    PoseGraph graph = chain.expand(ends);
+    PoseGraph graph = expanded(chain, ends);
     for (const NodeId node : chain.first_nodes()) graph.fixed.push_back(node);
     graph.poses = optimize(graph).poses;
     return graph_cost(graph);
@@ -101,9 +98,9 @@ TEST(KeyChain, AThinnedStretchIsOneEdgeThatSaysTheSame) {
 TEST(KeyChain, APullIsSharedOutAlongTheWay) {
   const auto keys = winding();
   const KeyChain chain = chain_of(keys);
-  auto ends = firsts(keys);
+  auto ends = poses_of(chain.submaps());
   ends[1] = ends[1] * Pose2{0.5, 0.0, 0.0};
-  const PoseGraph graph = chain.expand(ends);
+  const PoseGraph graph = expanded(chain, ends);
   double before_m = -1.0;
   for (std::size_t i = 0; i <= 5; ++i) {
     const Pose2 off = keys[i].local_T_robot.inverse() * graph.poses[i];
@@ -120,41 +117,44 @@ TEST(KeyChain, WhatIsUncertainAcrossABreakCountsAsTravel) {
   keys[10].across = Eigen::Vector3d(0.09, 0.04, 0.01).asDiagonal();
   const KeyChain broken = chain_of(keys);
   EXPECT_EQ(broken.length_m(), sound.length_m()) << "the path is as long as before";
-  EXPECT_EQ(broken.travelled_m()[1], sound.travelled_m()[1]);
+  EXPECT_EQ(broken.submaps()[1].travelled_m, sound.submaps()[1].travelled_m);
   // Two standard deviations of 0.3 m, at 0.03 m a metre.
-  EXPECT_NEAR(broken.travelled_m()[2], sound.travelled_m()[2] + 20.0, 1e-9);
-  EXPECT_NEAR(broken.across(1).covariance.topLeftCorner(2, 2).trace() -
-                  sound.across(1).covariance.topLeftCorner(2, 2).trace(),
+  EXPECT_NEAR(broken.submaps()[2].travelled_m, sound.submaps()[2].travelled_m + 20.0, 1e-9);
+  EXPECT_NEAR(broken.submaps()[1].across.covariance.topLeftCorner(2, 2).trace() -
+                  sound.submaps()[1].across.covariance.topLeftCorner(2, 2).trace(),
               0.13, 0.01);
 }
 
-TEST(KeyChain, AStateThatContradictsItselfIsRefused) {
-  const auto refused = [](std::uint64_t first_scan, std::uint64_t second_scan, std::uint64_t keys,
-                          std::uint64_t travelled) {
-    ByteWriter writer;
-    KeyScan first;
-    KeyScan second;
-    first.scan = first_scan;
-    second.scan = second_scan;
-    writer(std::uint64_t{1}, keys);
-    if (keys > 0) writer(first, second);
-    writer(PoseWithCovariance2{}, travelled);
-    for (std::uint64_t i = 0; i < travelled; ++i) writer(0.0);
-    writer(second, 1.0, 0.0);
-    const std::string bytes = writer.take();
-    KeyChain chain(0.03);
-    ByteReader reader(bytes);
-    try {
-      reader(chain);
-    } catch (const DataError&) {
-      return true;
-    }
-    return false;
-  };
-  EXPECT_FALSE(refused(3, 4, 2, 1));
-  EXPECT_TRUE(refused(4, 4, 2, 1)) << "two key scans that are one scan";
-  EXPECT_TRUE(refused(3, 4, 0, 1)) << "a stretch without key scans";
-  EXPECT_TRUE(refused(3, 4, 2, 0)) << "no length of the path";
+TEST(KeyChain, ItsOutlineIsTheGraphOfFirstKeyScans) {
+  const KeyChain chain = chain_of(winding());
+  const PoseGraph outline = chain.outline();
+  const PoseGraph whole = chain.expand();
+  const auto nodes = chain.first_nodes();
+  ASSERT_EQ(outline.poses.size(), nodes.size());
+  ASSERT_EQ(outline.edges.size(), nodes.size() - 1);
+  for (std::size_t s = 0; s < nodes.size(); ++s) {
+    const Pose2& pose = whole.poses[static_cast<std::size_t>(nodes[s].index)];
+    EXPECT_TRUE(pose_near(outline.poses[s], pose, 1e-12, 1e-12));
+  }
+  EXPECT_LT(graph_cost(outline), 1e-15);
+}
+
+TEST(KeyChain, WhatWasSharedOfAStretchDoesNotChange) {
+  SharedScans scans;
+  EXPECT_TRUE(scans.empty());
+  for (std::size_t i = 0; i < 3; ++i)
+    scans.add(std::make_shared<const MappedScan>(MappedScan{.index = i}));
+  const auto shared = scans.share();
+  SharedScans copy = scans;
+  copy.add(std::make_shared<const MappedScan>(MappedScan{.index = 10}));
+  scans.add(std::make_shared<const MappedScan>(MappedScan{.index = 3}));
+  EXPECT_EQ(shared->size(), 3U);
+  EXPECT_EQ(scans.size(), 4U);
+  EXPECT_EQ(copy.size(), 4U);
+  EXPECT_EQ(copy.share()->back()->index, 10U);
+  scans.thin();
+  EXPECT_EQ(scans.size(), 1U);
+  EXPECT_EQ(shared->size(), 3U);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/slam/live_map.hpp"
 #include "loopstone/slam/mapper.hpp"
+#include "loopstone/slam/mapper_state.hpp"
 #include "ring_world.hpp"
 #include "support/pose_near.hpp"
 #include "support/segment_world.hpp"
@@ -347,7 +348,7 @@ TEST(MapperLive, AScanThatComesLateGetsTheMotionOfItsOwnTime) {
 TEST(MapperLive, OptionsAreCheckedAtTheDoor) {
   MapOptions options;
   options.submap.cell_m = -1.0;
-  options.front_end.odometry = "belief";
+  options.front_end.odometry = static_cast<OdometryUse>(17);
   options.map.resolution_m = std::numeric_limits<double>::quiet_NaN();
   try {
     const Mapper mapper({}, options);

@@ -1,11 +1,11 @@
-#include "loopstone/formats/log_digest.hpp"
+#include "loopstone/sensor/log_digest.hpp"
 
 #include <fmt/format.h>
 
 #include <type_traits>
 #include <variant>
 
-#include "formats/crc32.hpp"
+#include "base/crc32.hpp"
 #include "loopstone/base/byte_archive.hpp"
 
 namespace loopstone {

@@ -1,0 +1,154 @@
+#include "session_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/session_file.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSessionName = "session.loopstone";
+constexpr const char* kStartAnew =
+    "; to start from the beginning, leave out --resume and add --force";
+
+std::string session_path(const std::string& out) { return (fs::path(out) / kSessionName).string(); }
+
+bool exists(const std::string& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+std::string read_text(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+nlohmann::json summary_in(const std::string& out) {
+  return nlohmann::json::parse(read_text((fs::path(out) / "summary.json").string()), nullptr,
+                               false);
+}
+
+/// Null when there is none.
+nlohmann::json field(const nlohmann::json& summary, const char* key) {
+  return summary.is_object() ? summary.value(key, nlohmann::json()) : nlohmann::json();
+}
+
+}  // namespace
+
+void add_checkpoint_flags(CLI::App& command, CheckpointFlags& flags) {
+  command
+      .add_option("--checkpoint", flags.every_s,
+                  "save the state of the run every SECONDS into OUT/session.loopstone, and on "
+                  "Ctrl-C; --resume goes on from there")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.001, 1e9));
+  command.add_flag("--resume", flags.resume,
+                   "go on from the session in OUT to the same result as a run without a break; "
+                   "from the beginning when there is none yet");
+}
+
+RunStart find_start(const std::string& out, const CheckpointFlags& flags, bool force) {
+  if (exists(session_path(out))) {
+    if (flags.resume) return RunStart::kSession;
+    if (force) return RunStart::kLog;
+    throw UsageError(out +
+                     ": holds the session of a run that was ended before its time; add "
+                     "--resume to go on with it, or --force to start from the beginning");
+  }
+  if (!flags.resume || force) return RunStart::kLog;
+  return field(summary_in(out), "complete") == true ? RunStart::kResults : RunStart::kLog;
+}
+
+void remove_session(const std::string& out) {
+  const std::string session = session_path(out);
+  std::error_code error;
+  fs::remove(session, error);
+  if (error) throw DataError({session}, "cannot remove the old session: " + error.message());
+}
+
+RunInfo::Terms result_terms(const SessionTerms& terms, const std::string& colour,
+                            const LogDigest& log) {
+  return {{"log", log.text()},
+          {"start_s", fmt::format("{}", terms.start_s)},
+          {"duration_s", fmt::format("{}", terms.duration_s)},
+          {"max_scans", fmt::format("{}", terms.max_scans)},
+          {"mounts", terms.mounts_from_log ? "log" : "robot"},
+          {"colour", colour},
+          {"robot", terms.robot_toml}};
+}
+
+std::optional<std::string> find_results(const std::string& out, const SessionTerms& terms,
+                                        const RunInfo::Terms& result) {
+  const fs::path folder(out);
+  const nlohmann::json summary = summary_in(out);
+  const nlohmann::json expected(std::map<std::string, std::string>(result.begin(), result.end()));
+  if (field(summary, "complete") != true || field(summary, "version") != terms.version ||
+      field(summary, "result_of") != expected ||
+      read_text((folder / "options.toml").string()) != terms.options_toml) {
+    return std::nullopt;
+  }
+  return read_text((folder / "summary.json").string());
+}
+
+Checkpoint::How session_in(const std::string& out, const CheckpointFlags& flags,
+                           const AppContext& context) {
+  if (!flags.any()) return {};
+  return {.every_s = flags.every_s,
+          .write = [path = session_path(out)](
+                       const Session& session) { return write_session(path, session); },
+          .failed =
+              [&context](const std::string& reason) {
+                context.warn("the session could not be saved, the run goes on: " + reason);
+              },
+          .cpu_seconds = cpu_seconds};
+}
+
+void resume_from(const std::string& out, Checkpoint& checkpoint, Mapper& mapper, CutLog& log,
+                 CameraFrames& camera, const AppContext& context) {
+  const std::string path = session_path(out);
+  try {
+    checkpoint.resume(read_session(path, context.memory()), mapper, [&] {
+      auto message = log.next();
+      if (message) camera.take(*message);
+      return message;
+    });
+  } catch (const UsageError& error) {
+    throw std::runtime_error(path + ": " + error.what() + kStartAnew);
+  } catch (const DataError& error) {
+    throw std::runtime_error(std::string(error.what()) + kStartAnew);
+  }
+  context.note(fmt::format("goes on after {} scans of the session", mapper.scans()));
+}
+
+void end_session(const std::string& out, const CheckpointFlags& flags, const Checkpoint& checkpoint,
+                 bool complete, const AppContext& context) {
+  if (!flags.any()) return;
+  const Checkpoint::Cost& cost = checkpoint.cost();
+  if (cost.saved > 0) {
+    context.note(
+        fmt::format("session saved {} times, {:.1f} MB at last; scans waited for it {:.1f} ms each "
+                    "time, {:.1f} ms at most",
+                    cost.saved, 1e-6 * static_cast<double>(cost.bytes),
+                    1e3 * cost.blocked_s / static_cast<double>(cost.saved), 1e3 * cost.longest_s));
+  }
+  if (!complete) return;
+  const std::string path = session_path(out);
+  std::error_code error;
+  fs::remove(path, error);
+  if (error) context.warn(path + ": cannot be removed: " + error.message());
+}
+
+}  // namespace loopstone::app

@@ -1,0 +1,112 @@
+#pragma once
+
+#include "loopstone/slam/motion_predictor.hpp"
+
+namespace loopstone {
+
+/// What the front end decides by.
+struct FrontEndNumbers {
+  int min_points = 20;
+  int most_lost = 5;
+  double lost_m = 2.0;
+  double score_per_chi2 = 0.004;
+  double most_chi2 = 25.0;
+  double most_guess_chi2 = 7.8;
+  double outvoted = 0.01;
+  double same_score = 0.02;
+  double score_drop = 0.1;
+  double score_memory = 50.0;
+  double free_window = 2.0;
+  double bend_m = 0.01;
+  double bend_rad = 0.005;
+  int straightenings = 3;
+};
+inline constexpr FrontEndNumbers kFrontEnd{};
+
+template <typename Visitor>
+void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
+  visit("min_points", n.min_points,
+        "chosen: a scan with fewer says too little to be aligned or mapped");
+  visit("most_lost", n.most_lost,
+        "chosen: scans in a row that contradict the map are left out of it; after so many, half a "
+        "second at ten scans a second, the place itself must have changed");
+  visit("lost_m", n.lost_m,
+        "chosen: how far a robot is looked for that was lost: it was seen a few scans ago");
+  visit("score_per_chi2", n.score_per_chi2,
+        "derived: a scan is worth 50 independent points, and that one is explained speaks for a "
+        "match by ln(0.93 / 0.07) when one in fourteen never is: 0.5 / (50 * 2.6)");
+  visit("most_chi2", n.most_chi2,
+        "derived: 5 standard deviations, squared; beyond them the guess was an error, however far");
+  visit("most_guess_chi2", n.most_guess_chi2,
+        "derived: chi-square, 3 degrees of freedom, 0.05: a match farther from its guess shows "
+        "that the guess was wrong");
+  visit("outvoted", n.outvoted,
+        "chosen: the weight that a wrong guess keeps; ten times its standard deviation, so that it "
+        "holds only what nothing else does");
+  visit("same_score", n.same_score,
+        "chosen: scores that differ by less say the same: a point in fifty");
+  visit("score_drop", n.score_drop,
+        "chosen: a scan that explains so much less than usual is searched for, or shows another "
+        "place");
+  visit("score_memory", n.score_memory,
+        "chosen: scans over which the usual score is learned, some seconds");
+  visit("free_window", n.free_window,
+        "chosen: without odometry the window of a search is so many times wider: the robot may "
+        "have turned back as well as gone on");
+  visit("bend_m", n.bend_m,
+        "chosen: a sweep bent by more by a wrong velocity is straightened anew: the laser's noise");
+  visit("bend_rad", n.bend_rad, "chosen: as bend_m, of a point two metres off");
+  visit("straightenings", n.straightenings,
+        "derived: each takes away what the sweep is of the time between scans, half of the error "
+        "or more: an eighth is left");
+}
+
+/// What the front end decides by after the laser has not held the pose for a while.
+struct FrontEndRejoinNumbers {
+  double blind_s = kMotionPredictor.longest_coast_s;
+  double blind_steps = kMotionPredictor.longest_coast_steps;
+  double usual_memory = 20.0;
+  double fits_chi2 = 11.3;
+  double tight_m = 0.15;
+  double short_m = 0.5;
+  double short_rad = 0.5;
+  double around_m = 10.0;
+  double ambiguous = 0.85;
+  double elsewhere_m = 1.0;
+  double elsewhere_rad = 0.35;
+  double unknown_m = 10.0;
+  double unknown_rad = 1.8;
+};
+inline constexpr FrontEndRejoinNumbers kFrontEndRejoin{};
+
+template <typename Visitor>
+void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
+  visit("blind_s", n.blind_s,
+        "derived: without a scan for so long the motion is not followed but bridged: "
+        "longest_coast_s of the prediction");
+  visit("blind_steps", n.blind_steps,
+        "derived: but not before so many of the usual times between scans: longest_coast_steps of "
+        "the prediction");
+  visit("usual_memory", n.usual_memory,
+        "chosen: scans over which the usual time between them is learned");
+  visit("fits_chi2", n.fits_chi2,
+        "derived: chi-square, 3 degrees of freedom, 0.01: a scan nearer to where odometry says "
+        "fits there");
+  visit(
+      "tight_m", n.tight_m,
+      "derived: a cell and a half of a submap: a pose less certain does not go on in the same one");
+  visit("short_m", n.short_m,
+        "chosen: after so little motion a scan shows what the one before showed");
+  visit("short_rad", n.short_rad, "chosen: as short_m: most of what is seen is the same");
+  visit("around_m", n.around_m,
+        "chosen: how far a robot is looked for of which nothing is known: as far as loops are");
+  visit("ambiguous", n.ambiguous,
+        "chosen: share of the best score that no second place may reach, as of loop closures");
+  visit("elsewhere_m", n.elsewhere_m, "chosen: a second place is so far away, as of loop closures");
+  visit("elsewhere_rad", n.elsewhere_rad, "chosen: or turned by so much, 20 degrees");
+  visit("unknown_m", n.unknown_m,
+        "chosen: one standard deviation where nothing tells how the robot moved: as around_m");
+  visit("unknown_rad", n.unknown_rad, "derived: of a heading that may be any: pi / sqrt(3)");
+}
+
+}  // namespace loopstone

@@ -1,0 +1,38 @@
+#pragma once
+
+namespace loopstone {
+
+/// What the adjustment to surfaces decides by, beside its options.
+struct SurfaceAdjustmentNumbers {
+  double shared_noise = 2.0;
+  double least_sigma_m = 1e-4;
+  double kernel_width = 2.0;
+  double slope_sigma = 0.1;
+  double step_accuracy = 0.1;
+  int products_max = 40;
+  double own_surfaces = 0.1;
+  int keys_per_segment = 12;
+};
+inline constexpr SurfaceAdjustmentNumbers kSurfaceAdjustment{};
+
+template <typename Visitor>
+void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
+  visit("shared_noise", n.shared_noise,
+        "chosen: neighbouring points of a scan err alike, so many of them do not average all noise "
+        "away; sigma is so many times their spread");
+  visit("least_sigma_m", n.least_sigma_m, "derived: points are stored to better than this");
+  visit("kernel_width", n.kernel_width,
+        "chosen: standard deviations beyond which distances count less and less");
+  visit("slope_sigma", n.slope_sigma,
+        "chosen: how far a patch's direction may be off the mean of its points' normals [rad]");
+  visit("step_accuracy", n.step_accuracy,
+        "chosen: a step is found to this accuracy; the next round goes on from there");
+  visit("products_max", n.products_max, "chosen: beyond the 15 that a round takes as a rule");
+  visit("own_surfaces", n.own_surfaces,
+        "chosen: share of a key scan's surfaces in the preconditioner, enough to know which "
+        "directions they hold, without holding together what moves together");
+  visit("keys_per_segment", n.keys_per_segment,
+        "chosen: key scans that the preconditioner moves as one rigid body");
+}
+
+}  // namespace loopstone
