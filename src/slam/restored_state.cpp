@@ -29,6 +29,7 @@ bool are_in_order(std::span<const SubmapRecord> submaps, std::size_t full, doubl
   for (std::size_t i = 0; i < submaps.size(); ++i) {
     const SubmapRecord& submap = submaps[i];
     if ((submap.state == SubmapState::kOpen) != (i >= full)) return false;
+    if ((submap.frozen != nullptr) != (submap.state == SubmapState::kFrozen)) return false;
     if (submap.frozen && !submap.frozen->lies_within(reach_m)) return false;
     if (!std::ranges::all_of(submap.closed_with, [&](SubmapId id) { return id.index < full; }))
       return false;
@@ -63,6 +64,7 @@ bool waiting_fit(std::span<const WaitingScan> waiting, std::span<const SubmapRec
   if (!submaps.empty())
     submaps.back().scans.for_each([&](const MappedScan& mapped) { last = mapped.index; });
   return (last || waiting.front().key) && std::ranges::all_of(waiting, [&](const WaitingScan& w) {
+           if (w.scan == nullptr) return false;
            const std::size_t index = w.scan->index;
            const bool follows = index < scans && (!last || index > *last);
            last = index;

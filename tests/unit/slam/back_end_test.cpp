@@ -162,6 +162,7 @@ TEST(BackEnd, AStateThatContradictsItselfIsNotSound) {
   EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[2].travelled_m = 4.0; }));
   EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[1].travelled_m = std::nan(""); }));
   EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[0].state = SubmapState::kOpen; }));
+  EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[0].frozen = nullptr; }));
   EXPECT_TRUE(spoiled([](State& s) { s.chain.submaps[0].closed_with.push_back({2}); }));
   EXPECT_TRUE(spoiled([](State& s) { s.chain.length_m = std::nan(""); }));
   EXPECT_TRUE(spoiled([](State& s) { s.loops.newly_closed.insert({2}); })) << "it is open";

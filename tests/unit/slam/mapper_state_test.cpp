@@ -194,6 +194,7 @@ TEST_F(MapperStateDamaged, IndexesThatPointAtNothingAreRefused) {
   EXPECT_TRUE(refused([](State& s) { s.back_end.loops.newly_closed.insert({1000}); }));
   EXPECT_TRUE(refused([](State& s) { s.waiting.push_back(s.waiting.front()); })) << "twice";
   EXPECT_TRUE(refused([](State& s) { s.waiting.front().key.emplace().scan = 0; }));
+  EXPECT_TRUE(refused([](State& s) { s.waiting.front().scan = nullptr; }));
   EXPECT_TRUE(refused([](State& s) {
     s.back_end = {};
     s.waiting.front().key.reset();
