@@ -164,7 +164,8 @@ std::vector<SubmapId> LoopCloser::drop_covered(std::span<SubmapRecord> submaps) 
     std::vector<bool> seen(submap.surface_count());
     for (const SubmapId older : submap.closed_with) {
       if (older > newer || is_dropped(older)) continue;
-      add_to(seen, state_.seen.at({newer, older}));
+      const auto known = state_.seen.find({newer, older});
+      if (known != state_.seen.end()) add_to(seen, known->second);
     }
     if (!(share_of(seen) >= kLoopCloser.covered)) continue;
     submap.drop();
