@@ -19,10 +19,10 @@
 namespace loopstone {
 
 /// The surfaces of each key scan, in its own frame, straightened by the motion during its sweep.
-/// Not those that the front end aligned: these are fewer, and straightened by the final motion where
-/// those had the expected one. Keeping them instead would cost memory for all key scans (2.4 kB
-/// each, a tenth of what a run takes) to save what docs/benchmarks.md calls "surfaces of the scan",
-/// some hundredths of a millisecond each.
+/// Not those that the front end aligned: these are fewer, and straightened by the final motion
+/// where those had the expected one. Keeping them instead would cost memory for all key scans (2.4
+/// kB each, a tenth of what a run takes) to save what docs/benchmarks.md calls "surfaces of the
+/// scan", some hundredths of a millisecond each.
 [[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces(
     std::span<const SubmapRecord> submaps, const SurfaceOptions& options);
 

@@ -29,14 +29,13 @@ constexpr auto words_of(OdometryUse /*any*/) {
 }
 
 struct FrontEndOptions {
-  double range_max_m = 60.0;     ///< farther returns are not used for matching
-  int points_max = 360;          ///< of a scan, after thinning
-  double key_distance_m = 0.15;  ///< a key scan after so much travel
-  double key_angle_rad = 0.12;   ///< or after so much turning
-  double submap_length_m = 8.0;  ///< travel that fills a submap; the next one starts at half of it
-  double trusted_score =
-      0.6;  ///< below it, a search checks whether another pose nearby explains more
-  double search_half_xy_m = 0.6;  ///< window of that search
+  double range_max_m = 60.0;
+  int points_max = 360;
+  double key_distance_m = 0.15;
+  double key_angle_rad = 0.12;
+  double submap_length_m = 8.0;
+  double trusted_score = 0.6;
+  double search_half_xy_m = 0.6;
   double search_half_yaw_rad = 0.5;
   OdometryUse odometry = OdometryUse::kCheck;
 };
@@ -51,7 +50,7 @@ void visit_options(FrontEndOptions& options, Visitor&& visit) {
         "a key scan after so much travel");
   visit("key_angle_rad", options.key_angle_rad, Range{0.01, 3.2}, "or after so much turning");
   visit("submap_length_m", options.submap_length_m, Range{0.5, 100.0},
-        "travel that fills a submap");
+        "travel that fills a submap; the next one starts at half of it");
   visit("trusted_score", options.trusted_score, Range{0.0, 1.0},
         "a match that explains less of the scan is checked by a search");
   visit("search_half_xy_m", options.search_half_xy_m, Range{0.1, 10.0},

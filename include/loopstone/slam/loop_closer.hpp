@@ -19,30 +19,29 @@
 namespace loopstone {
 
 struct LoopOptions {
-  double min_score = 0.30;  ///< of the search: share of points on surfaces less share in free space
-  double min_overlap = 0.30;  ///< share of the points that fall where the other submap was observed
-  double min_agreement = 0.75;  ///< of those, share that lies on a surface facing the same way
-  double max_ambiguity = 0.85;  ///< a second pose elsewhere may reach this share of the best score
-  double drift_per_m =
-      0.03;  ///< position uncertainty gained per metre of travel since the places were connected
-  double drift_rad_per_m = 0.006;  ///< heading uncertainty, likewise
-  double max_half_xy_m = 10.0;     ///< the search window grows no further
-  int candidates_max = 5;          ///< older submaps that a new one is compared with
-  int places_max = 3;  ///< older submaps beyond the window, tried for their looks; 0: none
+  double min_score = 0.30;
+  double min_overlap = 0.30;
+  double min_agreement = 0.75;
+  double max_ambiguity = 0.85;
+  double drift_per_m = 0.03;
+  double drift_rad_per_m = 0.006;
+  double max_half_xy_m = 10.0;
+  int candidates_max = 5;
+  int places_max = 3;
 };
 
 template <typename Visitor>
 void visit_options(LoopOptions& options, Visitor&& visit) {
   visit("min_score", options.min_score, Range{0.0, 1.0},
-        "a closure's share of points on surfaces less share in free space");
+        "a closure's share of points on surfaces less share in free space, by the search");
   visit("min_overlap", options.min_overlap, Range{0.0, 1.0},
         "share of a submap that the other one must have observed");
   visit("min_agreement", options.min_agreement, Range{0.0, 1.0},
-        "share of the overlap that must agree");
+        "share of the overlap that must lie on surfaces facing the same way");
   visit("max_ambiguity", options.max_ambiguity, Range{0.0, 1.0},
         "a second pose elsewhere may reach this share of the best score");
   visit("drift_per_m", options.drift_per_m, Range{0.0, 1.0},
-        "position uncertainty gained per metre of travel");
+        "position uncertainty gained per metre of travel since the places were connected");
   visit("drift_rad_per_m", options.drift_rad_per_m, Range{0.0, 1.0},
         "heading uncertainty gained per metre of travel");
   visit("max_half_xy_m", options.max_half_xy_m, Range{0.1, 100.0},
