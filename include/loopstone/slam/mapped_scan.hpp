@@ -39,6 +39,7 @@ class SharedScans {
     other.is_shared_ = true;
   }
   SharedScans& operator=(const SharedScans& other) {
+    if (this == &other) return *this;
     scans_ = other.scans_;
     is_shared_ = other.is_shared_ = true;
     return *this;
