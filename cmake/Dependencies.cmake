@@ -11,10 +11,14 @@ find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(hwy 1.0 REQUIRED CONFIG)
 find_package(BZip2 REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(JPEG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(loopstone_libzip REQUIRED IMPORTED_TARGET libzip) # Debian's CMake config of libzip needs zipcmp installed
 pkg_check_modules(loopstone_cairo REQUIRED IMPORTED_TARGET cairo)
 pkg_check_modules(loopstone_libdeflate REQUIRED IMPORTED_TARGET libdeflate)
+pkg_check_modules(loopstone_libzstd REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(loopstone_liblz4 REQUIRED IMPORTED_TARGET liblz4)
 
 # Libraries that end up on the link line of a program that uses a static libloopstone (see cmake/loopstone-config.cmake.in).
 set(LOOPSTONE_LINKED_LIBRARIES
@@ -29,7 +33,11 @@ set(LOOPSTONE_LINKED_LIBRARIES
     BZip2::BZip2
     PkgConfig::loopstone_libzip
     PkgConfig::loopstone_cairo
-    PkgConfig::loopstone_libdeflate)
+    PkgConfig::loopstone_libdeflate
+    PkgConfig::loopstone_libzstd
+    PkgConfig::loopstone_liblz4
+    SQLite::SQLite3
+    JPEG::JPEG)
 
 # Header-only libraries, needed only while building.
 set(LOOPSTONE_HEADER_LIBRARIES nlohmann_json::nlohmann_json)

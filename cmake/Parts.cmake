@@ -14,6 +14,7 @@ set(LOOPSTONE_PARTS
     localization
     evaluation
     simulation
+    messages
     formats
     report)
 

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/base/memory_budget.hpp"
+#include "loopstone/base/stamp.hpp"
+#include "loopstone/formats/log_format.hpp"
+#include "loopstone/formats/log_reader.hpp"
+#include "loopstone/messages/message_codec.hpp"
+
+// Containers of recorded messages (ROS 1 bag, rosbag2's SQLite, MCAP), read as a stream of bytes with
+// a topic and a time. What the bytes mean is not a container's to know.
+
+namespace loopstone {
+
+/// A topic as the recording describes it. One topic may stand several times (several publishers,
+/// several files, another type later): each has its own entry.
+struct RecordedTopic {
+  std::string name{};  ///< "/scan"
+  std::string type{};  ///< canonical: "sensor_msgs/LaserScan"; as written when it is none of ROS
+  WireFormat format = WireFormat::kCdr;
+  MessageDefinition definition{};
+  std::string hash{};                      ///< MD5 or RIHS01; empty when the recording has none
+  std::optional<std::int64_t> messages{};  ///< as an index says: a hint
+  /// Why its messages can't be decoded whatever they are ("encoded as protobuf"); empty when they
+  /// can.
+  std::string unreadable{};
+};
+
+struct RecordedMessage {
+  std::size_t topic = 0;          ///< in Recording::topics()
+  Stamp recorded{};               ///< when the recorder got it
+  std::span<const char> bytes{};  ///< until the next call of the recording
+  Location where{};               ///< file and offset, for errors
+};
+
+struct RecordingOptions {
+  MemoryBudget memory{};
+  /// Asked before every block: true makes next() throw ReadingStopped. May be empty.
+  std::function<bool()> stop{};
+  /// Told of damage that was passed: where, and what is wrong. May be empty.
+  std::function<void(const Problem&)> on_damage{};
+};
+
+/// A container, from its beginning to its end in the order of the file (of SQLite: by time). Damage
+/// is told, passed, and everything undamaged behind it is given. Memory is bounded by a chunk (or one
+/// message) and what RecordingOptions::memory allows for the file.
+class Recording {
+ public:
+  virtual ~Recording() = default;
+  /// Found so far; entries are only added, at the end. Complete from the start when is_indexed().
+  [[nodiscard]] virtual const std::vector<RecordedTopic>& topics() const = 0;
+  /// Whether an index told of all topics before the first message.
+  [[nodiscard]] virtual bool is_indexed() const = 0;
+  /// From now on only messages of topics for which this is true are given; chunks that an index knows
+  /// to hold none of them are not unpacked. Asked once for each topic. Empty: all.
+  virtual void want(std::function<bool(const RecordedTopic&)> wanted) = 0;
+  /// Nothing at the end. Throws DataError when nothing more can be read, ReadingStopped.
+  [[nodiscard]] virtual std::optional<RecordedMessage> next() = 0;
+  /// Begins again; topics stay known, damage that was told is not told again.
+  virtual void rewind() = 0;
+  [[nodiscard]] virtual ReadProgress progress() const = 0;
+  /// What a user should know beside the damage: "has no index: it was not closed properly".
+  [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
+};
+
+/// By the first bytes.
+[[nodiscard]] bool is_bag(std::string_view head);
+[[nodiscard]] bool is_mcap(std::string_view head);
+[[nodiscard]] bool is_sqlite(std::string_view head);
+
+// Throw DataError when there is nothing in the file that can be read.
+[[nodiscard]] std::unique_ptr<Recording> open_bag(const std::string& path,
+                                                  const RecordingOptions& options);
+[[nodiscard]] std::unique_ptr<Recording> open_mcap(const std::string& path,
+                                                   const RecordingOptions& options);
+/// \param path  of a .db3 (or .db3.zstd), or of a folder of rosbag2 with its splits; the files in
+///              the folder may also be MCAP
+[[nodiscard]] std::unique_ptr<Recording> open_rosbag2(const std::string& path,
+                                                      const RecordingOptions& options);
+/// The files that a folder of rosbag2 consists of, in their order; none when it is no such folder.
+[[nodiscard]] std::vector<std::string> rosbag2_files(const std::string& folder);
+
+// The same over bytes in memory, which must outlive the recording: for tests and fuzzing.
+[[nodiscard]] std::unique_ptr<Recording> read_bag(std::string_view bytes,
+                                                  const RecordingOptions& options);
+[[nodiscard]] std::unique_ptr<Recording> read_mcap(std::string_view bytes,
+                                                   const RecordingOptions& options);
+
+}  // namespace loopstone
