@@ -83,6 +83,14 @@ class ReadAhead final : public LogReader {
     const std::scoped_lock lock(reading_);
     return reader_->warnings();
   }
+  [[nodiscard]] std::vector<std::string> choices() const override {
+    const std::scoped_lock lock(reading_);
+    return reader_->choices();
+  }
+  [[nodiscard]] std::vector<TopicSummary> topics() const override {
+    const std::scoped_lock lock(reading_);
+    return reader_->topics();
+  }
 
  private:
   void tell(const std::vector<LogProblem>& problems) const {

@@ -11,6 +11,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/memory_budget.hpp"
 #include "loopstone/formats/left_out.hpp"
+#include "loopstone/formats/topic_options.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 
@@ -28,6 +29,8 @@ struct LogOptions {
   /// Asked now and then while bytes are read, also by another thread: true ends the log at once.
   /// May be empty.
   std::function<bool()> stop{};
+  /// Of recordings with topics.
+  TopicOptions topics{};
 };
 
 /// LogOptions::stop said so before there was anything to give.
@@ -64,6 +67,10 @@ class LogReader {
   /// The same for what makes a result worse than the log could give; complete after the last
   /// message.
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
+  /// What was chosen where the log left a choice, in plain words: "laser: /scan (...)".
+  [[nodiscard]] virtual std::vector<std::string> choices() const { return {}; }
+  /// The topics of a recording; counts and rates are complete after the last message.
+  [[nodiscard]] virtual std::vector<TopicSummary> topics() const { return {}; }
 };
 
 /// Opens a file, a pipe or a folder; finds out the format by its content. "DIR#20" names set 20 of

@@ -1,0 +1,158 @@
+#include "formats/frame_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace loopstone {
+namespace {
+
+/// What two programs that publish the same mount may differ by.
+constexpr double kSameM = 1e-5;
+constexpr double kSameQuaternion = 1e-6;
+
+bool same(const Pose3& a, const Pose3& b) {
+  const double turned = 1.0 - std::abs(a.rotation.dot(b.rotation));
+  return (a.translation - b.translation).norm() < kSameM && turned < kSameQuaternion;
+}
+
+Pose3 between(const Pose3& a, const Pose3& b, double share) {
+  return {a.translation + share * (b.translation - a.translation),
+          a.rotation.slerp(share, b.rotation)};
+}
+
+}  // namespace
+
+std::string frame_name(std::string_view name) {
+  while (!name.empty() && name.front() == '/') name.remove_prefix(1);
+  return std::string(name);
+}
+
+FrameTree::Link* FrameTree::link_to(const std::string& parent, const std::string& child) {
+  if (parent == child || child.empty() || parent.empty()) return nullptr;
+  if (links_.size() >= kMostFrames && !links_.contains(child)) return nullptr;
+  // A loop would never end.
+  for (const std::string& above : ancestry(parent)) {
+    if (above == child) return nullptr;
+  }
+  frames_[parent] = true;
+  frames_[child] = true;
+  const auto [found, is_new] = links_.try_emplace(child, Link{.parent = parent});
+  Link& link = found->second;
+  if (!is_new && link.parent != parent) {
+    if (std::ranges::find(contested_, child) == contested_.end()) contested_.push_back(child);
+    return nullptr;
+  }
+  return &link;
+}
+
+void FrameTree::add_fixed(const std::string& parent, const std::string& child,
+                          const Pose3& parent_T_child) {
+  Link* const link = link_to(parent, child);
+  if (link == nullptr) return;
+  link->is_fixed = true;
+  link->last = {.pose = parent_T_child};
+  link->past.clear();
+}
+
+void FrameTree::add(const std::string& parent, const std::string& child, Stamp stamp,
+                    const Pose3& parent_T_child) {
+  const bool is_new = !links_.contains(child);
+  Link* const link = link_to(parent, child);
+  if (link == nullptr || link->is_fixed) return;
+  const StampedPose3 told{stamp, parent_T_child};
+  if (is_new) {
+    link->last = told;
+    return;
+  }
+  if (link->past.empty() && same(link->last.pose, parent_T_child)) {
+    link->last.stamp = std::max(link->last.stamp, stamp);
+    return;
+  }
+  if (link->past.empty()) link->past.push_back(link->last);
+  // Of several programs' stamps some go back.
+  if (stamp <= link->past.back().stamp) return;
+  link->past.push_back(told);
+  link->last = told;
+  while (link->past.size() > kMostKept ||
+         (link->past.size() > 2 && stamp - link->past.front().stamp > kKept)) {
+    link->past.pop_front();
+  }
+}
+
+bool FrameTree::has(std::string_view frame) const { return frames_.find(frame) != frames_.end(); }
+
+std::optional<std::string> FrameTree::parent_of(std::string_view frame) const {
+  const auto link = links_.find(frame);
+  if (link == links_.end()) return std::nullopt;
+  return link->second.parent;
+}
+
+std::vector<std::string> FrameTree::ancestry(std::string_view frame) const {
+  std::vector<std::string> frames{std::string(frame)};
+  while (const auto parent = parent_of(frames.back())) frames.push_back(*parent);
+  return frames;
+}
+
+std::optional<std::string> FrameTree::common_ancestor(std::string_view a,
+                                                      std::string_view b) const {
+  const std::vector<std::string> above_a = ancestry(a);
+  for (const std::string& frame : ancestry(b)) {
+    if (std::ranges::find(above_a, frame) != above_a.end()) return frame;
+  }
+  return std::nullopt;
+}
+
+std::optional<Pose3> FrameTree::pose_at(const Link& link, Stamp stamp) {
+  if (link.past.empty()) return link.last.pose;
+  const auto after =
+      std::ranges::lower_bound(link.past, stamp, {}, [](const StampedPose3& p) { return p.stamp; });
+  if (after == link.past.begin()) {
+    if (after->stamp - stamp > kReach) return std::nullopt;
+    return after->pose;
+  }
+  const auto before = std::prev(after);
+  if (after == link.past.end()) {
+    if (stamp - before->stamp > kReach) return std::nullopt;
+    return before->pose;
+  }
+  const double share = (stamp - before->stamp).seconds() / (after->stamp - before->stamp).seconds();
+  return between(before->pose, after->pose, share);
+}
+
+std::optional<Pose3> FrameTree::up_to(std::string_view ancestor, std::string_view frame,
+                                      Stamp stamp) const {
+  Pose3 ancestor_T_frame;
+  std::string at(frame);
+  while (at != ancestor) {
+    const Link& link = links_.find(at)->second;
+    const auto parent_T_at = pose_at(link, stamp);
+    if (!parent_T_at) return std::nullopt;
+    ancestor_T_frame = *parent_T_at * ancestor_T_frame;
+    at = link.parent;
+  }
+  return ancestor_T_frame;
+}
+
+std::optional<Pose3> FrameTree::find(std::string_view target, std::string_view source,
+                                     Stamp stamp) const {
+  if (target == source) return Pose3{};
+  const auto common = common_ancestor(target, source);
+  if (!common) return std::nullopt;
+  const auto common_T_target = up_to(*common, target, stamp);
+  const auto common_T_source = up_to(*common, source, stamp);
+  if (!common_T_target || !common_T_source) return std::nullopt;
+  return common_T_target->inverse() * *common_T_source;
+}
+
+bool FrameTree::moves(std::string_view target, std::string_view source) const {
+  const auto common = common_ancestor(target, source);
+  if (!common) return false;
+  for (const std::string_view end : {target, source}) {
+    for (std::string at(end); at != *common; at = links_.find(at)->second.parent) {
+      if (!links_.find(at)->second.past.empty()) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace loopstone
