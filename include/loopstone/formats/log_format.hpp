@@ -12,6 +12,7 @@
 
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/formats/log_reader.hpp"
+#include "loopstone/odometry/trajectory.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 
@@ -98,6 +99,10 @@ struct LogFormat {
   Recognition (*recognise)(const LogInput& log) = nullptr;
   /// Of a log that recognise() does not deny. Throws DataError with what is wrong.
   std::unique_ptr<LogReader> (*open)(const LogInput& log, const LogOptions& options) = nullptr;
+  /// True poses that the log holds under a topic's name: truth_log.hpp. Of a log that recognise()
+  /// does not deny. Absent: logs of this format hold none.
+  Trajectory (*truth)(const LogInput& log, const std::string& topic,
+                      const LogOptions& options) = nullptr;
   /// The files that are read, told by names alone, so that pipes and damaged files stay
   /// untouched; none when it can't be this format by its name. Absent: a log is one file.
   std::vector<std::string> (*files)(const LogInput& log) = nullptr;

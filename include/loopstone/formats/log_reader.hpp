@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/memory_budget.hpp"
+#include "loopstone/base/words.hpp"
 #include "loopstone/formats/left_out.hpp"
 #include "loopstone/formats/topic_options.hpp"
 #include "loopstone/sensor/messages.hpp"
@@ -17,11 +19,27 @@
 
 namespace loopstone {
 
+/// Where the stamps of a log's messages come from.
+enum class StampUse {
+  kAuto,    ///< what the format's reader finds to be usable; a warning tells what is not `header`
+  kHeader,  ///< the message's own: when the sensor measured
+  kRecord,  ///< when the recorder got the message
+  kOrder,   ///< made up from the order of the records and their rate
+};
+
+constexpr auto words_of(StampUse /*any*/) {
+  using enum StampUse;
+  return std::array{Word{kAuto, "auto"}, Word{kHeader, "header"}, Word{kRecord, "record"},
+                    Word{kOrder, "order"}};
+}
+
 /// How a log is to be read.
 struct LogOptions {
   /// Damage (broken, repeated, out-of-order records) is an error instead of being counted and
   /// skipped.
   bool strict = false;
+  /// Formats that know only one kind of stamps use that.
+  StampUse stamps = StampUse::kAuto;
   /// Told about every record that is skipped. May be empty.
   std::function<void(const LogProblem&)> on_problem{};
   /// What an archive may take while it is read.
