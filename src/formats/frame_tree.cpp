@@ -34,8 +34,8 @@ FrameTree::Link* FrameTree::link_to(const std::string& parent, const std::string
   for (const std::string& above : ancestry(parent)) {
     if (above == child) return nullptr;
   }
-  frames_[parent] = true;
-  frames_[child] = true;
+  frames_.insert(parent);
+  frames_.insert(child);
   const auto [found, is_new] = links_.try_emplace(child, Link{.parent = parent});
   Link& link = found->second;
   if (!is_new && link.parent != parent) {
@@ -79,7 +79,7 @@ void FrameTree::add(const std::string& parent, const std::string& child, Stamp s
   }
 }
 
-bool FrameTree::has(std::string_view frame) const { return frames_.find(frame) != frames_.end(); }
+bool FrameTree::has(std::string_view frame) const { return frames_.contains(frame); }
 
 std::optional<std::string> FrameTree::parent_of(std::string_view frame) const {
   const auto link = links_.find(frame);
@@ -102,8 +102,9 @@ std::optional<std::string> FrameTree::common_ancestor(std::string_view a,
   return std::nullopt;
 }
 
-std::optional<Pose3> FrameTree::pose_at(const Link& link, Stamp stamp) {
-  if (link.past.empty()) return link.last.pose;
+std::optional<Pose3> FrameTree::pose_at(const Link& link, std::optional<Stamp> at) {
+  if (!at || link.past.empty()) return link.last.pose;
+  const Stamp stamp = *at;
   const auto after =
       std::ranges::lower_bound(link.past, stamp, {}, [](const StampedPose3& p) { return p.stamp; });
   if (after == link.past.begin()) {
@@ -120,7 +121,7 @@ std::optional<Pose3> FrameTree::pose_at(const Link& link, Stamp stamp) {
 }
 
 std::optional<Pose3> FrameTree::up_to(std::string_view ancestor, std::string_view frame,
-                                      Stamp stamp) const {
+                                      std::optional<Stamp> stamp) const {
   Pose3 ancestor_T_frame;
   std::string at(frame);
   while (at != ancestor) {
@@ -134,7 +135,7 @@ std::optional<Pose3> FrameTree::up_to(std::string_view ancestor, std::string_vie
 }
 
 std::optional<Pose3> FrameTree::find(std::string_view target, std::string_view source,
-                                     Stamp stamp) const {
+                                     std::optional<Stamp> stamp) const {
   if (target == source) return Pose3{};
   const auto common = common_ancestor(target, source);
   if (!common) return std::nullopt;
@@ -142,6 +143,17 @@ std::optional<Pose3> FrameTree::find(std::string_view target, std::string_view s
   const auto common_T_source = up_to(*common, source, stamp);
   if (!common_T_target || !common_T_source) return std::nullopt;
   return common_T_target->inverse() * *common_T_source;
+}
+
+FrameTree FrameTree::standing() const {
+  FrameTree result;
+  for (const auto& [child, link] : links_) {
+    if (!link.past.empty()) continue;
+    result.links_.emplace(child, link);
+    result.frames_.insert(child);
+    result.frames_.insert(link.parent);
+  }
+  return result;
 }
 
 bool FrameTree::moves(std::string_view target, std::string_view source) const {

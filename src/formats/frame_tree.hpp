@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,14 +34,17 @@ class FrameTree {
   [[nodiscard]] bool has(std::string_view frame) const;
   /// target_T_source. Nothing when they are not connected, or a frame between them moves and was not
   /// told near that time.
+  /// \param stamp  absent: as they were told last
   [[nodiscard]] std::optional<Pose3> find(std::string_view target, std::string_view source,
-                                          Stamp stamp) const;
+                                          std::optional<Stamp> stamp = {}) const;
   /// Whether something between the two moved so far.
   [[nodiscard]] bool moves(std::string_view target, std::string_view source) const;
   /// From a frame up to its root, itself first.
   [[nodiscard]] std::vector<std::string> ancestry(std::string_view frame) const;
   /// The parent, if there is one.
   [[nodiscard]] std::optional<std::string> parent_of(std::string_view frame) const;
+  /// What did not move so far, without the rest.
+  [[nodiscard]] FrameTree standing() const;
   /// Frames whose parent was told to be another one before: a sign of two robots or two programs.
   [[nodiscard]] const std::vector<std::string>& contested() const { return contested_; }
 
@@ -58,15 +62,16 @@ class FrameTree {
   };
 
   Link* link_to(const std::string& parent, const std::string& child);
-  [[nodiscard]] static std::optional<Pose3> pose_at(const Link& link, Stamp stamp);
+  [[nodiscard]] static std::optional<Pose3> pose_at(const Link& link,
+                                                     std::optional<Stamp> stamp);
   /// root_T_frame for each frame on the way up; nothing when a pose is missing.
   [[nodiscard]] std::optional<Pose3> up_to(std::string_view ancestor, std::string_view frame,
-                                           Stamp stamp) const;
+                                           std::optional<Stamp> stamp) const;
   [[nodiscard]] std::optional<std::string> common_ancestor(std::string_view a,
                                                            std::string_view b) const;
 
   std::map<std::string, Link, std::less<>> links_{};
-  std::map<std::string, bool, std::less<>> frames_{};
+  std::set<std::string, std::less<>> frames_{};
   std::vector<std::string> contested_{};
 };
 

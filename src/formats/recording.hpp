@@ -37,10 +37,17 @@ struct RecordedTopic {
 };
 
 struct RecordedMessage {
-  std::size_t topic = 0;          ///< in Recording::topics()
-  Stamp recorded{};               ///< when the recorder got it
-  std::span<const char> bytes{};  ///< until the next call of the recording
-  Location where{};               ///< file and offset, for errors
+  std::size_t topic = 0;              ///< in Recording::topics()
+  Stamp recorded{};                   ///< when the recorder got it
+  std::span<const char> bytes{};      ///< until the next call of the recording
+  const std::string* file = nullptr;  ///< of the message; as long as the recording
+  std::int64_t offset = -1;           ///< in that file; -1: unknown
+
+  [[nodiscard]] Location where() const {
+    Location location{file != nullptr ? *file : std::string()};
+    if (offset >= 0) location.byte_offset = offset;
+    return location;
+  }
 };
 
 struct RecordingOptions {

@@ -199,7 +199,9 @@ void ClockDrift::add(Stamp own, Stamp recorded) {
 
 std::optional<double> ClockDrift::drift_s() const {
   if (count_ < static_cast<std::int64_t>(4 * kMost)) return std::nullopt;
-  return median_of(last_s_) - median_of(first_s_);
+  std::vector<double> first_s = first_s_;
+  std::vector<double> last_s = last_s_;
+  return median_of(last_s) - median_of(first_s);
 }
 
 }  // namespace loopstone

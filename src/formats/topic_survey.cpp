@@ -1,0 +1,228 @@
+#include "formats/topic_survey.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "formats/ros_geometry.hpp"
+#include "loopstone/messages/message_codec.hpp"
+
+namespace loopstone {
+namespace {
+
+/// What is enough to know a topic by.
+constexpr std::int64_t kEnough = 100;
+/// How much of the recording is looked at: by its own clock, and by its bytes.
+constexpr double kMostSeconds = 30.0;
+constexpr std::int64_t kMostBytes = std::int64_t{1} << 28;
+/// After so long no topic is waited for that was never seen.
+constexpr double kSilenceS = 10.0;
+constexpr std::size_t kMostMoving = 1000;
+
+struct KindOfType {
+  std::string_view type;
+  TopicKind kind;
+};
+constexpr std::array<KindOfType, 10> kKinds{{
+    {"sensor_msgs/LaserScan", TopicKind::kScan},
+    {"sensor_msgs/MultiEchoLaserScan", TopicKind::kEchoScan},
+    {"sensor_msgs/PointCloud2", TopicKind::kCloud},
+    {"nav_msgs/Odometry", TopicKind::kOdometry},
+    {"sensor_msgs/Imu", TopicKind::kImu},
+    {"sensor_msgs/JointState", TopicKind::kJoints},
+    {"loopstone_msgs/WheelTicks", TopicKind::kTicks},
+    {"tf2_msgs/TFMessage", TopicKind::kTransforms},
+    {"geometry_msgs/PoseStamped", TopicKind::kPose},
+    {"geometry_msgs/PoseWithCovarianceStamped", TopicKind::kPoseWithCovariance},
+}};
+
+/// Topics whose first messages tell how to use them.
+bool is_looked_at(TopicKind kind) {
+  return kind != TopicKind::kOther && kind != TopicKind::kJoints;
+}
+
+/// Reads messages of all topics into the survey.
+class Surveyor {
+ public:
+  explicit Surveyor(Recording& recording) : recording_(recording) {}
+
+  TopicSurvey run() {
+    recording_.want([](const RecordedTopic& topic) { return is_looked_at(kind_of(topic.type)); });
+    look_at_the_beginning();
+    if (!survey_.is_whole && recording_.is_indexed()) look_for_fixed_frames();
+    note_topics();
+    recording_.want({});
+    recording_.rewind();
+    return std::move(survey_);
+  }
+
+ private:
+  void look_at_the_beginning() {
+    std::int64_t bytes = 0;
+    std::optional<Stamp> first;
+    while (const auto message = recording_.next()) {
+      take(*message);
+      bytes += static_cast<std::int64_t>(message->bytes.size());
+      if (!first) first = message->recorded;
+      const double passed_s = message->recorded.seconds() - first->seconds();
+      if (bytes > kMostBytes || passed_s > kMostSeconds || is_enough(passed_s)) return;
+    }
+    survey_.is_whole = true;
+  }
+
+  void look_for_fixed_frames() {
+    recording_.rewind();
+    const auto is_static = [](const RecordedTopic& topic) {
+      return kind_of(topic.type) == TopicKind::kTransforms && topic.name.ends_with("tf_static");
+    };
+    if (std::ranges::none_of(recording_.topics(), is_static)) return;
+    recording_.want(is_static);
+    while (const auto message = recording_.next()) take(*message);
+  }
+
+  /// Every topic has an entry, also those of which nothing was read.
+  void note_topics() {
+    for (std::size_t i = 0; i < recording_.topics().size(); ++i) (void)facts_of(i);
+  }
+
+  bool is_enough(double passed_s) {
+    if (passed_s < 1.0) return false;
+    note_topics();
+    return std::ranges::all_of(survey_.topics, [&](const TopicFacts& topic) {
+      const bool once = topic.name.ends_with("tf_static");
+      if (!is_looked_at(topic.kind) || once || topic.seen >= kEnough) return true;
+      return topic.messages && topic.seen >= *topic.messages ? true : passed_s > kSilenceS;
+    });
+  }
+
+  TopicFacts& facts_of(std::size_t recorded) {
+    if (recorded < place_.size()) return survey_.topics[place_[recorded]];
+    while (place_.size() <= recorded) place_.push_back(enter(place_.size()));
+    return survey_.topics[place_[recorded]];
+  }
+
+  /// The place of a recorded topic among the facts.
+  std::size_t enter(std::size_t recorded) {
+    const RecordedTopic& topic = recording_.topics()[recorded];
+    auto& topics = survey_.topics;
+    auto found = std::ranges::find_if(topics, [&](const TopicFacts& known) {
+      return known.name == topic.name && known.type == topic.type;
+    });
+    if (found == topics.end()) {
+      topics.push_back({.name = topic.name, .type = topic.type, .kind = kind_of(topic.type)});
+      found = std::prev(topics.end());
+      found->fault = topic.unreadable;
+    }
+    found->recorded.push_back(recorded);
+    if (topic.messages) found->messages = found->messages.value_or(0) + *topic.messages;
+    return static_cast<std::size_t>(found - topics.begin());
+  }
+
+  void take(const RecordedMessage& message) {
+    TopicFacts& facts = facts_of(message.topic);
+    if (!facts.fault.empty()) return;
+    ++facts.seen;
+    const RecordedTopic& topic = recording_.topics()[message.topic];
+    try {
+      if (facts.kind == TopicKind::kTransforms) {
+        take_transforms(topic, message);
+      } else if (is_looked_at(facts.kind)) {
+        look_at(facts, topic, message);
+      }
+    } catch (const MessageError& error) {
+      if (facts.seen == 1) facts.fault = error.what();
+    }
+  }
+
+  void look_at(TopicFacts& facts, const RecordedTopic& topic, const RecordedMessage& message) {
+    const auto header = decode_header(topic.format, message.bytes);
+    facts.stamps.add(header ? std::optional(header->stamp) : std::nullopt, message.recorded);
+    if (header && facts.frame.empty()) facts.frame = frame_name(header->frame_id);
+    if (facts.kind == TopicKind::kImu) {
+      decoder(imu_, topic).decode(message.bytes, imu_message_);
+      facts.force += to_eigen(imu_message_.linear_acceleration);
+    }
+    if (facts.seen > 1) return;
+    if (facts.kind == TopicKind::kOdometry) {
+      msg::Odometry odometry;
+      MessageDecoder<msg::Odometry>(topic.format, topic.definition).decode(message.bytes, odometry);
+      facts.child_frame = frame_name(odometry.child_frame_id);
+    }
+    if (facts.kind == TopicKind::kScan) {
+      msg::LaserScan scan;
+      MessageDecoder<msg::LaserScan>(topic.format, topic.definition).decode(message.bytes, scan);
+      facts.beams = scan.ranges.size();
+    }
+  }
+
+  void take_transforms(const RecordedTopic& topic, const RecordedMessage& message) {
+    decoder(transforms_, topic).decode(message.bytes, transforms_message_);
+    const bool fixed = topic.name.ends_with("tf_static");
+    for (const msg::TransformStamped& told : transforms_message_.transforms) {
+      const auto pose = to_pose3(told.transform);
+      if (!pose) continue;
+      const std::string parent = frame_name(told.header.frame_id);
+      const std::string child = frame_name(told.child_frame_id);
+      if (fixed) {
+        survey_.frames.add_fixed(parent, child, *pose);
+        continue;
+      }
+      survey_.frames.add(parent, child, told.header.stamp, *pose);
+      if (MovingFrame* moving = moving_frame(parent, child)) {
+        moving->stamps.add(told.header.stamp, message.recorded);
+      }
+    }
+  }
+
+  MovingFrame* moving_frame(const std::string& parent, const std::string& child) {
+    for (MovingFrame& moving : survey_.moving) {
+      if (moving.child == child && moving.parent == parent) return &moving;
+    }
+    if (survey_.moving.size() >= kMostMoving) return nullptr;
+    survey_.moving.push_back({.parent = parent, .child = child});
+    return &survey_.moving.back();
+  }
+
+  template <typename M>
+  using Decoders = std::map<std::pair<WireFormat, std::string>, MessageDecoder<M>>;
+
+  template <typename M>
+  static const MessageDecoder<M>& decoder(Decoders<M>& known, const RecordedTopic& topic) {
+    const std::pair key{topic.format, topic.definition.text};
+    const auto found = known.find(key);
+    if (found != known.end()) return found->second;
+    return known.emplace(key, MessageDecoder<M>(topic.format, topic.definition)).first->second;
+  }
+
+  Recording& recording_;
+  TopicSurvey survey_{};
+  std::vector<std::size_t> place_{};  ///< in survey_.topics, by the number in the recording
+  Decoders<msg::Imu> imu_{};
+  Decoders<msg::TFMessage> transforms_{};
+  msg::Imu imu_message_{};
+  msg::TFMessage transforms_message_{};
+};
+
+}  // namespace
+
+TopicKind kind_of(const std::string& type) {
+  const auto* const known =
+      std::ranges::find_if(kKinds, [&](const KindOfType& kind) { return kind.type == type; });
+  return known == kKinds.end() ? TopicKind::kOther : known->kind;
+}
+
+double TopicFacts::rate_hz() const {
+  const double period_s = stamps.period_s();
+  return period_s > 0.0 ? 1.0 / period_s : 0.0;
+}
+
+const TopicFacts* TopicSurvey::find(std::string_view name) const {
+  const auto found =
+      std::ranges::find_if(topics, [&](const TopicFacts& topic) { return topic.name == name; });
+  return found == topics.end() ? nullptr : &*found;
+}
+
+TopicSurvey survey_topics(Recording& recording) { return Surveyor(recording).run(); }
+
+}  // namespace loopstone
