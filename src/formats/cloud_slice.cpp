@@ -58,7 +58,9 @@ class FieldReader {
     }
   }
   /// What its values are multiplied by to be seconds: integers count nanoseconds.
-  [[nodiscard]] double seconds_per_unit() const { return type_ < msg::PointField::kFloat32 ? 1e-9 : 1.0; }
+  [[nodiscard]] double seconds_per_unit() const {
+    return type_ < msg::PointField::kFloat32 ? 1e-9 : 1.0;
+  }
 
  private:
   [[nodiscard]] std::size_t size() const {
@@ -105,8 +107,7 @@ struct Beams {
   std::vector<double> times_s = std::vector<double>(kBeams, 0.0);
 };
 
-Beams gather(const msg::PointCloud2& cloud, const Pose3& base_T_laser,
-             const HeightRange& heights) {
+Beams gather(const msg::PointCloud2& cloud, const Pose3& base_T_laser, const HeightRange& heights) {
   const FieldReader x = needed_field(cloud, "x");
   const FieldReader y = needed_field(cloud, "y");
   const FieldReader z = needed_field(cloud, "z");

@@ -62,8 +62,7 @@ class FrameTree {
   };
 
   Link* link_to(const std::string& parent, const std::string& child);
-  [[nodiscard]] static std::optional<Pose3> pose_at(const Link& link,
-                                                     std::optional<Stamp> stamp);
+  [[nodiscard]] static std::optional<Pose3> pose_at(const Link& link, std::optional<Stamp> stamp);
   /// root_T_frame for each frame on the way up; nothing when a pose is missing.
   [[nodiscard]] std::optional<Pose3> up_to(std::string_view ancestor, std::string_view frame,
                                            std::optional<Stamp> stamp) const;

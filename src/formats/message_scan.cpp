@@ -37,11 +37,11 @@ LaserScan head_of(const Message& message, double period_s, ScanRemarks& remarks)
     if (!std::isfinite(span) || span == 0.0) throw MessageError(0, "the beams have no directions");
     scan.angle_increment_rad = span / std::max(1.0, beams - 1.0);
     remarks.add("scans do not state the angle between beams: it follows from the first and last");
-  } else if (std::isfinite(span) &&
-             std::abs(scan.angle_increment_rad * (beams - 1.0) - span) >
-                 2.0 * std::abs(scan.angle_increment_rad) + 1e-3) {
-    remarks.add("the number of beams does not fit the first and last angle: the angle between "
-                "beams is believed");
+  } else if (std::isfinite(span) && std::abs(scan.angle_increment_rad * (beams - 1.0) - span) >
+                                        2.0 * std::abs(scan.angle_increment_rad) + 1e-3) {
+    remarks.add(
+        "the number of beams does not fit the first and last angle: the angle between "
+        "beams is believed");
   }
   if (std::abs(scan.angle_increment_rad) * (beams - 1.0) > 4.0 * kPi) {
     throw MessageError(0, "the beams go round more than twice");
@@ -55,8 +55,9 @@ LaserScan head_of(const Message& message, double period_s, ScanRemarks& remarks)
   const double sweep_s = std::abs(scan.time_increment_s) * beams;
   if (!std::isfinite(sweep_s) || (period_s > 0.0 && sweep_s > kMostPeriods * period_s)) {
     scan.time_increment_s = 0.0;
-    remarks.add("the time between beams can't be: the sweep would last longer than the time from "
-                "scan to scan; it is taken for unknown");
+    remarks.add(
+        "the time between beams can't be: the sweep would last longer than the time from "
+        "scan to scan; it is taken for unknown");
   }
   return scan;
 }
@@ -106,8 +107,8 @@ msg::LaserScan to_message(const LaserScan& scan, const std::string& frame) {
   msg::LaserScan message{.header = {.stamp = scan.stamp, .frame_id = frame}};
   message.angle_min = static_cast<float>(scan.angle_min_rad);
   message.angle_increment = static_cast<float>(scan.angle_increment_rad);
-  message.angle_max =
-      static_cast<float>(scan.angle_min_rad + std::max(0.0, beams - 1.0) * scan.angle_increment_rad);
+  message.angle_max = static_cast<float>(scan.angle_min_rad +
+                                         std::max(0.0, beams - 1.0) * scan.angle_increment_rad);
   message.time_increment = static_cast<float>(scan.time_increment_s);
   message.scan_time = static_cast<float>(scan.time_increment_s * beams);
   message.range_min = static_cast<float>(scan.range_min_m);

@@ -23,8 +23,8 @@ constexpr std::array<string_view, 6> kBaseFrames{"base_footprint", "base_link", 
                                                  "base_frame",     "robot_base", "chassis"};
 constexpr std::array<string_view, 3> kOdometryFrames{"odom", "odom_combined", "odometry"};
 /// Words in names of poses that are no dead reckoning: somebody else's result, or the truth.
-constexpr std::array<string_view, 14> kNoOdometry{"truth", "ground", "mocap", "vicon", "optitrack",
-                                                  "gps",   "gnss",   "amcl",  "slam",  "icp",
+constexpr std::array<string_view, 14> kNoOdometry{"truth", "ground", "mocap",  "vicon", "optitrack",
+                                                  "gps",   "gnss",   "amcl",   "slam",  "icp",
                                                   "lidar", "laser",  "visual", "map"};
 /// Words in names of lasers that do not look ahead in the plane.
 constexpr std::array<string_view, 6> kOtherWay{"vertical", "tilt", "down", "up", "cliff", "safety"};
@@ -122,9 +122,9 @@ class Chooser {
                            Fits&& fits) const {
     std::vector<std::string> others;
     for (const std::size_t i : all(fits)) others.push_back(topic(i).name);
-    throw UsageError(fmt::format("--topic {}={}: {}; {}", to_string(role), name, reason,
-                                 others.empty() ? "none of this recording can"
-                                                : "there is " + listed(others, "and")));
+    throw UsageError(fmt::format(
+        "--topic {}={}: {}; {}", to_string(role), name, reason,
+        others.empty() ? "none of this recording can" : "there is " + listed(others, "and")));
   }
 
   /// How much a pose topic looks like the robot's own dead reckoning; 0: not at all.
@@ -134,7 +134,8 @@ class Chooser {
     if (holds_word(name, kNoOdometry)) return 0;
     if (name == "/odom" || name == "odom") return 4;
     if (name.ends_with("/odom")) return 3;
-    return name.find("odom") != std::string::npos || name.find("wheel") != std::string::npos ? 2 : 1;
+    return name.find("odom") != std::string::npos || name.find("wheel") != std::string::npos ? 2
+                                                                                             : 1;
   }
 
   void choose_odometry_topic() {
@@ -215,7 +216,8 @@ class Chooser {
     if (const auto by_user = named(TopicRole::kLaser, fits)) {
       found = *by_user;
     } else {
-      found = all([&](const TopicFacts& t) { return fits(t) && t.has_messages() && t.fault.empty(); });
+      found =
+          all([&](const TopicFacts& t) { return fits(t) && t.has_messages() && t.fault.empty(); });
       drop_clouds(found);
       drop_tilted(found);
       drop_glued(found);
@@ -270,7 +272,8 @@ class Chooser {
   void drop_copies(std::vector<std::size_t>& found) {
     for (const std::size_t i : std::vector(found)) {
       const auto is_better = [&](std::size_t other) {
-        if (other == i || topic(other).frame != topic(i).frame || topic(i).frame.empty()) return false;
+        if (other == i || topic(other).frame != topic(i).frame || topic(i).frame.empty())
+          return false;
         const auto rank = [&](std::size_t t) {
           return std::tuple(std::round(topic(t).rate_hz()), topic(t).beams,
                             -static_cast<long>(topic(t).name.size()), -static_cast<long>(t));
@@ -308,10 +311,9 @@ class Chooser {
   void choose_imu() {
     const auto fits = [](const TopicFacts& t) { return t.kind == TopicKind::kImu; };
     const auto by_user = named(TopicRole::kImu, fits);
-    std::vector<std::size_t> found =
-        by_user ? *by_user : all([&](const TopicFacts& t) {
-          return fits(t) && t.has_messages() && t.fault.empty();
-        });
+    std::vector<std::size_t> found = by_user ? *by_user : all([&](const TopicFacts& t) {
+      return fits(t) && t.has_messages() && t.fault.empty();
+    });
     if (found.empty()) return;
     const auto rank = [&](std::size_t i) {
       return std::tuple(topic(i).name.ends_with("/data"), topic(i).rate_hz());
@@ -353,8 +355,8 @@ class Chooser {
       say(TopicRole::kOdometry, "none");
     } else if (choice_.odometry->topic) {
       const std::string& child = choice_.odometry->child;
-      say(TopicRole::kOdometry, described(*choice_.odometry->topic) +
-                                    (child.empty() ? "" : ", poses of " + child));
+      say(TopicRole::kOdometry,
+          described(*choice_.odometry->topic) + (child.empty() ? "" : ", poses of " + child));
     } else {
       say(TopicRole::kOdometry,
           "tf, " + choice_.odometry->parent + " to " + choice_.odometry->child);

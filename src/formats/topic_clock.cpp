@@ -164,8 +164,7 @@ ClockChoice choose_clocks(const std::vector<ClockQuestion>& topics, StampUse use
     choice.clocks.assign(topics.size(), {.source = Source::kOrder, .period_s = used_s});
     return choice;
   }
-  const bool own =
-      use == StampUse::kHeader || (use == StampUse::kAuto && own_fault.empty());
+  const bool own = use == StampUse::kHeader || (use == StampUse::kAuto && own_fault.empty());
   if (own) {
     lead.offset = record_fault.empty() ? first.facts->offset() : Duration{};
     const double offset_s = lead.offset.seconds();

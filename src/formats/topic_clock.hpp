@@ -55,8 +55,8 @@ struct TopicClock {
 
 /// The clocks of several topics, so that all tell the same time.
 struct ClockChoice {
-  std::vector<TopicClock> clocks{};    ///< in the order of the topics
-  std::vector<std::string> notes{};    ///< what was measured
+  std::vector<TopicClock> clocks{};     ///< in the order of the topics
+  std::vector<std::string> notes{};     ///< what was measured
   std::vector<std::string> warnings{};  ///< what was wrong
 };
 

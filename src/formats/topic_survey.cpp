@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <utility>
 
 #include "formats/ros_geometry.hpp"
+#include "formats/topic_decoders.hpp"
 #include "loopstone/messages/message_codec.hpp"
 
 namespace loopstone {
@@ -45,7 +45,7 @@ bool is_looked_at(TopicKind kind) {
 /// Reads messages of all topics into the survey.
 class Surveyor {
  public:
-  explicit Surveyor(Recording& recording) : recording_(recording) {}
+  explicit Surveyor(Recording& recording) : recording_(recording), decoders_(recording) {}
 
   TopicSurvey run() {
     recording_.want([](const RecordedTopic& topic) { return is_looked_at(kind_of(topic.type)); });
@@ -140,24 +140,20 @@ class Surveyor {
     facts.stamps.add(header ? std::optional(header->stamp) : std::nullopt, message.recorded);
     if (header && facts.frame.empty()) facts.frame = frame_name(header->frame_id);
     if (facts.kind == TopicKind::kImu) {
-      decoder(imu_, topic).decode(message.bytes, imu_message_);
+      decoders_.decode(message, imu_message_);
       facts.force += to_eigen(imu_message_.linear_acceleration);
     }
     if (facts.seen > 1) return;
     if (facts.kind == TopicKind::kOdometry) {
-      msg::Odometry odometry;
-      MessageDecoder<msg::Odometry>(topic.format, topic.definition).decode(message.bytes, odometry);
-      facts.child_frame = frame_name(odometry.child_frame_id);
+      facts.child_frame = frame_name(decoders_.decode<msg::Odometry>(message).child_frame_id);
     }
     if (facts.kind == TopicKind::kScan) {
-      msg::LaserScan scan;
-      MessageDecoder<msg::LaserScan>(topic.format, topic.definition).decode(message.bytes, scan);
-      facts.beams = scan.ranges.size();
+      facts.beams = decoders_.decode<msg::LaserScan>(message).ranges.size();
     }
   }
 
   void take_transforms(const RecordedTopic& topic, const RecordedMessage& message) {
-    decoder(transforms_, topic).decode(message.bytes, transforms_message_);
+    decoders_.decode(message, transforms_message_);
     const bool fixed = topic.name.ends_with("tf_static");
     for (const msg::TransformStamped& told : transforms_message_.transforms) {
       const auto pose = to_pose3(told.transform);
@@ -184,22 +180,10 @@ class Surveyor {
     return &survey_.moving.back();
   }
 
-  template <typename M>
-  using Decoders = std::map<std::pair<WireFormat, std::string>, MessageDecoder<M>>;
-
-  template <typename M>
-  static const MessageDecoder<M>& decoder(Decoders<M>& known, const RecordedTopic& topic) {
-    const std::pair key{topic.format, topic.definition.text};
-    const auto found = known.find(key);
-    if (found != known.end()) return found->second;
-    return known.emplace(key, MessageDecoder<M>(topic.format, topic.definition)).first->second;
-  }
-
   Recording& recording_;
   TopicSurvey survey_{};
   std::vector<std::size_t> place_{};  ///< in survey_.topics, by the number in the recording
-  Decoders<msg::Imu> imu_{};
-  Decoders<msg::TFMessage> transforms_{};
+  TopicDecoders decoders_;
   msg::Imu imu_message_{};
   msg::TFMessage transforms_message_{};
 };

@@ -36,15 +36,15 @@ struct TopicFacts {
   std::string name{};
   std::string type{};
   TopicKind kind = TopicKind::kOther;
-  std::vector<std::size_t> recorded{};  ///< in Recording::topics()
-  std::int64_t seen = 0;                ///< in the survey
+  std::vector<std::size_t> recorded{};     ///< in Recording::topics()
+  std::int64_t seen = 0;                   ///< in the survey
   std::optional<std::int64_t> messages{};  ///< in the whole recording, by its index
   std::string frame{};                     ///< of the first header
   std::string child_frame{};               ///< of odometry
   StampFacts stamps{};
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< of an imu: sum of its accelerations
   std::size_t beams = 0;                            ///< of the first scan
-  std::string fault{};  ///< why its messages can't be read
+  std::string fault{};                              ///< why its messages can't be read
 
   [[nodiscard]] bool is_laser() const {
     return kind == TopicKind::kScan || kind == TopicKind::kEchoScan || kind == TopicKind::kCloud;

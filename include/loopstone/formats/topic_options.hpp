@@ -26,9 +26,9 @@ enum class TopicRole {
 
 constexpr auto words_of(TopicRole /*any*/) {
   using enum TopicRole;
-  return std::array{Word{kNone, "none"},        Word{kLaser, "laser"}, Word{kOdometry, "odometry"},
-                    Word{kImu, "imu"},          Word{kWheels, "wheels"},
-                    Word{kTransforms, "tf"},    Word{kTruth, "truth"}};
+  return std::array{Word{kNone, "none"},  Word{kLaser, "laser"},   Word{kOdometry, "odometry"},
+                    Word{kImu, "imu"},    Word{kWheels, "wheels"}, Word{kTransforms, "tf"},
+                    Word{kTruth, "truth"}};
 }
 
 /// Which of several echoes of one beam counts.
@@ -52,7 +52,7 @@ struct TopicOptions {
   std::string base_frame{};  ///< the robot's frame in tf; empty: chosen
   EchoUse echo = EchoUse::kFirst;
   std::optional<HeightRange> slice{};  ///< of point clouds; absent: about the scanner's own height
-  bool count_all = false;  ///< topics that nobody uses are read, too, to be counted
+  bool count_all = false;              ///< topics that nobody uses are read, too, to be counted
 };
 
 /// One topic of a recording, for people.
@@ -60,7 +60,7 @@ struct TopicSummary {
   std::string name{};
   std::string type{};  ///< "sensor_msgs/LaserScan"
   std::int64_t messages = 0;
-  double rate_hz = 0.0;  ///< mean over the recording; 0 with fewer than two messages
+  double rate_hz = 0.0;        ///< mean over the recording; 0 with fewer than two messages
   double largest_gap_s = 0.0;  ///< by the recorder's clock; of topics that were read
   std::string frame{};         ///< of the header
   TopicRole role = TopicRole::kNone;

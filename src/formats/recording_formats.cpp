@@ -1,0 +1,64 @@
+#include "formats/recording_formats.hpp"
+
+#include "formats/recording.hpp"
+#include "formats/recording_writer.hpp"
+#include "formats/topic_log.hpp"
+#include "formats/topic_log_writer.hpp"
+
+namespace loopstone {
+namespace {
+
+using Open = std::unique_ptr<Recording> (*)(const std::string&, const RecordingOptions&);
+
+OpenRecording opener(Open open, const LogInput& log) {
+  return [open, path = log.path.string()](const RecordingOptions& options) {
+    return open(path, options);
+  };
+}
+
+Recognition by_head(const LogInput& log, bool (*is_it)(std::string_view)) {
+  return !log.is_folder && is_it(log.head) ? Recognition::kCertain : Recognition::kNo;
+}
+
+}  // namespace
+
+Recognition recognise_bag(const LogInput& log) { return by_head(log, is_bag); }
+std::unique_ptr<LogReader> open_bag_log(const LogInput& log, const LogOptions& options) {
+  return open_topic_log("bag", opener(open_bag, log), options);
+}
+std::unique_ptr<LogWriter> create_bag_log(const LogTarget& target, const RobotModel& robot) {
+  return create_topic_log(create_bag(target.path), robot);
+}
+Trajectory bag_truth(const LogInput& log, const std::string& topic, const LogOptions& options) {
+  return read_topic_truth(log.name, topic, opener(open_bag, log), options);
+}
+
+Recognition recognise_mcap(const LogInput& log) { return by_head(log, is_mcap); }
+std::unique_ptr<LogReader> open_mcap_log(const LogInput& log, const LogOptions& options) {
+  return open_topic_log("mcap", opener(open_mcap, log), options);
+}
+std::unique_ptr<LogWriter> create_mcap_log(const LogTarget& target, const RobotModel& robot) {
+  return create_topic_log(create_mcap(target.path), robot);
+}
+Trajectory mcap_truth(const LogInput& log, const std::string& topic, const LogOptions& options) {
+  return read_topic_truth(log.name, topic, opener(open_mcap, log), options);
+}
+
+Recognition recognise_rosbag2(const LogInput& log) {
+  if (!log.is_folder) return by_head(log, is_sqlite);
+  return rosbag2_files(log.path.string()).empty() ? Recognition::kNo : Recognition::kCertain;
+}
+std::unique_ptr<LogReader> open_rosbag2_log(const LogInput& log, const LogOptions& options) {
+  return open_topic_log("rosbag2", opener(open_rosbag2, log), options);
+}
+std::vector<std::string> rosbag2_log_files(const LogInput& log) {
+  return log.is_folder ? rosbag2_files(log.path.string()) : std::vector<std::string>{};
+}
+std::unique_ptr<LogWriter> create_rosbag2_log(const LogTarget& target, const RobotModel& robot) {
+  return create_topic_log(create_rosbag2(target.path), robot);
+}
+Trajectory rosbag2_truth(const LogInput& log, const std::string& topic, const LogOptions& options) {
+  return read_topic_truth(log.name, topic, opener(open_rosbag2, log), options);
+}
+
+}  // namespace loopstone

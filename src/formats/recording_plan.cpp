@@ -1,0 +1,52 @@
+#include "formats/recording_plan.hpp"
+
+#include <utility>
+
+namespace loopstone {
+namespace {
+
+/// The topics whose clocks are held against the first one's.
+std::vector<std::size_t> timed_topics(const TopicChoice& choice) {
+  std::vector<std::size_t> topics;
+  for (const ChosenLaser& laser : choice.lasers) topics.push_back(laser.topic);
+  if (choice.odometry && choice.odometry->topic) topics.push_back(*choice.odometry->topic);
+  if (choice.imu) topics.push_back(*choice.imu);
+  if (choice.wheels) topics.push_back(*choice.wheels);
+  return topics;
+}
+
+/// Of the frame that odometry moves, or else of any.
+const MovingFrame* leading_frame(const TopicSurvey& survey, const TopicChoice& choice) {
+  for (const MovingFrame& frame : survey.moving) {
+    if (choice.odometry && frame.child == choice.odometry->child) return &frame;
+  }
+  return survey.moving.empty() ? nullptr : &survey.moving.front();
+}
+
+}  // namespace
+
+RecordingPlan plan_recording(Recording& recording, const LogOptions& options) {
+  RecordingPlan result;
+  result.survey = survey_topics(recording);
+  result.choice = choose_topics(result.survey, options.topics);
+  std::vector<ClockQuestion> questions;
+  const std::vector<std::size_t> timed = timed_topics(result.choice);
+  for (const std::size_t i : timed) {
+    questions.push_back({result.survey.topics[i].name, &result.survey.topics[i].stamps});
+  }
+  const MovingFrame* const frame = leading_frame(result.survey, result.choice);
+  if (frame != nullptr) questions.push_back({"tf of " + frame->child, &frame->stamps});
+  result.clocks = choose_clocks(questions, options.stamps);
+  result.clock_of.assign(result.survey.topics.size(), {});
+  for (std::size_t k = 0; k < timed.size(); ++k)
+    result.clock_of[timed[k]] = result.clocks.clocks[k];
+  if (frame != nullptr) result.tf_clock = result.clocks.clocks.back();
+  return result;
+}
+
+RecordingOptions recording_options(const LogOptions& options,
+                                   std::function<void(const Problem&)> on_damage) {
+  return {.memory = options.memory, .stop = options.stop, .on_damage = std::move(on_damage)};
+}
+
+}  // namespace loopstone

@@ -1,0 +1,411 @@
+#include "formats/topic_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "formats/imu_mount.hpp"
+#include "formats/message_scan.hpp"
+#include "formats/recording_plan.hpp"
+#include "formats/ros_geometry.hpp"
+#include "formats/skip_tally.hpp"
+#include "formats/stamp_order.hpp"
+#include "formats/topic_counts.hpp"
+#include "formats/topic_decoders.hpp"
+#include "loopstone/geometry/angle.hpp"
+
+namespace loopstone {
+namespace {
+
+/// Stamps that are made up from the order of the messages.
+class MadeUpTime {
+ public:
+  /// \param stream  scans of one laser: each moves on by a period
+  Stamp of_scan(int stream, double period_s) {
+    Stamp& last = last_[stream];
+    last = std::max(last + Duration::from_seconds(period_s), now_);
+    now_ = last;
+    return now_;
+  }
+  [[nodiscard]] Stamp now() const { return now_; }
+
+ private:
+  std::map<int, Stamp> last_{};
+  Stamp now_{};
+};
+
+class TopicLogReader final : public LogReader {
+ public:
+  TopicLogReader(std::string format, const OpenRecording& open, const LogOptions& options)
+      : format_(std::move(format)),
+        options_(options),
+        recording_(open(
+            recording_options(options_, [this](const Problem& problem) { take_damage(problem); }))),
+        decoders_(*recording_),
+        known_(plan_recording(*recording_, options_)),
+        frames_(known_.survey.frames.standing()),
+        order_(false, {}, [this](const OrderedRecord& record, const std::string& reason) {
+          skip({{file_of(record), {}, record.line}, reason},
+               std::holds_alternative<LaserScan>(record.message));
+        }) {
+    place_topics();
+    mount_imu();
+    recording_->want([this](const RecordedTopic& topic) { return is_wanted(topic); });
+  }
+
+  std::optional<SensorMessage> next() override {
+    for (;;) {
+      if (auto record = order_.pop()) {
+        if (auto* scan = std::get_if<LaserScan>(&record->message)) {
+          if (!mount(*scan, *record)) continue;
+        }
+        return std::move(record->message);
+      }
+      if (at_end_) return std::nullopt;
+      try {
+        if (const auto message = recording_->next()) {
+          take(*message);
+          continue;
+        }
+        order_.close();
+      } catch (const ReadingStopped&) {
+      }
+      at_end_ = true;
+    }
+  }
+
+  ReadProgress progress() const override { return recording_->progress(); }
+  std::string format() const override { return format_; }
+  const SkippedRecords& skipped() const override { return tally_.skipped(); }
+  std::vector<std::string> choices() const override { return known_.choice.choices; }
+  RobotModel robot(RobotModel base) const override;
+  std::vector<std::string> notes() const override;
+  std::vector<std::string> warnings() const override;
+  std::vector<TopicSummary> topics() const override {
+    return counts_.summaries(*recording_, known_.survey, known_.choice);
+  }
+
+ private:
+  /// What a recorded topic is to the reader.
+  struct Place {
+    std::size_t topic = 0;  ///< in the survey
+    TopicRole role = TopicRole::kNone;
+    int lidar = 0;
+  };
+
+  void take_damage(const Problem& problem) { skip(problem, false); }
+
+  void skip(const Problem& problem, bool is_scan) {
+    if (options_.strict) throw DataError(problem.location, problem.reason);
+    const LogProblem told{problem, is_scan};
+    tally_.add(told);
+    if (options_.on_problem) options_.on_problem(told);
+  }
+
+  [[nodiscard]] std::string file_of(const OrderedRecord& /*record*/) const {
+    return file_ != nullptr ? *file_ : std::string();
+  }
+
+  bool is_wanted(const RecordedTopic& topic) const {
+    if (options_.topics.count_all) return true;
+    const TopicKind kind = kind_of(topic.type);
+    if (kind == TopicKind::kTransforms) return true;
+    for (std::size_t i = 0; i < known_.survey.topics.size(); ++i) {
+      const TopicFacts& facts = known_.survey.topics[i];
+      if (facts.name == topic.name && facts.type == topic.type) {
+        return known_.choice.roles[i] != TopicRole::kNone;
+      }
+    }
+    return false;
+  }
+
+  /// Of every topic that the recording has told of.
+  void place_topics() {
+    for (std::size_t recorded = places_.size(); recorded < recording_->topics().size();
+         ++recorded) {
+      places_.push_back(place_of(recorded));
+    }
+  }
+
+  [[nodiscard]] Place place_of(std::size_t recorded) const {
+    const RecordedTopic& told = recording_->topics()[recorded];
+    Place place{.topic = known_.survey.topics.size()};
+    for (std::size_t i = 0; i < known_.survey.topics.size(); ++i) {
+      const TopicFacts& facts = known_.survey.topics[i];
+      if (facts.name != told.name || facts.type != told.type) continue;
+      place.topic = i;
+      place.role = known_.choice.roles[i];
+    }
+    for (std::size_t k = 0; k < known_.choice.lasers.size(); ++k) {
+      if (known_.choice.lasers[k].topic == place.topic) place.lidar = static_cast<int>(k);
+    }
+    if (kind_of(told.type) == TopicKind::kTransforms) place.role = TopicRole::kTransforms;
+    return place;
+  }
+
+  void mount_imu() {
+    if (!known_.choice.imu) return;
+    const TopicFacts& facts = known_.survey.topics[*known_.choice.imu];
+    const auto base_T_imu = known_.choice.base_frame.empty()
+                                ? std::nullopt
+                                : known_.survey.frames.find(known_.choice.base_frame, facts.frame);
+    const auto by_tf =
+        base_T_imu ? std::optional(base_T_imu->rotation) : std::optional<Eigen::Quaterniond>();
+    const double seen = std::max<double>(1.0, static_cast<double>(facts.seen));
+    imu_mount_ = imu_mount(by_tf, facts.force / seen);
+    if (!imu_mount_.warning.empty()) imu_mount_.warning = facts.name + ": " + imu_mount_.warning;
+    if (!imu_mount_.note.empty()) imu_mount_.note = facts.name + ": " + imu_mount_.note;
+  }
+
+  void take(const RecordedMessage& message) {
+    if (message.topic >= places_.size()) place_topics();
+    counts_.add(message);
+    file_ = message.file;
+    const Place& place = places_[message.topic];
+    if (place.role == TopicRole::kNone) return;
+    try {
+      decode(message, place);
+    } catch (const MessageError& error) {
+      skip({message.where(), recording_->topics()[message.topic].name + ": " + error.what()},
+           place.role == TopicRole::kLaser);
+    }
+  }
+
+  void decode(const RecordedMessage& message, const Place& place) {
+    switch (place.role) {
+      case TopicRole::kLaser:
+        return take_scan(message, place);
+      case TopicRole::kOdometry:
+        return take_odometry(message, place);
+      case TopicRole::kImu:
+        return take_imu(message, place);
+      case TopicRole::kWheels:
+        return take_wheels(message, place);
+      case TopicRole::kTransforms:
+        return take_transforms(message);
+      case TopicRole::kNone:
+      case TopicRole::kTruth:
+        return;
+    }
+  }
+
+  Stamp time(const RecordedMessage& message, const Place& place, Stamp own) {
+    const TopicClock& clock = known_.clock_of[place.topic];
+    if (clock.source == TopicClock::Source::kOrder) {
+      return place.role == TopicRole::kLaser ? made_up_.of_scan(place.lidar, clock.period_s)
+                                             : made_up_.now();
+    }
+    if (place.role == TopicRole::kLaser && place.lidar == 0) drift_.add(own, message.recorded);
+    return clock.time(own, message.recorded);
+  }
+
+  void push(SensorMessage sensor, const RecordedMessage& message) {
+    order_.push({.message = std::move(sensor), .line = message.offset});
+  }
+
+  void take_scan(const RecordedMessage& message, const Place& place) {
+    const TopicFacts& facts = known_.survey.topics[place.topic];
+    LaserScan scan;
+    if (facts.kind == TopicKind::kCloud) {
+      decoders_.decode(message, cloud_);
+      const auto& mount = known_.choice.lasers[static_cast<std::size_t>(place.lidar)].base_T_laser;
+      const Pose3 base_T_laser = mount.value_or(Pose3{});
+      scan = slice(cloud_, base_T_laser, options_.topics.slice.value_or(slice_about(base_T_laser)));
+    } else if (facts.kind == TopicKind::kEchoScan) {
+      decoders_.decode(message, echoes_);
+      scan = to_laser_scan(echoes_, options_.topics.echo, facts.stamps.period_s(), remarks_);
+    } else {
+      decoders_.decode(message, scan_);
+      scan = to_laser_scan(scan_, facts.stamps.period_s(), remarks_);
+    }
+    scan.lidar = place.lidar;
+    scan.stamp = time(message, place, scan.stamp);
+    push(std::move(scan), message);
+  }
+
+  void take_odometry(const RecordedMessage& message, const Place& place) {
+    decoders_.decode(message, odometry_);
+    const auto pose = to_pose3(odometry_.pose.pose);
+    if (!pose) throw MessageError(0, "the pose is no pose");
+    const Stamp stamp = time(message, place, odometry_.header.stamp);
+    push_pose(stamp, *pose, frame_name(odometry_.child_frame_id), message);
+  }
+
+  /// A pose of a frame on the robot becomes one of the robot's own.
+  void push_pose(Stamp stamp, const Pose3& odom_T_child, const std::string& child,
+                 const RecordedMessage& message) {
+    Pose3 odom_T_base = odom_T_child;
+    const std::string& base = known_.choice.base_frame;
+    if (!child.empty() && !base.empty() && child != base) {
+      if (const auto child_T_base = frames_.find(child, base)) {
+        odom_T_base = odom_T_child * *child_T_base;
+      }
+    }
+    push(OdometryPose{stamp, to_pose2(odom_T_base)}, message);
+  }
+
+  void take_imu(const RecordedMessage& message, const Place& place) {
+    decoders_.decode(message, imu_);
+    if (imu_.angular_velocity_covariance[0] == -1.0) {
+      throw MessageError(0, "says of itself that it does not measure turning");
+    }
+    const Eigen::Matrix3d rotation = imu_mount_.robot_R_imu.toRotationMatrix();
+    const ImuSample sample{
+        .stamp = time(message, place, imu_.header.stamp),
+        .angular_velocity_rad_s = rotation * to_eigen(imu_.angular_velocity),
+        .linear_acceleration_m_s2 = rotation * to_eigen(imu_.linear_acceleration)};
+    if (!sample.angular_velocity_rad_s.allFinite() ||
+        !sample.linear_acceleration_m_s2.allFinite()) {
+      throw MessageError(0, "what it measured is no number");
+    }
+    push(sample, message);
+  }
+
+  void take_wheels(const RecordedMessage& message, const Place& place) {
+    const auto ticks = decoders_.decode<msg::WheelTicks>(message);
+    push(WheelTicks{time(message, place, ticks.header.stamp), ticks.counts}, message);
+  }
+
+  void take_transforms(const RecordedMessage& message) {
+    decoders_.decode(message, transforms_);
+    const bool fixed = recording_->topics()[message.topic].name.ends_with("tf_static");
+    for (const msg::TransformStamped& told : transforms_.transforms) {
+      const auto pose = to_pose3(told.transform);
+      const std::string parent = frame_name(told.header.frame_id);
+      const std::string child = frame_name(told.child_frame_id);
+      if (!pose) {
+        skip({message.where(), "tf of " + child + ": the pose is no pose"}, false);
+      } else if (fixed) {
+        frames_.add_fixed(parent, child, *pose);
+      } else {
+        const Stamp stamp = known_.tf_clock.time(told.header.stamp, message.recorded);
+        frames_.add(parent, child, stamp, *pose);
+        take_odometry_of_tf(parent, child, stamp, *pose, message);
+      }
+    }
+  }
+
+  void take_odometry_of_tf(const std::string& parent, const std::string& child, Stamp stamp,
+                           const Pose3& pose, const RecordedMessage& message) {
+    const auto& odometry = known_.choice.odometry;
+    if (!odometry || odometry->topic || parent != odometry->parent || child != odometry->child) {
+      return;
+    }
+    const bool made_up = known_.tf_clock.source == TopicClock::Source::kOrder;
+    push_pose(made_up ? made_up_.now() : stamp, pose, child, message);
+  }
+
+  /// Where the laser sat when it took the scan. False: it can't be told, or the scan is no use.
+  bool mount(LaserScan& scan, const OrderedRecord& record) {
+    const ChosenLaser& laser = known_.choice.lasers[static_cast<std::size_t>(scan.lidar)];
+    const TopicFacts& facts = known_.survey.topics[laser.topic];
+    if (!laser.base_T_laser || facts.kind == TopicKind::kCloud) return true;
+    const auto base_T_laser =
+        frames_.find(known_.choice.base_frame, facts.frame, record_time(scan.stamp));
+    if (!base_T_laser) {
+      skip({{file_of(record), {}, record.line},
+            facts.name + ": tf does not tell where the laser was at that time"},
+           true);
+      return false;
+    }
+    if (degrees(tilt_of(*base_T_laser)) > kMostTiltDeg) {
+      ++tilted_[facts.name];
+      return false;
+    }
+    place(*base_T_laser, scan);
+    return true;
+  }
+
+  /// Frames that move are asked by the log's clock; made-up stamps know nothing of it.
+  [[nodiscard]] std::optional<Stamp> record_time(Stamp stamp) const {
+    if (known_.tf_clock.source == TopicClock::Source::kOrder) return std::nullopt;
+    return stamp;
+  }
+
+  std::string format_;
+  LogOptions options_;
+  SkipTally tally_{};
+  std::unique_ptr<Recording> recording_;
+  TopicDecoders decoders_;
+  RecordingPlan known_;
+  FrameTree frames_;
+  StampOrder order_;
+  std::vector<Place> places_{};  ///< of the recorded topics
+  TopicCounts counts_{};
+  ImuMount imu_mount_{};
+  ScanRemarks remarks_{};
+  ClockDrift drift_{};
+  MadeUpTime made_up_{};
+  std::map<std::string, std::int64_t> tilted_{};  ///< scans, by topic
+  const std::string* file_ = nullptr;             ///< of the last message
+  bool at_end_ = false;
+
+  // Memory that is used again for each message.
+  msg::LaserScan scan_{};
+  msg::MultiEchoLaserScan echoes_{};
+  msg::PointCloud2 cloud_{};
+  msg::Odometry odometry_{};
+  msg::Imu imu_{};
+  msg::TFMessage transforms_{};
+};
+
+RobotModel TopicLogReader::robot(RobotModel base) const {
+  base.lidars.resize(std::max<std::size_t>(1, known_.choice.lasers.size()));
+  for (std::size_t i = 0; i < known_.choice.lasers.size(); ++i) {
+    const ChosenLaser& laser = known_.choice.lasers[i];
+    const Pose3 base_T_laser = laser.base_T_laser.value_or(Pose3{});
+    base.lidars[i].name = known_.survey.topics[laser.topic].name;
+    base.lidars[i].robot_T_lidar = to_pose2(base_T_laser);
+    base.lidars[i].height_m = base_T_laser.translation.z();
+  }
+  return base;
+}
+
+std::vector<std::string> TopicLogReader::notes() const {
+  std::vector<std::string> notes = recording_->notes();
+  for (const std::string& note : known_.clocks.notes) notes.push_back(note);
+  if (!imu_mount_.note.empty()) notes.push_back(imu_mount_.note);
+  for (const auto& [what, count] : remarks_.counts()) {
+    notes.push_back(fmt::format("{} ({} scans)", what, count));
+  }
+  if (order_.records_out_of_order() > 0) {
+    notes.push_back(fmt::format(
+        "{} messages stood out of the order of their stamps, by up to {:.3f} s; they were put in "
+        "order",
+        order_.records_out_of_order(), order_.largest_step_back().seconds()));
+  }
+  constexpr double kDriftWorthAWordS = 0.01;
+  if (const auto drift_s = drift_.drift_s(); drift_s && std::abs(*drift_s) > kDriftWorthAWordS) {
+    notes.push_back(
+        fmt::format("the laser's clock and the recorder's ran {:.0f} ms apart over the recording",
+                    1e3 * *drift_s));
+  }
+  for (const std::string& frame : frames_.contested()) {
+    notes.push_back("tf names two parents of " + frame + ": the first is believed");
+  }
+  return notes;
+}
+
+std::vector<std::string> TopicLogReader::warnings() const {
+  std::vector<std::string> warnings = known_.choice.warnings;
+  for (const std::string& warning : known_.clocks.warnings) warnings.push_back(warning);
+  if (!imu_mount_.warning.empty()) warnings.push_back(imu_mount_.warning);
+  for (const auto& [name, count] : tilted_) {
+    warnings.push_back(
+        fmt::format("{}: {} scans are not used: the laser was tilted by more than {:.0f} deg", name,
+                    count, kMostTiltDeg));
+  }
+  return warnings;
+}
+
+}  // namespace
+
+std::unique_ptr<LogReader> open_topic_log(const std::string& format, const OpenRecording& open,
+                                          const LogOptions& options) {
+  return std::make_unique<TopicLogReader>(format, open, options);
+}
+
+}  // namespace loopstone
