@@ -28,7 +28,7 @@ struct Arguments {
   std::string output;
   std::optional<std::string> format;
   bool force = false;
-  bool strict = false;
+  LogFlags reading;
 };
 
 std::string footer() {
@@ -86,7 +86,8 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   const LogFiles log_files(arguments.input);
   const Outputs outputs = outputs_of(target, arguments, context);
   outputs.check(least_bytes_of_results(log_files.bytes()));
-  const auto log = open_log(arguments.input, log_options(arguments.strict, context));
+  const auto log = open_log(arguments.input, log_options(arguments.reading, context));
+  tell_choices(*log, context);
   const RobotModel robot = context.robot_given() ? context.robot() : log->robot(context.robot());
   const HeldInterrupt held;  // the writer removes what it began
   outputs.prepare();
@@ -117,7 +118,7 @@ void add_convert_command(CLI::App& app, AppContext& context) {
   command->add_option("OUT", arguments->output, "the log to write")->required();
   add_format_flag(*command, arguments->format, "of OUT (default: by its name)");
   command->add_flag("--force", arguments->force, "overwrite OUT");
-  command->add_flag("--strict", arguments->strict, "damage in the log is an error");
+  add_log_flags(*command, arguments->reading);
   context.add_robot_flag(*command);
   context.add_common_flags(*command);
   command->footer(footer());

@@ -4,12 +4,14 @@
 
 #include "bounds.hpp"
 #include "commands.hpp"
+#include "log_flags.hpp"
 #include "loopstone/evaluation/map_score.hpp"
 #include "loopstone/evaluation/relations.hpp"
 #include "loopstone/evaluation/trajectory_error.hpp"
 #include "loopstone/formats/decimal_stamp.hpp"
 #include "loopstone/formats/relations_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
+#include "loopstone/formats/truth_log.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "result.hpp"
 #include "word_flag.hpp"
@@ -21,6 +23,7 @@ namespace {
 struct Arguments {
   std::string estimate;
   std::string reference;
+  std::string truth_topic;
   std::string relations;
   Alignment align = Alignment::kSe2;
   std::string rpe = "1m";
@@ -39,6 +42,7 @@ Examples:
   loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum
   loopstone evaluate --estimate out/trajectory.tum --relations intel.relations --json
   loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum --map out/map.yaml --true-map sim/map.yaml
+  loopstone evaluate --estimate out/trajectory.tum --reference run.bag --truth-topic /ground_truth
   loopstone evaluate --estimate a.tum --reference b.tum --require 'ate_rmse_m<=0.05'     exits with 3 if it is more)";
 
 struct Stretch {
@@ -84,10 +88,16 @@ void add_statistics(Result& result, const std::string& key, std::string_view lab
           unit);
 }
 
+/// A TUM file, or what a log knows of the truth.
+Trajectory read_reference(const Arguments& arguments, const AppContext& context) {
+  if (arguments.truth_topic.empty()) return read_tum(arguments.reference, context.memory());
+  return read_truth(arguments.reference, arguments.truth_topic, {.memory = context.memory()});
+}
+
 AbsoluteError add_trajectory_errors(Result& result, const Arguments& arguments,
                                     const Trajectory& estimate, const AppContext& context) {
   const Stretch stretch = parse_stretch(arguments.rpe);
-  const Trajectory reference = read_tum(arguments.reference, context.memory());
+  const Trajectory reference = read_reference(arguments, context);
   const AbsoluteError absolute = absolute_error(estimate, reference, arguments.align);
   if (absolute.poses == 0) {
     throw DataError({arguments.estimate}, "has no time in common with the reference: it covers " +
@@ -207,6 +217,8 @@ void add_evaluate_command(CLI::App& app, AppContext& context) {
       ->type_name("A.tum");
   command->add_option("--reference", arguments->reference, "the true trajectory: ATE and RPE")
       ->type_name("B.tum");
+  add_truth_topic_flag(*command, arguments->truth_topic,
+                       "--reference is a log: its true poses (a topic, tf:FRAME, or TRUEPOS)");
   command
       ->add_option("--relations", arguments->relations,
                    "true relations (t1 t2 x y z roll pitch yaw): the metric of Kuemmerle 2009")

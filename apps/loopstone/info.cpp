@@ -17,7 +17,7 @@ namespace {
 
 struct Arguments {
   std::string log;
-  bool strict = false;
+  LogFlags reading;
   bool formats = false;
 };
 
@@ -37,12 +37,13 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   }
   constexpr int kProblemsShown = 10;
   int problems = 0;
-  LogOptions options = log_options(arguments.strict, context);
+  LogOptions options = log_options(arguments.reading, context);
   options.on_problem = [&](const Problem& problem) {
     if (++problems <= kProblemsShown) {
       context.warn(to_string(problem.location) + ": " + problem.reason);
     }
   };
+  options.topics.count_all = true;
   const auto log = open_log(arguments.log, options);
   ProgressDisplay display(context);
   const LogSummary summary = analyse_log(*log, display.callback());
@@ -68,7 +69,7 @@ void add_info_command(CLI::App& app, AppContext& context) {
   };
   command->add_flag_callback("--formats", ask_for_formats, "the formats of logs, without a LOG")
       ->trigger_on_parse();
-  command->add_flag("--strict", arguments->strict, "damage in the log is an error");
+  add_log_flags(*command, arguments->reading);
   context.add_common_flags(*command);
   command->footer(kFooter);
   context.on_run(*command, [arguments, &context] { return run(*arguments, context); });

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -205,6 +206,41 @@ std::string motion_text(const LogSummary& summary, const Paint& paint) {
   return text.empty() ? text : "\n" + paint.bold("motion") + "\n" + text;
 }
 
+/// Every topic of a recording, those that are used first.
+std::string topics_text(const LogSummary& summary, const Paint& paint) {
+  if (summary.topics.empty()) return {};
+  std::vector<const TopicSummary*> topics;
+  std::size_t name_width = 5;
+  std::size_t type_width = 4;
+  for (const TopicSummary& topic : summary.topics) {
+    topics.push_back(&topic);
+    name_width = std::max(name_width, topic.name.size());
+    type_width = std::max(type_width, topic.type.size());
+  }
+  std::ranges::stable_sort(topics, {}, [](const TopicSummary* topic) {
+    return topic->role == TopicRole::kNone ? kWords<TopicRole>.size()
+                                           : static_cast<std::size_t>(topic->role);
+  });
+  std::string text = "\n" +
+                     paint.bold(fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>9}  used as", "topic",
+                                            name_width, "type", type_width, "messages", "rate")) +
+                     "\n";
+  for (const TopicSummary* topic : topics) {
+    const std::string rate =
+        topic->rate_hz > 0.0 ? fmt::format("{:.1f} Hz", topic->rate_hz) : std::string();
+    const bool used = topic->role != TopicRole::kNone;
+    std::string use = used ? std::string(to_string(topic->role)) : "-";
+    if (!topic->remark.empty()) use += (used ? "; " : " ") + topic->remark;
+    text += terminal_text(fmt::format("  {:<{}}  {:<{}}  {:>9}  {:>9}  {}", topic->name, name_width,
+                                      topic->type, type_width, topic->messages, rate, use)) +
+            "\n";
+  }
+  for (const std::string& choice : summary.choices) {
+    text += (&choice == &summary.choices.front() ? "\n  " : "  ") + terminal_text(choice) + "\n";
+  }
+  return text;
+}
+
 std::string findings_text(const LogSummary& summary, const Paint& paint) {
   std::string text;
   for (const Finding& finding : summary.findings) {
@@ -229,6 +265,7 @@ std::string info_text(const std::string& path, const LogSummary& summary) {
                         start_text(*summary.first));
     text += sensors_table(summary, paint);
   }
+  text += topics_text(summary, paint);
   for (const LidarSummary& lidar : summary.lidars) text += lidar_text(summary, lidar, paint);
   if (summary.camera) text += camera_text(*summary.camera, paint);
   text += motion_text(summary, paint);

@@ -44,7 +44,7 @@ struct Arguments {
   std::string animation;
   std::vector<std::string> require;
   bool force = false;
-  bool strict = false;
+  LogFlags reading;
 };
 
 /// Snapshots for an animation, unless the user wants others.
@@ -291,7 +291,8 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   if (initial) warn_of_initial_pose(*initial, map.occupancy(), context);
   ProblemPrinter print_problem(context);
   const auto reader =
-      open_log(arguments.log, log_options(arguments.strict, context, &print_problem));
+      open_log(arguments.log, log_options(arguments.reading, context, &print_problem));
+  tell_choices(*reader, context);
   const HeldInterrupt held;
   outputs.prepare();
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
@@ -354,7 +355,7 @@ void add_localize_command(CLI::App& app, AppContext& context) {
                    "folder for a numbered series of pictures, one every half metre of the path")
       ->type_name("DIR");
   add_require_flag(*command, arguments->require);
-  command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
+  add_log_flags(*command, arguments->reading);
   command->add_flag("--force", arguments->force,
                     "replace files, and write into folders that are not empty");
   context.add_common_flags(*command);

@@ -79,8 +79,12 @@ LogSummary CutLog::judge(const std::string& path) {
   return summary;
 }
 
-LogOptions log_options(bool strict, const AppContext& context, ProblemPrinter* printer) {
-  LogOptions options{.strict = strict, .memory = context.memory(), .stop = app::interrupted};
+LogOptions log_options(const LogFlags& flags, const AppContext& context, ProblemPrinter* printer) {
+  LogOptions options{.strict = flags.strict,
+                     .stamps = flags.stamps,
+                     .memory = context.memory(),
+                     .stop = app::interrupted,
+                     .topics = topic_options(flags)};
   if (printer != nullptr) {
     options.on_problem = [printer](const LogProblem& problem) { (*printer)(problem); };
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app.hpp"
+#include "log_flags.hpp"
 #include "loopstone/formats/log_files.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/log_summary.hpp"
@@ -74,8 +75,8 @@ class ProblemPrinter {
 void warn_of_changes(const LogFiles& files, const AppContext& context);
 
 /// How logs are read for this user: problems are warned of by `printer` when there is one, and
-/// Ctrl-C ends the reading.
-[[nodiscard]] LogOptions log_options(bool strict, const AppContext& context,
+/// Ctrl-C ends the reading. Throws UsageError.
+[[nodiscard]] LogOptions log_options(const LogFlags& flags, const AppContext& context,
                                      ProblemPrinter* printer = nullptr);
 
 /// The texts of the findings that are warnings.

@@ -153,7 +153,7 @@ ExitCode tell(const MapResult& result, const FloorTexture* floor, const RunInfo&
 SessionTerms terms_of(const MapArguments& arguments, MapPipeline& pipeline, const RobotModel& robot,
                       const AppContext& context) {
   return {.version = std::string(kVersion),
-          .options_toml = pipeline.options_toml(),
+          .options_toml = pipeline.options_toml() + log_flags_comment(arguments.reading),
           .robot_toml = robot_to_toml(robot),
           .mounts_from_log = !context.robot_given(),
           .start_s = arguments.cut.start_s,
@@ -174,7 +174,8 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
 
   ProblemPrinter print_problem(context);
   const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
-  const auto reader = open(arguments.log, log_options(arguments.strict, context, &print_problem));
+  const auto reader = open(arguments.log, log_options(arguments.reading, context, &print_problem));
+  tell_choices(*reader, context);
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
@@ -211,7 +212,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const FloorTexture* floor = texture ? &*texture : nullptr;
 
   if (pace) info.pace = pace->figures();
-  info.options_toml = pipeline.options_toml();
+  info.options_toml = checkpoint.terms().options_toml;
   if (pipeline.has_sessions())
     info.terms = result_terms(checkpoint.terms(), colour_of(arguments), checkpoint.log());
   note_cost(start, checkpoint, info);
@@ -255,7 +256,7 @@ void add_map_command(CLI::App& app, AppContext& context) {
       ->type_name("SPEED")
       ->check(CLI::Range(0.001, 1e6));
   add_checkpoint_flags(*command, arguments->checkpoint);
-  command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
+  add_log_flags(*command, arguments->reading);
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");
   context.add_common_flags(*command);
   context.add_threads_flag(*command);

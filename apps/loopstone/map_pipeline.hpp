@@ -37,7 +37,7 @@ struct MapArguments {
   bool no_texture = false;
   bool cloud = false;
   bool force = false;
-  bool strict = false;
+  LogFlags reading;
   double realtime = 0.0;  ///< speed of the replay; 0: as fast as it goes
   CheckpointFlags checkpoint;
 };

@@ -24,7 +24,7 @@ struct Arguments {
   std::optional<YawSource> yaw;
   std::optional<StampAlignment> align;
   bool force = false;
-  bool strict = false;
+  LogFlags reading;
 };
 
 constexpr const char* kFooter = R"(
@@ -91,7 +91,8 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   outputs.reads_log(arguments.log);
   outputs.add_file("-o", arguments.output);
   outputs.check(least_bytes_of_results(log_files.bytes()));
-  const auto log = open_log(arguments.log, log_options(arguments.strict, context));
+  const auto log = open_log(arguments.log, log_options(arguments.reading, context));
+  tell_choices(*log, context);
   const RobotModel robot = context.robot();
   outputs.prepare();
 
@@ -138,7 +139,7 @@ void add_odometry_command(CLI::App& app, AppContext& context) {
                 "where the heading comes from (default: gyro where there is one)");
   add_word_flag(*command, "--align", arguments->align,
                 "how readings with different stamps are brought together (default: interpolate)");
-  command->add_flag("--strict", arguments->strict, "damage in the log is an error");
+  add_log_flags(*command, arguments->reading);
   add_force_flag(*command, arguments->force);
   context.add_robot_flag(*command);
   context.add_option_flags(*command);

@@ -30,7 +30,7 @@ struct Arguments {
   std::string map;
   bool cloud = false;
   bool force = false;
-  bool strict = false;
+  LogFlags reading;
 };
 
 /// The options under the names that `loopstone map` gives them.
@@ -139,7 +139,8 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const OccupancyMap map = walls_of(arguments.map, context.memory());
   ProblemPrinter print_problem(context);
   const auto reader =
-      open_log(arguments.log, log_options(arguments.strict, context, &print_problem));
+      open_log(arguments.log, log_options(arguments.reading, context, &print_problem));
+  tell_choices(*reader, context);
   outputs.prepare();
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
@@ -186,7 +187,7 @@ void add_texture_command(CLI::App& app, AppContext& context) {
   command->add_option("--map", arguments->map, "walls for the picture")->type_name("MAP.yaml");
   command->add_flag("--cloud", arguments->cloud,
                     "also cloud.ply: everything the camera saw, in colour");
-  command->add_flag("--strict", arguments->strict, "a broken record is an error, not skipped");
+  add_log_flags(*command, arguments->reading);
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");
   context.add_robot_flag(*command);
   context.add_threads_flag(*command);

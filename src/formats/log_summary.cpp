@@ -260,6 +260,8 @@ LogSummary LogAnalyser::finish() {
   if (collectors.wheels) summary.wheels = collectors.wheels->finish();
   if (collectors.imu) summary.imu = collectors.imu->finish();
   if (collectors.camera) summary.camera = collectors.camera->finish();
+  summary.topics = log.topics();
+  summary.choices = log.choices();
   summary.findings = find_suspicious(summary, log.notes(), log.warnings());
   return summary;
 }

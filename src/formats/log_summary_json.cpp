@@ -64,6 +64,21 @@ Json camera_json(const CameraSummary& camera, Stamp start) {
   return json;
 }
 
+Json topics_json(const LogSummary& summary) {
+  auto json = Json::array();
+  for (const TopicSummary& topic : summary.topics) {
+    json.push_back({{"name", topic.name},
+                    {"type", topic.type},
+                    {"messages", topic.messages},
+                    {"rate_hz", topic.rate_hz},
+                    {"largest_gap_s", topic.largest_gap_s},
+                    {"frame", topic.frame},
+                    {"role", to_string(topic.role)},
+                    {"remark", topic.remark}});
+  }
+  return json;
+}
+
 Json findings_json(const LogSummary& summary) {
   auto json = Json::array();
   for (const Finding& finding : summary.findings) {
@@ -116,6 +131,10 @@ std::string log_summary_json(const LogSummary& summary, const std::string& log) 
   if (summary.wheels) json["wheels"] = wheels_json(*summary.wheels, start);
   if (summary.imu) json["imu"] = imu_json(*summary.imu, start);
   if (summary.camera) json["camera"] = camera_json(*summary.camera, start);
+  if (!summary.topics.empty()) {
+    json["topics"] = topics_json(summary);
+    json["choices"] = summary.choices;
+  }
   json["findings"] = findings_json(summary);
   json["mappable"] = summary.worst() != Severity::kError;
   json["verdict"] = summary.verdict();

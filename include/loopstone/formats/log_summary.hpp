@@ -134,7 +134,9 @@ struct LogSummary {
   std::optional<WheelSummary> wheels{};
   std::optional<ImuSummary> imu{};
   std::optional<CameraSummary> camera{};
-  bool complete = true;  ///< false when it was interrupted
+  std::vector<TopicSummary> topics{};  ///< of a recording with topics
+  std::vector<std::string> choices{};  ///< what was chosen where the log leaves a choice
+  bool complete = true;                ///< false when it was interrupted
   /// Worst first. An error means that no map can be made.
   std::vector<Finding> findings{};
 
