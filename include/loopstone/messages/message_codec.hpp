@@ -67,14 +67,16 @@ struct MessageType {
 template <typename M>
 class MessageDecoder {
  public:
-  /// Throws MessageError when the definition can't be understood, or has none of the fields.
+  /// Throws MessageError when the definition can't be understood, has none of the fields, or has one
+  /// that can't be converted. A definition in IDL that can't be understood counts as none.
   explicit MessageDecoder(WireFormat format, const MessageDefinition& definition = {});
   ~MessageDecoder();
   MessageDecoder(MessageDecoder&&) noexcept;
   MessageDecoder& operator=(MessageDecoder&&) noexcept;
 
-  /// Vectors of `message` are used again. Throws MessageError with the offset; memory is taken only
-  /// for what the bytes can hold.
+  /// Vectors of `message` are used again (when it decodes as compiled). Throws MessageError with the
+  /// offset, also for bytes behind the message, but for padding of CDR; memory is taken only for what
+  /// the bytes can hold. Cost: LaserScan of 1081 beams well below a microsecond.
   void decode(std::span<const char> bytes, M& message) const;
   /// False when it goes by the topic's own definition.
   [[nodiscard]] bool as_compiled() const;
@@ -85,11 +87,13 @@ class MessageDecoder {
 };
 
 /// The bytes of a message; CDR little-endian with its 4 bytes of encapsulation. `bytes` is replaced.
+/// Throws MessageError for stamps that no message holds (before 1970 in ROS 1, after 2038 in ROS 2).
 template <typename M>
 void encode_message(WireFormat format, const M& message, std::string& bytes);
 
 /// A message of a type that is known by its definition alone, as paths and values: "header.stamp",
-/// "left.counts[2]". Numbers are doubles (64-bit integers beyond 2^53 lose digits).
+/// "left.counts[2]". Numbers are doubles (64-bit integers beyond 2^53 lose digits); durations are
+/// numbers, in seconds. Of a message with more values the first 20,000 are told.
 class AnyMessageDecoder {
  public:
   /// Throws MessageError when the definition can't be understood.
