@@ -57,12 +57,6 @@ class Fields {
     }
     return ok() ? *value : 0;
   }
-  Stamp stamp() {
-    const std::string_view word = words_.next();
-    const auto value = parse_stamp(word);
-    if (!value && ok()) reason_ = reason_against_stamp(word);
-    return value.value_or(Stamp{});
-  }
   Pose2 pose(const char* what) {
     const double x = finite(what);
     const double y = finite(what);
@@ -85,15 +79,31 @@ class Fields {
       if (words_.next().empty()) reason_ = "the line ends too early";
     }
   }
-  /// The host and the logger's time close every line; the time, if it is one.
-  std::optional<Stamp> end_of_line() {
-    skip(1);
+  /// Time, host and the logger's time close every line. A time that is none is no reason to refuse
+  /// the line: others may do.
+  CarmenTimes times() {
+    CarmenTimes times;
     const std::string_view word = words_.next();
-    if (ok() && word.empty()) reason_ = "the line ends too early";
+    if (!ok()) return times;
+    times.absent = word.empty();
+    times.header = parse_stamp(word);
+    if (!times.header) times.header_problem = reason_against_stamp(word);
+    if (times.absent) return times;
+    skip(1);
+    const std::string_view logger = words_.next();
+    if (ok() && logger.empty()) reason_ = "the line ends too early";
     if (ok() && !words_.next().empty()) {
       reason_ = "the line holds more words than its count of beams says";
     }
-    return parse_stamp(word);
+    times.logger = parse_stamp(logger);
+    return times;
+  }
+  /// Words that are left, as far as it matters.
+  int words_left(int most) const {
+    Words rest = words_;
+    int count = 0;
+    while (count < most && !rest.next().empty()) ++count;
+    return count;
   }
   bool ok() const { return reason_.empty(); }
   const std::string& reason() const { return reason_; }
@@ -115,16 +125,22 @@ class Fields {
   std::string reason_;
 };
 
+void read_poses(Fields& fields, CarmenScan& scan) {
+  scan.odom_T_lidar = fields.pose("the laser's pose");
+  scan.odom_T_robot = fields.pose("the robot's pose");
+  scan.has_poses = true;
+}
+
 CarmenLine parse_old_laser(CarmenTag tag, Fields fields) {
   CarmenScan scan;
   scan.tag = tag;
   const std::int64_t beams = fields.count("the number of beams");
   scan.raw_ranges_m = fields.ranges(beams);
-  scan.odom_T_lidar = fields.pose("the laser's pose");
-  scan.odom_T_robot = fields.pose("the robot's pose");
-  scan.has_poses = true;
-  scan.stamp = fields.stamp();
-  scan.logger_stamp = fields.end_of_line();
+  // CARMEN writes no poses with LASER3 and on; other loggers may.
+  constexpr int kPoseWords = 6;
+  const bool has_poses = lidar_of(tag) < 2 || fields.words_left(kPoseWords) == kPoseWords;
+  if (has_poses) read_poses(fields, scan);
+  scan.times = fields.times();
   if (!fields.ok()) return CarmenBroken{fields.reason(), true};
   if (beams == 0) return CarmenBroken{"the scan has no beams", true};
   return scan;
@@ -133,8 +149,9 @@ CarmenLine parse_old_laser(CarmenTag tag, Fields fields) {
 CarmenLine parse_new_laser(CarmenTag tag, Fields fields) {
   CarmenScan scan;
   scan.tag = tag;
-  fields.number("the laser's type");
   CarmenBeams beams;
+  const double type = fields.number("the laser's type");
+  beams.laser_type = std::abs(type) < 100.0 ? static_cast<int>(type) : -1;
   beams.start_angle_rad = fields.finite("the start angle");
   beams.field_of_view_rad = fields.finite("the field of view");
   beams.resolution_rad = fields.finite("the resolution");
@@ -144,14 +161,11 @@ CarmenLine parse_new_laser(CarmenTag tag, Fields fields) {
   const std::int64_t count = fields.count("the number of beams");
   scan.raw_ranges_m = fields.ranges(count);
   fields.skip(fields.count("the number of remissions"));
-  if (tag == CarmenTag::kRobotLaser) {
-    scan.odom_T_lidar = fields.pose("the laser's pose");
-    scan.odom_T_robot = fields.pose("the robot's pose");
-    scan.has_poses = true;
+  if (tag < CarmenTag::kRawLaser1) {
+    read_poses(fields, scan);
     fields.skip(5);  // velocities and safety distances
   }
-  scan.stamp = fields.stamp();
-  scan.logger_stamp = fields.end_of_line();
+  scan.times = fields.times();
   if (!fields.ok()) return CarmenBroken{fields.reason(), true};
   if (count == 0) return CarmenBroken{"the scan has no beams", true};
   return scan;
@@ -161,10 +175,18 @@ CarmenLine parse_odometry(Fields fields) {
   CarmenOdometry odometry;
   odometry.odom_T_robot = fields.pose("the robot's pose");
   fields.skip(3);  // velocities and acceleration
-  odometry.stamp = fields.stamp();
-  odometry.logger_stamp = fields.end_of_line();
+  odometry.times = fields.times();
   if (!fields.ok()) return CarmenBroken{fields.reason()};
   return odometry;
+}
+
+CarmenLine parse_truth(Fields fields) {
+  CarmenTruth truth;
+  truth.world_T_robot = fields.pose("the true pose");
+  fields.pose("the robot's pose");
+  truth.times = fields.times();
+  if (!fields.ok()) return CarmenBroken{fields.reason()};
+  return truth;
 }
 
 CarmenLine parse_param(Words words) {
@@ -187,17 +209,16 @@ bool looks_like_a_tag(std::string_view word) {
 
 }  // namespace
 
-int lidar_of(CarmenTag tag) { return tag == CarmenTag::kRlaser ? 1 : 0; }
-
 CarmenLine parse_carmen_line(std::string_view text) {
   Words words(text);
   const std::string_view tag = words.next();
   if (tag.empty() || tag.front() == '#') return CarmenOther{};
   if (const auto laser = find_word<CarmenTag>(tag)) {
-    const bool is_old = laser == CarmenTag::kFlaser || laser == CarmenTag::kRlaser;
+    const bool is_old = laser < CarmenTag::kRobotLaser1;
     return is_old ? parse_old_laser(*laser, Fields(words)) : parse_new_laser(*laser, Fields(words));
   }
   if (tag == "ODOM") return parse_odometry(Fields(words));
+  if (tag == kCarmenTruth) return parse_truth(Fields(words));
   if (tag == "PARAM") return parse_param(words);
   if (!looks_like_a_tag(tag)) {
     return CarmenBroken{"the line doesn't begin with a CARMEN tag", false, false};

@@ -6,6 +6,7 @@
 
 #include "formats/byte_source.hpp"
 #include "loopstone/formats/log_reader.hpp"
+#include "loopstone/odometry/trajectory.hpp"
 
 namespace loopstone {
 
@@ -18,5 +19,10 @@ namespace loopstone {
 [[nodiscard]] std::unique_ptr<LogReader> read_carmen_log(std::string_view bytes,
                                                          const LogOptions& options,
                                                          const std::string& name = "memory");
+
+/// The poses of the TRUEPOS lines: of a simulator's robot in its world. Throws DataError for
+/// another topic, and when there are none.
+[[nodiscard]] Trajectory read_carmen_truth(const ReadableBytes& log, const std::string& topic,
+                                           const LogOptions& options);
 
 }  // namespace loopstone

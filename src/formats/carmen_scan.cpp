@@ -33,13 +33,25 @@ BeamAngles stated_angles(const CarmenBeams& beams, std::size_t count) {
   return {beams.start_angle_rad, beams.field_of_view_rad / static_cast<double>(count - 1)};
 }
 
+/// CARMEN's names: robot_frontlaser_offset ahead, _side_offset to the left [m], _angular_offset
+/// [rad]; a rear laser looks back unless it is said otherwise.
+Pose2 mount_by_params(const CarmenSurvey& survey, int lidar, double ahead_m) {
+  const std::string laser = lidar == 0 ? "robot_frontlaser" : "robot_rearlaser";
+  const double aside_m = survey.param(laser + "_side_offset").value_or(0.0);
+  const double turned = survey.param(laser + "_angular_offset").value_or(lidar == 0 ? 0.0 : kPi);
+  const bool can_be = std::abs(aside_m) <= kFarthestMountM && std::abs(turned) <= 2.0 * kPi;
+  return {ahead_m, can_be ? aside_m : 0.0, can_be ? wrap_angle(turned) : lidar == 0 ? 0.0 : kPi};
+}
+
 }  // namespace
 
 BeamAngles carmen_beam_angles(std::size_t beams, const CarmenSurvey& survey, int lidar) {
   if (beams < 2) return {};
   const auto n = static_cast<double>(beams);
   const auto resolution_deg =
-      survey.param(lidar == 0 ? "laser_front_laser_resolution" : "laser_rear_laser_resolution");
+      lidar < 2 ? survey.param(lidar == 0 ? "laser_front_laser_resolution"
+                                          : "laser_rear_laser_resolution")
+                : std::nullopt;
   const bool resolution_fits = resolution_deg && *resolution_deg > 0.0 &&
                                *resolution_deg * (n - 1.0) <= 360.0 && *resolution_deg * n >= 90.0;
   if (resolution_fits) {
@@ -55,27 +67,31 @@ BeamAngles carmen_beam_angles(std::size_t beams, const CarmenSurvey& survey, int
   return {-kPi / 2, kPi / (n - 1.0)};
 }
 
+std::optional<std::string> carmen_offset_param(int lidar) {
+  if (lidar > 1) return std::nullopt;
+  return lidar == 0 ? "robot_frontlaser_offset" : "robot_rearlaser_offset";
+}
+
 std::optional<double> carmen_laser_offset(const CarmenSurvey& survey, int lidar) {
-  const auto offset_m =
-      survey.param(lidar == 0 ? "robot_frontlaser_offset" : "robot_rearlaser_offset");
+  const auto name = carmen_offset_param(lidar);
+  const auto offset_m = name ? survey.param(*name) : std::nullopt;
   return offset_m && std::abs(*offset_m) <= kFarthestMountM ? offset_m : std::nullopt;
 }
 
 std::optional<Pose2> carmen_mount(const CarmenSurvey& survey, int lidar) {
-  const bool front = lidar == 0;
   const auto offset_m = carmen_laser_offset(survey, lidar);
-  const auto& by_poses = front ? survey.front_mount : survey.rear_mount;
+  const auto& by_poses = survey.mounts[static_cast<std::size_t>(lidar)];
   // Poses that are equal say nothing against an offset: many loggers wrote the robot's pose twice.
   const bool poses_tell = by_poses && !(*by_poses == Pose2{});
   if (poses_tell || (by_poses && !offset_m)) return by_poses;
-  if (offset_m) return front ? Pose2{*offset_m, 0.0, 0.0} : Pose2{*offset_m, 0.0, kPi};
+  if (offset_m) return mount_by_params(survey, lidar, *offset_m);
   if (survey.pose_is_corrected) return Pose2{};
   return std::nullopt;
 }
 
-LaserScan to_laser_scan(CarmenScan&& scan, const CarmenSurvey& survey) {
+LaserScan to_laser_scan(CarmenScan&& scan, Stamp stamp, const CarmenSurvey& survey) {
   LaserScan result;
-  result.stamp = scan.stamp;
+  result.stamp = stamp;
   result.lidar = lidar_of(scan.tag);
   result.robot_T_lidar = carmen_mount(survey, result.lidar);
   result.ranges_m = std::move(scan.raw_ranges_m);

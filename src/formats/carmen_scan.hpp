@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
 
 #include "formats/carmen_line.hpp"
 #include "formats/carmen_survey.hpp"
@@ -24,7 +26,10 @@ struct BeamAngles {
 /// A scan as the library wants it: angles, limits, +inf for no return, NaN for bad beams, the
 /// mount. 0, negative and not finite ranges are bad, and so is what lies beyond 1 km: no planar
 /// scanner measures that.
-[[nodiscard]] LaserScan to_laser_scan(CarmenScan&& scan, const CarmenSurvey& survey);
+[[nodiscard]] LaserScan to_laser_scan(CarmenScan&& scan, Stamp stamp, const CarmenSurvey& survey);
+
+/// The name of the PARAM line that says how far ahead a laser is mounted; of the first two lasers.
+[[nodiscard]] std::optional<std::string> carmen_offset_param(int lidar);
 
 /// What the log's PARAM line says of how far ahead a laser is mounted; nothing when it says nothing
 /// that can be.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/carmen_line.hpp"
+#include "formats/carmen_times.hpp"
 #include "formats/line_reader.hpp"
 #include "formats/text_numbers.hpp"
 #include "loopstone/sensor/robot_model.hpp"
@@ -30,21 +31,23 @@ struct Sample {
     int index;
   };
   std::vector<Beam> beams{};
-  std::vector<Pose2> front_mounts{};
-  std::vector<Pose2> rear_mounts{};
-  std::vector<Stamp> stamps{};
-  std::vector<std::optional<Stamp>> logger_stamps{};
+  std::array<std::vector<Pose2>, kCarmenLidars> mounts{};
+  CarmenTimesSample times{};
 };
 
+/// A scan whose times are none of the usual kind is no evidence that this is a log of ours: stamps
+/// in milliseconds are refused.
+bool has_usual_times(const CarmenTimes& times) { return times.header.has_value(); }
+
 void add_scan(const CarmenScan& scan, Sample& sample, CarmenSurvey& survey) {
+  const auto lidar = static_cast<std::size_t>(lidar_of(scan.tag));
   survey.any_scan = true;
+  survey.seen[lidar] = true;
   if (scan.has_poses) {
     survey.scans_carry_odometry = true;
-    auto& mounts = lidar_of(scan.tag) == 0 ? sample.front_mounts : sample.rear_mounts;
-    mounts.push_back(scan.odom_T_robot.inverse() * scan.odom_T_lidar);
+    sample.mounts[lidar].push_back(scan.odom_T_robot.inverse() * scan.odom_T_lidar);
   }
-  sample.stamps.push_back(scan.stamp);
-  sample.logger_stamps.push_back(scan.logger_stamp);
+  sample.times.add(scan);
   if (scan.beams) return;
   for (std::size_t i = 0; i < scan.raw_ranges_m.size() && sample.beams.size() < kMostRanges; ++i) {
     const float range_m = scan.raw_ranges_m[i];
@@ -54,10 +57,15 @@ void add_scan(const CarmenScan& scan, Sample& sample, CarmenSurvey& survey) {
   }
 }
 
+void note_refusal(const std::string& reason, std::int64_t line, CarmenSurvey& survey) {
+  if (!reason.empty() && !survey.first_refusal) survey.first_refusal = {line, reason};
+}
+
 /// Reads until `scans` scans or so many bytes have gone by.
 void add_stretch(std::unique_ptr<ByteSource> source, bool from_middle, int scans, Sample& sample,
                  CarmenSurvey& survey) {
   LineReader lines(first_bytes(std::move(source), kMostBytes));
+  sample.times.begin_stretch();
   int found = 0;
   for (bool first = true; found < scans; first = false) {
     const auto line = lines.next();
@@ -72,14 +80,15 @@ void add_stretch(std::unique_ptr<ByteSource> source, bool from_middle, int scans
         survey.params[std::move(param->name)] = std::move(param->value);
       }
     } else if (const auto* scan = std::get_if<CarmenScan>(&parsed)) {
-      survey.any_record = true;
+      if (has_usual_times(scan->times)) survey.any_record = true;
+      if (!from_middle) note_refusal(scan->times.header_problem, line->number, survey);
       add_scan(*scan, sample, survey);
       ++found;
-    } else if (std::holds_alternative<CarmenOdometry>(parsed)) {
-      survey.any_record = true;
+    } else if (const auto* odometry = std::get_if<CarmenOdometry>(&parsed)) {
+      if (has_usual_times(odometry->times)) survey.any_record = true;
+      if (!from_middle) note_refusal(odometry->times.header_problem, line->number, survey);
     } else if (const auto* broken = std::get_if<CarmenBroken>(&parsed)) {
-      const bool is_first = broken->has_tag && !survey.first_refusal && !from_middle;
-      if (is_first) survey.first_refusal = {line->number, broken->reason};
+      if (broken->has_tag && !from_middle) note_refusal(broken->reason, line->number, survey);
     }
   }
 }
@@ -147,18 +156,6 @@ std::optional<double> saturation_value(std::vector<Sample::Beam> beams) {
   return static_cast<double>(top_m);
 }
 
-template <typename Value>
-bool all_equal(const std::vector<Value>& values) {
-  return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
-}
-
-bool only_the_logger_had_a_clock(const Sample& sample) {
-  const auto& written = sample.logger_stamps;
-  return all_equal(sample.stamps) && !all_equal(written) &&
-         std::all_of(written.begin(), written.end(),
-                     [](const std::optional<Stamp>& stamp) { return stamp.has_value(); });
-}
-
 }  // namespace
 
 std::optional<double> CarmenSurvey::param(const std::string& name) const {
@@ -168,7 +165,7 @@ std::optional<double> CarmenSurvey::param(const std::string& name) const {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-CarmenSurvey survey_carmen(const ReadableBytes& log) {
+CarmenSurvey survey_carmen(const ReadableBytes& log, StampUse wanted) {
   CarmenSurvey survey;
   Sample sample;
   auto source = log.look(0);
@@ -176,18 +173,15 @@ CarmenSurvey survey_carmen(const ReadableBytes& log) {
   const bool in_places = log.can_seek && total > kSmallFileBytes;
   add_stretch(std::move(source), false, in_places ? kScansPerPlace : kScansInOneStretch, sample,
               survey);
-  const std::vector<std::optional<Stamp>> early_logger_stamps = sample.logger_stamps;
-  if (!sample.stamps.empty()) survey.early_stamp = median(sample.stamps);
   for (int place = 1; in_places && place < kPlaces; ++place) {
     add_stretch(log.look(total / kPlaces * place), true, kScansPerPlace, sample, survey);
   }
 
-  survey.stamps_are_the_loggers = only_the_logger_had_a_clock(sample);
-  if (survey.stamps_are_the_loggers) survey.early_stamp = median(early_logger_stamps);
-  survey.front_mount = common_mount(sample.front_mounts);
-  survey.rear_mount = common_mount(sample.rear_mounts);
-  survey.pose_is_corrected = (!sample.front_mounts.empty() && !survey.front_mount) ||
-                             (!sample.rear_mounts.empty() && !survey.rear_mount);
+  choose_stamps(sample.times, wanted, survey);
+  for (std::size_t lidar = 0; lidar < survey.mounts.size(); ++lidar) {
+    survey.mounts[lidar] = common_mount(sample.mounts[lidar]);
+    if (!sample.mounts[lidar].empty() && !survey.mounts[lidar]) survey.pose_is_corrected = true;
+  }
   survey.no_return_m = kCarmenMaxRange_m;
   if (const auto limit_m = survey.param("robot_front_laser_max"); limit_m && *limit_m > 0.0) {
     survey.no_return_m = std::min(survey.no_return_m, *limit_m);

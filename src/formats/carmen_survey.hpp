@@ -1,12 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 
 #include "formats/byte_source.hpp"
+#include "formats/carmen_line.hpp"
 #include "loopstone/base/stamp.hpp"
+#include "loopstone/formats/log_reader.hpp"
 #include "loopstone/geometry/pose2.hpp"
 
 namespace loopstone {
@@ -23,18 +26,22 @@ struct CarmenSurvey {
     std::string reason{};
   };
   std::optional<Refusal> first_refusal{};
-  /// All scans that were looked at have the same stamp, but were written down at different times:
-  /// these are their stamps.
-  bool stamps_are_the_loggers = false;
+  /// Whose stamps are used; never kAuto.
+  StampUse stamps = StampUse::kHeader;
+  /// What is wrong with the scans' own stamps, where that is why others are used.
+  std::string stamp_fault{};
+  /// For stamps that are made up.
+  double scan_rate_hz = 0.0;
+  std::string rate_origin{};
   bool scans_carry_odometry = false;
   std::optional<Stamp>
       early_stamp{};  ///< of a scan near the beginning: the median of the first few
   bool pose_is_corrected =
       false;  ///< the first pose of the scans wanders against the second: not a mount
   bool made_by_a_mapper = false;  ///< NEFF and the like: the log is another program's result
-  std::optional<Pose2>
-      front_mount{};  ///< robot_T_lidar by the poses in the log, constant over the sample
-  std::optional<Pose2> rear_mount{};
+  /// robot_T_lidar by the poses in the log, constant over the sample.
+  std::array<std::optional<Pose2>, kCarmenLidars> mounts{};
+  std::array<bool, kCarmenLidars> seen{};  ///< lasers of the sample
   /// FLASER and RLASER: this range and everything above it means "nothing within reach".
   double no_return_m = 0.0;
   /// Told by a value that many beams share at the very top of all ranges, not by the scanner's data
@@ -45,6 +52,7 @@ struct CarmenSurvey {
   [[nodiscard]] std::optional<double> param(const std::string& name) const;
 };
 
-[[nodiscard]] CarmenSurvey survey_carmen(const ReadableBytes& log);
+/// \param wanted  stamps that the user asked for; by kAuto the survey decides
+[[nodiscard]] CarmenSurvey survey_carmen(const ReadableBytes& log, StampUse wanted);
 
 }  // namespace loopstone

@@ -175,14 +175,14 @@ class CarmenWriter final : public LogWriter {
   }
 
   void write_scan(const LaserScan& scan, const std::optional<Pose2>& odom_T_robot) {
-    if (scan.lidar > 1 || (scan.lidar == 1 && !follows_carmens_rule(scan))) {
+    if (scan.lidar >= kCarmenLidars) {
       throw DataError({path_}, "CARMEN text can't hold this log: scanner " +
                                    std::to_string(scan.lidar + 1) + " of several");
     }
     if (scan.lidar == 0 && !stated_max_m_) write_params(scan);
     if (!odom_T_robot) ++scans_without_odometry_;
 
-    const bool in_short = odom_T_robot && follows_carmens_rule(scan) &&
+    const bool in_short = odom_T_robot && scan.lidar < 2 && follows_carmens_rule(scan) &&
                           (scan.range_max_m == stated_max_m_ || scan.lidar == 1);
     file_.write(in_short ? short_line(scan, *odom_T_robot) : long_line(scan, odom_T_robot));
   }
@@ -194,7 +194,7 @@ class CarmenWriter final : public LogWriter {
   }
 
   std::string long_line(const LaserScan& scan, const std::optional<Pose2>& odom_T_robot) const {
-    LineText line(odom_T_robot ? "ROBOTLASER1" : "RAWLASER1");
+    LineText line((odom_T_robot ? "ROBOTLASER" : "RAWLASER") + std::to_string(scan.lidar + 1));
     const auto steps = static_cast<double>(scan.ranges_m.size()) - 1.0;
     line.add(0).add(scan.angle_min_rad).add(scan.angle_increment_rad * steps);
     line.add(scan.angle_increment_rad).add(scan.range_max_m).add(0.01).add(0);

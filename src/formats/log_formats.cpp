@@ -1,5 +1,6 @@
 #include <array>
 
+#include "formats/carmen_line.hpp"
 #include "formats/carmen_reader.hpp"
 #include "formats/carmen_writer.hpp"
 #include "formats/ucsd_format.hpp"
@@ -29,7 +30,7 @@ constexpr std::array<LogFormat, 2> kFormats{{
         .reads_streams = true,
         .holds = {.scans = true,
                   .odometry_poses = true,
-                  .lidars = 2,
+                  .lidars = kCarmenLidars,
                   .beams_change = true,
                   .lidar_mount = true},
         // Text has no mark at its beginning. The reader looks for a line that it understands.
@@ -39,6 +40,10 @@ constexpr std::array<LogFormat, 2> kFormats{{
             },
         .open = [](const LogInput& log,
                    const LogOptions& options) { return open_carmen_log(*log.content, options); },
+        .truth = [](const LogInput& log, const std::string& topic,
+                    const LogOptions& options) {
+          return read_carmen_truth(*log.content, topic, options);
+        },
         .create = [](const LogTarget& target,
                      const RobotModel& robot) { return create_carmen_log(target.path, robot); },
     },

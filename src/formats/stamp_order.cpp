@@ -34,7 +34,7 @@ std::string seconds_text(double seconds) {
 
 StampOrder::StampOrder(bool scans_lead, std::optional<Stamp> early,
                        std::function<void(const OrderedRecord&, const std::string&)> skip)
-    : scans_lead_(scans_lead), early_(early), skip_(std::move(skip)), last_scan_out_(2) {}
+    : scans_lead_(scans_lead), early_(early), skip_(std::move(skip)) {}
 
 bool StampOrder::comes_later(const Waiting& a, const Waiting& b) {
   return std::tie(a.stamp, a.rank, a.number) > std::tie(b.stamp, b.rank, b.number);
@@ -161,7 +161,7 @@ std::optional<OrderedRecord> StampOrder::pop() {
 
     Waiting first = take();
     auto* const scan = std::get_if<LaserScan>(&first.record.message);
-    auto& last = scan ? last_scan_out_[static_cast<std::size_t>(scan->lidar)] : last_odometry_out_;
+    auto& last = scan ? last_scan_out_[scan->lidar] : last_odometry_out_;
     if (last == first.stamp) {
       if (scan) skip_(first.record, "a scan with the same stamp came before");
       // A scan's own odometry and a line of odometry of the same moment say the same.

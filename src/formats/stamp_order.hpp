@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ struct OrderedRecord {
   std::int64_t line = 0;
   /// Odometry that came with a scan rather than on a line of its own: it may be dropped in silence.
   bool is_part_of_a_scan = false;
+  bool is_truth = false;  ///< a true pose of the robot: no message of the log
 };
 
 /// Puts records whose stamps go back a little into the order of their stamps, with bounded memory.
@@ -79,7 +81,7 @@ class StampOrder {
   std::optional<Stamp> newest_;
   std::optional<Stamp> last_out_;
   std::optional<Stamp> last_odometry_out_;
-  std::vector<std::optional<Stamp>> last_scan_out_;
+  std::map<int, std::optional<Stamp>> last_scan_out_;  ///< by lidar
   bool last_odometry_is_of_a_scan_ = false;
   std::size_t waiting_bytes_ = 0;
   std::int64_t number_ = 0;
