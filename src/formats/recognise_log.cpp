@@ -22,10 +22,7 @@ struct ForeignFile {
   std::string_view mark;  ///< first bytes
   std::string_view what;
 };
-constexpr std::array<ForeignFile, 6> kForeignFiles{{
-    {"#ROSBAG", "a ROS 1 bag"},
-    {"SQLite format 3", "an SQLite file (a ROS 2 bag?)"},
-    {"\x89MCAP", "an MCAP file"},
+constexpr std::array<ForeignFile, 3> kForeignFiles{{
     {"\x89PNG", "a picture"},
     {"MATLAB", "a MATLAB file"},
     {"\x93NUMPY", "a single NumPy array"},

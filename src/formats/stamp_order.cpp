@@ -161,17 +161,21 @@ std::optional<OrderedRecord> StampOrder::pop() {
 
     Waiting first = take();
     auto* const scan = std::get_if<LaserScan>(&first.record.message);
-    auto& last = scan ? last_scan_out_[scan->lidar] : last_odometry_out_;
+    const bool is_pose = std::holds_alternative<OdometryPose>(first.record.message);
+    auto& last = scan      ? last_scan_out_[scan->lidar]
+                 : is_pose ? last_odometry_out_
+                           : last_other_out_[first.record.message.index()];
     if (last == first.stamp) {
       if (scan) skip_(first.record, "a scan with the same stamp came before");
+      if (!scan && !is_pose) skip_(first.record, "a reading with the same stamp came before");
       // A scan's own odometry and a line of odometry of the same moment say the same.
-      if (!scan && !last_odometry_is_of_a_scan_) {
+      if (is_pose && !last_odometry_is_of_a_scan_) {
         skip_(first.record, "odometry with the same stamp came before");
       }
       continue;
     }
     last = first.stamp;
-    if (!scan) last_odometry_is_of_a_scan_ = first.record.is_part_of_a_scan;
+    if (is_pose) last_odometry_is_of_a_scan_ = first.record.is_part_of_a_scan;
     last_out_ = first.stamp;
     return std::move(first.record);
   }
