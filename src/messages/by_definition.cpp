@@ -11,7 +11,7 @@ std::size_t read_count(WireReader& in, const Layout& layout, const FieldLayout& 
   const std::size_t size = words_of(field.kind).size;
   if (field.shape == Shape::kArray) {
     if (field.count > in.remaining() / std::max<std::size_t>(size, 1)) {
-      throw MessageError(in.offset(), "the message ends within the array " + field.name);
+      throw MessageError(in.offset(), "the message ends within the array " + shown(field.name));
     }
     return field.count;
   }

@@ -53,7 +53,7 @@ class Linker {
 
   Linked place_of(std::size_t type, std::size_t level) {
     if (done_[type]) return *done_[type];
-    if (active_[type]) throw MessageError(0, "the definition of " + shown(type) + " contains itself");
+    if (active_[type]) throw MessageError(0, "the definition of " + name_of(type) + " contains itself");
     if (level > kMostDepth) throw_deep();
     active_[type] = true;
     StructLayout made{.name = types_[type].name};
@@ -100,11 +100,11 @@ class Linker {
     for (std::size_t i = 1; package.empty() && i < types_.size(); ++i) {
       if (types_[i].name.ends_with(end)) return i;
     }
-    throw MessageError(0, "the definition lacks the type " + std::string(name.substr(0, 80)));
+    throw MessageError(0, "the definition lacks the type " + shown(name));
   }
 
-  std::string shown(std::size_t type) const {
-    return types_[type].name.empty() ? "the message" : types_[type].name.substr(0, 80);
+  std::string name_of(std::size_t type) const {
+    return types_[type].name.empty() ? "the message" : shown(types_[type].name);
   }
   [[noreturn]] static void throw_deep() {
     throw MessageError(0, "the definition nests deeper than 32 types");
@@ -122,6 +122,15 @@ class Linker {
 
 bool same_name(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  std::string result(text.substr(0, kMost));
+  for (char& c : result) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return result;
 }
 
 bool same_layout(const Layout& a, const Layout& b) { return same_struct(a, a.root, b, b.root); }

@@ -101,6 +101,10 @@ struct Layout {
 /// Whether both have the same bytes with the same meaning.
 [[nodiscard]] bool same_layout(const Layout& a, const Layout& b);
 
+/// What a definition has, for messages to a user: at most 60 characters, none that controls a
+/// terminal.
+[[nodiscard]] std::string shown(std::string_view text);
+
 /// A field as a definition's text has it, its type by name: a word of KindWords::msg or a message.
 struct ParsedField {
   std::string name{};

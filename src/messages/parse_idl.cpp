@@ -37,8 +37,7 @@ class Tokens {
     if (!accept(wanted)) fail("lacks a '" + std::string(wanted) + "'");
   }
   [[noreturn]] void fail(const std::string& what) const {
-    throw MessageError(0, "the definition in IDL " + what + " at '" +
-                              std::string(token_.substr(0, 40)) + "'");
+    throw MessageError(0, "the definition in IDL " + what + " at '" + shown(token_) + "'");
   }
 
  private:

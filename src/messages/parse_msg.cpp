@@ -9,8 +9,7 @@ namespace {
 constexpr std::size_t kMostName = 128;
 
 [[noreturn]] void fail(std::string_view what, std::string_view line) {
-  throw MessageError(0, "the definition's line '" + std::string(line.substr(0, 60)) + "' " +
-                            std::string(what));
+  throw MessageError(0, "the definition's line '" + shown(line) + "' " + std::string(what));
 }
 
 std::string_view trimmed(std::string_view text) {
