@@ -95,10 +95,10 @@ class BagReader final : public Recording {
   std::unordered_map<std::uint32_t, std::size_t> connections_{};  ///< to topics
   ChunkIndex index_{};
   bool is_indexed_ = false;
-  bool names_index_ = false;       ///< the bag's header says where it is
+  bool names_index_ = false;  ///< the bag's header says where it is
   bool has_wrong_index_records_ = false;
   bool has_junk_ = false;
-  std::uint64_t data_end_ = 0;     ///< of the records that hold messages
+  std::uint64_t data_end_ = 0;  ///< of the records that hold messages
 
   std::uint64_t at_ = 0;      ///< of the next record
   std::uint64_t resume_ = 0;  ///< from where on to search when there is none
@@ -239,7 +239,8 @@ std::vector<std::string> BagReader::notes() const {
   if (!is_indexed_ && !names_index_) notes.emplace_back("has no index: it was not closed properly");
   if (!is_indexed_ && names_index_) notes.emplace_back("its index is cut off or damaged");
   if (has_wrong_index_records_) notes.emplace_back("some records of its index have wrong lengths");
-  if (has_junk_) notes.emplace_back("has bytes of no use before its index, as rosbag reindex leaves");
+  if (has_junk_)
+    notes.emplace_back("has bytes of no use before its index, as rosbag reindex leaves");
   return notes;
 }
 
@@ -287,8 +288,7 @@ std::optional<RecordedMessage> BagReader::step() {
     return std::nullopt;
   }
   const bool fits = record->end <= bytes_->size();
-  const std::uint64_t end =
-      is_indexed_ ? end_before_next_chunk(at_, record->end) : record->end;
+  const std::uint64_t end = is_indexed_ ? end_before_next_chunk(at_, record->end) : record->end;
   if (end < record->end && record->op == BagOp::kIndex) has_wrong_index_records_ = true;
   if (end < record->end && record->op != BagOp::kIndex) {
     damage_.tell(at_, "a record is longer than the place that it has");

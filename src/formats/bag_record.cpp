@@ -100,7 +100,7 @@ std::optional<BagRecord> read_bag_record(std::string_view bytes) {
 std::optional<std::size_t> find_bag_record(std::string_view bytes, std::size_t from, bool last) {
   constexpr std::string_view kOp = "op=";
   constexpr std::size_t kMostBefore = 512;  // of fields that may stand before it in a header
-  constexpr std::size_t kLengths = 8;       // of the header and of the field, before the first field
+  constexpr std::size_t kLengths = 8;  // of the header and of the field, before the first field
   for (std::size_t op = bytes.find(kOp, from); op != bytes.npos; op = bytes.find(kOp, op + 1)) {
     if (op < from + kLengths) continue;
     const std::size_t nearest = op - kLengths;

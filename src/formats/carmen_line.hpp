@@ -71,10 +71,10 @@ inline constexpr std::string_view kCarmenTruth = "TRUEPOS";
 
 /// The times that close a line.
 struct CarmenTimes {
-  std::optional<Stamp> header{};    ///< ipc_time: when the sensor measured
-  std::optional<Stamp> logger{};    ///< when it was written down, on the logger's own clock
-  std::string header_problem{};     ///< why there is no `header`
-  bool absent = false;              ///< the line ends before them
+  std::optional<Stamp> header{};  ///< ipc_time: when the sensor measured
+  std::optional<Stamp> logger{};  ///< when it was written down, on the logger's own clock
+  std::string header_problem{};   ///< why there is no `header`
+  bool absent = false;            ///< the line ends before them
 };
 
 /// The beams as the line itself states them; only the newer tags do.
@@ -124,8 +124,8 @@ struct CarmenBroken {
   bool has_tag = true;  ///< it begins as a line of a CARMEN log does
 };
 
-using CarmenLine = std::variant<CarmenOther, CarmenParam, CarmenOdometry, CarmenScan, CarmenTruth,
-                                CarmenBroken>;
+using CarmenLine =
+    std::variant<CarmenOther, CarmenParam, CarmenOdometry, CarmenScan, CarmenTruth, CarmenBroken>;
 
 [[nodiscard]] CarmenLine parse_carmen_line(std::string_view text);
 

@@ -261,8 +261,10 @@ std::string text(const char* format, double value) {
 }
 
 std::string CarmenReader::rate_text() const {
-  return text("the records come in the order of the file, with stamps made up for %.3g scans a second (",
-              survey_.scan_rate_hz) +
+  return text(
+             "the records come in the order of the file, with stamps made up for %.3g scans a "
+             "second (",
+             survey_.scan_rate_hz) +
          survey_.rate_origin + ")";
 }
 
@@ -339,7 +341,8 @@ Trajectory read_carmen_truth(const ReadableBytes& log, const std::string& topic,
   while (reader.next()) {
   }
   if (options.stop && options.stop()) throw ReadingStopped();
-  const std::string there = poses.empty() ? "there are none in it" : "there is " + std::string(kCarmenTruth);
+  const std::string there =
+      poses.empty() ? "there are none in it" : "there is " + std::string(kCarmenTruth);
   if (topic != kCarmenTruth || poses.empty()) {
     throw DataError({log.name}, "holds no true poses under the name '" + topic + "'; " + there);
   }

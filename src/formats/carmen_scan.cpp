@@ -48,10 +48,9 @@ Pose2 mount_by_params(const CarmenSurvey& survey, int lidar, double ahead_m) {
 BeamAngles carmen_beam_angles(std::size_t beams, const CarmenSurvey& survey, int lidar) {
   if (beams < 2) return {};
   const auto n = static_cast<double>(beams);
-  const auto resolution_deg =
-      lidar < 2 ? survey.param(lidar == 0 ? "laser_front_laser_resolution"
-                                          : "laser_rear_laser_resolution")
-                : std::nullopt;
+  const auto resolution_deg = lidar < 2 ? survey.param(lidar == 0 ? "laser_front_laser_resolution"
+                                                                  : "laser_rear_laser_resolution")
+                                        : std::nullopt;
   const bool resolution_fits = resolution_deg && *resolution_deg > 0.0 &&
                                *resolution_deg * (n - 1.0) <= 360.0 && *resolution_deg * n >= 90.0;
   if (resolution_fits) {

@@ -85,7 +85,8 @@ double lost_share(const CarmenTimesSample& sample, const TimeOf& time_of) {
     lost += goes_back ? stretch.size() : lost_within(stretch, time_of);
     if (middle && (!newest || *middle > *newest)) newest = middle;
   }
-  return static_cast<double>(lost) / static_cast<double>(std::max<std::size_t>(scans_of(sample), 1));
+  return static_cast<double>(lost) /
+         static_cast<double>(std::max<std::size_t>(scans_of(sample), 1));
 }
 
 /// The same time in all scans.
@@ -134,10 +135,11 @@ std::string fault_of_headers(const CarmenTimesSample& sample) {
   if (absent == scans_of(sample)) return "no scan has a stamp";
   if (stands_still(sample, header_of)) return "all scans have the same stamp";
   char text[120];
-  std::snprintf(text, sizeof text,
-                "the scans' stamps repeat or run to and fro (by them %.0f %% of the scans that were "
-                "looked at would be lost)",
-                100.0 * lost);
+  std::snprintf(
+      text, sizeof text,
+      "the scans' stamps repeat or run to and fro (by them %.0f %% of the scans that were "
+      "looked at would be lost)",
+      100.0 * lost);
   return text;
 }
 

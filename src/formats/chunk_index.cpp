@@ -15,9 +15,9 @@ void ChunkIndex::clear() {
 }
 
 std::size_t ChunkIndex::first_from(std::uint64_t at) const {
-  const auto found = std::lower_bound(
-      chunks_.begin(), chunks_.end(), at,
-      [](const Chunk& chunk, std::uint64_t place) { return chunk.at < place; });
+  const auto found =
+      std::lower_bound(chunks_.begin(), chunks_.end(), at,
+                       [](const Chunk& chunk, std::uint64_t place) { return chunk.at < place; });
   return static_cast<std::size_t>(found - chunks_.begin());
 }
 

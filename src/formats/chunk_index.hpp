@@ -12,7 +12,7 @@ class ChunkIndex {
  public:
   struct Chunk {
     std::uint64_t at = 0;
-    std::size_t first = 0;   ///< of its channels, in channels()
+    std::size_t first = 0;     ///< of its channels, in channels()
     std::size_t channels = 0;  ///< none: what it holds is not known
   };
 

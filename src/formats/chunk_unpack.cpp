@@ -106,8 +106,8 @@ UnpackedChunk ChunkUnpacker::unpack_bzip2(const Job& job) {
       break;
     }
     job.stop();
-    const std::size_t room = std::min({buffer_.size() - used, kStep,
-                                       static_cast<std::size_t>(job.most_bytes) - used});
+    const std::size_t room =
+        std::min({buffer_.size() - used, kStep, static_cast<std::size_t>(job.most_bytes) - used});
     const std::size_t input = std::min(job.stored.size() - chunk.consumed, kMostInput);
     stream.next_in = const_cast<char*>(job.stored.data() + chunk.consumed);
     stream.avail_in = static_cast<unsigned>(input);
@@ -142,9 +142,8 @@ UnpackedChunk ChunkUnpacker::unpack_lz4(const Job& job) {
     std::size_t read = job.stored.size() - chunk.consumed;
     // What lies behind `used` may move when the buffer grows: then the output is not stable.
     const LZ4F_decompressOptions_t how{};
-    const std::size_t status =
-        LZ4F_decompress(contexts_->lz4, buffer_.data() + used, &made,
-                        job.stored.data() + chunk.consumed, &read, &how);
+    const std::size_t status = LZ4F_decompress(contexts_->lz4, buffer_.data() + used, &made,
+                                               job.stored.data() + chunk.consumed, &read, &how);
     if (LZ4F_isError(status) != 0) {
       const std::size_t room = std::min(buffer_.size(), static_cast<std::size_t>(job.most_bytes));
       used = salvage_lz4_frame(job.stored, buffer_.data(), room);
@@ -172,12 +171,12 @@ UnpackedChunk ChunkUnpacker::unpack_lz4(const Job& job) {
 UnpackedChunk ChunkUnpacker::unpack_lz4_block(const Job& job) {
   // A byte makes at most 255; how many it makes, a bare block does not say.
   const std::uint64_t possible = saturated_product(job.stored.size(), 255);
-  const auto room = static_cast<std::size_t>(std::min(
-      {job.stated_size, possible, job.most_bytes,
-       static_cast<std::uint64_t>(std::numeric_limits<int>::max())}));
+  const auto room = static_cast<std::size_t>(
+      std::min({job.stated_size, possible, job.most_bytes,
+                static_cast<std::uint64_t>(std::numeric_limits<int>::max())}));
   char* const out = buffer_.at_least(room + 1);
-  const auto stored = static_cast<int>(
-      std::min<std::size_t>(job.stored.size(), std::numeric_limits<int>::max()));
+  const auto stored =
+      static_cast<int>(std::min<std::size_t>(job.stored.size(), std::numeric_limits<int>::max()));
   const int made = LZ4_decompress_safe(job.stored.data(), out, stored, static_cast<int>(room));
   if (made >= 0) return {{out, static_cast<std::size_t>(made)}, job.stored.size(), {}};
   const SalvagedBlock salvaged = salvage_lz4_block(job.stored, out, 0, room);
@@ -189,8 +188,8 @@ UnpackedChunk ChunkUnpacker::unpack_zstd(const Job& job) {
   if (contexts_->zstd == nullptr) return {{}, 0, "no memory to unpack it"};
   job.stop();
   char* const out = buffer_.at_least(job.first_room());
-  const auto room = static_cast<std::size_t>(
-      std::min<std::uint64_t>(buffer_.size(), job.most_bytes));
+  const auto room =
+      static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size(), job.most_bytes));
   const std::size_t made =
       ZSTD_decompressDCtx(contexts_->zstd, out, room, job.stored.data(), job.stored.size());
   if (ZSTD_isError(made) == 0) return {{out, made}, job.stored.size(), {}};
@@ -221,8 +220,7 @@ UnpackedChunk ChunkUnpacker::salvage_zstd(const Job& job) {
       break;
     }
     chunk.consumed += in.pos;
-    const bool has_more =
-        left.substr(in.pos).starts_with(std::string_view("\x28\xb5\x2f\xfd", 4));
+    const bool has_more = left.substr(in.pos).starts_with(std::string_view("\x28\xb5\x2f\xfd", 4));
     if (status == 0 && !has_more) break;
     if (in.pos == 0 && out.pos == before && out.pos < out.size) {
       chunk.damage = kCut;

@@ -55,10 +55,10 @@ constexpr std::array<LogFormat, 5> kFormats{{
             },
         .open = [](const LogInput& log,
                    const LogOptions& options) { return open_carmen_log(*log.content, options); },
-        .truth = [](const LogInput& log, const std::string& topic,
-                    const LogOptions& options) {
-          return read_carmen_truth(*log.content, topic, options);
-        },
+        .truth =
+            [](const LogInput& log, const std::string& topic, const LogOptions& options) {
+              return read_carmen_truth(*log.content, topic, options);
+            },
         .create = [](const LogTarget& target,
                      const RobotModel& robot) { return create_carmen_log(target.path, robot); },
     },

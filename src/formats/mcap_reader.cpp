@@ -114,7 +114,7 @@ class McapReader final : public Recording {
   bool was_closed_ = false;
   bool has_damaged_summary_ = false;
   bool has_all_channels_ = true;  ///< in the summary, as far as it says how many there are
-  std::uint64_t data_end_ = 0;  ///< of the records that hold messages
+  std::uint64_t data_end_ = 0;    ///< of the records that hold messages
 
   std::uint64_t at_ = 0;      ///< of the next record
   std::uint64_t resume_ = 0;  ///< from where on to search when there is none
@@ -177,13 +177,13 @@ void McapReader::load_summary() {
     return op != McapOp::kSchema || add_schema(fields);
   });
   good = good && for_each_in_summary(begin, footer, [&](McapOp op, std::string_view fields) {
-    has_statistics = has_statistics || op == McapOp::kStatistics;
-    if (op == McapOp::kChannel) return add_channel(fields);
-    return op != McapOp::kChunkIndex || index_chunk(fields, begin);
-  });
+           has_statistics = has_statistics || op == McapOp::kStatistics;
+           if (op == McapOp::kChannel) return add_channel(fields);
+           return op != McapOp::kChunkIndex || index_chunk(fields, begin);
+         });
   good = good && for_each_in_summary(begin, footer, [&](McapOp op, std::string_view fields) {
-    return op != McapOp::kStatistics || count_messages(fields);
-  });
+           return op != McapOp::kStatistics || count_messages(fields);
+         });
   has_damaged_summary_ = !good;
   is_indexed_ = good && has_all_channels_ && (has_statistics || index_.size() > 0) &&
                 knows_indexed_channels();
@@ -247,8 +247,8 @@ bool McapReader::count_messages(std::string_view fields) {
   McapFields counts(in.text());
   if (!in.is_good()) return false;
   const auto known = static_cast<std::uint64_t>(
-      channels_.size() - static_cast<std::size_t>(
-                             std::count(channels_.begin(), channels_.end(), kNone)));
+      channels_.size() -
+      static_cast<std::size_t>(std::count(channels_.begin(), channels_.end(), kNone)));
   has_all_channels_ = known >= channels;
   while (!counts.left().empty()) {
     const std::int32_t topic = channels_[counts.number<std::uint16_t>()];

@@ -81,7 +81,7 @@ class StampOrder {
   std::optional<Stamp> newest_;
   std::optional<Stamp> last_out_;
   std::optional<Stamp> last_odometry_out_;
-  std::map<int, std::optional<Stamp>> last_scan_out_;          ///< by lidar
+  std::map<int, std::optional<Stamp>> last_scan_out_;           ///< by lidar
   std::map<std::size_t, std::optional<Stamp>> last_other_out_;  ///< by kind of message
   bool last_odometry_is_of_a_scan_ = false;
   std::size_t waiting_bytes_ = 0;

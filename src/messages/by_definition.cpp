@@ -15,8 +15,7 @@ std::size_t read_count(WireReader& in, const Layout& layout, const FieldLayout& 
     }
     return field.count;
   }
-  const bool is_empty =
-      field.kind == Kind::kStruct && layout.structs[field.nested].fields.empty();
+  const bool is_empty = field.kind == Kind::kStruct && layout.structs[field.nested].fields.empty();
   const std::size_t count = in.count(is_empty ? 0 : size);
   return is_empty ? 0 : count;
 }

@@ -36,7 +36,8 @@ template <typename T, typename From>
   } else if constexpr (std::is_same_v<From, bool>) {
     return value ? 1 : 0;
   } else {
-    if (std::cmp_greater(value, std::numeric_limits<T>::max())) return std::numeric_limits<T>::max();
+    if (std::cmp_greater(value, std::numeric_limits<T>::max()))
+      return std::numeric_limits<T>::max();
     if (std::cmp_less(value, std::numeric_limits<T>::min())) return std::numeric_limits<T>::min();
     return static_cast<T>(value);
   }
@@ -176,14 +177,13 @@ std::size_t count_known_fields(const Layout& layout, std::size_t type) {
       if (!DefinedReader::is_called(field, name)) continue;
       bool fits = false;
       if constexpr (kIsVector<T> || kIsArray<T>) {
-        fits = field.shape != Shape::kOne &&
-               can_be_read<typename T::value_type>(layout, field);
+        fits = field.shape != Shape::kOne && can_be_read<typename T::value_type>(layout, field);
       } else {
         fits = field.shape == Shape::kOne && can_be_read<T>(layout, field);
       }
       if (!fits) {
-        throw MessageError(0, "the definition's field " + field.name +
-                                  " is not what it is in " + std::string(Fields<M>::kName));
+        throw MessageError(0, "the definition's field " + field.name + " is not what it is in " +
+                                  std::string(Fields<M>::kName));
       }
       ++known;
     }

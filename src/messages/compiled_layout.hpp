@@ -31,7 +31,9 @@ template <typename T>
 }
 
 template <typename M>
-concept WithConstants = requires { Fields<M>::constants(); };
+concept WithConstants = requires {
+  Fields<M>::constants();
+};
 
 /// Visits the fields of a type and notes what they are.
 struct FieldDescriber {

@@ -48,7 +48,8 @@ std::string text_of(const Layout& layout, const StructLayout& type, WireFormat f
   std::string text;
   for (const std::string& constant : type.constants) text += constant + "\n";
   for (const FieldLayout& field : type.fields) {
-    text += fmt::format("{}{} {}\n", type_of(layout, field, format), brackets_of(field), field.name);
+    text +=
+        fmt::format("{}{} {}\n", type_of(layout, field, format), brackets_of(field), field.name);
   }
   return text;
 }
@@ -57,9 +58,11 @@ std::string md5_of_struct(const Layout& layout, const StructLayout& type) {
   std::string text;
   for (const std::string& constant : type.constants) text += constant + "\n";
   for (const FieldLayout& field : type.fields) {
-    text += field.kind == Kind::kStruct
-                ? fmt::format("{} {}\n", md5_of_struct(layout, layout.structs[field.nested]), field.name)
-                : fmt::format("{}{} {}\n", words_of(field.kind).msg, brackets_of(field), field.name);
+    text +=
+        field.kind == Kind::kStruct
+            ? fmt::format("{} {}\n", md5_of_struct(layout, layout.structs[field.nested]),
+                          field.name)
+            : fmt::format("{}{} {}\n", words_of(field.kind).msg, brackets_of(field), field.name);
   }
   if (!text.empty()) text.pop_back();
   return md5_of(text);
@@ -70,8 +73,7 @@ std::string json_of(const Layout& layout, const StructLayout& type) {
   constexpr int kSequence = 144;
   std::string fields;
   for (const FieldLayout& field : type.fields) {
-    const bool nested =
-        field.kind == Kind::kStruct || is_builtin(field.kind, WireFormat::kCdr);
+    const bool nested = field.kind == Kind::kStruct || is_builtin(field.kind, WireFormat::kCdr);
     const int id = words_of(field.kind).rihs01 + (field.shape == Shape::kArray      ? kArray
                                                   : field.shape == Shape::kSequence ? kSequence
                                                                                     : 0);
@@ -106,10 +108,9 @@ std::string rihs01_of(const Layout& layout) {
   for (const StructLayout& type : used) {
     others += (others.empty() ? "" : ", ") + json_of(layout, type);
   }
-  return "RIHS01_" +
-         sha256_of(fmt::format(
-             R"({{"type_description": {}, "referenced_type_descriptions": [{}]}})",
-             json_of(layout, layout.message()), others));
+  return "RIHS01_" + sha256_of(fmt::format(
+                         R"({{"type_description": {}, "referenced_type_descriptions": [{}]}})",
+                         json_of(layout, layout.message()), others));
 }
 
 }  // namespace loopstone

@@ -53,8 +53,8 @@ const std::array<std::uint32_t, 64>& sines() {
   static const auto kTable = [] {
     std::array<std::uint32_t, 64> table{};
     for (std::size_t i = 0; i < 64; ++i) {
-      table[i] = static_cast<std::uint32_t>(
-          std::abs(std::sin(static_cast<double>(i + 1))) * 4294967296.0);
+      table[i] =
+          static_cast<std::uint32_t>(std::abs(std::sin(static_cast<double>(i + 1))) * 4294967296.0);
     }
     return table;
   }();
@@ -127,16 +127,14 @@ void add_to_sha256(std::array<std::uint32_t, 8>& state, const Block& block) {
 
 std::string md5_of(std::string_view bytes) {
   std::array<std::uint32_t, 4> state{0x67452301, 0xefcdab89, 0x98badcfe, 0x10325476};
-  for_each_block<std::endian::little>(bytes,
-                                      [&](const Block& block) { add_to_md5(state, block); });
+  for_each_block<std::endian::little>(bytes, [&](const Block& block) { add_to_md5(state, block); });
   return hexadecimal<std::endian::little>(state);
 }
 
 std::string sha256_of(std::string_view bytes) {
   std::array<std::uint32_t, 8> state{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                                      0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-  for_each_block<std::endian::big>(bytes,
-                                   [&](const Block& block) { add_to_sha256(state, block); });
+  for_each_block<std::endian::big>(bytes, [&](const Block& block) { add_to_sha256(state, block); });
   return hexadecimal<std::endian::big>(state);
 }
 

@@ -53,7 +53,8 @@ class Linker {
 
   Linked place_of(std::size_t type, std::size_t level) {
     if (done_[type]) return *done_[type];
-    if (active_[type]) throw MessageError(0, "the definition of " + name_of(type) + " contains itself");
+    if (active_[type])
+      throw MessageError(0, "the definition of " + name_of(type) + " contains itself");
     if (level > kMostDepth) throw_deep();
     active_[type] = true;
     StructLayout made{.name = types_[type].name};

@@ -10,9 +10,7 @@ namespace {
 constexpr std::size_t kMostName = 128;
 constexpr int kMostNested = 16;
 
-bool starts_word(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
+bool starts_word(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_word(char c) { return starts_word(c) || (c >= '0' && c <= '9'); }
 
 /// Words, numbers, strings and single characters, without comments, directives and annotations.

@@ -23,7 +23,7 @@ class FaultEvents {
     const auto& faults = laser.episodes();
     laser_over_.resize(faults.size(), kUntold);
     for (std::size_t i = 0; i < faults.size(); ++i) {
-      const bool over = i + 1 < faults.size() || !laser.is_faulty();
+      const bool over = !laser.is_open(i);
       const char now = over ? kOver : kBegun;
       if (laser_over_[i] != now) events.emplace_back(LaserFaultChanged{faults[i], over});
       laser_over_[i] = now;

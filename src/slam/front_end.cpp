@@ -55,6 +55,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   tracked.left_out = own_.lost_in_a_row > 0;
   tracked.tracking = tracking_of(tracked, sighting.likeliest().measured, scan.stamp);
   if (tracked.used && !tracked.left_out) keep(sighting, tracked);
+  remember(sighting, tracked);
   return tracked;
 }
 
@@ -65,7 +66,48 @@ FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T
   sighting.believed = laser_check_.add(scan, odometry);
   const Pose2& local_T_robot = sighting.likeliest().local_T_robot;
   sighting.surfaces = surfaces_of(scan, robot_T_lidar, velocity_to(local_T_robot, scan));
+  sighting.own_count = sighting.surfaces.size();
+  add_companions(sighting);
   return sighting;
+}
+
+void FrontEnd::add_companions(Sighting& sighting) const {
+  const LaserView* const own = view_of(sighting.scan.lidar);
+  const bool is_mapped = own != nullptr && own->piece == own_.piece;
+  for (const LaserView& view : views_) {
+    const double age_s = (sighting.scan.stamp - view.stamp).seconds();
+    if (view.lidar == sighting.scan.lidar || std::abs(age_s) > kFrontEnd.companion_s) continue;
+    const Pose2 now_T_then = sighting.likeliest().local_T_robot.inverse() * view.local_T_robot;
+    const Eigen::Matrix2f rotation = now_T_then.rotation().cast<float>();
+    const Eigen::Vector2f translation = now_T_then.translation().cast<float>();
+    for (const SurfacePoint& seen : view.surfaces) {
+      sighting.surfaces.push_back(
+          {rotation * seen.position + translation, rotation * seen.normal, seen.weight});
+    }
+    sighting.is_new_laser = !is_mapped && !active_.empty();
+  }
+}
+
+/// What this laser saw helps the others.
+void FrontEnd::remember(const Sighting& sighting, const TrackedScan& tracked) {
+  const int lidar = sighting.scan.lidar;
+  auto view = std::ranges::find(views_, lidar, &LaserView::lidar);
+  const bool is_known = view != views_.end();
+  if (!is_known && !tracked.key) return;
+  if (!is_known) view = views_.insert(views_.end(), {.lidar = lidar});
+  view->stamp = sighting.scan.stamp;
+  view->local_T_robot = tracked.local_T_robot;
+  const bool helps = tracked.used && !tracked.left_out;
+  view->surfaces.assign(sighting.own().begin(),
+                        helps ? sighting.own().end() : sighting.own().begin());
+  if (!tracked.key) return;
+  view->piece = own_.piece;
+  view->last_key = tracked.local_T_robot;
+}
+
+const LaserView* FrontEnd::view_of(int lidar) const {
+  const auto view = std::ranges::find(views_, lidar, &LaserView::lidar);
+  return view == views_.end() ? nullptr : &*view;
 }
 
 /// The scan where it was expected, before the laser is asked.
@@ -74,7 +116,7 @@ TrackedScan FrontEnd::predicted(const Sighting& sighting) {
   TrackedScan tracked;
   tracked.local_T_robot = tracked.guess_local_T_robot = guess.local_T_robot;
   tracked.used = sighting.believed &&
-                 sighting.surfaces.size() >= static_cast<std::size_t>(kFrontEnd.min_points);
+                 sighting.matched().size() >= static_cast<std::size_t>(kFrontEnd.min_points);
   if (!tracked.used) tracked.covariance = guess.information.inverse();
   return tracked;
 }
@@ -91,7 +133,7 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
   const auto blind = [&] { return blind_motion(stamp, sighting.likeliest(), sighting.odometry); };
   if (is_gap(stamp)) {
     const BlindMotion motion = blind();
-    if (!motion.is_short()) return rejoin(sighting.surfaces, motion, stamp, tracked);
+    if (!motion.is_short()) return rejoin(sighting.matched(), motion, stamp, tracked);
   }
   const Seen seen = follow(sighting, tracked);
   if (is_gap(stamp)) note_gap(blind(), stamp, tracked);  // also of one that had been lost
@@ -103,7 +145,7 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
   const LaserScan& scan = sighting.scan;
   const MotionGuess& guess = sighting.likeliest();
   Alignment alignment =
-      align(sighting.surfaces, sighting.guesses, others_than_odometry(scan.stamp));
+      align(sighting.matched(), sighting.guesses, others_than_odometry(scan.stamp));
   Tangent2 velocity = velocity_to(guess.local_T_robot, scan);
   for (int pass = 0; pass < kFrontEnd.straightenings && !alignment.lost; ++pass) {
     // A scan that was straightened by a wrong velocity is straightened anew.
@@ -111,11 +153,11 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
     const Tangent2 matched = velocity_to(alignment.match.target_T_source, scan);
     if (!bends(scan, matched - velocity)) break;
     velocity = matched;
-    sighting.surfaces = surfaces_of(scan, sighting.robot_T_lidar, velocity);
+    straighten(sighting, velocity);
     MotionGuess again = guess;
     again.local_T_robot = alignment.match.target_T_source;
     again.information *= kFrontEnd.outvoted;
-    alignment.match = align(sighting.surfaces, std::span(&again, 1), {}).match;
+    alignment.match = align(sighting.matched(), std::span(&again, 1), {}).match;
   }
   tracked.searched = alignment.searched;
   own_.lost_in_a_row = alignment.lost ? own_.lost_in_a_row + 1 : 0;
@@ -132,7 +174,9 @@ void FrontEnd::give_up_place(const Sighting& sighting, TrackedScan& tracked) {
 /// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.
 void FrontEnd::keep(const Sighting& sighting, TrackedScan& tracked) {
   hold(sighting.scan.stamp, tracked.local_T_robot, sighting.odometry);
-  if (active_.empty() || moved_enough(tracked.local_T_robot)) insert(sighting, tracked);
+  if (active_.empty() || moved_enough(sighting.scan.lidar, tracked.local_T_robot)) {
+    insert(sighting, tracked);
+  }
 }
 
 /// What a match says of its scan. \param is_held  the laser holds the pose
@@ -145,6 +189,16 @@ FrontEnd::Seen FrontEnd::take_match(const MatchResult& match, bool is_held, Trac
       is_held && match.status != MatchStatus::kTooFewPairs && match.score >= options_.trusted_score;
   if (fits) own_.usual_score += (match.score - own_.usual_score) / kFrontEnd.score_memory;
   return {fits && match.status != MatchStatus::kDegenerate, fits};
+}
+
+/// Its own beams, by a better velocity.
+void FrontEnd::straighten(Sighting& sighting, const Tangent2& velocity) {
+  std::vector<SurfacePoint> surfaces = surfaces_of(sighting.scan, sighting.robot_T_lidar, velocity);
+  const std::size_t own_count = surfaces.size();
+  const auto others = std::span(sighting.surfaces).subspan(sighting.own_count);
+  surfaces.insert(surfaces.end(), others.begin(), others.end());
+  sighting.surfaces = std::move(surfaces);
+  sighting.own_count = own_count;
 }
 
 Tangent2 FrontEnd::velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const {
@@ -264,10 +318,13 @@ double FrontEnd::least_score() const {
   return std::max(options_.trusted_score, own_.usual_score - kFrontEnd.score_drop);
 }
 
-bool FrontEnd::moved_enough(const Pose2& local_T_robot) const {
-  return std::hypot(local_T_robot.x - own_.last_key.x, local_T_robot.y - own_.last_key.y) >=
+bool FrontEnd::moved_enough(int lidar, const Pose2& local_T_robot) const {
+  const LaserView* const view = view_of(lidar);
+  if (view == nullptr || view->piece != own_.piece) return true;
+  const Pose2& last = view->last_key;
+  return std::hypot(local_T_robot.x - last.x, local_T_robot.y - last.y) >=
              options_.key_distance_m ||
-         std::abs(wrap_angle(local_T_robot.yaw - own_.last_key.yaw)) >= options_.key_angle_rad;
+         std::abs(wrap_angle(local_T_robot.yaw - last.yaw)) >= options_.key_angle_rad;
 }
 
 void FrontEnd::insert(const Sighting& sighting, TrackedScan& tracked) {
@@ -285,7 +342,7 @@ void FrontEnd::insert(const Sighting& sighting, TrackedScan& tracked) {
     active_.push_back({Submap(submap_options_), tracked.local_T_robot, own_.key_count, 0.0});
   }
   for (auto& active : active_) {
-    active.submap.insert(sighting.surfaces, sighting.scan, sighting.robot_T_lidar,
+    active.submap.insert(sighting.own(), sighting.scan, sighting.robot_T_lidar,
                          active.local_T_submap.inverse() * tracked.local_T_robot, beams_);
   }
   own_.last_key = tracked.local_T_robot;
@@ -305,7 +362,7 @@ std::vector<FinishedSubmap> FrontEnd::end_piece() {
 std::vector<FinishedSubmap> FrontEnd::finish() { return end_piece(); }
 
 FrontEnd::State FrontEnd::state() const {
-  State state{{}, predictor_.state(), laser_check_.state(), own_};
+  State state{{}, predictor_.state(), laser_check_.state(), views_, own_};
   for (const ActiveSubmap& active : active_) {
     state.active.push_back(
         {active.submap.state(), active.local_T_submap, active.first_key, active.travelled_m});
@@ -337,6 +394,7 @@ void FrontEnd::restore(State state) {
   }
   predictor_.restore(std::move(state.predictor));
   laser_check_.restore(std::move(state.laser_check));
+  views_ = std::move(state.views);
   own_ = state.own;
 }
 

@@ -20,6 +20,7 @@ struct FrontEndNumbers {
   double bend_m = 0.01;
   double bend_rad = 0.005;
   int straightenings = 3;
+  double companion_s = 0.2;
 };
 inline constexpr FrontEndNumbers kFrontEnd{};
 
@@ -59,6 +60,10 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit("straightenings", n.straightenings,
         "derived: each takes away what the sweep is of the time between scans, half of the error "
         "or more: an eighth is left");
+  visit(
+      "companion_s", n.companion_s,
+      "chosen: what another laser saw so long ago still helps: two sweeps of a scanner that turns "
+      "ten times a second");
 }
 
 /// What the front end decides by after the laser has not held the pose for a while.

@@ -38,56 +38,78 @@ bool has_moved(const OdometryReading& from, const OdometryReading& to) {
 
 }  // namespace
 
-bool LaserCheck::is_frozen(const LaserScan& scan, const std::optional<OdometryReading>& odometry) {
-  if (!same_ranges(scan.ranges_m, state_.last_ranges_m)) {
-    state_.last_ranges_m = scan.ranges_m;
-    state_.repeated_since = odometry;
-    state_.repeated = 0;
+LaserCheck::Laser& LaserCheck::laser_of(const LaserScan& scan) {
+  const auto known = std::ranges::find(state_.lasers, scan.lidar, &Laser::lidar);
+  if (known != state_.lasers.end()) return *known;
+  state_.lasers.push_back({.lidar = scan.lidar});
+  return state_.lasers.back();
+}
+
+bool LaserCheck::is_open(std::size_t episode) const {
+  return std::ranges::any_of(state_.lasers,
+                             [&](const Laser& laser) { return laser.open == episode; });
+}
+
+bool LaserCheck::is_faulty() const {
+  return std::ranges::any_of(state_.lasers,
+                             [](const Laser& laser) { return laser.open.has_value(); });
+}
+
+bool LaserCheck::is_frozen(const LaserScan& scan, Laser& laser,
+                           const std::optional<OdometryReading>& odometry) {
+  if (!same_ranges(scan.ranges_m, laser.last_ranges_m)) {
+    laser.last_ranges_m = scan.ranges_m;
+    laser.repeated_since = odometry;
+    laser.repeated = 0;
     return false;
   }
-  if (odometry && state_.repeated_since) return has_moved(*state_.repeated_since, *odometry);
-  state_.most_repeated = std::max(state_.most_repeated, ++state_.repeated);
+  if (odometry && laser.repeated_since) return has_moved(*laser.repeated_since, *odometry);
+  state_.most_repeated = std::max(state_.most_repeated, ++laser.repeated);
   return false;
 }
 
-std::optional<LaserFault> LaserCheck::fault_of(const LaserScan& scan,
+std::optional<LaserFault> LaserCheck::fault_of(const LaserScan& scan, Laser& laser,
                                                const std::optional<OdometryReading>& odometry) {
   // A scan without returns repeats itself for good reason.
   const bool any = std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
                                [](float range_m) { return std::isfinite(range_m); });
   if (!any) return {};
-  if (is_frozen(scan, odometry)) return LaserFault::kFrozen;
+  if (is_frozen(scan, laser, odometry)) return LaserFault::kFrozen;
   if (is_blocked(scan)) return LaserFault::kBlocked;
   return {};
 }
 
 bool LaserCheck::add(const LaserScan& scan, const std::optional<OdometryReading>& odometry) {
-  const auto fault = fault_of(scan, odometry);
+  Laser& laser = laser_of(scan);
+  const auto fault = fault_of(scan, laser, odometry);
   if (!fault) {
-    state_.open = false;
+    laser.open.reset();
     return true;
   }
-  if (!state_.open || state_.episodes.back().fault != *fault) {
-    state_.episodes.push_back({.fault = *fault, .from = scan.stamp});
-    state_.begun = *fault == LaserFault::kFrozen ? state_.repeated_since : odometry;
-    state_.open = true;
+  if (!laser.open || state_.episodes[*laser.open].fault != *fault) {
+    laser.open = state_.episodes.size();
+    state_.episodes.push_back({.fault = *fault, .lidar = scan.lidar, .from = scan.stamp});
+    laser.begun = *fault == LaserFault::kFrozen ? laser.repeated_since : odometry;
   }
-  LaserEpisode& episode = state_.episodes.back();
+  LaserEpisode& episode = state_.episodes[*laser.open];
   episode.to = scan.stamp;
   ++episode.scans;
-  if (state_.begun && odometry) {
-    const Pose2 motion = state_.begun->odom_T_robot.inverse() * odometry->odom_T_robot;
+  if (laser.begun && odometry) {
+    const Pose2 motion = laser.begun->odom_T_robot.inverse() * odometry->odom_T_robot;
     episode.odometry_m =
-        std::max(odometry->path_m - state_.begun->path_m, std::hypot(motion.x, motion.y));
+        std::max(odometry->path_m - laser.begun->path_m, std::hypot(motion.x, motion.y));
     episode.odometry_rad =
-        std::max(odometry->turned_rad - state_.begun->turned_rad, std::abs(motion.yaw));
+        std::max(odometry->turned_rad - laser.begun->turned_rad, std::abs(motion.yaw));
   }
   return false;
 }
 
 void LaserCheck::restore(State state) {
-  require_sound(!state.open || !state.episodes.empty(), "a fault of the laser that never began");
-  require_sound(state.repeated <= state.most_repeated, "scans repeated more often than ever");
+  for (const Laser& laser : state.lasers) {
+    require_sound(!laser.open || *laser.open < state.episodes.size(),
+                  "a fault of the laser that never began");
+    require_sound(laser.repeated <= state.most_repeated, "scans repeated more often than ever");
+  }
   state_ = std::move(state);
 }
 

@@ -30,10 +30,12 @@ void add_unusable_scans(const MapResult& result, const RunClock& clock,
     if ((episode.to - episode.from).seconds() < kSensorFaults.brief_s || ++told > kTold) continue;
     const std::string when = clock.span(episode.from, episode.to) + moved(episode);
     const std::string left_out = fmt::format("; these {} scans were not used", episode.scans);
+    const std::string name =
+        episode.lidar == 0 ? "the laser" : fmt::format("laser {}", episode.lidar + 1);
     faults.push_back(episode.fault == LaserFault::kBlocked
-                         ? "the laser was blocked " + when +
+                         ? name + " was blocked " + when +
                                ": nearly all returns came from within 35 cm of it" + left_out
-                         : "the laser was frozen " + when +
+                         : name + " was frozen " + when +
                                ": it repeated one scan to the last bit" + left_out);
   }
   if (told > kTold)

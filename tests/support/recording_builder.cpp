@@ -234,8 +234,8 @@ class McapBuilder {
         inside.empty() ? inside : packed(build_.packing, inside, build_.is_bare_lz4);
     std::uint32_t sum = build_.has_checksums ? checksum(inside) : 0;
     if (build_.has_wrong_checksums) sum ^= 0x55U;
-    made_.bytes += record(6, u64(0) + u64(1) + u64(inside.size()) + u32(sum) + text(word) +
-                                 u64(data.size()) + data);
+    made_.bytes += record(
+        6, u64(0) + u64(1) + u64(inside.size()) + u32(sum) + text(word) + u64(data.size()) + data);
     part.end = made_.bytes.size();
     if (count > 0) made_.parts.push_back(part);
     std::string offsets;
@@ -353,7 +353,8 @@ BuiltRecording build_mcap(const std::vector<BuiltMessage>& messages, const McapB
 std::vector<BuiltMessage> messages_of(Recording& recording) {
   std::vector<BuiltMessage> messages;
   while (const auto message = recording.next()) {
-    messages.push_back({recording.topics()[message->topic].name, message->recorded,
+    messages.push_back({recording.topics()[message->topic].name,
+                        message->recorded,
                         {message->bytes.begin(), message->bytes.end()}});
   }
   return messages;

@@ -51,10 +51,10 @@ struct BagBuild {
   Packing packing = Packing::kNone;
   bool is_indexed = true;
   std::size_t per_chunk = 7;
-  bool outside_of_chunks = false;       ///< every second group of messages
-  bool has_wrong_index_lengths = false; ///< of the records behind the first chunk
-  std::size_t junk_before_index = 0;    ///< bytes
-  bool chunk_op_first = true;           ///< the order of fields in headers
+  bool outside_of_chunks = false;        ///< every second group of messages
+  bool has_wrong_index_lengths = false;  ///< of the records behind the first chunk
+  std::size_t junk_before_index = 0;     ///< bytes
+  bool chunk_op_first = true;            ///< the order of fields in headers
 };
 [[nodiscard]] BuiltRecording build_bag(const std::vector<BuiltMessage>& messages,
                                        const BagBuild& build);

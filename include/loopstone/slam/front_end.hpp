@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
@@ -9,6 +10,7 @@
 #include "loopstone/registration/grid_matcher.hpp"
 #include "loopstone/registration/match_result.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
+#include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/finished_submap.hpp"
 #include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/motion_predictor.hpp"
@@ -93,9 +95,28 @@ struct HeldScan {
   }
 };
 
+/// What one laser of the robot saw last.
+struct LaserView {
+  int lidar = 0;
+  Stamp stamp{};
+  Pose2 local_T_robot{};
+  std::vector<SurfacePoint> surfaces{};  ///< robot frame at that stamp
+  std::size_t piece = 0;                 ///< in which it was mapped last
+  Pose2 last_key{};
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(lidar, stamp, local_T_robot, surfaces, piece, last_key);
+  }
+};
+
 /// Aligns each scan to the active submap and keeps the submaps going.
 ///
 /// Frame `local`: that of the first scan; continuous, never corrected by loop closures.
+///
+/// Several lasers: each scan is aligned at its own time, together with what the others saw a moment
+/// before, moved by the motion since; so lasers that look different ways hold one another. Each is
+/// mapped from its own place.
 ///
 /// Where the laser has not held the pose for a while, the next scan may show a place that no submap
 /// knows. It stands where odometry says, unless it fits the active submap there; then a new piece
@@ -151,11 +172,12 @@ class FrontEnd {
     std::vector<Active> active{};  ///< oldest first
     MotionPredictor::State predictor{};
     LaserCheck::State laser_check{};
+    std::vector<LaserView> views{};  ///< one a laser
     Own own{};
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(active, predictor, laser_check, own);
+      a(active, predictor, laser_check, views, own);
     }
   };
 
@@ -184,11 +206,20 @@ class FrontEnd {
     const LaserScan& scan;
     const Pose2& robot_T_lidar;
     const std::optional<OdometryReading>& odometry;
-    std::vector<MotionGuess> guesses;  ///< at least one
-    bool believed = false;             ///< the laser shows its surroundings
-    std::vector<SurfacePoint> surfaces{};
+    std::vector<MotionGuess> guesses;      ///< at least one
+    bool believed = false;                 ///< the laser shows its surroundings
+    std::vector<SurfacePoint> surfaces{};  ///< its own, then those of other lasers
+    std::size_t own_count = 0;
+    bool is_new_laser = false;  ///< nothing that it saw is mapped yet, but what others see is
 
     [[nodiscard]] const MotionGuess& likeliest() const { return guesses.front(); }
+    [[nodiscard]] std::span<const SurfacePoint> own() const {
+      return std::span(surfaces).first(own_count);
+    }
+    /// What is aligned to the submap.
+    [[nodiscard]] std::span<const SurfacePoint> matched() const {
+      return std::span(surfaces).subspan(is_new_laser ? own_count : 0);
+    }
   };
 
   // The steps of add(), in their order.
@@ -201,6 +232,11 @@ class FrontEnd {
   void keep(const Sighting& sighting, TrackedScan& tracked);
   void insert(const Sighting& sighting, TrackedScan& tracked);
 
+  void straighten(Sighting& sighting, const Tangent2& velocity);
+  /// Adds what other lasers saw a moment before.
+  void add_companions(Sighting& sighting) const;
+  void remember(const Sighting& sighting, const TrackedScan& tracked);
+  [[nodiscard]] const LaserView* view_of(int lidar) const;
   [[nodiscard]] std::vector<SurfacePoint> surfaces_of(const LaserScan& scan,
                                                       const Pose2& robot_T_lidar,
                                                       const Tangent2& velocity);
@@ -254,7 +290,8 @@ class FrontEnd {
 
   /// Constant from the last scan's pose to this one [m/s, m/s, rad/s], robot frame.
   [[nodiscard]] Tangent2 velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const;
-  [[nodiscard]] bool moved_enough(const Pose2& local_T_robot) const;
+  /// Since this laser was mapped last.
+  [[nodiscard]] bool moved_enough(int lidar, const Pose2& local_T_robot) const;
   /// A scan that explains less, by much less than usual, shows another place.
   [[nodiscard]] double least_score() const;
 
@@ -265,6 +302,7 @@ class FrontEnd {
   std::vector<ActiveSubmap> active_{};  ///< oldest first; the oldest is what scans are aligned to
   MotionPredictor predictor_;
   LaserCheck laser_check_{};
+  std::vector<LaserView> views_{};
   State::Own own_{};
 };
 

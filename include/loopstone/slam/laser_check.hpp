@@ -48,15 +48,16 @@ constexpr auto words_of(LaserFault /*any*/) {
 /// A time during which scans said nothing of the surroundings.
 struct LaserEpisode {
   LaserFault fault = LaserFault::kBlocked;
-  Stamp from{};  ///< of the first scan that shows it
-  Stamp to{};    ///< of the last one
+  int lidar = 0;  ///< LaserScan::lidar
+  Stamp from{};   ///< of the first scan that shows it
+  Stamp to{};     ///< of the last one
   std::size_t scans = 0;
   double odometry_m = 0.0;    ///< travelled meanwhile, as odometry has it
   double odometry_rad = 0.0;  ///< turned
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(fault, from, to, scans, odometry_m, odometry_rad);
+    a(fault, lidar, from, to, scans, odometry_m, odometry_rad);
   }
 };
 
@@ -66,31 +67,43 @@ struct LaserEpisode {
 /// A robot that stands still in a world without noise repeats itself too; so a scan counts as
 /// frozen only once odometry has moved since the scan that it repeats. Without odometry nothing
 /// tells the two apart; then repetition is counted and not judged.
-/// Cost: one pass over the ranges. Deterministic.
+/// Several lasers are told apart. Cost: one pass over the ranges. Deterministic.
 class LaserCheck {
  public:
   /// Whether the scan can be believed. \param odometry  at its stamp, if there is any
   [[nodiscard]] bool add(const LaserScan& scan, const std::optional<OdometryReading>& odometry);
 
   [[nodiscard]] const std::vector<LaserEpisode>& episodes() const { return state_.episodes; }
-  /// Whether the last episode goes on.
-  [[nodiscard]] bool is_faulty() const { return state_.open; }
+  /// Whether an episode goes on.
+  [[nodiscard]] bool is_open(std::size_t episode) const;
+  /// Whether any does.
+  [[nodiscard]] bool is_faulty() const;
   /// Most scans in a row that were the same to the last bit while no odometry told whether the
   /// robot stood, the first one not counted.
   [[nodiscard]] std::size_t most_repeated() const { return state_.most_repeated; }
 
-  struct State {
-    std::vector<LaserEpisode> episodes{};
+  /// What is known of one laser.
+  struct Laser {
+    int lidar = 0;
     std::vector<float> last_ranges_m{};
     std::optional<OdometryReading> repeated_since{};  ///< at the scan that is repeated
     std::size_t repeated = 0;
-    std::size_t most_repeated = 0;
-    bool open = false;                       ///< the last episode goes on
+    std::optional<std::size_t> open{};       ///< its episode that goes on
     std::optional<OdometryReading> begun{};  ///< odometry when it began
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(episodes, last_ranges_m, repeated_since, repeated, most_repeated, open, begun);
+      a(lidar, last_ranges_m, repeated_since, repeated, open, begun);
+    }
+  };
+  struct State {
+    std::vector<LaserEpisode> episodes{};
+    std::vector<Laser> lasers{};
+    std::size_t most_repeated = 0;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(episodes, lasers, most_repeated);
     }
   };
 
@@ -99,9 +112,10 @@ class LaserCheck {
   void restore(State state);
 
  private:
-  [[nodiscard]] std::optional<LaserFault> fault_of(const LaserScan& scan,
+  [[nodiscard]] Laser& laser_of(const LaserScan& scan);
+  [[nodiscard]] std::optional<LaserFault> fault_of(const LaserScan& scan, Laser& laser,
                                                    const std::optional<OdometryReading>& odometry);
-  [[nodiscard]] bool is_frozen(const LaserScan& scan,
+  [[nodiscard]] bool is_frozen(const LaserScan& scan, Laser& laser,
                                const std::optional<OdometryReading>& odometry);
 
   State state_{};

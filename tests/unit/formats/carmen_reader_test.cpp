@@ -349,8 +349,7 @@ void expect_made_up(const LogContent& log, std::size_t scans, double rate_hz) {
 }
 
 TEST(CarmenStamps, OfOneMomentBecomeThoseOfTheOrderAtASicksRate) {
-  const LogContent log =
-      read_by(scans_at(steps(50, 0.0), steps(50, 0.0, 7.0)), StampUse::kAuto);
+  const LogContent log = read_by(scans_at(steps(50, 0.0), steps(50, 0.0, 7.0)), StampUse::kAuto);
   expect_made_up(log, 50, 5.0);
   EXPECT_TRUE(log.has_note("all scans have the same stamp, and the logger's times are no better"));
   EXPECT_TRUE(log.has_note("5 scans a second (the usual rate of a SICK laser"));
@@ -466,10 +465,10 @@ TEST(CarmenReader, EveryLaserHasItsIndexAndMount) {
 }
 
 TEST(CarmenReader, ParamsMayPutALaserAsideAndTurned) {
-  const LogContent log =
-      read("PARAM robot_frontlaser_offset 0.2 1 h 0\nPARAM robot_frontlaser_side_offset 0.1 1 h 0\n"
-           "PARAM robot_frontlaser_angular_offset 0.5 1 h 0\n" +
-           flaser("1.0"));
+  const LogContent log = read(
+      "PARAM robot_frontlaser_offset 0.2 1 h 0\nPARAM robot_frontlaser_side_offset 0.1 1 h 0\n"
+      "PARAM robot_frontlaser_angular_offset 0.5 1 h 0\n" +
+      flaser("1.0"));
   EXPECT_TRUE(pose_near(log.scans.at(0).robot_T_lidar.value(), {0.2, 0.1, 0.5}, 1e-9, 1e-9));
 }
 

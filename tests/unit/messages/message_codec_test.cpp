@@ -113,7 +113,8 @@ TEST(MessageCodecDamage, ALengthIsHeldAgainstTheBytesBeforeMemoryIsTaken) {
   EXPECT_TRUE(refuses(msg::LaserEcho{}, "\xff\xff\xff\xff"sv));
   EXPECT_TRUE(refuses(msg::LaserEcho{}, "\x02\0\0\0\1\2\3\4\5\6\7"sv));
   EXPECT_TRUE(refuses(msg::TFMessage{}, "\xff\xff\xff\x7f"sv));
-  EXPECT_TRUE(refuses(msg::MarkerArray{}, "\x10\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"sv));
+  EXPECT_TRUE(
+      refuses(msg::MarkerArray{}, "\x10\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"sv));
 }
 
 TEST(MessageCodec, StringsOfCdrMayLackTheirNul) {
@@ -145,9 +146,8 @@ TEST(MessageCodec, TimesThatDoNotFitAreRefused) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   std::string bytes;
   const auto refused = [&](WireFormat format, std::int64_t seconds) {
-    return error_of([&] {
-             encode_message(format, msg::Clock{Stamp{seconds * kSecond}}, bytes);
-           }) != "no error";
+    return error_of([&] { encode_message(format, msg::Clock{Stamp{seconds * kSecond}}, bytes); }) !=
+           "no error";
   };
   EXPECT_FALSE(refused(WireFormat::kRos1, 0xffffffff));
   EXPECT_EQ(decoded<msg::Clock>(WireFormat::kRos1, bytes).clock.nanoseconds, 0xffffffff * kSecond);

@@ -48,13 +48,13 @@ TEST(MessageDefinitions, ThatSayTheSameInOtherWordsAreReadAsCompiled) {
       kLine + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
   EXPECT_TRUE(MessageDecoder<msg::LaserScan>(WireFormat::kRos1, ros1(text)).as_compiled());
   // Bounds and defaults do not change the bytes; the message may be named, too.
-  EXPECT_TRUE(MessageDecoder<msg::JointState>(
-                  WireFormat::kCdr,
-                  ros2("MSG: sensor_msgs/msg/JointState\nstd_msgs/msg/Header header\n"
-                       "string<=10[<=3] name [\"a\", 'b']\nfloat64[<=5] position\n"
-                       "float64[] velocity [1.0, 2.0]\nfloat64[] effort\n" +
-                       kHeader))
-                  .as_compiled());
+  EXPECT_TRUE(
+      MessageDecoder<msg::JointState>(
+          WireFormat::kCdr, ros2("MSG: sensor_msgs/msg/JointState\nstd_msgs/msg/Header header\n"
+                                 "string<=10[<=3] name [\"a\", 'b']\nfloat64[<=5] position\n"
+                                 "float64[] velocity [1.0, 2.0]\nfloat64[] effort\n" +
+                                 kHeader))
+          .as_compiled());
   EXPECT_TRUE(
       MessageDecoder<msg::DiagnosticStatus>(
           WireFormat::kCdr, ros2("char level 1\nstring name \"a = b # c\"\nstring message\n"
@@ -64,9 +64,10 @@ TEST(MessageDefinitions, ThatSayTheSameInOtherWordsAreReadAsCompiled) {
 }
 
 TEST(MessageDefinitions, FieldsAreFoundByTheirNames) {
-  const auto definition = ros2("float32[<=4] ranges\nuint8 more\nfloat64 range_max\nuint16 angle_min\n"
-                               "string[] notes\nstd_msgs/Header header\nstd_msgs/Header[2] others\n" +
-                               kHeader);
+  const auto definition = ros2(
+      "float32[<=4] ranges\nuint8 more\nfloat64 range_max\nuint16 angle_min\n"
+      "string[] notes\nstd_msgs/Header header\nstd_msgs/Header[2] others\n" +
+      kHeader);
   const MessageDecoder<msg::LaserScan> decoder(WireFormat::kCdr, definition);
   EXPECT_FALSE(decoder.as_compiled());
   const msg::Header header{Stamp{3'000'000'004}, "laser"};
@@ -166,8 +167,7 @@ TEST(MessageDefinitions, AllTypesAreReadByAnotherDefinition) {
       // A constant before the first field is the end of its line.
       return MessageDefinition{definition.language, "uint8 new_one\n" + definition.text};
     };
-    const MessageDecoder<M> one(WireFormat::kRos1,
-                                later(ros1(MessageType<M>::ros1_definition())));
+    const MessageDecoder<M> one(WireFormat::kRos1, later(ros1(MessageType<M>::ros1_definition())));
     EXPECT_FALSE(one.as_compiled());
     M read;
     one.decode('x' + encoded(WireFormat::kRos1, message), read);
@@ -185,8 +185,7 @@ TEST(MessageDefinitions, WideStringsBecomeUtf8) {
 }
 
 template <typename M = msg::LaserScan>
-std::string refusal_of(const MessageDefinition& definition,
-                       WireFormat format = WireFormat::kRos1) {
+std::string refusal_of(const MessageDefinition& definition, WireFormat format = WireFormat::kRos1) {
   try {
     (void)MessageDecoder<M>(format, definition);
   } catch (const MessageError& error) {
@@ -251,15 +250,16 @@ TEST(MessageDefinitionsRefused, ManyElementsOfNothing) {
   EXPECT_EQ(scan.range_min, 2.0F);
   // In ROS 2 they have a byte each, which the message lacks.
   EXPECT_THROW((void)decoded<msg::LaserScan>(
-                   WireFormat::kCdr,
-                   cdr(std::vector<float>{}, std::uint32_t{4'000'000'000}, 2.0F), ros2(text)),
+                   WireFormat::kCdr, cdr(std::vector<float>{}, std::uint32_t{4'000'000'000}, 2.0F),
+                   ros2(text)),
                MessageError);
 }
 
 TEST(MessageDefinitionsRefused, ArraysLongerThanTheMessage) {
-  for (const char* text : {"float32[1000000000] ranges\n", "uint8[4294967295] other\nfloat32 range_min",
-                           "string[1000000000] other\nfloat32 range_min",
-                           "T[1000000000] other\nfloat32 range_min\nMSG: p/T\nuint8 x\n"}) {
+  for (const char* text :
+       {"float32[1000000000] ranges\n", "uint8[4294967295] other\nfloat32 range_min",
+        "string[1000000000] other\nfloat32 range_min",
+        "T[1000000000] other\nfloat32 range_min\nMSG: p/T\nuint8 x\n"}) {
     const MessageDecoder<msg::LaserScan> decoder(WireFormat::kRos1, ros1(text));
     msg::LaserScan scan;
     EXPECT_THROW(decoder.decode(std::string(1000, '\0'), scan), MessageError) << text;
@@ -267,35 +267,39 @@ TEST(MessageDefinitionsRefused, ArraysLongerThanTheMessage) {
 }
 
 const std::string kOdometryLikeIdl =
-    kLine + "IDL: nav_msgs/msg/Like\n"
+    kLine +
+    "IDL: nav_msgs/msg/Like\n"
     "// generated from rosidl_adapter/resource/msg.idl.em\n"
     "#include \"geometry_msgs/msg/Pose.idl\"\n\n"
     "module nav_msgs {\n  module msg {\n"
     "    typedef double double__36[36];\n"
-    "    module Like_Constants {\n      const octet OK = 0;\n      @verbatim (language=\"comment\", "
+    "    module Like_Constants {\n      const octet OK = 0;\n      @verbatim "
+    "(language=\"comment\", "
     "text=\"a ) \\\" b\")\n      const string S = \"x;\";\n    };\n"
     "    @verbatim (language=\"comment\", text=\n      \"(one\" \"two\")\n"
     "    struct Like {\n      std_msgs::msg::Header header;\n      @unit (value=\"m\")\n"
     "      string<10> child_frame_id;\n      geometry_msgs::msg::PoseWith pose; /* a; b */\n"
     "      sequence<unsigned long long, 5> more;\n      boolean flag;\n"
     "      @default (value=TRUE)\n      long long numbers[2];\n    };\n  };\n};\n" +
-    kLine + "IDL: std_msgs/msg/Header\nmodule std_msgs { module msg { struct Header {\n"
+    kLine +
+    "IDL: std_msgs/msg/Header\nmodule std_msgs { module msg { struct Header {\n"
     "builtin_interfaces::msg::Time stamp; string frame_id; }; }; };\n" +
-    kLine + "IDL: geometry_msgs/msg/PoseWith\nmodule geometry_msgs { module msg {\n"
+    kLine +
+    "IDL: geometry_msgs/msg/PoseWith\nmodule geometry_msgs { module msg {\n"
     "typedef double double__36[36]; struct Point { double x; double y; double z; };\n"
     "struct Pose { geometry_msgs::msg::Point position; };\n"
     "struct PoseWith { Pose pose; double__36 covariance; }; }; };\n";
 
 TEST(MessageDefinitionsInIdl, AreReadByTheirNames) {
-  const MessageDecoder<msg::Odometry> decoder(
-      WireFormat::kCdr, {DefinitionLanguage::kRos2Idl, kOdometryLikeIdl});
+  const MessageDecoder<msg::Odometry> decoder(WireFormat::kCdr,
+                                              {DefinitionLanguage::kRos2Idl, kOdometryLikeIdl});
   EXPECT_FALSE(decoder.as_compiled());
   const auto wanted = test::counted_message<msg::Odometry>();
   msg::Odometry read;
-  decoder.decode(cdr(wanted.header, wanted.child_frame_id, wanted.pose.pose.position,
-                     wanted.pose.covariance, std::vector<std::uint64_t>{1, 2}, true,
-                     std::array<std::int64_t, 2>{3, 4}),
-                 read);
+  decoder.decode(
+      cdr(wanted.header, wanted.child_frame_id, wanted.pose.pose.position, wanted.pose.covariance,
+          std::vector<std::uint64_t>{1, 2}, true, std::array<std::int64_t, 2>{3, 4}),
+      read);
   EXPECT_EQ(flat(read.header), flat(wanted.header));
   EXPECT_EQ(read.child_frame_id, wanted.child_frame_id);
   EXPECT_EQ(flat(read.pose.pose.position), flat(wanted.pose.pose.position));
@@ -303,17 +307,18 @@ TEST(MessageDefinitionsInIdl, AreReadByTheirNames) {
 }
 
 TEST(MessageDefinitionsInIdl, ThatSayTheSameAreReadAsCompiled) {
-  EXPECT_TRUE(MessageDecoder<msg::Vector3>(
-                  WireFormat::kCdr,
-                  {DefinitionLanguage::kRos2Idl, "module a { module msg { struct V { double x; "
-                                                 "double y; double z; }; }; };"})
+  EXPECT_TRUE(MessageDecoder<msg::Vector3>(WireFormat::kCdr,
+                                           {DefinitionLanguage::kRos2Idl,
+                                            "module a { module msg { struct V { double x; "
+                                            "double y; double z; }; }; };"})
                   .as_compiled());
 }
 
 TEST(MessageDefinitionsInIdl, CountAsNoneWhenTheyAreNotUnderstood) {
-  for (const char* text : {"", "struct", "struct S { union u; };", "module a { struct S { double x[", "@a(",
-                           "enum E { A };", "struct S { sequence<sequence<float>> x; };",
-                           "struct S { float x[2][3]; };", "struct S { S s; };", "\"", "/*"}) {
+  for (const char* text :
+       {"", "struct", "struct S { union u; };", "module a { struct S { double x[", "@a(",
+        "enum E { A };", "struct S { sequence<sequence<float>> x; };",
+        "struct S { float x[2][3]; };", "struct S { S s; };", "\"", "/*"}) {
     const MessageDefinition definition{DefinitionLanguage::kRos2Idl, text};
     EXPECT_TRUE(MessageDecoder<msg::Vector3>(WireFormat::kCdr, definition).as_compiled()) << text;
     EXPECT_THROW(AnyMessageDecoder(WireFormat::kCdr, definition), MessageError) << text;

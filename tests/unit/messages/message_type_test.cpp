@@ -43,8 +43,8 @@ TEST(MessageTypes, HaveTheBytesThatOthersWrite) {
 TEST(MessageTypes, ReadTheBytesThatOthersWrite) {
   std::size_t types = 0;
   for_each_message([&]<typename M>() {
-    const auto at = std::ranges::find(test::kKnownBytes, MessageType<M>::name(),
-                                      &test::KnownBytes::name);
+    const auto at =
+        std::ranges::find(test::kKnownBytes, MessageType<M>::name(), &test::KnownBytes::name);
     if (at == test::kKnownBytes.end()) return;
     ++types;
     const M message = test::counted_message<M>();
