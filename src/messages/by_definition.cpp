@@ -8,9 +8,9 @@ std::string read_text(WireReader& in, Kind kind) {
 
 std::size_t read_count(WireReader& in, const Layout& layout, const FieldLayout& field) {
   if (field.shape == Shape::kOne) return 1;
-  const std::size_t size = words_of(field.kind).size;
+  const std::size_t size = std::max<std::size_t>(words_of(field.kind).size, 1);
   if (field.shape == Shape::kArray) {
-    if (field.count > in.remaining() / std::max<std::size_t>(size, 1)) {
+    if (field.count > in.remaining() / size) {
       throw MessageError(in.offset(), "the message ends within the array " + shown(field.name));
     }
     return field.count;

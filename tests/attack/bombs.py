@@ -357,3 +357,32 @@ def session():
             content = bytes(before) + struct.pack("<Q", count) + b"\xff" * 64
             yield head + checked(struct.pack("<Q", len(content)) + content)
     yield head
+
+
+def message():
+    """A type's number, a serialisation and language, a definition, a message: fuzz_message.cpp."""
+    any_ros1 = b"\xc8\x03"
+    for count in (0xFFFFFFFF, 0x7FFFFFFF, 1_000_000):
+        length = count.to_bytes(4, "little")
+        yield from (bytes([number, 1]) + length * 8 for number in range(37))
+        yield from (bytes([number, 0, 0, 1, 0, 0]) + length * 8 for number in range(37))
+        for element in (b"uint8", b"float64", b"string", b"Empty", b"Small"):
+            types = b"MSG: p/Empty\nMSG: p/Small\nuint8 x\n"
+            for size in (b"", b"%d" % count):
+                definition = element + b"[" + size + b"] a\n" + types + b"\0"
+                yield any_ros1 + definition + length * 3
+                yield b"\x0d\x03float32[] ranges\n" + definition + length * 3
+                yield b"\xc8\x04" + definition + b"\0\1\0\0" + length * 3
+    # Types that use the next one a hundred times each.
+    for last in (b"", b"uint8 x\n"):
+        nested = b"T0[] a\n"
+        for i in range(30):
+            use = b"".join(b"T%d f%d\n" % (i + 1, k) for k in range(100))
+            nested += b"MSG: p/T%d\n" % i + (use if i < 29 else last)
+        yield any_ros1 + nested + b"\0" + (1000).to_bytes(4, "little") + bytes(1_000_000)
+    yield any_ros1 + b"uint8 a\n" * 100_000 + b"\0" + bytes(100_000)
+    yield any_ros1 + b"MSG: p/T\n" * 100_000 + b"\0"
+    yield b"\xc8\x06" + b"module a { " * 80_000
+    yield b"\xc8\x06" + b"@a(" * 300_000
+    yield b"\xc8\x06" + b"/*" * 500_000
+    yield b"\xc8\x06module a { " + b"typedef a::b c; " * 50_000

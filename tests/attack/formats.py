@@ -346,6 +346,7 @@ FORMATS = [
         [],
         bombs_of_text.text,
     ),
+    Format("message", "message", ["message/*"], ".message", None, [], bombs.message),
 ]
 
 
