@@ -4,8 +4,9 @@
 #include "messages/all_messages.hpp"
 #include "refusal.hpp"
 
-// The first byte picks the message's type; the second its serialisation (lowest bit) and the language
-// of its definition (the next two). A definition ends with a byte of 0; the message follows.
+// The first byte picks the message's type; the second its serialisation (lowest bit) and the
+// language of its definition (the next two). A definition ends with a byte of 0; the message
+// follows.
 namespace {
 
 using namespace loopstone;

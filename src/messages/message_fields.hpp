@@ -9,8 +9,8 @@
 #include "loopstone/messages/message_types.hpp"
 
 // The fields of every message, once. From here follow its bytes in both serialisations, the text of
-// its definition, ROS 1's MD5 and ROS 2's RIHS01 hash, so the order, the names and the types are part
-// of the description. Source: common_msgs of ROS 1 Noetic, common_interfaces of ROS 2 Jazzy.
+// its definition, ROS 1's MD5 and ROS 2's RIHS01 hash, so the order, the names and the types are
+// part of the description. Source: common_msgs of ROS 1 Noetic, common_interfaces of ROS 2 Jazzy.
 
 namespace loopstone {
 

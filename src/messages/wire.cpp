@@ -45,8 +45,8 @@ WireReader::WireReader(WireFormat format, std::span<const char> bytes)
   bool little = true;
   if (format == WireFormat::kCdr) {
     if (bytes.size() < kEncapsulation) fail_short(kEncapsulation);
-    const unsigned representation = static_cast<unsigned char>(bytes[0]) * 256U +
-                                    static_cast<unsigned char>(bytes[1]);
+    const unsigned representation =
+        static_cast<unsigned char>(bytes[0]) * 256U + static_cast<unsigned char>(bytes[1]);
     const std::string reason = why_not(representation);
     if (!reason.empty()) throw MessageError(0, "the message's bytes " + reason);
     little = representation == 1;
@@ -59,7 +59,8 @@ WireReader::WireReader(WireFormat format, std::span<const char> bytes)
 std::size_t WireReader::count(std::size_t least_bytes) {
   const auto elements = number<std::uint32_t>();
   if (least_bytes > 0 && elements > remaining() / least_bytes) {
-    throw MessageError(offset(), fmt::format("the message tells of {} elements, but only {} bytes follow",
+    throw MessageError(offset(),
+                       fmt::format("the message tells of {} elements, but only {} bytes follow",
                                    elements, remaining()));
   }
   return elements;
@@ -109,13 +110,15 @@ void WireReader::expect_end() const {
   // DDS fills up to 4 bytes; some writers up to 8.
   const std::size_t most = format_ == WireFormat::kCdr ? 7 : 0;
   if (remaining() > most) {
-    throw MessageError(offset(), fmt::format("the message has {} bytes behind its end", remaining()));
+    throw MessageError(offset(),
+                       fmt::format("the message has {} bytes behind its end", remaining()));
   }
 }
 
 void WireReader::fail_short(std::size_t size) const {
-  throw MessageError(offset(), fmt::format("the message ends after {} bytes, where values of {} were expected",
-                                           end_ - begin_, size));
+  throw MessageError(
+      offset(), fmt::format("the message ends after {} bytes, where values of {} were expected",
+                            end_ - begin_, size));
 }
 
 WireWriter::WireWriter(WireFormat format, std::string& bytes, std::endian order)

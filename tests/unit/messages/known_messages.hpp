@@ -7,9 +7,9 @@
 // ROS 1 Noetic and of ROS 2 Jazzy; tf2_msgs/TFMessage of ROS 1 and WheelTicks given as text).
 //
 // The messages are filled by counting: every value is the next of 1, 2, 3 ..., in the order of the
-// fields; strings are "s7"; truth is whether the count is odd; numbers of 8 bits are the count modulo
-// 100; a time has the count as seconds and as nanoseconds; sequences have 3 elements. ROS 1's seq and
-// what ROS 2's Marker has more are left at 0 and empty, and not counted.
+// fields; strings are "s7"; truth is whether the count is odd; numbers of 8 bits are the count
+// modulo 100; a time has the count as seconds and as nanoseconds; sequences have 3 elements. ROS 1's
+// seq and what ROS 2's Marker has more are left at 0 and empty, and not counted.
 
 namespace loopstone::test {
 
