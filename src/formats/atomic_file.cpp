@@ -93,6 +93,22 @@ void AtomicFile::write(std::string_view bytes) {
   if (buffer_.size() > kBufferBytes) flush_buffer();
 }
 
+void AtomicFile::overwrite(std::int64_t offset, std::string_view bytes) {
+  assert(descriptor_ >= 0 && "written after finish_writing()");
+  flush_buffer();
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), offset);
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      const int error_number = errno;
+      discard();
+      fail(path_, "cannot write to this file", error_number);
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+    offset += written;
+  }
+}
+
 void AtomicFile::flush_buffer() {
   std::string_view rest = buffer_;
   while (!rest.empty()) {

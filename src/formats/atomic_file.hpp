@@ -29,6 +29,8 @@ class AtomicFile {
   ~AtomicFile();
 
   void write(std::string_view bytes);
+  /// Puts other bytes in place of some that were written. Not for pipes.
+  void overwrite(std::int64_t offset, std::string_view bytes);
   /// Everything written so far reaches the disk or this throws; nothing may be written afterwards.
   /// Lets a writer of several files find out that the disk is full before the first of them
   /// appears.

@@ -37,12 +37,14 @@ struct RecordedTopic {
 };
 
 struct RecordedMessage {
-  std::size_t topic = 0;              ///< in Recording::topics()
-  Stamp recorded{};                   ///< when the recorder got it
-  std::span<const char> bytes{};      ///< until the next call of the recording
-  const std::string* file = nullptr;  ///< of the message; as long as the recording
-  std::int64_t offset = -1;           ///< in that file; -1: unknown
+  std::size_t topic = 0;          ///< in Recording::topics()
+  Stamp recorded{};               ///< when the recorder got it
+  std::span<const char> bytes{};  ///< until the next call of the recording
+  /// Its name, until the next call of the recording; of a database with the message's row.
+  const std::string* file = nullptr;
+  std::int64_t offset = -1;  ///< in the file; negative where that would tell nothing
 
+  /// For errors.
   [[nodiscard]] Location where() const {
     Location location{file != nullptr ? *file : std::string()};
     if (offset >= 0) location.byte_offset = offset;
@@ -102,5 +104,8 @@ class Recording {
                                                   const RecordingOptions& options);
 [[nodiscard]] std::unique_ptr<Recording> read_mcap(std::string_view bytes,
                                                    const RecordingOptions& options);
+/// A database of rosbag2; it is copied.
+[[nodiscard]] std::unique_ptr<Recording> read_sqlite_log(std::string_view bytes,
+                                                         const RecordingOptions& options);
 
 }  // namespace loopstone
