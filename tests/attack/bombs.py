@@ -1,6 +1,7 @@
 """Files of bytes that are small and ask for much: each function gives those of one format. They are
 tried in every attack, first. Text is in bombs_of_text.py."""
 
+import gzip
 import io
 import struct
 import zipfile
@@ -340,6 +341,40 @@ def ply():
             "ascii",
             ("%s 0 0\n-%s 1 0\n0 1 0\n1 0 0\n" % (value, value)).encode(),
         )
+
+
+def rawlog_object(name, version, fields):
+    return bytes([0x80 + len(name)]) + name + bytes([version]) + fields + b"\x88"
+
+
+def rawlog_scan(count, seconds=1000):
+    place = rawlog_object(b"CPose3D", 2, struct.pack("<7d", 0, 0, 0, 1, 0, 0, 0))
+    ticks = 116_444_736_000_000_000 + seconds * 10_000_000
+    return rawlog_object(
+        b"CObservation2DRangeScan",
+        6,
+        struct.pack("<fBf", 3.14, 1, 25.0)
+        + place
+        + struct.pack("<I4f4B", count, 1, 2, 3, 4, 1, 1, 1, 1)
+        + struct.pack("<fQfI5sd", 0.01, ticks & (2**64 - 1), 0.0, 5, b"laser", 0.0),
+    )
+
+
+def rawlog():
+    for n in HUGE:
+        count = n & 0xFFFFFFFF
+        scan = rawlog_scan(4)
+        yield gzip.compress(scan + rawlog_scan(count) + scan, mtime=0)
+        yield gzip.compress(scan + rawlog_scan(4, n), mtime=0)
+        for name in (b"CSensoryFrame", b"CActionCollection"):
+            head = rawlog_object(name, 2 if name[1] == 83 else 0, struct.pack("<I", count))
+            yield gzip.compress(head[:-1] * 3000 + scan, 1, mtime=0)
+        label = rawlog_scan(4).replace(struct.pack("<I5s", 5, b"laser"), struct.pack("<I", count))
+        yield gzip.compress(scan + label, mtime=0)
+    yield deflated_zeros(300, rawlog_scan(4), 31)
+    beginnings = (b"\xa2mrpt::obs::CObservation2DRangeScan\7" + bytes(9)) * 100_000
+    yield gzip.compress(rawlog_scan(4) + beginnings, 1, mtime=0)
+    yield gzip.compress(rawlog_scan(4) + (b"\xe3" + b"C" * 99) * 50_000, 1, mtime=0)
 
 
 def session():

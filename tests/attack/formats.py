@@ -149,6 +149,9 @@ FORMATS = [
         log="carmen",
     ),
     Format(
+        "rawlog", "rawlog", ["rawlog/*.rawlog"], ".rawlog", Gzip(), LOG, bombs.rawlog, log="rawlog"
+    ),
+    Format(
         "npz",
         "npz",
         ["npz/*", "simulated/*.npz"],
