@@ -64,8 +64,24 @@ nlohmann::json info(const std::string& log) {
   return nlohmann::json::parse(result.out, nullptr, false);
 }
 
-TEST_F(DamagedLog, MapRefusesWhatInfoRefusesForTheSameReason) {
+TEST_F(DamagedLog, WithoutStampsIsMappedInTheOrderOfTheFileWithAWarning) {
   const std::string path = with_stamps("zero.clf", "0.0");
+  EXPECT_TRUE(info(path)["mappable"].get<bool>());
+  const ProgramResult result = run_program({"map", path, "-o", folder_ / "out", "--json"});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  const auto summary = nlohmann::json::parse(result.out);
+  EXPECT_EQ(summary["scans"].get<int>(), 59);
+  EXPECT_EQ(summary["records_skipped"].get<int>(), 0);
+  EXPECT_THAT(summary["warnings"].dump(), HasSubstr("all scans have the same stamp"));
+  EXPECT_THAT(summary["warnings"].dump(), HasSubstr("5 scans a second"));
+}
+
+TEST_F(DamagedLog, MapRefusesWhatInfoRefusesForTheSameReason) {
+  int scan = 0;
+  const std::string path = log("rest.clf", [&](const std::string& line) {
+    const bool spoil = line.starts_with("FLASER") && ++scan % 20 != 0;
+    return spoil ? line.substr(0, line.size() / 2) : line;
+  });
   const nlohmann::json found = info(path);
   EXPECT_FALSE(found["mappable"].get<bool>());
   const std::string reason = found["findings"][0]["text"];
