@@ -5,6 +5,7 @@
 #include "formats/carmen_writer.hpp"
 #include "formats/rawlog_objects.hpp"
 #include "formats/rawlog_reader.hpp"
+#include "formats/recording_formats.hpp"
 #include "formats/ucsd_format.hpp"
 #include "loopstone/formats/log_format.hpp"
 
@@ -16,12 +17,26 @@ using std::string_view;
 constexpr std::array<string_view, 3> kCarmenEndings{".clf", ".log", ".carmen"};
 constexpr std::array<string_view, 2> kPackings{".gz", ".bz2"};
 constexpr std::array<string_view, 1> kUcsdEndings{".npz"};
+constexpr std::array<string_view, 1> kMcapEndings{".mcap"};
+constexpr std::array<string_view, 2> kBagEndings{".bag", ".active"};
+constexpr std::array<string_view, 1> kDatabaseEndings{".db3"};
+constexpr std::array<string_view, 1> kDatabasePackings{".zstd"};
 constexpr std::array<string_view, 1> kRawlogEndings{".rawlog"};
 
 // Stamps as doubles: what is rounded on the way to seconds, and on the way back.
 constexpr Duration kErrorOfDoubleStamps{500};
 
-constexpr std::array<LogFormat, 3> kFormats{{
+// All that a robot with ROS tells, but pictures.
+constexpr LogContents kTopics{.scans = true,
+                              .odometry_poses = true,
+                              .wheel_ticks = true,
+                              .imu_samples = true,
+                              .lidars = 16,
+                              .beams_change = true,
+                              .beam_times = true,
+                              .lidar_mount = true};
+
+constexpr std::array<LogFormat, 6> kFormats{{
     {
         .name = "carmen",
         .title = "CARMEN",
@@ -72,6 +87,48 @@ constexpr std::array<LogFormat, 3> kFormats{{
         .files = ucsd_log_files,
         .create = create_ucsd,
         .parts = ucsd_parts,
+    },
+    {
+        .name = "mcap",
+        .title = "MCAP",
+        .noun = "MCAP",
+        .file_is = "an MCAP file",
+        .place = LogPlace::kFile,
+        .endings = kMcapEndings,
+        .holds = kTopics,
+        .recognise = recognise_mcap,
+        .open = open_mcap_log,
+        .truth = mcap_truth,
+        .create = create_mcap_log,
+    },
+    {
+        .name = "bag",
+        .title = "ROS 1 bag",
+        .noun = "a ROS 1 bag",
+        .file_is = "a ROS 1 bag",
+        .place = LogPlace::kFile,
+        .endings = kBagEndings,
+        .holds = kTopics,
+        .recognise = recognise_bag,
+        .open = open_bag_log,
+        .truth = bag_truth,
+        .create = create_bag_log,
+    },
+    {
+        .name = "rosbag2",
+        .title = "rosbag2",
+        .noun = "a rosbag2 recording",
+        .file_is = "a database of rosbag2",
+        .place = LogPlace::kFolder,
+        .endings = kDatabaseEndings,
+        .packings = kDatabasePackings,
+        .expected = "metadata.yaml with .db3 or .mcap files",
+        .holds = kTopics,
+        .recognise = recognise_rosbag2,
+        .open = open_rosbag2_log,
+        .truth = rosbag2_truth,
+        .files = rosbag2_log_files,
+        .create = create_rosbag2_log,
     },
     {
         .name = "rawlog",

@@ -33,8 +33,9 @@ std::string seconds_text(double seconds) {
 }  // namespace
 
 StampOrder::StampOrder(bool scans_lead, std::optional<Stamp> early,
-                       std::function<void(const OrderedRecord&, const std::string&)> skip)
-    : scans_lead_(scans_lead), early_(early), skip_(std::move(skip)) {}
+                       std::function<void(const OrderedRecord&, const std::string&)> skip,
+                       Duration window)
+    : scans_lead_(scans_lead), early_(early), skip_(std::move(skip)), window_(window) {}
 
 bool StampOrder::comes_later(const Waiting& a, const Waiting& b) {
   return std::tie(a.stamp, a.rank, a.number) > std::tie(b.stamp, b.rank, b.number);
@@ -156,7 +157,7 @@ StampOrder::Waiting StampOrder::take() {
 std::optional<OrderedRecord> StampOrder::pop() {
   while (!heap_.empty()) {
     const bool full = heap_.size() >= kMostWaiting || waiting_bytes_ >= kMostWaitingBytes;
-    const bool ripe = now_ && heap_.front().stamp + kWindow <= *now_;
+    const bool ripe = now_ && heap_.front().stamp + window_ <= *now_;
     if (!closed_ && !full && !ripe) return std::nullopt;
 
     Waiting first = take();

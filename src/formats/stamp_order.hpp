@@ -38,10 +38,12 @@ class StampOrder {
 
   /// \param scans_lead  scans move the clock, odometry waits for them; else every record moves it
   /// \param skip        told about every record that can't come out
+  /// \param window      by how much a record may come late
   /// \param early       a stamp that the scans are known to have near the beginning, if any is
   ///                    known
   StampOrder(bool scans_lead, std::optional<Stamp> early,
-             std::function<void(const OrderedRecord&, const std::string&)> skip);
+             std::function<void(const OrderedRecord&, const std::string&)> skip,
+             Duration window = kWindow);
 
   /// A scan's own odometry is pushed right after the scan.
   void push(OrderedRecord record);
@@ -75,6 +77,7 @@ class StampOrder {
   bool scans_lead_;
   std::optional<Stamp> early_;
   std::function<void(const OrderedRecord&, const std::string&)> skip_;
+  Duration window_;
   std::vector<Waiting> heap_;
   std::vector<OrderedRecord> pending_;
   std::optional<Stamp> now_;

@@ -20,6 +20,9 @@
 namespace loopstone {
 namespace {
 
+/// Messages that came over a network may be late by so much, and frames of tf as well.
+constexpr Duration kReorderWindow{5'000'000'000};
+
 /// Stamps that are made up from the order of the messages.
 class MadeUpTime {
  public:
@@ -47,10 +50,13 @@ class TopicLogReader final : public LogReader {
         decoders_(*recording_),
         known_(plan_recording(*recording_, options_)),
         frames_(known_.survey.frames.standing()),
-        order_(false, {}, [this](const OrderedRecord& record, const std::string& reason) {
-          skip({{file_of(record), {}, record.line}, reason},
-               std::holds_alternative<LaserScan>(record.message));
-        }) {
+        order_(
+            false, {},
+            [this](const OrderedRecord& record, const std::string& reason) {
+              skip({{file_, {}, record.line}, reason},
+                   std::holds_alternative<LaserScan>(record.message));
+            },
+            kReorderWindow) {
     place_topics();
     mount_imu();
     recording_->want([this](const RecordedTopic& topic) { return is_wanted(topic); });
@@ -103,10 +109,6 @@ class TopicLogReader final : public LogReader {
     const LogProblem told{problem, is_scan};
     tally_.add(told);
     if (options_.on_problem) options_.on_problem(told);
-  }
-
-  [[nodiscard]] std::string file_of(const OrderedRecord& /*record*/) const {
-    return file_ != nullptr ? *file_ : std::string();
   }
 
   bool is_wanted(const RecordedTopic& topic) const {
@@ -163,7 +165,7 @@ class TopicLogReader final : public LogReader {
   void take(const RecordedMessage& message) {
     if (message.topic >= places_.size()) place_topics();
     counts_.add(message);
-    file_ = message.file;
+    if (message.file != nullptr && file_ != *message.file) file_ = *message.file;
     const Place& place = places_[message.topic];
     if (place.role == TopicRole::kNone) return;
     try {
@@ -306,7 +308,7 @@ class TopicLogReader final : public LogReader {
     const auto base_T_laser =
         frames_.find(known_.choice.base_frame, facts.frame, record_time(scan.stamp));
     if (!base_T_laser) {
-      skip({{file_of(record), {}, record.line},
+      skip({{file_, {}, record.line},
             facts.name + ": tf does not tell where the laser was at that time"},
            true);
       return false;
@@ -340,7 +342,7 @@ class TopicLogReader final : public LogReader {
   ClockDrift drift_{};
   MadeUpTime made_up_{};
   std::map<std::string, std::int64_t> tilted_{};  ///< scans, by topic
-  const std::string* file_ = nullptr;             ///< of the last message
+  std::string file_{};                            ///< of the last message
   bool at_end_ = false;
 
   // Memory that is used again for each message.

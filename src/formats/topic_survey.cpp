@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include "formats/ros_geometry.hpp"
@@ -13,11 +14,10 @@ namespace {
 
 /// What is enough to know a topic by.
 constexpr std::int64_t kEnough = 100;
-/// How much of the recording is looked at: by its own clock, and by its bytes.
+/// How much of the recording is looked at: by its own clock, and by its bytes. Until a laser was
+/// seen the bytes alone count.
 constexpr double kMostSeconds = 30.0;
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 28;
-/// After so long no topic is waited for that was never seen.
-constexpr double kSilenceS = 10.0;
 constexpr std::size_t kMostMoving = 1000;
 
 struct KindOfType {
@@ -50,7 +50,10 @@ class Surveyor {
   TopicSurvey run() {
     recording_.want([](const RecordedTopic& topic) { return is_looked_at(kind_of(topic.type)); });
     look_at_the_beginning();
-    if (!survey_.is_whole && recording_.is_indexed()) look_for_fixed_frames();
+    if (!survey_.is_whole && recording_.is_indexed()) {
+      look_for_late_topics();
+      look_for_fixed_frames();
+    }
     note_topics();
     recording_.want({});
     recording_.rewind();
@@ -66,9 +69,37 @@ class Surveyor {
       bytes += static_cast<std::int64_t>(message->bytes.size());
       if (!first) first = message->recorded;
       const double passed_s = message->recorded.seconds() - first->seconds();
-      if (bytes > kMostBytes || passed_s > kMostSeconds || is_enough(passed_s)) return;
+      const bool is_late = passed_s > kMostSeconds && has_seen_laser_;
+      if (bytes > kMostBytes || is_late || is_enough(passed_s)) return;
     }
     survey_.is_whole = true;
+  }
+
+  /// Topics that begin late: an index tells of them, and leads there.
+  void look_for_late_topics() {
+    note_topics();
+    const auto is_late = [this](const RecordedTopic& topic) {
+      const TopicFacts* const facts = survey_.find(topic.name);
+      return facts != nullptr && is_looked_at(facts->kind) && facts->type == topic.type &&
+             facts->seen == 0 && facts->messages.value_or(0) > 0;
+    };
+    if (std::ranges::none_of(recording_.topics(), is_late)) return;
+    std::set<std::string> late;
+    for (const RecordedTopic& topic : recording_.topics()) {
+      if (is_late(topic)) late.insert(topic.name);
+    }
+    recording_.rewind();
+    recording_.want([&](const RecordedTopic& topic) { return late.contains(topic.name); });
+    std::int64_t bytes = 0;
+    while (const auto message = recording_.next()) {
+      take(*message);
+      bytes += static_cast<std::int64_t>(message->bytes.size());
+      const auto is_known = [&](const TopicFacts& facts) {
+        return !late.contains(facts.name) || facts.seen >= kEnough ||
+               facts.seen >= facts.messages.value_or(0);
+      };
+      if (bytes > kMostBytes || std::ranges::all_of(survey_.topics, is_known)) return;
+    }
   }
 
   void look_for_fixed_frames() {
@@ -90,9 +121,8 @@ class Surveyor {
     if (passed_s < 1.0) return false;
     note_topics();
     return std::ranges::all_of(survey_.topics, [&](const TopicFacts& topic) {
-      const bool once = topic.name.ends_with("tf_static");
-      if (!is_looked_at(topic.kind) || once || topic.seen >= kEnough) return true;
-      return topic.messages && topic.seen >= *topic.messages ? true : passed_s > kSilenceS;
+      if (!is_looked_at(topic.kind) || topic.seen >= kEnough) return true;
+      return topic.messages && topic.seen >= *topic.messages;
     });
   }
 
@@ -123,6 +153,7 @@ class Surveyor {
     TopicFacts& facts = facts_of(message.topic);
     if (!facts.fault.empty()) return;
     ++facts.seen;
+    if (facts.is_laser()) has_seen_laser_ = true;
     const RecordedTopic& topic = recording_.topics()[message.topic];
     try {
       if (facts.kind == TopicKind::kTransforms) {
@@ -184,6 +215,7 @@ class Surveyor {
   TopicSurvey survey_{};
   std::vector<std::size_t> place_{};  ///< in survey_.topics, by the number in the recording
   TopicDecoders decoders_;
+  bool has_seen_laser_ = false;
   msg::Imu imu_message_{};
   msg::TFMessage transforms_message_{};
 };

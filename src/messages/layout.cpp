@@ -97,8 +97,10 @@ class Linker {
     if (const auto at = places_.find(package + std::string(name)); at != places_.end()) {
       return at->second;
     }
-    const std::string end = "/" + std::string(name);
-    for (std::size_t i = 1; package.empty() && i < types_.size(); ++i) {
+    // Names of packages change: "Header" was roslib's once.
+    const bool is_whole = name.find('/') != name.npos;
+    const std::string end(is_whole ? name.substr(name.find('/')) : "/" + std::string(name));
+    for (std::size_t i = 1; (is_whole || package.empty()) && i < types_.size(); ++i) {
       if (types_[i].name.ends_with(end)) return i;
     }
     throw MessageError(0, "the definition lacks the type " + shown(name));

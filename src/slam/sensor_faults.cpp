@@ -35,8 +35,8 @@ void add_unusable_scans(const MapResult& result, const RunClock& clock,
     faults.push_back(episode.fault == LaserFault::kBlocked
                          ? name + " was blocked " + when +
                                ": nearly all returns came from within 35 cm of it" + left_out
-                         : name + " was frozen " + when +
-                               ": it repeated one scan to the last bit" + left_out);
+                         : name + " was frozen " + when + ": it repeated one scan to the last bit" +
+                               left_out);
   }
   if (told > kTold)
     faults.push_back(fmt::format("{} more times the laser was blocked or frozen", told - kTold));
