@@ -128,6 +128,11 @@ class DefinedReader {
       if (bytes_of(field.kind) == bytes_of(kind_of<E>())) return in_.numbers(std::span(values));
       for (E& value : values) read_element(field, value);
     } else {
+      // A definition may leave a type so little that millions of them fit into a small message.
+      constexpr std::size_t kMostGrowth = 64;
+      if (count > kMostGrowth * in_.size() / sizeof(E)) {
+        throw MessageError(in_.offset(), "the message has too many elements for its size");
+      }
       for (std::size_t i = 0; i < count; ++i) read_element(field, values.emplace_back());
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 
 namespace loopstone {
 namespace {
@@ -36,7 +37,11 @@ class Linker {
   Linker(const std::vector<ParsedStruct>& types, WireFormat format)
       : types_(types), format_(format), done_(types.size()), active_(types.size(), false) {
     // Of types that are told twice the first counts.
-    for (std::size_t i = 0; i < types.size(); ++i) places_.try_emplace(types[i].name, i);
+    for (std::size_t i = 0; i < types.size(); ++i) {
+      const std::string& name = types[i].name;
+      places_.try_emplace(name, i);
+      if (i > 0) short_names_.try_emplace(name.substr(name.rfind('/') + 1), i);
+    }
   }
 
   Layout link() {
@@ -59,7 +64,11 @@ class Linker {
     active_[type] = true;
     StructLayout made{.name = types_[type].name};
     std::size_t depth = 0;
+    std::set<std::string_view> names;
     for (const ParsedField& parsed : types_[type].fields) {
+      if (!names.insert(parsed.name).second) {
+        throw MessageError(0, "the definition has two fields " + shown(parsed.name));
+      }
       FieldLayout field{.name = parsed.name, .shape = parsed.shape, .count = parsed.count};
       if (const auto kind = kind_of(parsed.type)) {
         field.kind = *kind;
@@ -99,9 +108,10 @@ class Linker {
     }
     // Names of packages change: "Header" was roslib's once.
     const bool is_whole = name.find('/') != name.npos;
-    const std::string end(is_whole ? name.substr(name.find('/')) : "/" + std::string(name));
-    for (std::size_t i = 1; (is_whole || package.empty()) && i < types_.size(); ++i) {
-      if (types_[i].name.ends_with(end)) return i;
+    const std::string_view short_name = is_whole ? name.substr(name.find('/') + 1) : name;
+    const auto at = short_names_.find(short_name);
+    if ((is_whole || package.empty()) && at != short_names_.end()) {
+      return at->second;
     }
     throw MessageError(0, "the definition lacks the type " + shown(name));
   }
@@ -116,6 +126,7 @@ class Linker {
   const std::vector<ParsedStruct>& types_;
   WireFormat format_;
   std::map<std::string, std::size_t, std::less<>> places_;
+  std::map<std::string, std::size_t, std::less<>> short_names_;  ///< without their packages
   std::vector<std::optional<Linked>> done_;
   std::vector<bool> active_;
   Layout layout_;

@@ -33,6 +33,8 @@ class WireReader {
 
   [[nodiscard]] WireFormat format() const { return format_; }
   [[nodiscard]] std::size_t offset() const { return static_cast<std::size_t>(at_ - begin_); }
+  /// Of the whole message.
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(end_ - begin_); }
   [[nodiscard]] std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
 
   template <typename T>

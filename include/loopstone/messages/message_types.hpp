@@ -7,8 +7,8 @@
 
 #include "loopstone/base/stamp.hpp"
 
-// Messages of ROS 1 and ROS 2 that are read or written, as values. Names and fields are those of the
-// common interfaces packages; both generations of ROS mean the same by them (ROS 1's `seq` of a
+// Messages of ROS 1 and ROS 2 that are read or written, as values. Names and fields are those of
+// the common interfaces packages; both generations of ROS mean the same by them (ROS 1's `seq` of a
 // header is not kept). Their bytes are message_codec.hpp's to know.
 
 namespace loopstone::msg {

@@ -8,8 +8,8 @@
 //
 // The messages are filled by counting: every value is the next of 1, 2, 3 ..., in the order of the
 // fields; strings are "s7"; truth is whether the count is odd; numbers of 8 bits are the count
-// modulo 100; a time has the count as seconds and as nanoseconds; sequences have 3 elements. ROS 1's
-// seq and what ROS 2's Marker has more are left at 0 and empty, and not counted.
+// modulo 100; a time has the count as seconds and as nanoseconds; sequences have 3 elements. seq of
+// ROS 1 and what ROS 2's Marker has more are left at 0 and empty, and not counted.
 
 namespace loopstone::test {
 

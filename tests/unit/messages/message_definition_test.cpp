@@ -210,6 +210,7 @@ TEST(MessageDefinitionsRefused, WhatCanNotBeUnderstood) {
   says("float32] ranges\n", "']'");
   says("fl?at ranges\n", "has no type");
   says("Nowhere ranges\n", "lacks the type Nowhere");
+  says("float32 range_min\nfloat32 range_min\n", "two fields range_min");
   says("Header header\n", "lacks the type std_msgs/Header");
   says(std::string(2000, 'a') + " x\n", "is too long");
   says(std::string(std::size_t{2} << 20, '#'), "1 MiB");
@@ -264,6 +265,27 @@ TEST(MessageDefinitionsRefused, ArraysLongerThanTheMessage) {
     msg::LaserScan scan;
     EXPECT_THROW(decoder.decode(std::string(1000, '\0'), scan), MessageError) << text;
   }
+}
+
+TEST(MessageDefinitionsRefused, SmallElementsThatBecomeLargeOnes) {
+  const auto definition = ros1("M[] markers\nMSG: p/M\nuint8 id\n");
+  const auto read = [&](std::size_t count) {
+    return decoded<msg::MarkerArray>(WireFormat::kRos1, packed(std::vector<std::uint8_t>(count, 5)),
+                                     definition)
+        .markers.size();
+  };
+  EXPECT_EQ(read(0), 0U);
+  EXPECT_THROW((void)read(1'000'000), MessageError);
+}
+
+TEST(MessageDefinitionsRefused, AsFastWithManyNames) {
+  std::string text;
+  for (int i = 0; i < 40'000; ++i)
+    text += "T" + std::to_string(i) + " f" + std::to_string(i) + "\n";
+  for (int i = 0; i < 20'000; ++i) text += "MSG: p/T" + std::to_string(i) + "\nint8 x\n";
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_NE(refusal_of(ros1(text)).find("lacks the type T20000"), std::string::npos);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
 }
 
 const std::string kOdometryLikeIdl =
