@@ -37,6 +37,7 @@ class BagReader final : public Recording {
     require_magic();
     begin();
     load_index();
+    first_connections_ = connections_;
     begin();
   }
 
@@ -47,7 +48,7 @@ class BagReader final : public Recording {
   }
   std::optional<RecordedMessage> next() override;
   void rewind() override {
-    damage_.begin_again(in_chunk_ ? chunk_at_ + 1 : at_);
+    damage_.begin_again();
     begin();
   }
   ReadProgress progress() const override {
@@ -74,7 +75,7 @@ class BagReader final : public Recording {
   void step_over(const BagPlace& record, std::uint64_t end);
   void pass_damage(const std::string& reason);
   void go_on_from(std::uint64_t place);
-  std::optional<std::uint64_t> search(std::uint64_t from);
+  std::optional<std::uint64_t> search(std::uint64_t from, std::uint64_t limit);
 
   bool may_be_skipped(std::uint64_t at) const;
   void open_chunk(const BagPlace& record);
@@ -93,6 +94,7 @@ class BagReader final : public Recording {
   const std::function<void()> stop_ = [this] { bytes_->ask_stop(); };
 
   std::unordered_map<std::uint32_t, std::size_t> connections_{};  ///< to topics
+  std::unordered_map<std::uint32_t, std::size_t> first_connections_{};  ///< of the index
   ChunkIndex index_{};
   bool is_indexed_ = false;
   bool names_index_ = false;  ///< the bag's header says where it is
@@ -128,7 +130,9 @@ void BagReader::require_magic() {
 void BagReader::begin() {
   at_ = resume_ = kBagMagic.size();
   in_chunk_ = after_index_record_ = false;
-  if (!is_indexed_) data_end_ = bytes_->size();
+  if (is_indexed_) return;
+  data_end_ = bytes_->size();
+  connections_ = first_connections_;
 }
 
 std::optional<BagRecord> BagReader::head(std::uint64_t at) {
@@ -287,19 +291,22 @@ std::optional<RecordedMessage> BagReader::step() {
     open_chunk(*record);
     return std::nullopt;
   }
-  const bool fits = record->end <= bytes_->size();
-  const std::uint64_t end = is_indexed_ ? end_before_next_chunk(at_, record->end) : record->end;
-  if (end < record->end && record->op == BagOp::kIndex) has_wrong_index_records_ = true;
-  if (end < record->end && record->op != BagOp::kIndex) {
-    damage_.tell(at_, "a record is longer than the place that it has");
+  const std::uint64_t end = end_before_next_chunk(at_, record->end);
+  if (end < record->end) {
+    if (record->op == BagOp::kIndex) {
+      has_wrong_index_records_ = true;
+    } else {
+      damage_.tell(at_, "a record is longer than the place that it has");
+    }
+    go_on_from(std::min(record->data, end));
+    return std::nullopt;
   }
-  if (!fits && end == record->end) {
+  if (end > bytes_->size()) {
     resume_ = at_ + 1;
     pass_damage("a record ends behind the end of the file");
     return std::nullopt;
   }
   step_over(*record, end);
-  if (end < record->end) return std::nullopt;
   if (record->op == BagOp::kConnection) {
     if (!add_connection(bytes_->view(record->at, record->end - record->at))) {
       damage_.tell(record->at, "what describes a topic is damaged");
@@ -316,41 +323,39 @@ void BagReader::step_over(const BagPlace& record, std::uint64_t end) {
   after_index_record_ = record.op == BagOp::kIndex;
 }
 
-/// What stands at at_ is no record. Goes on where the index knows of a chunk, or where the next
-/// record is found.
+/// What stands at at_ is no record. Goes on where the next one is found, at the next chunk that the
+/// index knows of at the latest.
 void BagReader::pass_damage(const std::string& reason) {
   const std::uint64_t damaged_at = at_;
-  if (is_indexed_) {
-    const bool is_a_chunks_place = index_.find(at_) != nullptr;
-    const std::size_t known = index_.first_from(at_);
-    at_ = find_chunk_from(at_).value_or(data_end_);
-    const bool none_lost = !is_a_chunks_place && index_.first_from(at_) == known;
-    if (none_lost && at_ == data_end_) {
-      has_junk_ = true;
-    } else if (none_lost && after_index_record_) {
-      has_wrong_index_records_ = true;
-    } else {
-      damage_.tell(damaged_at, reason);
-    }
+  const bool is_a_chunks_place = index_.find(at_) != nullptr;
+  const std::size_t known = index_.first_from(at_);
+  go_on_from(resume_);
+  const bool none_lost = is_indexed_ && !is_a_chunks_place && index_.first_from(at_) == known;
+  if (none_lost && at_ == data_end_) {
+    has_junk_ = true;
+  } else if (none_lost && after_index_record_) {
+    has_wrong_index_records_ = true;
   } else {
     damage_.tell(damaged_at, reason);
-    go_on_from(resume_);
   }
-  resume_ = at_;
   after_index_record_ = false;
 }
 
+/// Behind the last chunk of an index nothing is searched: there rosbag reindex leaves what it could
+/// not use.
 void BagReader::go_on_from(std::uint64_t place) {
-  const auto found = is_indexed_ ? find_chunk_from(place) : search(place);
-  at_ = resume_ = found.value_or(data_end_);
+  const auto chunk = find_chunk_from(place);
+  const std::uint64_t limit = chunk.value_or(data_end_);
+  const bool searches = chunk || !is_indexed_;
+  at_ = resume_ = (searches ? search(place, limit) : std::nullopt).value_or(limit);
 }
 
-std::optional<std::uint64_t> BagReader::search(std::uint64_t from) {
-  for (std::uint64_t at = from; at < data_end_; at += kSearchBytes / 2) {
-    const std::string_view bytes = bytes_->view(at, kSearchBytes);
-    const bool last = at + bytes.size() >= bytes_->size();
+std::optional<std::uint64_t> BagReader::search(std::uint64_t from, std::uint64_t limit) {
+  for (std::uint64_t at = from; at < limit; at += kSearchBytes / 2) {
+    const std::string_view bytes = bytes_->view(at, std::min(kSearchBytes, limit - at));
+    const bool last = at + bytes.size() >= limit;
     if (const auto found = find_bag_record(bytes, 0, last)) return at + *found;
-    if (last) break;
+    if (last || bytes.empty()) break;
   }
   return std::nullopt;
 }
@@ -371,8 +376,7 @@ bool BagReader::may_be_skipped(std::uint64_t at) const {
 
 void BagReader::open_chunk(const BagPlace& record) {
   const std::uint64_t most = std::max(record.data, std::min(record.end, data_end_));
-  std::uint64_t end = is_indexed_ ? end_before_next_chunk(record.at, most) : most;
-  end = std::max(end, record.data);
+  std::uint64_t end = std::max(record.data, end_before_next_chunk(record.at, most));
   const bool is_cut = end < record.end;
   after_index_record_ = false;
   if (may_be_skipped(record.at) && !is_cut) {

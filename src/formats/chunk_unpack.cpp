@@ -72,6 +72,7 @@ ChunkUnpacker::~ChunkUnpacker() = default;
 UnpackedChunk ChunkUnpacker::unpack(Packing packing, std::string_view stored,
                                     std::uint64_t stated_size, std::uint64_t most_bytes,
                                     const std::function<void()>& stop) {
+  if (stored.empty() && stated_size == 0) return {};
   const Job job{stored, stated_size, most_bytes, stop};
   switch (packing) {
     case Packing::kBzip2:

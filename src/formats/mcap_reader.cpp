@@ -42,6 +42,8 @@ class McapReader final : public Recording {
     require_magic();
     data_end_ = bytes_->size();
     load_summary();
+    first_channels_ = channels_;
+    first_schemas_ = schemas_;
     begin();
   }
 
@@ -52,7 +54,7 @@ class McapReader final : public Recording {
   }
   std::optional<RecordedMessage> next() override;
   void rewind() override {
-    damage_.begin_again(in_chunk_ ? chunk_at_ + 1 : at_);
+    damage_.begin_again();
     begin();
   }
   ReadProgress progress() const override {
@@ -109,6 +111,8 @@ class McapReader final : public Recording {
 
   std::vector<std::int32_t> channels_;  ///< to topics
   std::unordered_map<std::uint16_t, KnownSchema> schemas_{};
+  std::vector<std::int32_t> first_channels_{};  ///< of the summary
+  std::unordered_map<std::uint16_t, KnownSchema> first_schemas_{};
   ChunkIndex index_{};
   bool is_indexed_ = false;
   bool was_closed_ = false;
@@ -139,6 +143,9 @@ void McapReader::require_magic() {
 void McapReader::begin() {
   at_ = resume_ = kMcapMagic.size();
   in_chunk_ = false;
+  if (is_indexed_) return;
+  channels_ = first_channels_;
+  schemas_ = first_schemas_;
 }
 
 std::vector<std::string> McapReader::notes() const {
@@ -381,12 +388,13 @@ std::optional<RecordedMessage> McapReader::step() {
   }
   const std::uint64_t stated_end = at + std::min(record->end(), left + 1);
   const std::uint64_t end = end_before_next_chunk(at, stated_end);
-  resume_ = std::min(at + kMcapHead, end);
-  at_ = end;
   if (end < stated_end) {
     damage_.tell(at, "a record is longer than the place that it has");
+    go_on_from(std::min(at + kMcapHead, end));
     return std::nullopt;
   }
+  resume_ = at + kMcapHead;
+  at_ = end;
   if (record->op != McapOp::kSchema && record->op != McapOp::kChannel &&
       record->op != McapOp::kMessage) {
     return std::nullopt;
@@ -495,9 +503,9 @@ void McapReader::open_chunk(const McapRecord& record) {
   tell_wrong_chunk(unpacked, wanted, is_cut);
   if (*packing == Packing::kNone) return;
   // When it ends before the chunk does, or is damaged, the chunk's length may be wrong.
-  const bool is_doubtful = !unpacked.damage.empty() || data + unpacked.consumed < end;
+  const bool is_doubtful = told_chunk_ || data + unpacked.consumed < end;
   if (is_doubtful && (is_cut || !ends_well(end))) {
-    go_on_from(unpacked.damage.empty() ? data + unpacked.consumed : data);
+    go_on_from(told_chunk_ ? data : data + unpacked.consumed);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -48,18 +49,19 @@ class ToldDamage {
       : on_damage_(std::move(on_damage)), file_(std::move(file)) {}
 
   void tell(std::uint64_t offset, const std::string& reason) {
-    if (offset < known_up_to_ || !on_damage_) return;
-    on_damage_({{file_, {}, static_cast<std::int64_t>(offset)}, reason});
+    if (known_.contains(offset)) return;
+    constexpr std::size_t kMostRemembered = std::size_t{1} << 18;
+    if (fresh_.size() < kMostRemembered) fresh_.insert(offset);
+    if (on_damage_) on_damage_({{file_, {}, static_cast<std::int64_t>(offset)}, reason});
   }
-  /// The recording was read so far, and begins again.
-  void begin_again(std::uint64_t read_up_to) {
-    known_up_to_ = read_up_to > known_up_to_ ? read_up_to : known_up_to_;
-  }
+  /// The recording is read once more.
+  void begin_again() { known_.merge(fresh_); }
 
  private:
   std::function<void(const Problem&)> on_damage_;
   std::string file_;
-  std::uint64_t known_up_to_ = 0;
+  std::unordered_set<std::uint64_t> known_{};  ///< where damage was when it was read before
+  std::unordered_set<std::uint64_t> fresh_{};
 };
 
 }  // namespace loopstone

@@ -255,6 +255,8 @@ FORMATS = [
         bombs.png,
         place=as_a_picture,
     ),
+    Format("bag", "bag", ["bag/*"], ".bag", HeadAndBody(rb"V2.0\n")),
+    Format("mcap", "mcap", ["mcap/*"], ".mcap", HeadAndBody(rb"MCAP0\r\n")),
     Format("npy", "npy", ["npy/*"], ".npy", Npy(), [], bombs.npy),
     Format(
         "npy_cloud",

@@ -116,10 +116,9 @@ class BagBuilder {
                   one.bytes);
   }
   void add_outside(std::size_t first, std::size_t count) {
-    for (std::size_t i = 0; i < built_topics().size(); ++i) made_.bytes += connection(i);
     for (std::size_t i = first; i < first + count; ++i) {
       const std::size_t begin = made_.bytes.size();
-      made_.bytes += message(i);
+      made_.bytes += connection(topic_number(messages_[i].topic)) + message(i);
       made_.parts.push_back({begin, made_.bytes.size(), i, 1});
     }
   }
@@ -210,10 +209,9 @@ class McapBuilder {
                          u64(nanoseconds(one.recorded)) + one.bytes);
   }
   void add_outside(std::size_t first, std::size_t count) {
-    for (std::size_t i = 0; i < built_topics().size(); ++i) made_.bytes += topic_records(i);
     for (std::size_t i = first; i < first + count; ++i) {
       const std::size_t begin = made_.bytes.size();
-      made_.bytes += message(i);
+      made_.bytes += topic_records(topic_number(messages_[i].topic)) + message(i);
       made_.parts.push_back({begin, made_.bytes.size(), i, 1});
       if (build_.has_unknown_records) made_.bytes += record(0x8e, "of somebody else");
     }

@@ -35,7 +35,7 @@ struct BuiltTopic {
 [[nodiscard]] std::vector<BuiltMessage> some_messages(std::size_t count, std::uint64_t seed = 1);
 
 struct BuiltRecording {
-  /// A record that holds messages: a chunk, or one message.
+  /// What holds messages and what describes their topics: a chunk, or one message outside.
   struct Part {
     std::size_t begin = 0;  ///< in the file
     std::size_t end = 0;
