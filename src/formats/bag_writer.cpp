@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "formats/atomic_file.hpp"
-#include "formats/little_endian.hpp"
 #include "formats/recording_writer.hpp"
+#include "formats/written_bytes.hpp"
 #include "formats/written_stamps.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/memory_budget.hpp"

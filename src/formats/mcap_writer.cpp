@@ -9,9 +9,9 @@
 
 #include "base/crc32.hpp"
 #include "formats/atomic_file.hpp"
-#include "formats/little_endian.hpp"
 #include "formats/recording_writer.hpp"
 #include "formats/rosbag2_metadata.hpp"
+#include "formats/written_bytes.hpp"
 #include "formats/written_stamps.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/version.hpp"

@@ -1,8 +1,7 @@
 #include "formats/temporary_folder.hpp"
 
-#include <stdlib.h>
-
 #include <cerrno>
+#include <cstdlib>
 #include <system_error>
 
 #include "loopstone/base/error.hpp"

@@ -258,6 +258,8 @@ FORMATS = [
     Format("bag", "bag", ["bag/*"], ".bag", HeadAndBody(rb"V2.0\n")),
     Format("mcap", "mcap", ["mcap/*"], ".mcap", HeadAndBody(rb"MCAP0\r\n")),
     Format("npy", "npy", ["npy/*"], ".npy", Npy(), [], bombs.npy),
+    Format("rosbag2_metadata", "rosbag2_metadata", ["rosbag2_metadata/*"], ".yaml"),
+    Format("sqlite_log", "sqlite_log", ["sqlite_log/*"], ".db3"),
     Format(
         "npy_cloud",
         "npy_cloud",

@@ -32,15 +32,18 @@ using testing::IsEmpty;
 
 using Create = std::unique_ptr<RecordingWriter> (*)(const std::string&);
 
+using Open = std::unique_ptr<Recording> (*)(const std::string&, const RecordingOptions&);
+
 struct Container {
   const char* name;
   const char* file;  ///< that its writer is given
   Create create;
+  Open open;
 };
 
-constexpr Container kContainers[] = {{"mcap", "a.mcap", create_mcap},
-                                     {"bag", "a.bag", create_bag},
-                                     {"rosbag2", "a", create_rosbag2}};
+constexpr Container kContainers[] = {{"mcap", "a.mcap", create_mcap, open_mcap},
+                                     {"bag", "a.bag", create_bag, open_bag},
+                                     {"rosbag2", "a", create_rosbag2, open_rosbag2}};
 
 class RecordingWriters : public testing::TestWithParam<Container> {
  protected:
@@ -149,7 +152,42 @@ TEST_P(RecordingWriters, SayWhatTheyTake) {
   EXPECT_EQ(create()->wire_format(), is_bag ? WireFormat::kRos1 : WireFormat::kCdr);
 }
 
-// SQLite, read back
+TEST_P(RecordingWriters, WhatIsWrittenIsRead) {
+  constexpr std::size_t kHuge = 3'000'000;
+  {
+    const auto writer = create();
+    write_sample(*writer);
+    writer->write(0, {2'000'000'000}, message_bytes(1000, kHuge));
+    writer->write(1, {3'000'000'000}, {});
+    writer->finish();
+  }
+  RecordingOptions options;
+  options.on_damage = [](const Problem& problem) { ADD_FAILURE() << problem.reason; };
+  const auto recording = GetParam().open(path(), options);
+  EXPECT_TRUE(recording->is_indexed());
+  ASSERT_EQ(recording->topics().size(), 3U) << "also the one without messages";
+  for (const RecordedTopic& topic : recording->topics()) {
+    EXPECT_EQ(topic.type, "std_msgs/String");
+    EXPECT_THAT(topic.definition.text, HasSubstr("string data"));
+    const bool is_bag = recording->topics()[0].format == WireFormat::kRos1;
+    EXPECT_EQ(topic.hash, is_bag ? string_topic("").md5 : string_topic("").rihs01);
+  }
+  auto messages = read_messages(*recording);
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; });
+  ASSERT_EQ(messages.size(), 402U);
+  for (std::int64_t i = 0; i < 400; ++i) {
+    const auto& message = messages[static_cast<std::size_t>(i)];
+    EXPECT_EQ(message.time_ns, 1'000'000'000 + 1000 * i);
+    EXPECT_EQ(message.bytes, message_bytes(i ^ 1, 5000));
+    EXPECT_EQ(message.topic, (i ^ 1) % 3 == 0 ? "/b" : "/a");
+  }
+  EXPECT_TRUE(messages[400].bytes == message_bytes(1000, kHuge));
+  EXPECT_TRUE(messages[401].bytes.empty());
+  EXPECT_THAT(recording->notes(), IsEmpty());
+}
+
+// rosbag2
 
 TEST(Rosbag2Writer, IsReadBack) {
   const TempDir dir;
