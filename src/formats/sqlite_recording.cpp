@@ -139,6 +139,8 @@ class SqliteRecording final : public Recording {
   void rewind() override {
     row_->reset();
     walk_->rewind();
+    // Damage is found when a page is read: what stayed in memory would pass for whole.
+    sqlite3_db_release_memory(database_->handle());
     rows_ = 0;
     is_at_end_ = false;
   }

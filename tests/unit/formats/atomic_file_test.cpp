@@ -43,6 +43,16 @@ TEST(AtomicFile, AppearsOnlyWithCommit) {
   EXPECT_EQ(dir.names(), std::vector<std::string>{"a.txt"});
 }
 
+TEST(AtomicFile, BytesAreOverwritten) {
+  const TempDir dir;
+  AtomicFile file(dir / "a.txt");
+  file.write("head 0000 tail");
+  file.overwrite(5, "1234");
+  file.write(" end");
+  file.commit();
+  EXPECT_EQ(dir.read("a.txt"), "head 1234 tail end");
+}
+
 TEST(AtomicFile, OldContentStaysUntilCommit) {
   const TempDir dir;
   dir.write("a.txt", "old");
