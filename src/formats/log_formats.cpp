@@ -132,7 +132,7 @@ constexpr std::array<LogFormat, 6> kFormats{{
     },
     {
         .name = "rawlog",
-        .title = "MRPT rawlog",
+        .title = "MRPT",
         .noun = "MRPT's rawlog",
         .file_is = "a rawlog of MRPT",
         .place = LogPlace::kFile,
