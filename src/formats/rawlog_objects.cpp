@@ -50,6 +50,13 @@ bool may_become_known(std::string_view name) {
   });
 }
 
+/// Whether the first letter of a name that is known stands where it should.
+bool may_begin(std::string_view five_bytes) {
+  const bool is_new = (static_cast<unsigned char>(five_bytes[0]) & kNewFormat) != 0;
+  const char letter = five_bytes[is_new ? 1 : 4];
+  return letter == 'C' || letter == 'm';
+}
+
 /// MRPT counts 100 ns from 1601 on.
 std::optional<Stamp> stamp_of_ticks(std::uint64_t ticks) {
   constexpr std::int64_t kTicksTo1970 = 116'444'736'000'000'000;
@@ -402,7 +409,15 @@ bool RawlogObjects::at_end_of_containers() {
 bool RawlogObjects::find_next() {
   while (fill(1)) {
     (void)fill(kLongestName + 8);
-    const auto head = head_in<Head>(ahead());
+    // Most bytes are told at a glance.
+    const std::string_view bytes = ahead();
+    std::size_t skipped = 0;
+    while (skipped + 5 < bytes.size() && !may_begin(bytes.substr(skipped, 5))) ++skipped;
+    if (skipped > 0) {
+      pass(skipped);
+      continue;
+    }
+    const auto head = head_in<Head>(bytes);
     if (head && is_known_name(head->name)) return true;
     pass(1);
   }

@@ -87,6 +87,8 @@ class RawlogObjects {
   /// that stands before.
   [[nodiscard]] std::optional<RawlogObject> next();
   [[nodiscard]] const ByteSource& source() const { return *source_; }
+  /// Unpacked bytes that were passed.
+  [[nodiscard]] std::int64_t offset() const { return offset_; }
 
  private:
   class Fields;

@@ -20,9 +20,10 @@
 namespace loopstone {
 namespace {
 
-/// Of scans that are looked at before the first is given, and of objects.
+/// Of scans that are looked at before the first is given, of objects and of unpacked bytes.
 constexpr int kScansOfSurvey = 240;
 constexpr int kObjectsOfSurvey = 4000;
+constexpr std::int64_t kBytesOfSurvey = std::int64_t{1} << 24;
 constexpr double kUsualRateHz = 10.0;
 constexpr double kBeyondAnyScanner_m = 1000.0;
 /// As in other logs.
@@ -115,6 +116,7 @@ struct Survey {
   bool any_motion = false;
   std::vector<double> stamps_s{};  ///< of the first laser's scans
   std::int64_t scans_without_stamp = 0;
+  bool saw_all = false;  ///< of the file
   std::string first_other{};
   std::string first_problem{};
 
@@ -139,7 +141,7 @@ struct Survey {
 
 Survey survey_of(const ReadableBytes& log) {
   Survey survey;
-  RawlogObjects objects(log.look(0));
+  RawlogObjects objects(first_bytes(log.look(0), kBytesOfSurvey));
   int scans = 0;
   for (int i = 0; i < kObjectsOfSurvey && scans < kScansOfSurvey; ++i) {
     std::optional<RawlogObject> object;
@@ -148,7 +150,10 @@ Survey survey_of(const ReadableBytes& log) {
     } catch (const DataError&) {  // the reader comes there, too, and tells
       break;
     }
-    if (!object) break;
+    if (!object) {
+      survey.saw_all = objects.offset() < kBytesOfSurvey;
+      break;
+    }
     if (const auto* scan = std::get_if<RawlogScan>(&object->content)) {
       ++scans;
       survey.any_scan = true;
@@ -182,7 +187,7 @@ class RawlogReader final : public LogReader {
                }),
         order_stamps_(Duration::from_seconds(survey_.mean_step_s().value_or(1.0 / kUsualRateHz)),
                       survey_.any_scan) {
-    if (!survey_.is_empty()) return;
+    if (!survey_.is_empty() || !survey_.saw_all) return;
     std::string found = "it ends before that";
     if (!survey_.first_problem.empty()) found = survey_.first_problem;
     if (!survey_.first_other.empty()) found = "there is " + survey_.first_other;
@@ -264,6 +269,7 @@ class RawlogReader final : public LogReader {
   }
 
  private:
+  /// No stamps, or all the same.
   [[nodiscard]] bool must_go_by_order() const {
     constexpr std::size_t kFewest = 5;
     if (options_.stamps != StampUse::kAuto || !survey_.any_scan) return false;

@@ -13,7 +13,8 @@ namespace loopstone {
 inline constexpr int kRawlogLidars = 16;
 
 /// Reads a rawlog of MRPT, in the form of actions and sensory frames or of observations. Throws
-/// DataError when it holds neither a scan nor odometry near its beginning, saying what it holds.
+/// DataError when it holds neither a scan nor odometry, saying what it holds; of a long file only
+/// the beginning is looked at for that.
 [[nodiscard]] std::unique_ptr<LogReader> open_rawlog(const ReadableBytes& log,
                                                      const LogOptions& options);
 
