@@ -1,11 +1,13 @@
 # Each fuzz/fuzz_<name>.cpp defines LLVMFuzzerTestOneInput; its seeds lie in fuzz/corpus/<name>/.
-# With LOOPSTONE_FUZZ it becomes a libFuzzer program, for which the part that parses is built with its counters.
+# With LOOPSTONE_FUZZ it becomes a libFuzzer program, for which the parts that parse are built with its counters.
 # Otherwise a small main replays the seeds. Either way a ctest test replays them.
 
 if(LOOPSTONE_FUZZ)
   # What -fsanitize=fuzzer-no-link asks for, but in words that agree with a precompiled header built without it.
-  target_compile_options(loopstone_formats_objects
-                         PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
+  foreach(part IN ITEMS messages formats)
+    target_compile_options(loopstone_${part}_objects
+                           PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
+  endforeach()
 endif()
 
 # Every target can be attacked, too (tests/attack/attack.py): this is the end that tries an input under limits.

@@ -93,7 +93,7 @@ class BagReader final : public Recording {
   ChunkUnpacker unpacker_{};
   const std::function<void()> stop_ = [this] { bytes_->ask_stop(); };
 
-  std::unordered_map<std::uint32_t, std::size_t> connections_{};  ///< to topics
+  std::unordered_map<std::uint32_t, std::size_t> connections_{};        ///< to topics
   std::unordered_map<std::uint32_t, std::size_t> first_connections_{};  ///< of the index
   ChunkIndex index_{};
   bool is_indexed_ = false;

@@ -12,8 +12,8 @@ namespace {
 constexpr std::uint64_t kMostLength = std::uint64_t{1} << 40;
 
 /// Of the kinds from 0 on, the shortest that their fields can be.
-constexpr std::array<std::uint64_t, 16> kLeastLengths{
-    0, 8, 20, 14, 16, 22, 40, 6, 64, 36, 48, 46, 8, 20, 17, 4};
+constexpr std::array<std::uint64_t, 16> kLeastLengths{0,  8,  20, 14, 16, 22, 40, 6,
+                                                      64, 36, 48, 46, 8,  20, 17, 4};
 
 bool is_sure_chunk(std::string_view bytes, const McapRecord& record) {
   constexpr std::uint64_t kMostTrailing = 1024;  // bytes behind what is known of a chunk
