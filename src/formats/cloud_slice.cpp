@@ -20,6 +20,8 @@ namespace {
 
 constexpr int kBeams = 720;
 constexpr double kBeamRad = 2.0 * kPi / kBeams;
+constexpr double kNearestM = 0.05;
+constexpr double kFarthestM = 200.0;
 /// Names of the fields that hold a point's own time.
 constexpr std::array<std::string_view, 5> kTimeFields{"time", "t", "timestamp", "time_stamp",
                                                       "offset_time"};
@@ -107,6 +109,14 @@ struct Beams {
   std::vector<double> times_s = std::vector<double>(kBeams, 0.0);
 };
 
+/// Rows lie behind one another; of a single row many drivers do not state how long it is.
+std::size_t row_step_of(const msg::PointCloud2& cloud) {
+  const std::size_t packed = std::size_t{cloud.width} * cloud.point_step;
+  if (cloud.height <= 1 || cloud.row_step == 0) return packed;
+  if (cloud.row_step < packed) throw MessageError(0, "the rows of the cloud overlap");
+  return cloud.row_step;
+}
+
 Beams gather(const msg::PointCloud2& cloud, const Pose3& base_T_laser, const HeightRange& heights) {
   const FieldReader x = needed_field(cloud, "x");
   const FieldReader y = needed_field(cloud, "y");
@@ -114,16 +124,18 @@ Beams gather(const msg::PointCloud2& cloud, const Pose3& base_T_laser, const Hei
   const auto time = time_field(cloud);
   const Eigen::Matrix3d rotation = base_T_laser.rotation.toRotationMatrix();
   Beams beams;
+  const std::size_t row_step = row_step_of(cloud);
+  if (cloud.width == 0) return beams;
   for (std::size_t row = 0; row < cloud.height; ++row) {
     for (std::size_t column = 0; column < cloud.width; ++column) {
-      const std::size_t at = row * cloud.row_step + column * cloud.point_step;
+      const std::size_t at = row * row_step + column * cloud.point_step;
       if (at + cloud.point_step > cloud.data.size()) return beams;
       const std::uint8_t* const point = cloud.data.data() + at;
       const Eigen::Vector3d seen = rotation * Eigen::Vector3d(x(point), y(point), z(point));
       const double height_m = seen.z() + base_T_laser.translation.z();
       if (!seen.allFinite() || height_m < heights.low_m || height_m > heights.high_m) continue;
       const double range_m = std::sqrt(seen.x() * seen.x() + seen.y() * seen.y());
-      if (range_m <= 0.0) continue;
+      if (range_m < kNearestM || range_m > kFarthestM) continue;
       const double turn = (std::atan2(seen.y(), seen.x()) + kPi) / kBeamRad;
       const auto beam = static_cast<std::size_t>(std::clamp(turn, 0.0, kBeams - 1.0));
       if (static_cast<double>(beams.ranges_m[beam]) <= range_m) continue;
@@ -153,6 +165,7 @@ std::optional<Sweep> sweep_of(const Beams& beams) {
   std::size_t earliest = seen.front();
   for (std::size_t k = 1; k < seen.size(); ++k) {
     const double step_s = beams.times_s[seen[k]] - beams.times_s[seen[k - 1]];
+    if (!std::isfinite(step_s)) return std::nullopt;
     slopes.push_back(step_s / static_cast<double>(seen[k] - seen[k - 1]));
     if (beams.times_s[seen[k]] < beams.times_s[earliest]) earliest = seen[k];
   }
@@ -175,8 +188,8 @@ LaserScan slice(const msg::PointCloud2& cloud, const Pose3& base_T_laser,
   LaserScan scan{.stamp = cloud.header.stamp,
                  .angle_min_rad = -kPi + 0.5 * kBeamRad,
                  .angle_increment_rad = kBeamRad,
-                 .range_min_m = 0.05,
-                 .range_max_m = 200.0};
+                 .range_min_m = kNearestM,
+                 .range_max_m = kFarthestM};
   scan.robot_T_lidar = Pose2{base_T_laser.translation.x(), base_T_laser.translation.y(), 0.0};
   const auto sweep = sweep_of(beams);
   if (!sweep) {

@@ -29,20 +29,19 @@ std::string frame_name(std::string_view name) {
 
 FrameTree::Link* FrameTree::link_to(const std::string& parent, const std::string& child) {
   if (parent == child || child.empty() || parent.empty()) return nullptr;
-  if (links_.size() >= kMostFrames && !links_.contains(child)) return nullptr;
+  if (const auto known = links_.find(child); known != links_.end()) {
+    if (known->second.parent == parent) return &known->second;
+    if (std::ranges::find(contested_, child) == contested_.end()) contested_.push_back(child);
+    return nullptr;
+  }
+  if (links_.size() >= kMostFrames) return nullptr;
   // A loop would never end.
   for (const std::string& above : ancestry(parent)) {
     if (above == child) return nullptr;
   }
   frames_.insert(parent);
   frames_.insert(child);
-  const auto [found, is_new] = links_.try_emplace(child, Link{.parent = parent});
-  Link& link = found->second;
-  if (!is_new && link.parent != parent) {
-    if (std::ranges::find(contested_, child) == contested_.end()) contested_.push_back(child);
-    return nullptr;
-  }
-  return &link;
+  return &links_.emplace(child, Link{.parent = parent}).first->second;
 }
 
 void FrameTree::add_fixed(const std::string& parent, const std::string& child,
@@ -56,25 +55,31 @@ void FrameTree::add_fixed(const std::string& parent, const std::string& child,
 
 void FrameTree::add(const std::string& parent, const std::string& child, Stamp stamp,
                     const Pose3& parent_T_child) {
-  const bool is_new = !links_.contains(child);
   Link* const link = link_to(parent, child);
   if (link == nullptr || link->is_fixed) return;
   const StampedPose3 told{stamp, parent_T_child};
-  if (is_new) {
+  if (!link->is_timed) {
+    link->is_timed = true;
+    link->since = stamp;
     link->last = told;
     return;
   }
   if (link->past.empty() && same(link->last.pose, parent_T_child)) {
+    link->since = std::min(link->since, stamp);
     link->last.stamp = std::max(link->last.stamp, stamp);
     return;
   }
-  if (link->past.empty()) link->past.push_back(link->last);
   // Of several programs' stamps some go back.
-  if (stamp <= link->past.back().stamp) return;
+  if (stamp <= link->last.stamp) return;
+  if (link->past.empty()) {
+    // It stood there all the time.
+    if (link->since < link->last.stamp) link->past.push_back({link->since, link->last.pose});
+    link->past.push_back(link->last);
+  }
   link->past.push_back(told);
   link->last = told;
   while (link->past.size() > kMostKept ||
-         (link->past.size() > 2 && stamp - link->past.front().stamp > kKept)) {
+         (link->past.size() > 2 && stamp - link->past[1].stamp > kKept)) {
     link->past.pop_front();
   }
 }
@@ -95,9 +100,10 @@ std::vector<std::string> FrameTree::ancestry(std::string_view frame) const {
 
 std::optional<std::string> FrameTree::common_ancestor(std::string_view a,
                                                       std::string_view b) const {
-  const std::vector<std::string> above_a = ancestry(a);
+  const std::vector<std::string> above = ancestry(a);
+  const std::set<std::string_view> above_a(above.begin(), above.end());
   for (const std::string& frame : ancestry(b)) {
-    if (std::ranges::find(above_a, frame) != above_a.end()) return frame;
+    if (above_a.contains(frame)) return frame;
   }
   return std::nullopt;
 }
@@ -149,7 +155,9 @@ FrameTree FrameTree::standing() const {
   FrameTree result;
   for (const auto& [child, link] : links_) {
     if (!link.past.empty()) continue;
-    result.links_.emplace(child, link);
+    result.links_.emplace(
+        child,
+        Link{.parent = link.parent, .is_fixed = link.is_fixed, .last = {.pose = link.last.pose}});
     result.frames_.insert(child);
     result.frames_.insert(link.parent);
   }

@@ -20,7 +20,7 @@ namespace loopstone {
 /// memory: of a frame that moves the last kKept is remembered.
 class FrameTree {
  public:
-  static constexpr Duration kKept{10'000'000'000};
+  static constexpr Duration kKept{20'000'000'000};
   static constexpr std::size_t kMostKept = 20'000;
   static constexpr std::size_t kMostFrames = 10'000;
   /// Before the first and after the last pose of a frame that moves, so far.
@@ -43,7 +43,7 @@ class FrameTree {
   [[nodiscard]] std::vector<std::string> ancestry(std::string_view frame) const;
   /// The parent, if there is one.
   [[nodiscard]] std::optional<std::string> parent_of(std::string_view frame) const;
-  /// What did not move so far, without the rest.
+  /// What did not move so far, without the rest and without times.
   [[nodiscard]] FrameTree standing() const;
   /// Frames whose parent was told to be another one before: a sign of two robots or two programs.
   [[nodiscard]] const std::vector<std::string>& contested() const { return contested_; }
@@ -57,6 +57,8 @@ class FrameTree {
   struct Link {
     std::string parent{};
     bool is_fixed = false;
+    bool is_timed = false;  ///< the times below are of the clock that is used
+    Stamp since{};          ///< it was told first
     StampedPose3 last{};
     std::deque<StampedPose3> past{};  ///< empty as long as it did not move
   };

@@ -52,6 +52,14 @@ bool holds_word(string_view name, const std::array<string_view, kCount>& words) 
   });
 }
 
+/// "base_link" of "robot1/base_link".
+string_view last_part(string_view frame) { return frame.substr(frame.rfind('/') + 1); }
+
+template <std::size_t kCount>
+bool is_one_of(string_view frame, const std::array<string_view, kCount>& names) {
+  return std::ranges::find(names, last_part(frame)) != names.end();
+}
+
 std::string metres(double value_m) { return fmt::format("{:.3f} m", value_m + 0.0); }
 
 std::string mount_text(const Pose3& base_T_laser) {
@@ -111,6 +119,7 @@ class Chooser {
         if (!fits(topic(place))) {
           refuse(role, name, "a topic of " + topic(place).type + " can't be that", fits);
         }
+        if (!topic(place).fault.empty()) refuse(role, name, topic(place).fault, fits);
         found->push_back(place);
       }
     }
@@ -121,7 +130,9 @@ class Chooser {
   [[noreturn]] void refuse(TopicRole role, const std::string& name, const std::string& reason,
                            Fits&& fits) const {
     std::vector<std::string> others;
-    for (const std::size_t i : all(fits)) others.push_back(topic(i).name);
+    for (const std::size_t i : all(fits)) {
+      if (topic(i).fault.empty()) others.push_back(topic(i).name);
+    }
     throw UsageError(fmt::format(
         "--topic {}={}: {}; {}", to_string(role), name, reason,
         others.empty() ? "none of this recording can" : "there is " + listed(others, "and")));
@@ -129,7 +140,7 @@ class Chooser {
 
   /// How much a pose topic looks like the robot's own dead reckoning; 0: not at all.
   [[nodiscard]] int likeness_to_odometry(const TopicFacts& facts) const {
-    if (facts.frame == "map" || facts.frame == "world") return 0;
+    if (last_part(facts.frame) == "map" || last_part(facts.frame) == "world") return 0;
     const std::string name = lower(facts.name);
     if (holds_word(name, kNoOdometry)) return 0;
     if (name == "/odom" || name == "odom") return 4;
@@ -161,9 +172,13 @@ class Chooser {
     }
     if (found.empty()) return;
     use(found.front(), TopicRole::kOdometry);
+    const TopicFacts& used = topic(found.front());
+    // Some drivers name the fixed frame as the one that moves.
+    const bool has_child =
+        used.child_frame != used.frame && !is_one_of(used.child_frame, kOdometryFrames);
     choice_.odometry = {.topic = found.front(),
-                        .parent = topic(found.front()).frame,
-                        .child = topic(found.front()).child_frame};
+                        .parent = used.frame,
+                        .child = has_child ? used.child_frame : std::string()};
   }
 
   void choose_base() {
@@ -186,7 +201,19 @@ class Chooser {
       choice_.base_frame = std::string(frame);
       return;
     }
-    choice_.base_frame = child;
+    choice_.base_frame = child.empty() ? prefixed_base() : child;
+  }
+
+  /// The base frame above a laser when all names begin with the robot's: "robot1/base_link".
+  [[nodiscard]] std::string prefixed_base() const {
+    for (const string_view base : kBaseFrames) {
+      for (const std::size_t i : all([](const TopicFacts& t) { return t.is_laser(); })) {
+        for (const std::string& frame : survey_.frames.ancestry(topic(i).frame)) {
+          if (last_part(frame) == base) return frame;
+        }
+      }
+    }
+    return {};
   }
 
   /// The frame above the robot's that odometry moves, when no topic tells odometry.
@@ -194,7 +221,7 @@ class Chooser {
     if (no_odometry_ || choice_.base_frame.empty()) return;
     for (const std::string& frame : survey_.frames.ancestry(choice_.base_frame)) {
       const auto parent = survey_.frames.parent_of(frame);
-      if (!parent || std::ranges::find(kOdometryFrames, *parent) == kOdometryFrames.end()) continue;
+      if (!parent || !is_one_of(*parent, kOdometryFrames)) continue;
       choice_.odometry = {.parent = *parent, .child = frame};
       return;
     }
@@ -328,7 +355,9 @@ class Chooser {
     const auto fits = [](const TopicFacts& t) { return t.kind == TopicKind::kTicks; };
     const auto by_user = named(TopicRole::kWheels, fits);
     const std::vector<std::size_t> found =
-        by_user ? *by_user : all([&](const TopicFacts& t) { return fits(t) && t.has_messages(); });
+        by_user ? *by_user : all([&](const TopicFacts& t) {
+          return fits(t) && t.has_messages() && t.fault.empty();
+        });
     if (found.empty()) return;
     use(found.front(), TopicRole::kWheels);
     choice_.wheels = found.front();

@@ -14,8 +14,13 @@ namespace {
 /// Messages take so long at most from a sensor to the recorder, usually; two clocks that differ by
 /// more are not one.
 constexpr double kSameClockS = 0.25;
-/// Two clocks of seconds agree about how much time goes by to within this share.
-constexpr double kSameUnit = 0.2;
+/// Simulations run faster or slower than the recorder's clock, and recordings are played at other
+/// speeds; beyond so many times it is another unit.
+constexpr double kSameUnit = 50.0;
+/// Clocks whose speeds differ by more than this share differ by something else at every moment.
+constexpr double kSameSpeed = 0.01;
+/// How much of it is worth a word.
+constexpr double kSpeedWorthAWord = 0.05;
 /// Of the steps from message to message so many may go back, or be none.
 constexpr double kFewSteps = 0.1;
 /// Steps back of more than this are no jitter.
@@ -73,12 +78,40 @@ std::string StampFacts::fault_of_own() const {
   if (without_own_ > 0) return "are missing";
   if (std::string fault = fault_of(own_); !fault.empty()) return fault;
   if (!fault_of(recorded_).empty()) return {};
-  const double own_s = seconds_between(own_.back(), own_.front());
-  const double recorded_s = seconds_between(recorded_.back(), recorded_.front());
-  if (recorded_s > 1.0 && std::abs(own_s / recorded_s - 1.0) > kSameUnit) {
-    return fmt::format("run {:.3g} times as fast as the recorder's clock", own_s / recorded_s);
+  const double times = speed();
+  if (!(times > 1.0 / kSameUnit && times < kSameUnit)) {
+    return fmt::format("run {:.3g} times as fast as the recorder's clock", times);
   }
   return {};
+}
+
+double StampFacts::speed() const {
+  if (own_.empty()) return 1.0;
+  const double own_s = seconds_between(own_.back(), own_.front());
+  const double recorded_s = seconds_between(recorded_.back(), recorded_.front());
+  return recorded_s > 1.0 ? own_s / recorded_s : 1.0;
+}
+
+std::optional<Duration> StampFacts::behind(const StampFacts& lead) const {
+  const auto is_even = [](const StampFacts& facts) {
+    return std::abs(facts.speed() - 1.0) <= kSameSpeed;
+  };
+  if (is_even(*this) && is_even(lead)) {
+    return Duration{offset().nanoseconds - lead.offset().nanoseconds};
+  }
+  std::vector<double> behind_s;
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    const auto after = std::ranges::lower_bound(lead.recorded_, recorded_[i]);
+    if (after == lead.recorded_.begin() || after == lead.recorded_.end()) continue;
+    const auto k = static_cast<std::size_t>(after - lead.recorded_.begin());
+    const double passed_s = seconds_between(recorded_[i], lead.recorded_[k - 1]);
+    const double step_s = seconds_between(lead.recorded_[k], lead.recorded_[k - 1]);
+    const double share = step_s > 0.0 ? passed_s / step_s : 0.0;
+    const double lead_step_s = seconds_between(lead.own_[k], lead.own_[k - 1]);
+    behind_s.push_back(seconds_between(lead.own_[k - 1], own_[i]) + share * lead_step_s);
+  }
+  if (behind_s.empty()) return std::nullopt;
+  return Duration::from_seconds(median_of(behind_s));
 }
 
 std::string StampFacts::fault_of_record() const {
@@ -115,7 +148,17 @@ namespace {
 struct LeadingClock {
   TopicClock::Source source = TopicClock::Source::kOwn;
   Duration offset{};  ///< recorder less this clock
+  const StampFacts* facts = nullptr;
 };
+
+/// What is added to a topic's own stamps to be the leading clock's. Nothing when that can't be told.
+std::optional<Duration> behind(const StampFacts& facts, const LeadingClock& lead) {
+  if (lead.source == TopicClock::Source::kOwn && lead.facts->fault_of_own().empty()) {
+    return facts.behind(*lead.facts);
+  }
+  if (std::abs(facts.speed() - 1.0) > kSameSpeed) return std::nullopt;
+  return Duration{facts.offset().nanoseconds - lead.offset.nanoseconds};
+}
 
 TopicClock follow(const ClockQuestion& topic, const LeadingClock& lead, StampUse use,
                   ClockChoice& choice) {
@@ -132,9 +175,13 @@ TopicClock follow(const ClockQuestion& topic, const LeadingClock& lead, StampUse
     }
     return {.source = Source::kRecord, .shift = to_lead};
   }
-  const Duration apart{facts.offset().nanoseconds - lead.offset.nanoseconds};
-  if (std::abs(apart.seconds()) <= kSameClockS) return {.source = Source::kOwn};
   if (!facts.fault_of_record().empty()) return {.source = Source::kOwn};
+  const std::optional<Duration> known = behind(facts, lead);
+  if (!known && lead.source == Source::kRecord) {
+    return {.source = Source::kRecord, .shift = to_lead};
+  }
+  const Duration apart = known.value_or(Duration{});
+  if (std::abs(apart.seconds()) <= kSameClockS) return {.source = Source::kOwn};
   choice.warnings.push_back(fmt::format(
       "{}: its clock is {} off the laser's, measured against the recorder's; corrected by that",
       topic.name, time_text(-apart.seconds())));
@@ -173,12 +220,19 @@ ClockChoice choose_clocks(const std::vector<ClockQuestion>& topics, StampUse use
           "{}: the recorder's clock is {} off the messages' own, by which the log is read",
           first.name, time_text(offset_s)));
     }
+    if (const double times = first.facts->speed(); std::abs(times - 1.0) > kSpeedWorthAWord) {
+      choice.notes.push_back(fmt::format(
+          "{}: its stamps run {:.3g} times as fast as the recorder's clock: simulated, or played at "
+          "another speed",
+          first.name, times));
+    }
   } else if (use == StampUse::kAuto) {
     choice.warnings.push_back(first.name + ": its stamps " + own_fault +
                               "; the recorder's are used instead");
   }
   choice.clocks.push_back({.source = own ? Source::kOwn : Source::kRecord});
   lead.source = choice.clocks.front().source;
+  lead.facts = first.facts;
   for (std::size_t i = 1; i < topics.size(); ++i) {
     choice.clocks.push_back(follow(topics[i], lead, use, choice));
   }

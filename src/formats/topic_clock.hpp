@@ -29,6 +29,11 @@ class StampFacts {
   [[nodiscard]] Duration offset() const;
   /// By how much the differences scatter: the middle half of them.
   [[nodiscard]] Duration scatter() const;
+  /// How fast their own clock runs by the recorder's; 1 when it can't be told.
+  [[nodiscard]] double speed() const;
+  /// What is added to their own stamps to be those of `lead`, which the recorder got at the same
+  /// time; nothing when no such moment is known.
+  [[nodiscard]] std::optional<Duration> behind(const StampFacts& lead) const;
   /// Usual time from message to message, by the clock that is usable; 0 when it can't be told.
   [[nodiscard]] double period_s() const;
 

@@ -21,7 +21,7 @@ namespace loopstone {
 namespace {
 
 /// Messages that came over a network may be late by so much, and frames of tf as well.
-constexpr Duration kReorderWindow{5'000'000'000};
+constexpr Duration kReorderWindow{10'000'000'000};
 
 /// Stamps that are made up from the order of the messages.
 class MadeUpTime {
@@ -33,10 +33,21 @@ class MadeUpTime {
     now_ = last;
     return now_;
   }
-  [[nodiscard]] Stamp now() const { return now_; }
+  /// Of anything else: evenly between the scans.
+  /// \param step_s  usual time from reading to reading
+  Stamp of_reading(std::size_t stream, double step_s, double period_s) {
+    const auto [found, is_first] = others_.try_emplace(stream, now_);
+    if (is_first) return now_;
+    const Stamp last = found->second;
+    const Stamp next = std::min(last + Duration::from_seconds(step_s),
+                                now_ + Duration::from_seconds(period_s));
+    found->second = std::max({next, now_, last + Duration{1}});
+    return found->second;
+  }
 
  private:
   std::map<int, Stamp> last_{};
+  std::map<std::size_t, Stamp> others_{};  ///< by the topic in the survey
   Stamp now_{};
 };
 
@@ -198,10 +209,19 @@ class TopicLogReader final : public LogReader {
     const TopicClock& clock = known_.clock_of[place.topic];
     if (clock.source == TopicClock::Source::kOrder) {
       return place.role == TopicRole::kLaser ? made_up_.of_scan(place.lidar, clock.period_s)
-                                             : made_up_.now();
+                                             : made_up(place.topic, clock.period_s,
+                                                       known_.survey.topics[place.topic].seen);
     }
     if (place.role == TopicRole::kLaser && place.lidar == 0) drift_.add(own, message.recorded);
     return clock.time(own, message.recorded);
+  }
+
+  /// \param seen  so many of these messages were in the survey
+  Stamp made_up(std::size_t stream, double period_s, std::int64_t seen) {
+    const auto& lasers = known_.choice.lasers;
+    const std::int64_t scans = lasers.empty() ? seen : known_.survey.topics[lasers[0].topic].seen;
+    const double share = static_cast<double>(scans) / static_cast<double>(std::max(seen, scans));
+    return made_up_.of_reading(stream, share * period_s, period_s);
   }
 
   void push(SensorMessage sensor, const RecordedMessage& message) {
@@ -216,11 +236,14 @@ class TopicLogReader final : public LogReader {
       const auto& mount = known_.choice.lasers[static_cast<std::size_t>(place.lidar)].base_T_laser;
       const Pose3 base_T_laser = mount.value_or(Pose3{});
       scan = slice(cloud_, base_T_laser, options_.topics.slice.value_or(slice_about(base_T_laser)));
+      if (!mount) scan.robot_T_lidar.reset();
     } else if (facts.kind == TopicKind::kEchoScan) {
       decoders_.decode(message, echoes_);
+      check_frame(echoes_.header, facts);
       scan = to_laser_scan(echoes_, options_.topics.echo, facts.stamps.period_s(), remarks_);
     } else {
       decoders_.decode(message, scan_);
+      check_frame(scan_.header, facts);
       scan = to_laser_scan(scan_, facts.stamps.period_s(), remarks_);
     }
     scan.lidar = place.lidar;
@@ -228,12 +251,20 @@ class TopicLogReader final : public LogReader {
     push(std::move(scan), message);
   }
 
+  /// Two lasers may share a topic; only the first one's place is known.
+  static void check_frame(const msg::Header& header, const TopicFacts& facts) {
+    if (header.frame_id.empty() || frame_name(header.frame_id) == facts.frame) return;
+    throw MessageError(0, "a scan of the frame '" + header.frame_id + "' among those of '" +
+                              facts.frame + "'");
+  }
+
   void take_odometry(const RecordedMessage& message, const Place& place) {
     decoders_.decode(message, odometry_);
     const auto pose = to_pose3(odometry_.pose.pose);
     if (!pose) throw MessageError(0, "the pose is no pose");
     const Stamp stamp = time(message, place, odometry_.header.stamp);
-    push_pose(stamp, *pose, frame_name(odometry_.child_frame_id), message);
+    const bool has_child = !known_.choice.odometry->child.empty();
+    push_pose(stamp, *pose, has_child ? frame_name(odometry_.child_frame_id) : "", message);
   }
 
   /// A pose of a frame on the robot becomes one of the robot's own.
@@ -296,8 +327,23 @@ class TopicLogReader final : public LogReader {
     if (!odometry || odometry->topic || parent != odometry->parent || child != odometry->child) {
       return;
     }
-    const bool made_up = known_.tf_clock.source == TopicClock::Source::kOrder;
-    push_pose(made_up ? made_up_.now() : stamp, pose, child, message);
+    if (known_.tf_clock.source == TopicClock::Source::kOrder) {
+      const std::size_t stream = known_.survey.topics.size();
+      const std::int64_t seen = seen_of(child);
+      return push_pose(made_up(stream, known_.tf_clock.period_s, seen), pose, child, message);
+    }
+    // Programs publish a pose again until they have the next.
+    if (last_of_tf_ == stamp) return;
+    last_of_tf_ = stamp;
+    push_pose(stamp, pose, child, message);
+  }
+
+  [[nodiscard]] std::int64_t seen_of(const std::string& child) const {
+    std::int64_t seen = 1;
+    for (const MovingFrame& frame : known_.survey.moving) {
+      if (frame.child == child) seen = std::max(seen, frame.stamps.count());
+    }
+    return seen;
   }
 
   /// Where the laser sat when it took the scan. False: it can't be told, or the scan is no use.
@@ -341,6 +387,7 @@ class TopicLogReader final : public LogReader {
   ScanRemarks remarks_{};
   ClockDrift drift_{};
   MadeUpTime made_up_{};
+  std::optional<Stamp> last_of_tf_{};  ///< odometry by tf
   std::map<std::string, std::int64_t> tilted_{};  ///< scans, by topic
   std::string file_{};                            ///< of the last message
   bool at_end_ = false;

@@ -151,18 +151,20 @@ class Surveyor {
 
   void take(const RecordedMessage& message) {
     TopicFacts& facts = facts_of(message.topic);
-    if (!facts.fault.empty()) return;
+    const RecordedTopic& topic = recording_.topics()[message.topic];
+    if (!topic.unreadable.empty()) return;
     ++facts.seen;
     if (facts.is_laser()) has_seen_laser_ = true;
-    const RecordedTopic& topic = recording_.topics()[message.topic];
     try {
       if (facts.kind == TopicKind::kTransforms) {
         take_transforms(topic, message);
       } else if (is_looked_at(facts.kind)) {
         look_at(facts, topic, message);
       }
+      facts.is_decoded = true;
+      facts.fault.clear();
     } catch (const MessageError& error) {
-      if (facts.seen == 1) facts.fault = error.what();
+      if (!facts.is_decoded) facts.fault = error.what();
     }
   }
 
@@ -174,7 +176,7 @@ class Surveyor {
       decoders_.decode(message, imu_message_);
       facts.force += to_eigen(imu_message_.linear_acceleration);
     }
-    if (facts.seen > 1) return;
+    if (facts.is_decoded) return;
     if (facts.kind == TopicKind::kOdometry) {
       facts.child_frame = frame_name(decoders_.decode<msg::Odometry>(message).child_frame_id);
     }

@@ -44,6 +44,7 @@ struct TopicFacts {
   StampFacts stamps{};
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< of an imu: sum of its accelerations
   std::size_t beams = 0;                            ///< of the first scan
+  bool is_decoded = false;                          ///< one of its messages could be read
   std::string fault{};                              ///< why its messages can't be read
 
   [[nodiscard]] bool is_laser() const {

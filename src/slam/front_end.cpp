@@ -386,6 +386,13 @@ void FrontEnd::restore(State state) {
     require_sound(is_amount(active.travelled_m), "a path without a length");
     keys = active.first_key + 1;
   }
+  for (const LaserView& view : state.views) {
+    require_sound(view.piece <= own.piece, "a laser that was mapped later than now");
+    require_sound(view.local_T_robot.vector().allFinite() && view.last_key.vector().allFinite(),
+                  "a laser's last pose is no number");
+    require_sound(std::ranges::count(state.views, view.lidar, &LaserView::lidar) == 1,
+                  "one laser twice");
+  }
   active_.clear();
   for (State::Active& active : state.active) {
     active_.push_back(

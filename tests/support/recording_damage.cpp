@@ -45,8 +45,8 @@ DamagedRecording damaged(const BuiltRecording& recording, std::size_t messages,
   }
   result.what += " at " + std::to_string(at) + " to " + std::to_string(end);
   for (const auto& part : recording.parts) {
-    const bool is_hit = end > at ? part.begin < end && at < part.end
-                                 : part.begin < at && at < part.end;
+    const bool is_hit =
+        end > at ? part.begin < end && at < part.end : part.begin < at && at < part.end;
     for (std::size_t i = 0; is_hit && i < part.messages; ++i) {
       result.is_whole[part.first + i] = false;
     }

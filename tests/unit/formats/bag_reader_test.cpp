@@ -24,7 +24,9 @@ struct Damage {
   std::vector<std::string> reasons{};
   RecordingOptions options() {
     RecordingOptions options;
-    options.on_damage = [this](const Problem& problem) { reasons.push_back(to_string(problem.location) + ": " + problem.reason); };
+    options.on_damage = [this](const Problem& problem) {
+      reasons.push_back(to_string(problem.location) + ": " + problem.reason);
+    };
     return options;
   }
 };
@@ -99,7 +101,8 @@ TEST(BagReader, a_file_gives_what_memory_gives_and_says_where) {
 
 TEST(BagReader, only_wanted_topics_are_given_and_chunks_without_them_are_not_unpacked) {
   auto messages = some_messages(60);
-  for (std::size_t i = 0; i < messages.size(); ++i) messages[i].topic = i / 7 == 3 ? "/scan" : "/tf";
+  for (std::size_t i = 0; i < messages.size(); ++i)
+    messages[i].topic = i / 7 == 3 ? "/scan" : "/tf";
   for (BagBuild build : builds()) {
     if (build.outside_of_chunks) continue;
     BuiltRecording bag = build_bag(messages, build);
@@ -149,8 +152,7 @@ TEST(BagReader, a_chunk_that_is_cut_gives_what_is_in_it) {
     const BuiltRecording bag = build_bag(messages, {.packing = packing, .per_chunk = 100});
     const std::size_t half = (bag.parts[0].begin + bag.parts[0].end) / 2;
     Damage damage;
-    const auto recording =
-        read_bag(std::string_view(bag.bytes).substr(0, half), damage.options());
+    const auto recording = read_bag(std::string_view(bag.bytes).substr(0, half), damage.options());
     const auto got = messages_of(*recording);
     EXPECT_GT(got.size(), 30U);
     EXPECT_LT(got.size(), 70U);
@@ -206,9 +208,9 @@ TEST(BagReader, a_chunk_that_unpacks_to_more_than_is_allowed_is_told) {
   BuiltRecording bag = build_bag(messages, {.packing = Packing::kBzip2, .is_indexed = false});
   std::string head = bag.bytes.substr(bag.parts[0].begin, 200);
   head.resize(head.find("BZh"));
-  head.replace(head.size() - 4, 4,
-               {static_cast<char>(zeroes.size() & 0xffU), static_cast<char>(zeroes.size() >> 8U),
-                0, 0});
+  head.replace(
+      head.size() - 4, 4,
+      {static_cast<char>(zeroes.size() & 0xffU), static_cast<char>(zeroes.size() >> 8U), 0, 0});
   bag.bytes.insert(bag.parts[0].begin, head + zeroes);
   Damage damage;
   const auto recording = read_bag(bag.bytes, damage.options());
@@ -255,19 +257,45 @@ TEST(BagReader, real_bags_hold_as_many_messages_as_others_find_in_them) {
       {"b0-2014-07-21-12-42-53-short.bag",
        {{"horizontal_laser_2d", 345}, {"imu", 1974}, {"vertical_laser_2d", 385}}},
       {"guardian_3.bag",
-       {{"/diagnostics", 713}, {"/guardian_node/command", 7815}, {"/guardian_node/odom", 2079}, {"/guardian_node/state", 2079}, {"/hokuyo/parameter_descriptions", 1}, {"/hokuyo/parameter_updates", 1}, {"/hokuyo_back/parameter_descriptions", 1}, {"/hokuyo_back/parameter_updates", 1}, {"/hokuyo_back_scan", 1038}, {"/joint_states", 7287}, {"/joy", 7829}, {"/rly_08_node/status", 1040}, {"/rosout", 19}, {"/scan", 1036}, {"/tf", 22998}}},
+       {{"/diagnostics", 713},
+        {"/guardian_node/command", 7815},
+        {"/guardian_node/odom", 2079},
+        {"/guardian_node/state", 2079},
+        {"/hokuyo/parameter_descriptions", 1},
+        {"/hokuyo/parameter_updates", 1},
+        {"/hokuyo_back/parameter_descriptions", 1},
+        {"/hokuyo_back/parameter_updates", 1},
+        {"/hokuyo_back_scan", 1038},
+        {"/joint_states", 7287},
+        {"/joy", 7829},
+        {"/rly_08_node/status", 1040},
+        {"/rosout", 19},
+        {"/scan", 1036},
+        {"/tf", 22998}}},
       {"guardian_controller_2.bag",
-       {{"/controller_state", 1027}, {"/diagnostics", 704}, {"/guardian_node/command", 1028}, {"/guardian_node/odom", 2060}, {"/guardian_node/state", 2060}, {"/hokuyo/parameter_descriptions", 1}, {"/hokuyo/parameter_updates", 1}, {"/hokuyo_back/parameter_descriptions", 1}, {"/hokuyo_back/parameter_updates", 1}, {"/hokuyo_back_scan", 1031}, {"/joint_states", 7201}, {"/pose_goal", 2}, {"/rly_08_node/status", 1030}, {"/rosout", 4121}, {"/rosout_agg", 4103}, {"/scan", 1028}, {"/tf", 44254}, {"/trajectory", 104}}},
-      {"office_2019.bag",
-       {{"/cmd_vel", 72}, {"/odom", 862}, {"/scan", 859}, {"/tf", 861}}},
-      {"office_col.bag",
-       {{"/cmd_vel", 856}, {"/odom", 1010}, {"/scan", 920}, {"/tf", 3261}}},
-      {"office_jumping_tf.bag",
-       {{"/cmd_vel", 514}, {"/odom", 516}, {"/scan", 514}, {"/tf", 2630}}},
-      {"tf_example.bag",
-       {{"/tf", 517}, {"/tf_static", 1}}},
-      {"trace0.bag",
-       {{"/base_scan", 958}, {"/odom", 958}, {"/tf", 2876}}},
+       {{"/controller_state", 1027},
+        {"/diagnostics", 704},
+        {"/guardian_node/command", 1028},
+        {"/guardian_node/odom", 2060},
+        {"/guardian_node/state", 2060},
+        {"/hokuyo/parameter_descriptions", 1},
+        {"/hokuyo/parameter_updates", 1},
+        {"/hokuyo_back/parameter_descriptions", 1},
+        {"/hokuyo_back/parameter_updates", 1},
+        {"/hokuyo_back_scan", 1031},
+        {"/joint_states", 7201},
+        {"/pose_goal", 2},
+        {"/rly_08_node/status", 1030},
+        {"/rosout", 4121},
+        {"/rosout_agg", 4103},
+        {"/scan", 1028},
+        {"/tf", 44254},
+        {"/trajectory", 104}}},
+      {"office_2019.bag", {{"/cmd_vel", 72}, {"/odom", 862}, {"/scan", 859}, {"/tf", 861}}},
+      {"office_col.bag", {{"/cmd_vel", 856}, {"/odom", 1010}, {"/scan", 920}, {"/tf", 3261}}},
+      {"office_jumping_tf.bag", {{"/cmd_vel", 514}, {"/odom", 516}, {"/scan", 514}, {"/tf", 2630}}},
+      {"tf_example.bag", {{"/tf", 517}, {"/tf_static", 1}}},
+      {"trace0.bag", {{"/base_scan", 958}, {"/odom", 958}, {"/tf", 2876}}},
   };
   for (const RealBag& bag : bags) {
     const std::string path = test::recorded_data(std::string("bags/") + bag.name);
@@ -276,7 +304,8 @@ TEST(BagReader, real_bags_hold_as_many_messages_as_others_find_in_them) {
     const auto recording = open_bag(path, damage.options());
     EXPECT_TRUE(recording->is_indexed()) << bag.name;
     std::map<std::string, int> counts;
-    while (const auto message = recording->next()) ++counts[recording->topics()[message->topic].name];
+    while (const auto message = recording->next())
+      ++counts[recording->topics()[message->topic].name];
     EXPECT_EQ(counts, bag.counts) << bag.name;
     EXPECT_EQ(damage.reasons, std::vector<std::string>{}) << bag.name;
   }

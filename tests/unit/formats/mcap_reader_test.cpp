@@ -205,7 +205,8 @@ TEST(McapReader, a_chunk_that_is_cut_gives_what_is_in_it) {
     const BuiltRecording file = build_mcap(messages, build);
     const std::size_t half = (file.parts[0].begin + file.parts[0].end) / 2;
     Damage damage;
-    const auto recording = read_mcap(std::string_view(file.bytes).substr(0, half), damage.options());
+    const auto recording =
+        read_mcap(std::string_view(file.bytes).substr(0, half), damage.options());
     const auto got = messages_of(*recording);
     EXPECT_GT(got.size(), 500U) << words(build);  // zstd has blocks of 128 KiB
     EXPECT_LT(got.size(), 2000U) << words(build);

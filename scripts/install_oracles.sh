@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Installs the reference libraries that tests/oracles holds recordings against: a virtual environment
+# of Python and modules of Node in build/oracles. Safe to run again; quick when nothing is missing.
+#
+#     scripts/install_oracles.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+if [[ -n ${1:-} ]]; then
+  sed -n '2,/^[^#]/s/^# \?//p' "$0"
+  exit 2
+fi
+
+packages=()
+python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
+command -v node >/dev/null || packages+=(nodejs)
+command -v npm >/dev/null || packages+=(npm)
+if [[ ${#packages[@]} -gt 0 ]]; then
+  if ! command -v apt-get >/dev/null; then
+    echo "apt-get not found. Install these, or what your system calls them: ${packages[*]}" >&2
+    exit 1
+  fi
+  as_root=()
+  if [[ $(id -u) -ne 0 ]]; then
+    command -v sudo >/dev/null || { echo "Run as root, or install sudo: missing ${packages[*]}" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  echo "Installing: ${packages[*]}"
+  apt_install() {
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${packages[@]}" </dev/null
+  }
+  apt_install || { "${as_root[@]}" apt-get update -q </dev/null; apt_install; }
+fi
+
+# What is installed is known by what was asked for; a run that was cut off leaves no mark.
+folder=build/oracles
+asked=$(cat tests/oracles/requirements.txt tests/oracles/package.json; python3 --version)
+if [[ -f $folder/installed.txt && $(<"$folder/installed.txt") == "$asked" ]]; then
+  exit 0
+fi
+rm -rf "$folder"
+mkdir -p "$folder"
+python3 -m venv "$folder/venv"
+"$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-input -r tests/oracles/requirements.txt
+cp tests/oracles/package.json "$folder/"
+npm install --prefix "$folder" --no-package-lock --no-audit --no-fund --ignore-scripts --loglevel=error
+printf '%s\n' "$asked" >"$folder/installed.txt"
