@@ -110,8 +110,9 @@ class BagReader final : public Recording {
   bool cut_chunk_ = false;  ///< that it is damaged was told
   std::string_view chunk_{};
   std::size_t in_chunk_at_ = 0;
-  std::uint64_t chunk_at_ = 0;    ///< of its record in the file
-  std::uint64_t chunk_data_ = 0;  ///< of its bytes in the file, when it is not packed; else 0
+  std::size_t in_chunk_resume_ = 0;  ///< from where on to search when there is no record
+  std::uint64_t chunk_at_ = 0;       ///< of its record in the file
+  std::uint64_t chunk_data_ = 0;     ///< of its bytes in the file, when it is not packed; else 0
 };
 
 void BagReader::require_magic() {
@@ -302,7 +303,6 @@ std::optional<RecordedMessage> BagReader::step() {
     return std::nullopt;
   }
   if (end > bytes_->size()) {
-    resume_ = at_ + 1;
     pass_damage("a record ends behind the end of the file");
     return std::nullopt;
   }
@@ -390,6 +390,7 @@ void BagReader::open_chunk(const BagPlace& record) {
   if (!record.packing) {
     damage_.tell(record.at, "a chunk is packed in a way that is not known");
     resume_ = at_ = end;
+    if (!ends_well(end)) go_on_from(record.at + 1);
     return;
   }
   const std::uint64_t most_bytes = memory_.allowed_bytes(bytes_->size(), Growth::kNumbers);
@@ -405,7 +406,7 @@ void BagReader::open_chunk(const BagPlace& record) {
   chunk_ = unpacked.bytes;
   chunk_at_ = record.at;
   chunk_data_ = *record.packing == Packing::kNone ? record.data : 0;
-  in_chunk_at_ = 0;
+  in_chunk_at_ = in_chunk_resume_ = 0;
   in_chunk_ = true;
   cut_chunk_ = !damage.empty();
   at_ = resume_ = end;
@@ -430,11 +431,17 @@ std::optional<RecordedMessage> BagReader::next_in_chunk() {
   while (in_chunk_at_ < chunk_.size()) {
     const std::string_view left = chunk_.substr(in_chunk_at_);
     const auto record = read_bag_record(left);
+    if (record && record->fields.op == BagOp::kChunk && chunk_data_ != 0) {
+      at_ = resume_ = chunk_data_ + in_chunk_at_;  // it ended before, and did not say so
+      in_chunk_ = false;
+      return std::nullopt;
+    }
     if (!record || record->end() > left.size()) {
       if (!pass_damage_in_chunk()) break;
       continue;
     }
     const std::size_t at = in_chunk_at_;
+    in_chunk_resume_ = in_chunk_at_ + static_cast<std::size_t>(record->data_at);
     in_chunk_at_ += static_cast<std::size_t>(record->end());
     const BagFields& fields = record->fields;
     if (fields.op == BagOp::kMessage) {
@@ -445,22 +452,23 @@ std::optional<RecordedMessage> BagReader::next_in_chunk() {
       if (!add_connection(left.substr(0, static_cast<std::size_t>(record->end())))) {
         damage_.tell(chunk_at_, "what describes a topic is damaged");
       }
-    } else if (fields.op == BagOp::kChunk && chunk_data_ != 0) {
-      at_ = resume_ = chunk_data_ + at;  // it ended before, and did not say so
-      break;
     }
   }
   in_chunk_ = false;
+  if (cut_chunk_ && chunk_data_ != 0 && at_ == resume_) resume_ = chunk_data_ + in_chunk_resume_;
   return std::nullopt;
 }
 
-/// False when nothing more is found in this chunk.
+/// Goes back to the beginning of the last record, whose length may be wrong. False when nothing more
+/// is found in this chunk.
 bool BagReader::pass_damage_in_chunk() {
   if (!cut_chunk_) damage_.tell(chunk_at_, "a record in this chunk is damaged");
   cut_chunk_ = true;
-  const auto found = find_bag_record(chunk_, in_chunk_at_ + 1, true);
-  if (found) in_chunk_at_ = *found;
-  return found.has_value();
+  const auto found = find_bag_record(chunk_, in_chunk_resume_, true);
+  if (!found) return false;
+  in_chunk_at_ = *found;
+  in_chunk_resume_ = *found + 1;
+  return true;
 }
 
 std::optional<RecordedMessage> BagReader::give(std::uint32_t connection, Stamp time,

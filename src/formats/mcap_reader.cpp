@@ -127,8 +127,9 @@ class McapReader final : public Recording {
   bool told_chunk_ = false;  ///< that it is damaged
   std::string_view chunk_{};
   std::size_t in_chunk_at_ = 0;
-  std::uint64_t chunk_at_ = 0;    ///< of its record in the file
-  std::uint64_t chunk_data_ = 0;  ///< of its bytes in the file, when it is not packed; else 0
+  std::size_t in_chunk_resume_ = 0;  ///< from where on to search when there is no record
+  std::uint64_t chunk_at_ = 0;       ///< of its record in the file
+  std::uint64_t chunk_data_ = 0;     ///< of its bytes in the file, when it is not packed; else 0
 };
 
 void McapReader::require_magic() {
@@ -382,7 +383,6 @@ std::optional<RecordedMessage> McapReader::step() {
       at_ = resume_ = at + kMcapMagic.size();
       return std::nullopt;
     }
-    resume_ = at + 1;
     pass_damage("a record ends behind the end of the file");
     return std::nullopt;
   }
@@ -467,7 +467,6 @@ void McapReader::open_chunk(const McapRecord& record) {
   const std::string_view front = bytes_->view(at + kMcapHead, kMostMcapChunkHead);
   const auto chunk = read_mcap_chunk(front);
   if (!chunk) {
-    resume_ = at + 1;
     pass_damage("the head of a chunk is damaged or cut");
     return;
   }
@@ -486,6 +485,7 @@ void McapReader::open_chunk(const McapRecord& record) {
   at_ = resume_ = end;
   if (!packing) {
     damage_.tell(at, "a chunk is packed in a way that is not known");
+    if (!ends_well(end)) go_on_from(at + 1);
     return;
   }
   const std::uint64_t stored = std::min(end, data_end) - data;
@@ -498,7 +498,7 @@ void McapReader::open_chunk(const McapRecord& record) {
   chunk_ = unpacked.bytes;
   chunk_at_ = at;
   chunk_data_ = *packing == Packing::kNone ? data : 0;
-  in_chunk_at_ = 0;
+  in_chunk_at_ = in_chunk_resume_ = 0;
   in_chunk_ = true;
   tell_wrong_chunk(unpacked, wanted, is_cut);
   if (*packing == Packing::kNone) return;
@@ -536,30 +536,36 @@ std::optional<RecordedMessage> McapReader::next_in_chunk() {
   while (in_chunk_at_ < chunk_.size()) {
     const std::string_view left = chunk_.substr(in_chunk_at_);
     const auto record = read_mcap_head(left);
+    const std::uint64_t at = chunk_data_ != 0 ? chunk_data_ + in_chunk_at_ : chunk_at_;
+    if (record && record->op == McapOp::kChunk && chunk_data_ != 0) {
+      at_ = resume_ = at;  // the chunk ended before, and did not say so
+      in_chunk_ = false;
+      return std::nullopt;
+    }
     if (!record || record->end() > left.size()) {
       if (!pass_damage_in_chunk()) break;
       continue;
     }
-    const std::uint64_t at = chunk_data_ != 0 ? chunk_data_ + in_chunk_at_ : chunk_at_;
+    in_chunk_resume_ = in_chunk_at_ + kMcapHead;
     in_chunk_at_ += static_cast<std::size_t>(record->end());
-    if (record->op == McapOp::kChunk && chunk_data_ != 0) {
-      at_ = resume_ = at;  // the chunk ended before, and did not say so
-      break;
-    }
     const auto length = static_cast<std::size_t>(record->length);
     if (auto message = use_record(record->op, left.substr(kMcapHead, length), at)) return message;
   }
   in_chunk_ = false;
+  if (told_chunk_ && chunk_data_ != 0 && at_ == resume_) resume_ = chunk_data_ + in_chunk_resume_;
   return std::nullopt;
 }
 
-/// False when nothing more is found in this chunk.
+/// Goes back to the beginning of the last record, whose length may be wrong. False when nothing more
+/// is found in this chunk.
 bool McapReader::pass_damage_in_chunk() {
   if (!told_chunk_) damage_.tell(chunk_at_, "a record in this chunk is damaged");
   told_chunk_ = true;
-  const auto found = find_mcap_record(chunk_, in_chunk_at_ + 1, true, knows_channel_);
-  if (found) in_chunk_at_ = *found;
-  return found.has_value();
+  const auto found = find_mcap_record(chunk_, in_chunk_resume_, true, knows_channel_);
+  if (!found) return false;
+  in_chunk_at_ = *found;
+  in_chunk_resume_ = *found + 1;
+  return true;
 }
 
 }  // namespace

@@ -176,6 +176,7 @@ class Rosbag2Recording final : public Recording {
         continue;
       }
       if (auto message = next_of_current()) {
+        if (!unpack(*message)) continue;
         message->topic = global_topic(message->topic);
         return message;
       }
@@ -312,6 +313,22 @@ class Rosbag2Recording final : public Recording {
     }
   }
 
+  /// A message that is packed by itself in MCAP, which knows nothing of it; databases unpack theirs.
+  /// False: it is damaged.
+  [[nodiscard]] bool unpack(RecordedMessage& message) {
+    if (packing_ != "zstd" || !is_zstd({message.bytes.data(), message.bytes.size()})) return true;
+    const auto stored = static_cast<std::uint64_t>(bytes_[file_]);
+    try {
+      unpacker_.unpack(message.bytes, options_.memory.allowed_bytes(stored, Growth::kNumbers),
+                       unpacked_);
+      message.bytes = unpacked_;
+      return true;
+    } catch (const std::runtime_error& error) {
+      tell({message.where(), fmt::format("this message can't be unpacked ({})", error.what())});
+      return false;
+    }
+  }
+
   void take_notes() {
     for (std::string& note : current_->notes()) {
       if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) {
@@ -387,6 +404,8 @@ class Rosbag2Recording final : public Recording {
   std::size_t file_ = 0;
   std::unique_ptr<Recording> current_;
   std::vector<std::size_t> of_current_;
+  ZstdUnpacker unpacker_;
+  std::string unpacked_;  ///< of the last message
 };
 
 }  // namespace

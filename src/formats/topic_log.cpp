@@ -253,7 +253,8 @@ class TopicLogReader final : public LogReader {
 
   /// Two lasers may share a topic; only the first one's place is known.
   static void check_frame(const msg::Header& header, const TopicFacts& facts) {
-    if (header.frame_id.empty() || frame_name(header.frame_id) == facts.frame) return;
+    if (header.frame_id.empty() || facts.frame.empty()) return;
+    if (frame_name(header.frame_id) == facts.frame) return;
     throw MessageError(0, "a scan of the frame '" + header.frame_id + "' among those of '" +
                               facts.frame + "'");
   }

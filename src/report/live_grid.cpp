@@ -41,7 +41,8 @@ bool LiveGrid::grow_to(TileId low, TileId high, double resolution_m) {
   const std::uint64_t rows = tiles_between(low.row, high.row);
   // Compared without a product that might not fit.
   if (columns > most_cells_ / OccupancyTile::kCells / rows) return false;
-  const GridFrame frame{.origin = {low.column * kSide * resolution_m, low.row * kSide * resolution_m},
+  const double tile_m = kSide * resolution_m;
+  const GridFrame frame{.origin = {low.column * tile_m, low.row * tile_m},
                         .resolution = resolution_m,
                         .columns = static_cast<int>(columns) * kSide,
                         .rows = static_cast<int>(rows) * kSide};

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -28,9 +28,9 @@ msg::Point point_at(const Eigen::Vector2d& position) {
   return {.x = position.x(), .y = position.y(), .z = kMarkerHeightM};
 }
 
-msg::Marker marker(const char* name, std::int32_t type, Stamp stamp, unsigned rgb) {
+msg::Marker marker(std::string name, std::int32_t type, Stamp stamp, unsigned rgb) {
   return {.header = {stamp, kMapFrame},
-          .ns = name,
+          .ns = std::move(name),
           .type = type,
           .color = to_message(hex_colour(rgb))};
 }
@@ -194,7 +194,7 @@ msg::MarkerArray closure_markers(const std::vector<ClosureLine>& lines, Stamp st
   constexpr double kOtherM = 0.02;
   msg::MarkerArray array;
   for (const auto& [state, name] : words_of(ClosureState{})) {
-    msg::Marker list = marker(name.data(), msg::Marker::kLineList, stamp, colour_of(state));
+    msg::Marker list = marker(std::string(name), msg::Marker::kLineList, stamp, colour_of(state));
     list.scale.x = state == ClosureState::kStanding ? kStandingM : kOtherM;
     for (const ClosureLine& line : lines) {
       if (line.state != state) continue;

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/formats/ros_map.hpp"
+#include "loopstone/geometry/pose2.hpp"
 #include "loopstone/messages/message_types.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 #include "loopstone/slam/loop_closure.hpp"

@@ -23,20 +23,13 @@
 #include "report/texture_files.hpp"
 #include "report/texture_summary.hpp"
 #include "report/with_peak_memory.hpp"
+#include "report/written_states.hpp"
 
 namespace loopstone {
 namespace {
 
 /// Places of 50 cm need fewer pixels than walls.
 constexpr int kQualitySidePx = 1200;
-
-/// A run that ended before its first scan still leaves a map that every tool can open: one unknown
-/// cell.
-CellStates states_to_write(const OccupancyMap& map) {
-  if (!map.log_odds.empty()) return cell_states(map);
-  const GridFrame frame{.resolution = OccupancyOptions{}.resolution_m, .columns = 1, .rows = 1};
-  return CellStates(frame, kUnknownCell);
-}
 
 /// What took the run its time and no disk any room: it is kept, whatever becomes of the rest.
 void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, FileSet& files) {

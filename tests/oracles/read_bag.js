@@ -9,7 +9,8 @@ const load = (name) => require(require.resolve(name, { paths: [path.resolve(fold
 const { Bag } = load("@foxglove/rosbag");
 const { FileReader } = load("@foxglove/rosbag/node");
 const lz4 = load("@foxglove/wasm-lz4");
-const decompress = lz4.default ?? lz4;
+const unpackLz4 = lz4.default ?? lz4;
+const Bzip2 = load("@foxglove/wasm-bz2").default;
 
 function plain(key, value) {
   if (ArrayBuffer.isView(value)) return Array.from(value);
@@ -19,9 +20,13 @@ function plain(key, value) {
 }
 
 async function main() {
-  await decompress.isLoaded;
+  await unpackLz4.isLoaded;
+  const bzip2 = await Bzip2.init();
   const bag = new Bag(new FileReader(bagPath), {
-    decompress: { lz4: (bytes, size) => decompress(bytes, size) },
+    decompress: {
+      lz4: (bytes, size) => unpackLz4(bytes, size),
+      bz2: (bytes, size) => bzip2.decompress(bytes, size, { small: false }),
+    },
   });
   await bag.open();
   const types = {};

@@ -80,7 +80,8 @@ def by_mcap(path, is_seeking=True):
         )
 
 
-def by_foxglove(path):
+def lines_of_foxglove(path):
+    """What read_bag.js prints, a message at a time."""
     script = pathlib.Path(__file__).with_name("read_bag.js")
     done = subprocess.run(
         ["node", script, MODULES, path], stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -91,10 +92,19 @@ def by_foxglove(path):
     def objects(values):
         return SimpleNamespace(**values)
 
-    lines = (
-        json.loads(line, object_hook=objects) for line in done.stdout.decode().splitlines()
-    )
-    return told((line.topic, line.message) for line in lines)
+    for line in done.stdout.decode().splitlines():
+        yield json.loads(line, object_hook=objects)
+
+
+def by_foxglove(path):
+    return told((line.topic, line.message) for line in lines_of_foxglove(path))
+
+
+def counts_by_foxglove(path):
+    counts = {}
+    for line in lines_of_foxglove(path):
+        counts[line.topic] = counts.get(line.topic, 0) + 1
+    return counts
 
 
 def count_mcap(path):

@@ -1,9 +1,11 @@
 """Recordings as the reference libraries write them."""
+import dataclasses
 import pathlib
 import shutil
 import sqlite3
 import struct
 
+import numpy
 from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as McapWriter
 from mcap_ros2.writer import Writer as McapRos2Writer
@@ -48,12 +50,22 @@ def built(store, name, values):
     return store.types[name](**fields)
 
 
+def plain(value):
+    """The same as dictionaries and lists."""
+    if isinstance(value, numpy.ndarray):
+        return value.tolist()
+    if isinstance(value, list):
+        return [plain(one) for one in value]
+    if hasattr(value, "__msgtype__"):
+        fields = {field.name for field in dataclasses.fields(value)} - {"__msgtype__"}
+        return {name: plain(getattr(value, name)) for name in fields}
+    return value
+
+
 def built_array(store, kind, detail, values):
     (inner_kind, inner), length = detail
     if inner_kind == Nodetype.NAME:
         return [built(store, inner, value) for value in values or []]
-    import numpy
-
     if values is None:
         return numpy.zeros(length if kind == Nodetype.ARRAY else 0, dtype=inner[0])
     return numpy.asarray(values, dtype=inner[0])
@@ -211,8 +223,9 @@ def write_mcap_ros2(path, messages, **options):
                 schemas[message.type] = writer.register_msgdef(
                     type2(message.type), encoder.definition(message.type)
                 )
+            values = plain(built(encoder.store, type2(message.type), message.values))
             writer.write_message(
-                message.topic, schemas[message.type], message.values, message.recorded_ns
+                message.topic, schemas[message.type], values, message.recorded_ns
             )
 
 

@@ -291,6 +291,7 @@ TEST(BagReader, real_bags_hold_as_many_messages_as_others_find_in_them) {
         {"/scan", 1028},
         {"/tf", 44254},
         {"/trajectory", 104}}},
+      {"laser_scan_matcher_demo.bag", {{"/scan", 360}}},  // as its index says
       {"office_2019.bag", {{"/cmd_vel", 72}, {"/odom", 862}, {"/scan", 859}, {"/tf", 861}}},
       {"office_col.bag", {{"/cmd_vel", 856}, {"/odom", 1010}, {"/scan", 920}, {"/tf", 3261}}},
       {"office_jumping_tf.bag", {{"/cmd_vel", 514}, {"/odom", 516}, {"/scan", 514}, {"/tf", 2630}}},
