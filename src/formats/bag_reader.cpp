@@ -251,8 +251,8 @@ std::vector<std::string> BagReader::notes() const {
 
 // Between the chunks.
 
-/// Where a record ends that says that it ends at `end`: before the next chunk, if the index knows of
-/// one that is really there.
+/// Where a record ends that says that it ends at `end`: before the next chunk, if the index knows
+/// of one that is really there.
 std::uint64_t BagReader::end_before_next_chunk(std::uint64_t at, std::uint64_t end) {
   const auto& chunks = index_.chunks();
   for (std::size_t i = index_.first_from(at + 1); i < chunks.size() && chunks[i].at < end; ++i) {
@@ -459,8 +459,8 @@ std::optional<RecordedMessage> BagReader::next_in_chunk() {
   return std::nullopt;
 }
 
-/// Goes back to the beginning of the last record, whose length may be wrong. False when nothing more
-/// is found in this chunk.
+/// Goes back to the beginning of the last record, whose length may be wrong. False when nothing
+/// more is found in this chunk.
 bool BagReader::pass_damage_in_chunk() {
   if (!cut_chunk_) damage_.tell(chunk_at_, "a record in this chunk is damaged");
   cut_chunk_ = true;

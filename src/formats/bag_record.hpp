@@ -49,8 +49,8 @@ struct BagRecord {
 
 /// Headers longer than this are damaged.
 inline constexpr std::uint64_t kMostBagHeader = std::uint64_t{1} << 16;
-/// The record at the front of `bytes`, of which the data may be missing. Nothing when there can't be
-/// one: a header that is cut or makes no sense, or lacks what its kind must have.
+/// The record at the front of `bytes`, of which the data may be missing. Nothing when there can't
+/// be one: a header that is cut or makes no sense, or lacks what its kind must have.
 [[nodiscard]] std::optional<BagRecord> read_bag_record(std::string_view bytes);
 
 /// The fields in a header, or in a connection's data. False when it is damaged.

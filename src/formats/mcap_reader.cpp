@@ -337,8 +337,8 @@ bool McapReader::ends_well(std::uint64_t end) {
          record->end() <= bytes_->size() - end;
 }
 
-/// Where a record ends that says that it ends at `end`: before the next chunk, if the index knows of
-/// one that is really there.
+/// Where a record ends that says that it ends at `end`: before the next chunk, if the index knows
+/// of one that is really there.
 std::uint64_t McapReader::end_before_next_chunk(std::uint64_t at, std::uint64_t end) {
   const auto& chunks = index_.chunks();
   for (std::size_t i = index_.first_from(at + 1); i < chunks.size() && chunks[i].at < end; ++i) {
@@ -391,6 +391,10 @@ std::optional<RecordedMessage> McapReader::step() {
   if (end < stated_end) {
     damage_.tell(at, "a record is longer than the place that it has");
     go_on_from(std::min(at + kMcapHead, end));
+    return std::nullopt;
+  }
+  if (end < data_end_ && !may_follow(record->op, head(end))) {
+    pass_damage("there should be a record here, and is none");
     return std::nullopt;
   }
   resume_ = at + kMcapHead;
@@ -542,7 +546,9 @@ std::optional<RecordedMessage> McapReader::next_in_chunk() {
       in_chunk_ = false;
       return std::nullopt;
     }
-    if (!record || record->end() > left.size()) {
+    const bool fits = record && record->end() <= left.size();
+    if (!fits || (record->end() < left.size() &&
+                  !may_follow(record->op, read_mcap_head(left.substr(record->end()))))) {
       if (!pass_damage_in_chunk()) break;
       continue;
     }
@@ -556,8 +562,8 @@ std::optional<RecordedMessage> McapReader::next_in_chunk() {
   return std::nullopt;
 }
 
-/// Goes back to the beginning of the last record, whose length may be wrong. False when nothing more
-/// is found in this chunk.
+/// Goes back to the beginning of the last record, whose length may be wrong. False when nothing
+/// more is found in this chunk.
 bool McapReader::pass_damage_in_chunk() {
   if (!told_chunk_) damage_.tell(chunk_at_, "a record in this chunk is damaged");
   told_chunk_ = true;

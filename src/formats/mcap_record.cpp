@@ -53,6 +53,11 @@ std::optional<McapRecord> read_mcap_head(std::string_view bytes) {
   return McapRecord{static_cast<McapOp>(op), length};
 }
 
+bool may_follow(McapOp op, const std::optional<McapRecord>& next) {
+  const auto is_known = [](McapOp kind) { return static_cast<std::size_t>(kind) < 16; };
+  return is_known(op) || (next && (is_known(next->op) || next->op == op));
+}
+
 std::optional<McapSchema> read_mcap_schema(std::string_view bytes) {
   McapFields in(bytes);
   McapSchema schema;

@@ -13,8 +13,8 @@
 
 namespace loopstone {
 
-/// The topics of a recording as they are found, and which of them are wanted. What they take is held
-/// to the budget of the file, since a packed file can hold far more definitions than it has bytes.
+/// The topics of a recording as they are found, and which of them are wanted. What they take is
+/// held to the budget of the file, since a packed file can hold more definitions than it has bytes.
 class RecordedTopics {
  public:
   RecordedTopics(const MemoryBudget& memory, std::uint64_t file_bytes, std::string file);

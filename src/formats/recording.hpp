@@ -17,8 +17,8 @@
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/messages/message_codec.hpp"
 
-// Containers of recorded messages (ROS 1 bag, rosbag2's SQLite, MCAP), read as a stream of bytes with
-// a topic and a time. What the bytes mean is not a container's to know.
+// Containers of recorded messages (ROS 1 bag, rosbag2's SQLite, MCAP), read as a stream of bytes
+// with a topic and a time. What the bytes mean is not a container's to know.
 
 namespace loopstone {
 
@@ -61,8 +61,8 @@ struct RecordingOptions {
 };
 
 /// A container, from its beginning to its end in the order of the file (of SQLite: by time). Damage
-/// is told, passed, and everything undamaged behind it is given. Memory is bounded by a chunk (or one
-/// message) and what RecordingOptions::memory allows for the file.
+/// is told, passed, and everything undamaged behind it is given. Memory is bounded by a chunk (or
+/// one message) and what RecordingOptions::memory allows for the file.
 class Recording {
  public:
   virtual ~Recording() = default;
@@ -70,8 +70,8 @@ class Recording {
   [[nodiscard]] virtual const std::vector<RecordedTopic>& topics() const = 0;
   /// Whether an index told of all topics before the first message.
   [[nodiscard]] virtual bool is_indexed() const = 0;
-  /// From now on only messages of topics for which this is true are given; chunks that an index knows
-  /// to hold none of them are not unpacked. Asked once for each topic. Empty: all.
+  /// From now on only messages of topics for which this is true are given; chunks that an index
+  /// knows to hold none of them are not unpacked. Asked once for each topic. Empty: all.
   virtual void want(std::function<bool(const RecordedTopic&)> wanted) = 0;
   /// Nothing at the end. Throws DataError when nothing more can be read, ReadingStopped.
   [[nodiscard]] virtual std::optional<RecordedMessage> next() = 0;
