@@ -115,9 +115,9 @@ inline constexpr std::uint64_t kMostMcapChunkHead = 128;
 /// The head at the front. Nothing when there is no kind 0, or the length is less than the kind has.
 [[nodiscard]] std::optional<McapRecord> read_mcap_head(std::string_view bytes);
 
-/// Whether a record of this kind may have the other behind it, as far as that can be told. Kinds that
-/// are not known yet are taken for damage unless a known one, or one of the same kind, follows:
-/// a head that is read at a wrong place often looks like one of them.
+/// Whether a record of this kind may have the other behind it, as far as that can be told. Kinds
+/// that are not known yet are taken for damage unless a known one, or one of the same kind,
+/// follows: a head that is read at a wrong place often looks like one of them.
 [[nodiscard]] bool may_follow(McapOp op, const std::optional<McapRecord>& next);
 
 /// Where the next record stands at or behind `from` that is surely one: a chunk that agrees with
