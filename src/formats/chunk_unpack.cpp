@@ -97,6 +97,7 @@ bool ChunkUnpacker::make_room(std::size_t used, const Job& job) {
 UnpackedChunk ChunkUnpacker::unpack_bzip2(const Job& job) {
   bz_stream stream{};
   if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return {{}, 0, "no memory to unpack it"};
+  const std::unique_ptr<bz_stream, int (*)(bz_stream*)> ended(&stream, BZ2_bzDecompressEnd);
   (void)buffer_.at_least(job.first_room());
   UnpackedChunk chunk;
   std::size_t used = 0;
@@ -123,7 +124,6 @@ UnpackedChunk ChunkUnpacker::unpack_bzip2(const Job& job) {
     if (status == BZ_OK && made == 0 && stream.avail_in == 0) chunk.damage = kCut;
     if (!chunk.damage.empty()) break;
   }
-  BZ2_bzDecompressEnd(&stream);
   chunk.bytes = {buffer_.data(), used};
   return chunk;
 }
