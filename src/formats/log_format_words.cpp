@@ -48,6 +48,7 @@ std::string details_text(const LogContents& contents) {
   if (contents.beam_times) text += "; the time between beams";
   if (contents.lidar_mount) text += "; the laser's mount";
   const auto error_ns = contents.stamp_error.nanoseconds;
+  if (contents.single_precision) text += "; angles as 32-bit numbers";
   text += error_ns == 0 ? "; stamps exact" : fmt::format("; stamps within {} ns", error_ns);
   return text;
 }
@@ -63,6 +64,7 @@ nlohmann::ordered_json contents_json(const LogContents& contents) {
   json["beams_may_change"] = contents.beams_change;
   json["time_between_beams"] = contents.beam_times;
   json["laser_mount"] = contents.lidar_mount;
+  json["single_precision"] = contents.single_precision;
   json["stamp_error_ns"] = contents.stamp_error.nanoseconds;
   return json;
 }

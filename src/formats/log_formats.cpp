@@ -34,7 +34,8 @@ constexpr LogContents kTopics{.scans = true,
                               .lidars = 16,
                               .beams_change = true,
                               .beam_times = true,
-                              .lidar_mount = true};
+                              .lidar_mount = true,
+                              .single_precision = true};
 
 constexpr std::array<LogFormat, 6> kFormats{{
     {
@@ -129,6 +130,7 @@ constexpr std::array<LogFormat, 6> kFormats{{
         .truth = rosbag2_truth,
         .files = rosbag2_log_files,
         .create = create_rosbag2_log,
+        .parts = rosbag2_parts,
     },
     {
         .name = "rawlog",

@@ -1,5 +1,7 @@
 #include "formats/recording_formats.hpp"
 
+#include <filesystem>
+
 #include "formats/recording.hpp"
 #include "formats/recording_writer.hpp"
 #include "formats/topic_log.hpp"
@@ -27,7 +29,7 @@ std::unique_ptr<LogReader> open_bag_log(const LogInput& log, const LogOptions& o
   return open_topic_log("bag", opener(open_bag, log), options);
 }
 std::unique_ptr<LogWriter> create_bag_log(const LogTarget& target, const RobotModel& robot) {
-  return create_topic_log(create_bag(target.path), robot);
+  return create_topic_log(target, create_bag(target.path), robot);
 }
 Trajectory bag_truth(const LogInput& log, const std::string& topic, const LogOptions& options) {
   return read_topic_truth(log.name, topic, opener(open_bag, log), options);
@@ -38,7 +40,7 @@ std::unique_ptr<LogReader> open_mcap_log(const LogInput& log, const LogOptions& 
   return open_topic_log("mcap", opener(open_mcap, log), options);
 }
 std::unique_ptr<LogWriter> create_mcap_log(const LogTarget& target, const RobotModel& robot) {
-  return create_topic_log(create_mcap(target.path), robot);
+  return create_topic_log(target, create_mcap(target.path), robot);
 }
 Trajectory mcap_truth(const LogInput& log, const std::string& topic, const LogOptions& options) {
   return read_topic_truth(log.name, topic, opener(open_mcap, log), options);
@@ -55,7 +57,13 @@ std::vector<std::string> rosbag2_log_files(const LogInput& log) {
   return log.is_folder ? rosbag2_files(log.path.string()) : std::vector<std::string>{};
 }
 std::unique_ptr<LogWriter> create_rosbag2_log(const LogTarget& target, const RobotModel& robot) {
-  return create_topic_log(create_rosbag2(target.path), robot);
+  return create_topic_log(target, create_rosbag2(target.path), robot);
+}
+LogParts rosbag2_parts(const LogTarget& target) {
+  const std::filesystem::path folder = std::filesystem::path(target.path).lexically_normal();
+  const std::string name =
+      folder.has_filename() ? folder.filename() : folder.parent_path().filename();
+  return {.files = {(folder / (name + "_0.db3")).string(), (folder / "metadata.yaml").string()}};
 }
 Trajectory rosbag2_truth(const LogInput& log, const std::string& topic, const LogOptions& options) {
   return read_topic_truth(log.name, topic, opener(open_rosbag2, log), options);

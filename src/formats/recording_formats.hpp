@@ -34,6 +34,7 @@ namespace loopstone {
 [[nodiscard]] std::vector<std::string> rosbag2_log_files(const LogInput& log);
 [[nodiscard]] std::unique_ptr<LogWriter> create_rosbag2_log(const LogTarget& target,
                                                             const RobotModel& robot);
+[[nodiscard]] LogParts rosbag2_parts(const LogTarget& target);
 [[nodiscard]] Trajectory rosbag2_truth(const LogInput& log, const std::string& topic,
                                        const LogOptions& options);
 

@@ -16,8 +16,8 @@ namespace {
 
 class TopicLogWriter final : public LogWriter {
  public:
-  TopicLogWriter(std::unique_ptr<RecordingWriter> writer, RobotModel robot)
-      : writer_(std::move(writer)), robot_(std::move(robot)) {}
+  TopicLogWriter(LogTarget target, std::unique_ptr<RecordingWriter> writer, RobotModel robot)
+      : target_(std::move(target)), writer_(std::move(writer)), robot_(std::move(robot)) {}
 
   void write(const SensorMessage& message) override {
     std::visit([this](const auto& reading) { add(reading); }, message);
@@ -33,6 +33,11 @@ class TopicLogWriter final : public LogWriter {
 
  private:
   void add(const LaserScan& scan) {
+    const int most = target_.format->holds.lidars;
+    if (scan.lidar < 0 || scan.lidar >= most) {
+      throw DataError({target_.path}, fmt::format("has no place for laser {}: it tells {} apart",
+                                                  scan.lidar + 1, most));
+    }
     add_mount(scan);
     writer_.send(scan_topic(scan.lidar), scan.stamp, to_message(scan, laser_frame(scan.lidar)));
   }
@@ -74,6 +79,7 @@ class TopicLogWriter final : public LogWriter {
 
   void add(const RgbdFrame& /*frame*/) {}  // the format has no place for pictures
 
+  LogTarget target_;
   TopicWriter writer_;
   RobotModel robot_;
   std::map<int, Pose2> mounts_{};  ///< that were written, by lidar
@@ -82,9 +88,10 @@ class TopicLogWriter final : public LogWriter {
 
 }  // namespace
 
-std::unique_ptr<LogWriter> create_topic_log(std::unique_ptr<RecordingWriter> writer,
+std::unique_ptr<LogWriter> create_topic_log(const LogTarget& target,
+                                            std::unique_ptr<RecordingWriter> writer,
                                             const RobotModel& robot) {
-  return std::make_unique<TopicLogWriter>(std::move(writer), robot);
+  return std::make_unique<TopicLogWriter>(target, std::move(writer), robot);
 }
 
 }  // namespace loopstone

@@ -32,11 +32,12 @@ struct LogContents {
   bool wheel_ticks = false;     ///< without a place for them they become poses, if it has poses
   bool imu_samples = false;
   bool rgbd_frames = false;
-  int lidars = 1;             ///< that it tells apart; a log of more can't be written
-  bool beams_change = false;  ///< their number and directions may differ from scan to scan
-  bool beam_times = false;    ///< LaserScan::time_increment_s
-  bool lidar_mount = false;   ///< robot_T_lidar
-  Duration stamp_error{};     ///< by which a written stamp of this century may be off, at most
+  int lidars = 1;                 ///< that it tells apart; a log of more can't be written
+  bool beams_change = false;      ///< their number and directions may differ from scan to scan
+  bool beam_times = false;        ///< LaserScan::time_increment_s
+  bool lidar_mount = false;       ///< robot_T_lidar
+  bool single_precision = false;  ///< angles, limits and times of beams are 32-bit numbers
+  Duration stamp_error{};         ///< by which a written stamp of this century may be off, at most
 };
 
 /// A kind of message, in people's words, and whether a format has a place for it.
