@@ -73,6 +73,7 @@ class McapReader final : public Recording {
   bool has_right_checksum(std::uint64_t begin, std::uint64_t footer, std::uint32_t checksum);
   template <typename Use>
   bool for_each_in_summary(std::uint64_t begin, std::uint64_t end, Use&& use);
+  bool has_schemas_of_channels(std::uint64_t begin, std::uint64_t end);
   bool index_chunk(std::string_view fields, std::uint64_t summary_at);
   bool count_messages(std::string_view fields);
   bool knows_indexed_channels() const;
@@ -184,6 +185,10 @@ void McapReader::load_summary() {
   bool good = for_each_in_summary(begin, footer, [&](McapOp op, std::string_view fields) {
     return op != McapOp::kSchema || add_schema(fields);
   });
+  if (good && !has_schemas_of_channels(begin, footer)) {
+    has_damaged_summary_ = false;
+    return;
+  }
   good = good && for_each_in_summary(begin, footer, [&](McapOp op, std::string_view fields) {
            has_statistics = has_statistics || op == McapOp::kStatistics;
            if (op == McapOp::kChannel) return add_channel(fields);
@@ -227,6 +232,14 @@ bool McapReader::for_each_in_summary(std::uint64_t begin, std::uint64_t end, Use
     at += record->end();
   }
   return true;
+}
+
+/// Whether the summary repeats the schemas of its channels, which it need not do.
+bool McapReader::has_schemas_of_channels(std::uint64_t begin, std::uint64_t end) {
+  return for_each_in_summary(begin, end, [this](McapOp op, std::string_view fields) {
+    const auto channel = op == McapOp::kChannel ? read_mcap_channel(fields) : std::nullopt;
+    return !channel || channel->schema == 0 || schemas_.contains(channel->schema);
+  });
 }
 
 bool McapReader::index_chunk(std::string_view fields, std::uint64_t summary_at) {

@@ -313,8 +313,7 @@ class Rosbag2Recording final : public Recording {
     }
   }
 
-  /// A message that is packed by itself in MCAP, which knows nothing of it; databases unpack theirs.
-  /// False: it is damaged.
+  /// A message that is packed by itself within MCAP; databases unpack theirs. False: it is damaged.
   [[nodiscard]] bool unpack(RecordedMessage& message) {
     if (packing_ != "zstd" || !is_zstd({message.bytes.data(), message.bytes.size()})) return true;
     const auto stored = static_cast<std::uint64_t>(bytes_[file_]);
