@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the reference libraries that tests/oracles holds recordings against: a virtual environment
-# of Python and modules of Node in build/oracles. Safe to run again; quick when nothing is missing.
+# Installs the reference libraries that tests/oracles holds recordings against, in build/oracles: a
+# virtual environment of Python and modules of Node. Safe to run again; quick when nothing is missing.
 #
 #     scripts/install_oracles.sh
 set -euo pipefail

@@ -122,9 +122,7 @@ def compare(found, wanted):
         ("wheels", found.ticks, wanted.ticks),
     ):
         same_stamps(name, [row[0] for row in a], [row[0] for row in b])
-        same_numbers(
-            name, [np.hstack(row[1:]) for row in a], [np.hstack(row[1:]) for row in b]
-        )
+        same_numbers(name, [np.hstack(row[1:]) for row in a], [np.hstack(row[1:]) for row in b])
     require(
         sorted(found.mounts) == sorted(wanted.mounts),
         f"mounts of {sorted(found.mounts)} instead of {sorted(wanted.mounts)}",
@@ -273,6 +271,9 @@ def converted(checks, folder, kind, messages, wanted):
     is_read_by_all(path, kind, wanted)
 
 
+STANDARD_GRAVITY = 9.80665
+
+
 def npz(folder, name):
     return np.load(folder / f"{name}20.npz")
 
@@ -290,24 +291,21 @@ def told_by_ucsd(folder):
         float(np.float32(lidar[key]))
         for key in ("angle_min", "angle_increment", "time_increment", "range_min", "range_max")
     ]
-    scans = [
-        Scan(stamp, *numbers, row) for stamp, row in zip(ns(lidar["time_stamps"]), ranges)
-    ]
+    scans = [Scan(stamp, *numbers, row) for stamp, row in zip(ns(lidar["time_stamps"]), ranges)]
+    accelerations = STANDARD_GRAVITY * imu["linear_acceleration"].T
     with open(ROOT / "robots/ucsd.toml", "rb") as robot:
         mount = tomllib.load(robot)["lidars"][0]
     return Told(
         scans={"/scan": scans},
         poses=[],
-        imu=list(
-            zip(ns(imu["time_stamps"]), imu["angular_velocity"].T, imu["linear_acceleration"].T)
-        ),
+        imu=list(zip(ns(imu["time_stamps"]), imu["angular_velocity"].T, accelerations)),
         mounts={"laser": tuple(mount[name] for name in ("x_m", "y_m", "height_m", "yaw_rad"))},
         ticks=list(zip(ns(wheels["time_stamps"]), wheels["counts"].T.astype(float))),
     )
 
 
 def near_stamps(found, wanted):
-    """`found` with the stamps of `wanted` where these are the same but for the digits of doubles."""
+    """`found` with the stamps of `wanted` where these differ by the digits of doubles alone."""
 
     def near(a, b):
         return b if abs(a - b) <= 500 else a
@@ -375,7 +373,9 @@ def has_right_md5(checks, folder):
                 require(known or connection.msgtype == CUSTOM, f"unknown {connection.msgtype}")
                 if known:
                     right = store.generate_msgdef(connection.msgtype)[1]
-                    require(connection.digest == right, f"{connection.topic}: md5 {connection.digest}")
+                    require(
+                        connection.digest == right, f"{connection.topic}: md5 {connection.digest}"
+                    )
                 told_by_text = writers.get_typestore(writers.Stores.EMPTY)
                 told_by_text.register(types)
                 right = told_by_text.generate_msgdef(connection.msgtype)[1]
@@ -435,7 +435,9 @@ def has_right_summary(checks, folder):
 
 def converts_by_rosbags(checks, folder, kind):
     for path in write_all_types(checks, folder, kind):
-        target = folder / f"{path.stem}_by_them" if kind == "bag" else folder / f"{path.stem}.them.bag"
+        target = (
+            folder / f"{path.stem}_by_them" if kind == "bag" else folder / f"{path.stem}.them.bag"
+        )
         tool = pathlib.Path(sys.executable).with_name("rosbags-convert")
         done = subprocess.run(
             [tool, "--src", path, "--dst", target], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
@@ -592,6 +594,8 @@ def main():
     parser.add_argument("--only", default="", help="checks whose names hold this word")
     arguments = parser.parse_args()
     program = str(pathlib.Path(arguments.program).resolve())
+    if not os.access(program, os.X_OK):
+        sys.exit(f"{program} is not there: build it first")
     folder = pathlib.Path(tempfile.mkdtemp(prefix="oracles."))
     checks = Checks(program, folder, arguments.only)
     check_what_they_write(checks)

@@ -19,10 +19,7 @@ class Message(NamedTuple):
 
 
 def header(stamp_ns, frame):
-    return {
-        "stamp": {"sec": stamp_ns // 10**9, "nanosec": stamp_ns % 10**9},
-        "frame_id": frame,
-    }
+    return {"stamp": {"sec": stamp_ns // 10**9, "nanosec": stamp_ns % 10**9}, "frame_id": frame}
 
 
 def turn(yaw):

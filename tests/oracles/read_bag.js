@@ -10,7 +10,7 @@ const { Bag } = load("@foxglove/rosbag");
 const { FileReader } = load("@foxglove/rosbag/node");
 const lz4 = load("@foxglove/wasm-lz4");
 const unpackLz4 = lz4.default ?? lz4;
-const Bzip2 = load("@foxglove/wasm-bz2").default;
+const Bzip2 = load("@foxglove/wasm-bz2");
 
 function plain(key, value) {
   if (ArrayBuffer.isView(value)) return Array.from(value);

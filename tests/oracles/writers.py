@@ -115,9 +115,7 @@ def write_bag(path, messages, packing=None):
                     typestore=encoder.store,
                     latching=1 if message.topic == "/tf_static" else None,
                 )
-            writer.write(
-                connections[message.topic], message.recorded_ns, encoder.bytes_of(message)
-            )
+            writer.write(connections[message.topic], message.recorded_ns, encoder.bytes_of(message))
 
 
 def write_rosbag2(path, messages, storage="sqlite3", packing="none", version=9, encoding="cdr"):
@@ -131,9 +129,7 @@ def write_rosbag2(path, messages, storage="sqlite3", packing="none", version=9, 
                 connections[message.topic] = writer.add_connection(
                     message.topic, type2(message.type), typestore=encoder.store
                 )
-            writer.write(
-                connections[message.topic], message.recorded_ns, encoder.bytes_of(message)
-            )
+            writer.write(connections[message.topic], message.recorded_ns, encoder.bytes_of(message))
 
 
 def database_of(folder):
@@ -166,7 +162,8 @@ def write_open_rosbag2(path, messages):
     for table in tables:
         database.execute(f"CREATE TABLE {table} AS SELECT * FROM whole.{table}")
     database.execute(
-        "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)"
+        "CREATE TABLE messages"
+        "(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)"
     )
     half = len(messages) // 2
     copy = "INSERT INTO messages SELECT id, topic_id, timestamp, data FROM whole.messages WHERE id"
@@ -224,9 +221,7 @@ def write_mcap_ros2(path, messages, **options):
                     type2(message.type), encoder.definition(message.type)
                 )
             values = plain(built(encoder.store, type2(message.type), message.values))
-            writer.write_message(
-                message.topic, schemas[message.type], values, message.recorded_ns
-            )
+            writer.write_message(message.topic, schemas[message.type], values, message.recorded_ns)
 
 
 def pad_records(path, padded):
