@@ -126,9 +126,14 @@ void place(const Pose3& base_T_laser, LaserScan& scan) {
 }
 
 HeightRange slice_about(const Pose3& base_T_laser) {
-  constexpr double kHalfM = 0.1;
+  constexpr double kHalfM = 0.5;
+  constexpr double kAboveFloorM = 0.2;   // a floor that is not even, a robot that nods
+  constexpr double kBelowLaserM = 0.05;  // of scanners that sit low
+  constexpr double kUnknownHalfM = 0.2;
   const double height_m = base_T_laser.translation.z();
-  return {height_m - kHalfM, height_m + kHalfM};
+  if (height_m < 2.0 * kBelowLaserM) return {height_m - kUnknownHalfM, height_m + kUnknownHalfM};
+  const double above_floor_m = std::min(kAboveFloorM, height_m - kBelowLaserM);
+  return {std::max(height_m - kHalfM, above_floor_m), height_m + kHalfM};
 }
 
 }  // namespace loopstone

@@ -51,7 +51,8 @@ void place(const Pose3& base_T_laser, LaserScan& scan);
 [[nodiscard]] LaserScan slice(const msg::PointCloud2& cloud, const Pose3& base_T_laser,
                               const HeightRange& heights);
 
-/// A tenth of a metre about the scanner's own height.
+/// Half a metre about the scanner's own height, so that the rings of a scanner in space are in it
+/// far away, but not the floor; where the scanner's height is not known, a fifth of a metre.
 [[nodiscard]] HeightRange slice_about(const Pose3& base_T_laser);
 
 }  // namespace loopstone

@@ -18,6 +18,15 @@ OpenRecording opener(Open open, const LogInput& log) {
   };
 }
 
+/// Who names the file beside the databases means all of them.
+bool is_metadata(const LogInput& log) { return log.path.filename() == "metadata.yaml"; }
+
+std::string rosbag2_place(const LogInput& log) {
+  if (!is_metadata(log)) return log.path.string();
+  const std::filesystem::path folder = log.path.parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
 Recognition by_head(const LogInput& log, bool (*is_it)(std::string_view)) {
   return !log.is_folder && is_it(log.head) ? Recognition::kCertain : Recognition::kNo;
 }
@@ -47,14 +56,21 @@ Trajectory mcap_truth(const LogInput& log, const std::string& topic, const LogOp
 }
 
 Recognition recognise_rosbag2(const LogInput& log) {
-  if (!log.is_folder) return by_head(log, is_sqlite);
-  return rosbag2_files(log.path.string()).empty() ? Recognition::kNo : Recognition::kCertain;
+  const auto is_packed_database = [&] { return log.name.ends_with(".db3.zstd"); };
+  if (!log.is_folder && !is_metadata(log)) {
+    return is_packed_database() ? Recognition::kCertain : by_head(log, is_sqlite);
+  }
+  return rosbag2_files(rosbag2_place(log)).empty() ? Recognition::kNo : Recognition::kCertain;
 }
 std::unique_ptr<LogReader> open_rosbag2_log(const LogInput& log, const LogOptions& options) {
-  return open_topic_log("rosbag2", opener(open_rosbag2, log), options);
+  const auto open = [path = rosbag2_place(log)](const RecordingOptions& recording) {
+    return open_rosbag2(path, recording);
+  };
+  return open_topic_log("rosbag2", open, options);
 }
 std::vector<std::string> rosbag2_log_files(const LogInput& log) {
-  return log.is_folder ? rosbag2_files(log.path.string()) : std::vector<std::string>{};
+  const bool is_whole = log.is_folder || is_metadata(log);
+  return is_whole ? rosbag2_files(rosbag2_place(log)) : std::vector<std::string>{};
 }
 std::unique_ptr<LogWriter> create_rosbag2_log(const LogTarget& target, const RobotModel& robot) {
   return create_topic_log(target, create_rosbag2(target.path), robot);
@@ -66,7 +82,10 @@ LogParts rosbag2_parts(const LogTarget& target) {
   return {.files = {(folder / (name + "_0.db3")).string(), (folder / "metadata.yaml").string()}};
 }
 Trajectory rosbag2_truth(const LogInput& log, const std::string& topic, const LogOptions& options) {
-  return read_topic_truth(log.name, topic, opener(open_rosbag2, log), options);
+  const auto open = [path = rosbag2_place(log)](const RecordingOptions& recording) {
+    return open_rosbag2(path, recording);
+  };
+  return read_topic_truth(log.name, topic, open, options);
 }
 
 }  // namespace loopstone

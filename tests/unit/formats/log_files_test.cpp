@@ -198,7 +198,7 @@ TEST(BadLogs, MissingEmptyFolderAndForeign) {
   expect_refused(folder.write("empty.clf", ""), "empty");
   expect_refused(folder.path().string(), "EncodersN.npz");
   expect_refused(folder.write("a.log", "\x89PNG\r\n"), "a picture");
-  expect_refused(folder.write("a.bag", "#ROSBAG V1.2\n"), "1.2");
+  expect_refused(folder.write("a.bag", "#ROSBAG V1.2\n"), "ROS bag of version 1");
   expect_refused(folder.write("noise.clf", std::string("\x07\x00\xff\x13", 4) + "noise"), "CARMEN");
 }
 

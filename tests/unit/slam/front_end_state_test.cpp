@@ -137,7 +137,8 @@ TEST(FrontEndState, WhatNothingCanHaveLedToIsRefused) {
       front_end, [](State& state) { state.own.lost_in_a_row = std::numeric_limits<int>::max(); }));
   EXPECT_TRUE(refuses(front_end, [](State& state) { state.own.usual_score = kNan; }));
   EXPECT_TRUE(refuses(front_end, [](State& state) { state.active[0].travelled_m = -1.0; }));
-  EXPECT_TRUE(refuses(front_end, [](State& state) { state.laser_check.lasers.at(0).repeated = 1'000; }));
+  EXPECT_TRUE(
+      refuses(front_end, [](State& state) { state.laser_check.lasers.at(0).repeated = 1'000; }));
   EXPECT_TRUE(refuses(front_end, [](State& state) { state.laser_check.lasers.at(0).open = 99; }));
   EXPECT_TRUE(refuses(front_end, [](State& state) { state.views.at(0).piece = 99; }));
   EXPECT_TRUE(refuses(front_end, [](State& state) { state.views.push_back(state.views.at(0)); }))
