@@ -354,10 +354,9 @@ class Chooser {
   void choose_wheels() {
     const auto fits = [](const TopicFacts& t) { return t.kind == TopicKind::kTicks; };
     const auto by_user = named(TopicRole::kWheels, fits);
-    const std::vector<std::size_t> found =
-        by_user ? *by_user : all([&](const TopicFacts& t) {
-          return fits(t) && t.has_messages() && t.fault.empty();
-        });
+    const std::vector<std::size_t> found = by_user ? *by_user : all([&](const TopicFacts& t) {
+      return fits(t) && t.has_messages() && t.fault.empty();
+    });
     if (found.empty()) return;
     use(found.front(), TopicRole::kWheels);
     choice_.wheels = found.front();

@@ -221,10 +221,10 @@ ClockChoice choose_clocks(const std::vector<ClockQuestion>& topics, StampUse use
           first.name, time_text(offset_s)));
     }
     if (const double times = first.facts->speed(); std::abs(times - 1.0) > kSpeedWorthAWord) {
-      choice.notes.push_back(fmt::format(
-          "{}: its stamps run {:.3g} times as fast as the recorder's clock: simulated, or played at "
-          "another speed",
-          first.name, times));
+      choice.notes.push_back(
+          fmt::format("{}: its stamps run {:.3g} times as fast as the recorder's clock: simulated, "
+                      "or played at another speed",
+                      first.name, times));
     }
   } else if (use == StampUse::kAuto) {
     choice.warnings.push_back(first.name + ": its stamps " + own_fault +

@@ -39,8 +39,8 @@ class MadeUpTime {
     const auto [found, is_first] = others_.try_emplace(stream, now_);
     if (is_first) return now_;
     const Stamp last = found->second;
-    const Stamp next = std::min(last + Duration::from_seconds(step_s),
-                                now_ + Duration::from_seconds(period_s));
+    const Stamp next =
+        std::min(last + Duration::from_seconds(step_s), now_ + Duration::from_seconds(period_s));
     found->second = std::max({next, now_, last + Duration{1}});
     return found->second;
   }
@@ -208,9 +208,9 @@ class TopicLogReader final : public LogReader {
   Stamp time(const RecordedMessage& message, const Place& place, Stamp own) {
     const TopicClock& clock = known_.clock_of[place.topic];
     if (clock.source == TopicClock::Source::kOrder) {
-      return place.role == TopicRole::kLaser ? made_up_.of_scan(place.lidar, clock.period_s)
-                                             : made_up(place.topic, clock.period_s,
-                                                       known_.survey.topics[place.topic].seen);
+      return place.role == TopicRole::kLaser
+                 ? made_up_.of_scan(place.lidar, clock.period_s)
+                 : made_up(place.topic, clock.period_s, known_.survey.topics[place.topic].seen);
     }
     if (place.role == TopicRole::kLaser && place.lidar == 0) drift_.add(own, message.recorded);
     return clock.time(own, message.recorded);
@@ -255,8 +255,8 @@ class TopicLogReader final : public LogReader {
   static void check_frame(const msg::Header& header, const TopicFacts& facts) {
     if (header.frame_id.empty() || facts.frame.empty()) return;
     if (frame_name(header.frame_id) == facts.frame) return;
-    throw MessageError(0, "a scan of the frame '" + header.frame_id + "' among those of '" +
-                              facts.frame + "'");
+    throw MessageError(
+        0, "a scan of the frame '" + header.frame_id + "' among those of '" + facts.frame + "'");
   }
 
   void take_odometry(const RecordedMessage& message, const Place& place) {
@@ -388,7 +388,7 @@ class TopicLogReader final : public LogReader {
   ScanRemarks remarks_{};
   ClockDrift drift_{};
   MadeUpTime made_up_{};
-  std::optional<Stamp> last_of_tf_{};  ///< odometry by tf
+  std::optional<Stamp> last_of_tf_{};             ///< odometry by tf
   std::map<std::string, std::int64_t> tilted_{};  ///< scans, by topic
   std::string file_{};                            ///< of the last message
   bool at_end_ = false;

@@ -20,7 +20,11 @@ class TopicLogWriter final : public LogWriter {
       : target_(std::move(target)), writer_(std::move(writer)), robot_(std::move(robot)) {}
 
   void write(const SensorMessage& message) override {
-    std::visit([this](const auto& reading) { add(reading); }, message);
+    try {
+      std::visit([this](const auto& reading) { add(reading); }, message);
+    } catch (const MessageError& error) {
+      throw DataError({target_.path}, error.what());
+    }
   }
   void finish() override { writer_.finish(); }
 

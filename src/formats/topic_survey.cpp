@@ -17,6 +17,8 @@ constexpr std::int64_t kEnough = 100;
 /// How much of the recording is looked at: by its own clock, and by its bytes. Until a laser was
 /// seen the bytes alone count.
 constexpr double kMostSeconds = 30.0;
+/// Drivers begin within so many seconds of one another.
+constexpr double kSureSeconds = 10.0;
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 28;
 constexpr std::size_t kMostMoving = 1000;
 
@@ -119,6 +121,8 @@ class Surveyor {
 
   bool is_enough(double passed_s) {
     if (passed_s < 1.0) return false;
+    // Without an index nothing tells of topics that are yet to come.
+    if (!recording_.is_indexed() && (!has_seen_laser_ || passed_s < kSureSeconds)) return false;
     note_topics();
     return std::ranges::all_of(survey_.topics, [&](const TopicFacts& topic) {
       if (!is_looked_at(topic.kind) || topic.seen >= kEnough) return true;
