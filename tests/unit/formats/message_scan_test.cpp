@@ -55,9 +55,9 @@ std::string remark_of(const msg::LaserScan& scan, LaserScan& result, double peri
 }
 
 TEST(MessageScan, RangesFollowRep117) {
-  const auto ranges =
-      converted(message({1.0F, 0.1F, 0.05F, 0.0F, -kInf, kInf, kNan, 30.0F, 29.99F, 65.533F, -1.0F}))
-          .ranges_m;
+  const auto ranges = converted(message({1.0F, 0.1F, 0.05F, 0.0F, -kInf, kInf, kNan, 30.0F, 29.99F,
+                                         65.533F, -1.0F}))
+                          .ranges_m;
   EXPECT_THAT(ranges, ElementsAre(1.0F, 0.1F, testing::IsNan(), testing::IsNan(), testing::IsNan(),
                                   kInf, testing::IsNan(), kInf, 29.99F, kInf, testing::IsNan()));
 }
@@ -139,8 +139,8 @@ std::vector<Eigen::Vector2d> points_of(const LaserScan& scan) {
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double angle = scan.angle_rad(i);
     const double range = static_cast<double>(scan.ranges_m[i]);
-    points.push_back(*scan.robot_T_lidar * Eigen::Vector2d(range * std::cos(angle),
-                                                           range * std::sin(angle)));
+    points.push_back(*scan.robot_T_lidar *
+                     Eigen::Vector2d(range * std::cos(angle), range * std::sin(angle)));
   }
   return points;
 }
@@ -290,8 +290,7 @@ TEST(CloudSlice, OfARoomIsWhatAPlanarLaserWouldSee) {
         double low = 1e9;
         double high = 0.0;
         for (const double off : {-0.5, -0.25, 0.0, 0.25, 0.5}) {
-          const double range =
-              wall_range({0.5, -0.3}, angle + off * scan.angle_increment_rad);
+          const double range = wall_range({0.5, -0.3}, angle + off * scan.angle_increment_rad);
           low = std::min(low, range);
           high = std::max(high, range);
         }
@@ -356,7 +355,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Timing{"nanoseconds", "t", msg::PointField::kUint32, 0.0, false},
                     Timing{"nanoseconds_clockwise", "t", msg::PointField::kUint32, 0.02, true},
                     Timing{"stamps", "timestamp", msg::PointField::kFloat64, 1.7e9, false}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& given) { return given.param.name; });
 
 TEST(CloudSlice, TimesThatAreNoSweepAreLeftAlone) {
   const Pose3 up{{0, 0, 1.0}};
@@ -418,7 +417,10 @@ TEST(CloudSlice, HostileLayoutsAreRefusedOrBounded) {
   refused([](auto& c) { c.fields.pop_back(); });
   refused([](auto& c) { c.height = kMost, c.row_step = 1; });
   bounded([](auto& c) { c.width = kMost; });
-  bounded([](auto& c) { c.height = c.width = c.row_step = kMost, c.point_step = 23; c.width = 9; });
+  bounded([](auto& c) {
+    c.height = c.width = c.row_step = kMost, c.point_step = 23;
+    c.width = 9;
+  });
   bounded([](auto& c) { c.height = kMost, c.width = 0; });
   bounded([](auto& c) { c.height = kMost, c.width = 1, c.row_step = 0; });
   bounded([](auto& c) { c.height = kMost; });

@@ -205,12 +205,14 @@ TEST(TopicChoice, CloudsOnlyWithoutPlanarScans) {
   survey.add("/points", TopicKind::kCloud, "velodyne");
   survey.fixed("base_link", "velodyne", mount(0, 40, 0));
   EXPECT_THAT(survey.lasers(), ElementsAre("/points"));
-  EXPECT_THAT(survey.choice().warnings, IsEmpty()) << "a slice is level whatever the scanner's tilt";
+  EXPECT_THAT(survey.choice().warnings, IsEmpty())
+      << "a slice is level whatever the scanner's tilt";
   survey.scan("/scan", "laser").fixed("base_link", "laser");
   EXPECT_THAT(survey.lasers(), ElementsAre("/scan"));
   EXPECT_THAT(survey.remark("/points"), HasSubstr("cloud beside"));
-  EXPECT_THAT(survey.lasers({.named = {{TopicRole::kLaser, "/points"}, {TopicRole::kLaser, "scan"}}}),
-              ElementsAre("/points", "/scan"));
+  EXPECT_THAT(
+      survey.lasers({.named = {{TopicRole::kLaser, "/points"}, {TopicRole::kLaser, "scan"}}}),
+      ElementsAre("/points", "/scan"));
 }
 
 TEST(TopicChoice, TopicsThatCantBeReadAreNotChosen) {

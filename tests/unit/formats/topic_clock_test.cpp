@@ -94,15 +94,16 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"zero", [](double) { return Stamp{}; }, "zero"},
         Fault{"constant", [](double) { return at(1); }, "all the same"},
         Fault{"missing", [](double) { return std::optional<Stamp>(); }, "missing"},
-        Fault{"backwards", [](double t) { return at(-t); }, "run -1 times"},
-        Fault{"milliseconds", [](double t) { return Stamp::from_seconds(1e3 * t + 5); }, "run 1e+03"},
-        Fault{"kiloseconds", [](double t) { return Stamp::from_seconds(1e-3 * t + 5); },
+        Fault{"backwards", [](double s) { return at(-s); }, "run -1 times"},
+        Fault{"milliseconds", [](double s) { return Stamp::from_seconds(1e3 * s + 5); },
+              "run 1e+03"},
+        Fault{"kiloseconds", [](double s) { return Stamp::from_seconds(1e-3 * s + 5); },
               "run 0.001"},
-        Fault{"half_speed", [](double t) { return at(std::floor(2.5 * t)); }, "stand still"},
+        Fault{"half_speed", [](double s) { return at(std::floor(2.5 * s)); }, "stand still"},
         Fault{"to_and_fro",
-              [](double t) { return at(t + (std::lround(10 * t) % 3 == 0 ? 100.0 : 0.0)); },
+              [](double s) { return at(s + (std::lround(10 * s) % 3 == 0 ? 100.0 : 0.0)); },
               "to and fro"}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& given) { return given.param.name; });
 
 TEST(TopicClock, ASimulationsClockIsBelievedAndNoOffsetIsMadeOfItsSpeed) {
   // Gazebo at 0.9 of real time, recorded by the computer's clock; the IMU is ten times as fast.
@@ -150,9 +151,8 @@ TEST(TopicClock, ASecondClockIsBroughtToTheFirst) {
 TEST(TopicClock, ATopicWithoutStampsFollowsTheRecorderOnTheLaserClock) {
   const StampFacts laser = facts_of({.own = [](double t) { return at(t - 40.0); }});
   for (const bool zero : {false, true}) {
-    const StampFacts imu = facts_of({.own = [=](double) {
-      return zero ? std::optional(Stamp{}) : std::nullopt;
-    }});
+    const StampFacts imu =
+        facts_of({.own = [=](double) { return zero ? std::optional(Stamp{}) : std::nullopt; }});
     const ClockChoice choice = chosen(laser, imu);
     EXPECT_EQ(choice.clocks[1].source, Source::kRecord);
     const Duration error = choice.clocks[1].time(Stamp{}, at(7.005)) - at(7 - 40.0);
@@ -172,7 +172,8 @@ TEST(TopicClock, WhenTheLaserGoesByTheRecorderSoDoOthersClocks) {
 }
 
 TEST(TopicClock, WithoutAnyClockTheOrderCounts) {
-  const Clocks none{.own = [](double) { return Stamp{}; }, .recorded = [](double) { return at(0); }};
+  const Clocks none{.own = [](double) { return Stamp{}; },
+                    .recorded = [](double) { return at(0); }};
   const StampFacts facts = facts_of(none);
   EXPECT_EQ(facts.period_s(), 0.0);
   const ClockChoice choice = chosen(facts, facts);
