@@ -194,15 +194,18 @@ class McapBuilder {
     if (build_.has_trailing_bytes && op != 2 && op != 5) fields += "later";
     return std::string(1, static_cast<char>(op)) + u64(fields.size()) + fields;
   }
-  std::string topic_records(std::size_t i) const {
+  std::string schema_record(std::size_t i) const {
     const BuiltTopic& topic = built_topics()[i];
+    return record(
+        3, u16(i + 1) + text(topic.type) + text(build_.schema_encoding) + text(topic.definition));
+  }
+  std::string channel_record(std::size_t i) const {
     std::string metadata;
     for (const auto& [key, value] : build_.channel_metadata) metadata += text(key) + text(value);
-    return record(3, u16(i + 1) + text(topic.type) + text(build_.schema_encoding) +
-                         text(topic.definition)) +
-           record(4,
-                  u16(i) + u16(i + 1) + text(topic.name) + text(build_.encoding) + text(metadata));
+    return record(4, u16(i) + u16(i + 1) + text(built_topics()[i].name) + text(build_.encoding) +
+                         text(metadata));
   }
+  std::string topic_records(std::size_t i) const { return schema_record(i) + channel_record(i); }
   std::string message(std::size_t i) const {
     const BuiltMessage& one = messages_[i];
     return record(5, u16(topic_number(one.topic)) + u32(i) + u64(nanoseconds(one.recorded)) +
@@ -254,7 +257,9 @@ class McapBuilder {
     const std::size_t begin = out.size();
     if (build_.has_summary) {
       if (build_.repeats_channels) {
-        for (std::size_t i = 0; i < built_topics().size(); ++i) out += topic_records(i);
+        for (std::size_t i = 0; i < built_topics().size(); ++i) {
+          out += build_.repeats_schemas ? topic_records(i) : channel_record(i);
+        }
       }
       if (build_.has_statistics) out += statistics();
       if (build_.has_chunk_indexes) out += chunk_indexes_;

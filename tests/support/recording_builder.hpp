@@ -69,6 +69,7 @@ struct McapBuild {
   bool has_chunk_indexes = true;
   bool has_summary = true;
   bool repeats_channels = true;  ///< in the summary, with their schemas
+  bool repeats_schemas = true;   ///< false: without them
   bool has_statistics = true;
   bool has_checksums = true;
   bool has_wrong_checksums = false;  ///< of chunks

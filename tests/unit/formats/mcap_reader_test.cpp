@@ -48,6 +48,7 @@ std::vector<McapBuild> builds() {
     add([](McapBuild& build) { build.has_chunk_indexes = false; });
     add([](McapBuild& build) { build.has_summary = false; });
     add([](McapBuild& build) { build.repeats_channels = false; });
+    add([](McapBuild& build) { build.repeats_schemas = false; });
     add([](McapBuild& build) { build.has_statistics = false; });
     add([](McapBuild& build) { build.has_checksums = false; });
     add([](McapBuild& build) { build.is_closed = false; });
@@ -67,6 +68,7 @@ std::string words(const McapBuild& build) {
          (build.has_chunk_indexes ? "" : " no chunk indexes") +
          (build.has_summary ? "" : " no summary") +
          (build.repeats_channels ? "" : " no channels in the summary") +
+         (build.repeats_schemas ? "" : " no schemas in the summary") +
          (build.has_statistics ? "" : " no statistics") +
          (build.has_checksums ? "" : " no checksums") + (build.is_closed ? "" : " not closed") +
          (build.has_empty_chunk ? " empty chunk" : "") +
@@ -81,7 +83,8 @@ TEST(McapReader, every_way_to_write_a_file_gives_the_same_messages) {
     const auto recording = read_mcap(file.bytes, damage.options());
     EXPECT_EQ(messages_of(*recording), messages) << words(build);
     EXPECT_EQ(damage.reasons, std::vector<std::string>{}) << words(build);
-    const bool is_indexed = build.is_closed && build.has_summary && build.repeats_channels;
+    const bool is_indexed =
+        build.is_closed && build.has_summary && build.repeats_channels && build.repeats_schemas;
     EXPECT_EQ(recording->is_indexed(), is_indexed) << words(build);
     EXPECT_EQ(recording->notes().empty(), is_indexed) << words(build);
     EXPECT_EQ(recording->topics().size(), 3U) << words(build);

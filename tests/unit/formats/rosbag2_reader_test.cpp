@@ -14,6 +14,7 @@
 #include "formats/rosbag2_metadata.hpp"
 #include "loopstone/base/error.hpp"
 #include "recording_samples.hpp"
+#include "support/recording_builder.hpp"
 #include "support/temp_dir.hpp"
 
 namespace loopstone {
@@ -423,6 +424,25 @@ TEST(Rosbag2Reader, PackedMessages) {
       metadata_for({"run_0.db3"}, "  compression_mode: MESSAGE\n  compression_format: lz9\n"));
   const auto recording = open_rosbag2(dir.path().string(), {});
   EXPECT_EQ(recording->topics()[0].unreadable, "packed with lz9");
+}
+
+TEST(Rosbag2Reader, PackedMessagesWithinMcap) {
+  const TempDir dir;
+  auto messages = test::some_messages(20);
+  auto packed = messages;
+  for (test::BuiltMessage& message : packed) message.bytes = test::packed_by_zstd(message.bytes);
+  packed[7].bytes.resize(packed[7].bytes.size() / 2);
+  messages.erase(messages.begin() + 7);
+  dir.write("run_0.mcap", test::build_mcap(packed, {}).bytes);
+  dir.write(
+      "metadata.yaml",
+      metadata_for({"run_0.mcap"}, "  compression_mode: MESSAGE\n  compression_format: zstd\n"));
+  const Reading reading = read(dir.path().string());
+  EXPECT_THAT(reading.damage, ElementsAre(HasSubstr("this message can't be unpacked")));
+  ASSERT_EQ(reading.messages.size(), messages.size());
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    EXPECT_EQ(reading.messages[i].bytes, messages[i].bytes) << i;
+  }
 }
 
 TEST(Rosbag2Reader, PackedTraps) {
