@@ -35,7 +35,12 @@ RecordingPlan plan_recording(Recording& recording, const LogOptions& options) {
     questions.push_back({result.survey.topics[i].name, &result.survey.topics[i].stamps});
   }
   const MovingFrame* const frame = leading_frame(result.survey, result.choice);
-  if (frame != nullptr) questions.push_back({"tf of " + frame->child, &frame->stamps});
+  if (frame != nullptr) {
+    // Publishers of mounts and of maps tell ahead for how long they are right.
+    const bool is_odometry =
+        result.choice.odometry && frame->child == result.choice.odometry->child;
+    questions.push_back({"tf of " + frame->child, &frame->stamps, !is_odometry});
+  }
   result.clocks = choose_clocks(questions, options.stamps);
   result.clock_of.assign(result.survey.topics.size(), {});
   for (std::size_t k = 0; k < timed.size(); ++k)

@@ -120,7 +120,7 @@ class Chooser {
           refuse(role, name, "a topic of " + topic(place).type + " can't be that", fits);
         }
         if (!topic(place).fault.empty()) refuse(role, name, topic(place).fault, fits);
-        found->push_back(place);
+        if (std::ranges::find(*found, place) == found->end()) found->push_back(place);
       }
     }
     return found;

@@ -180,7 +180,8 @@ TopicClock follow(const ClockQuestion& topic, const LeadingClock& lead, StampUse
   if (!known && lead.source == Source::kRecord) {
     return {.source = Source::kRecord, .shift = to_lead};
   }
-  const Duration apart = known.value_or(Duration{});
+  const bool is_known = known && (!topic.is_dated_ahead || lead.source == Source::kRecord);
+  const Duration apart = is_known ? *known : Duration{};
   if (std::abs(apart.seconds()) <= kSameClockS) return {.source = Source::kOwn};
   choice.warnings.push_back(fmt::format(
       "{}: its clock is {} off the laser's, measured against the recorder's; corrected by that",

@@ -69,6 +69,8 @@ struct ClockChoice {
 struct ClockQuestion {
   std::string name{};
   const StampFacts* facts = nullptr;
+  /// Stamps that may lie ahead on purpose: an offset says nothing about their clock.
+  bool is_dated_ahead = false;
 };
 
 /// \param topics  the first leads: the others are brought to its clock

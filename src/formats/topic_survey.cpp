@@ -178,6 +178,9 @@ class Surveyor {
     if (header && facts.frame.empty()) facts.frame = frame_name(header->frame_id);
     if (facts.kind == TopicKind::kImu) {
       decoders_.decode(message, imu_message_);
+      if (imu_message_.angular_velocity_covariance[0] == -1.0) {
+        throw MessageError(0, "says of itself that it does not measure turning");
+      }
       facts.force += to_eigen(imu_message_.linear_acceleration);
     }
     if (facts.is_decoded) return;

@@ -215,17 +215,6 @@ TEST(TopicChoice, CloudsOnlyWithoutPlanarScans) {
       ElementsAre("/points", "/scan"));
 }
 
-TEST(TopicChoice, TopicsThatCantBeReadAreNotChosen) {
-  Survey survey;
-  survey.scan("/json", "laser").survey.topics[0].fault = "encoded as json";
-  EXPECT_THAT(survey.lasers(), IsEmpty());
-  EXPECT_EQ(survey.remark("/json"), "encoded as json");
-  EXPECT_THROW((void)survey.lasers({.named = {{TopicRole::kLaser, "/json"}}}), UsageError);
-  Survey empty;
-  empty.scan("/silent", "laser").survey.topics[0].seen = 0;
-  EXPECT_THAT(empty.lasers(), IsEmpty());
-}
-
 std::string refusal(const Survey& survey, TopicRole role, const std::string& name) {
   try {
     (void)survey.choice({.named = {{role, name}}});
@@ -233,6 +222,26 @@ std::string refusal(const Survey& survey, TopicRole role, const std::string& nam
     return error.what();
   }
   return "none";
+}
+
+TEST(TopicChoice, ATopicThatIsNamedTwiceIsOneLaser) {
+  Survey survey;
+  survey.scan("/a", "a").scan("/b", "b").fixed("base_link", "a").fixed("base_link", "b");
+  EXPECT_THAT(survey.lasers({.named = {{TopicRole::kLaser, "/b"}, {TopicRole::kLaser, "b"}}}),
+              ElementsAre("/b"));
+  EXPECT_THAT(survey.lasers({.named = {{TopicRole::kLaser, ""}}}), IsEmpty());
+}
+
+TEST(TopicChoice, TopicsThatCantBeReadAreNotChosen) {
+  Survey survey;
+  survey.scan("/json", "laser").survey.topics[0].fault = "encoded as json";
+  EXPECT_THAT(survey.lasers(), IsEmpty());
+  EXPECT_EQ(survey.remark("/json"), "encoded as json");
+  EXPECT_THROW((void)survey.lasers({.named = {{TopicRole::kLaser, "/json"}}}), UsageError);
+  EXPECT_THAT(refusal(survey, TopicRole::kLaser, "/json"), HasSubstr("encoded as json; none of"));
+  Survey empty;
+  empty.scan("/silent", "laser").survey.topics[0].seen = 0;
+  EXPECT_THAT(empty.lasers(), IsEmpty());
 }
 
 TEST(TopicChoice, WhatIsNotThereIsRefusedWithWhatIs) {

@@ -250,9 +250,10 @@ TEST(TopicLog, AnImuThatDoesNotTurn) {
   msg::Imu imu{.header = {today(1), "imu"}};
   imu.angular_velocity_covariance[0] = -1.0;
   told.add("/imu/data", today(1), imu);
-  const ToldLog log = read_told(told);
+  const ToldLog log = read_told(told, {.strict = true});
   EXPECT_THAT(log.content.imu, IsEmpty());
-  EXPECT_THAT(log.content.problems[0].reason, HasSubstr("does not measure turning"));
+  EXPECT_EQ(log.topics.at("/imu/data").role, TopicRole::kNone);
+  EXPECT_THAT(log.topics.at("/imu/data").remark, HasSubstr("does not measure turning"));
 }
 
 // Odometry.
@@ -377,6 +378,34 @@ TEST(TopicLog, TheClockOfASimulationThatBeganAgain) {
   EXPECT_EQ(log.content.scans.size(), 400u);
   EXPECT_EQ(log.content.skipped, 20);
   EXPECT_TRUE(log.content.in_time_order);
+}
+
+TEST(TopicLog, FramesThatAreDatedAheadAreNoOtherClock) {
+  ToldTopics told;
+  for (int i = 0; i < 60; ++i) {
+    const Stamp now = today(0.1 * i);
+    const Stamp ahead = now + Duration::from_seconds(1.0);
+    told.tf("/tf", ahead, "base_link", "laser", mount(0.2, 0, 0.3, 0, 0, 0), now);
+    told.scan("/scan", now, "laser");
+  }
+  const ToldLog log = read_told(told);
+  EXPECT_EQ(log.content.scans.size(), 60u);
+  EXPECT_THAT(log.warnings, IsEmpty());
+}
+
+TEST(TopicLog, AnotherComputersTfIsBroughtToTheLasersClock) {
+  ToldTopics told;
+  told.tf("/tf_static", today(0), "base_link", "laser", mount(0.2, 0, 0.3, 0, 0, 0));
+  for (int i = 0; i < 60; ++i) {
+    const Stamp now = today(0.1 * i);
+    const Stamp other = now + Duration::from_seconds(7.0);
+    told.tf("/tf", other, "odom", "base_link", mount(0.1 * i, 0, 0, 0, 0, 0), now);
+    told.scan("/scan", now, "laser");
+  }
+  const ToldLog log = read_told(told);
+  EXPECT_THAT(log.warnings, ElementsAre(HasSubstr("tf of base_link: its clock is +7.00 s off")));
+  ASSERT_EQ(log.content.odometry.size(), 60u);
+  EXPECT_NEAR((log.content.odometry[10].stamp - today(1.0)).seconds(), 0.0, 1e-6);
 }
 
 TEST(TopicLog, FramesThatBeginToMoveUnderAnotherClockAreFollowed) {
