@@ -37,7 +37,7 @@ namespace loopstone::app {
 namespace {
 
 void print_result(const MapResult& result, const FloorTexture* texture, const RunInfo& info,
-                  const std::string& out, const AppContext& context) {
+                  const MapArguments& arguments, const AppContext& context) {
   if (context.json()) {
     print_to_stdout(format_summary(result, info, texture));
     return;
@@ -70,7 +70,8 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   }
   table.add_row("peak memory",
                 fmt::format("{:.0f}", static_cast<double>(info.peak_memory_bytes) * 1e-6), "MB");
-  table.add_row("report", out + "/report.html");
+  if (!arguments.mcap.empty() && info.failure.empty()) table.add_row("mcap", arguments.mcap);
+  table.add_row("report", arguments.out + "/report.html");
   table.print(context);
 }
 
@@ -126,6 +127,14 @@ std::optional<FloorTexture> colour(CameraFrames& camera, const MapArguments& arg
   }
 }
 
+/// A failure leaves all else and is told in `info`.
+void finish(RunRecording& recording, const MapResult& result, RunInfo& info) {
+  recording.finish(result);
+  if (recording.failure().empty()) return;
+  if (!info.failure.empty()) info.failure += "; ";
+  info.failure += recording.failure();
+}
+
 /// What this run took, and those before it that led to the same result.
 void note_cost(std::chrono::steady_clock::time_point start, const Checkpoint& checkpoint,
                RunInfo& info) {
@@ -140,7 +149,7 @@ void note_cost(std::chrono::steady_clock::time_point start, const Checkpoint& ch
 ExitCode tell(const MapResult& result, const FloorTexture* floor, const RunInfo& info,
               const MapArguments& arguments, const AppContext& context) {
   for (const auto& warning : result.warnings) context.warn(warning);
-  print_result(result, floor, info, arguments.out, context);
+  print_result(result, floor, info, arguments, context);
   if (!info.failure.empty()) {
     throw std::runtime_error(info.failure + "; all else is in " + arguments.out);
   }
@@ -161,15 +170,21 @@ SessionTerms terms_of(const MapArguments& arguments, MapPipeline& pipeline, cons
           .max_scans = arguments.cut.max_scans};
 }
 
+Outputs outputs_of(const MapArguments& arguments, RunStart begin, const AppContext& context) {
+  Outputs outputs(context, arguments.force);
+  outputs.reads_log(arguments.log);
+  outputs.add_folder("-o", arguments.out, begin != RunStart::kLog);
+  if (!arguments.mcap.empty()) outputs.add_file("--mcap", arguments.mcap);
+  return outputs;
+}
+
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   MapPipeline pipeline(arguments, context);
 
   const RunStart begin = find_start(arguments.out, arguments.checkpoint, arguments.force);
   const LogFiles log_files(arguments.log);
-  Outputs outputs(context, arguments.force);
-  outputs.reads_log(arguments.log);
-  outputs.add_folder("-o", arguments.out, begin != RunStart::kLog);
+  const Outputs outputs = outputs_of(arguments, begin, context);
   outputs.check(least_bytes_of_results(log_files.bytes()));
 
   ProblemPrinter print_problem(context);
@@ -183,21 +198,22 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   Checkpoint checkpoint(session_in(arguments.out, arguments.checkpoint, context),
                         terms_of(arguments, pipeline, robot, context));
   if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
-  if (begin == RunStart::kLog && arguments.checkpoint.resume) {
+  if (begin == RunStart::kLog && arguments.checkpoint.resume)
     context.note(arguments.out + ": holds no session yet; from the beginning");
-  }
   outputs.prepare();
   if (begin == RunStart::kLog) remove_session(arguments.out);
 
   CameraFrames camera;
   std::optional<Pace> pace;
   if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
+  RunRecording recording(arguments.mcap, robot, pipeline.map_options());
   std::optional<HeldInterrupt> held;
   MapResult result = pipeline.map({.log = log,
                                    .camera = camera,
                                    .checkpoint = checkpoint,
                                    .pace = pace,
                                    .display = display,
+                                   .recording = recording,
                                    .out = arguments.out,
                                    .resumes = begin == RunStart::kSession},
                                   robot, context.threads(), held);
@@ -205,11 +221,12 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const LogSummary judged = log.judge(arguments.log);
   add_judgement(judged, log_files.changes(), log.interrupted(), result);
 
-  RunInfo info = run_info(arguments.log, judged.left_out,
-                          arguments.force || arguments.checkpoint.any(), context);
-  const std::optional<FloorTexture> texture =
+  const bool may_overwrite = arguments.force || arguments.checkpoint.any();
+  RunInfo info = run_info(arguments.log, judged.left_out, may_overwrite, context);
+  const auto texture =
       colour(camera, arguments, pipeline.texture(), robot, context, display, result, info);
   const FloorTexture* floor = texture ? &*texture : nullptr;
+  finish(recording, result, info);
 
   if (pace) info.pace = pace->figures();
   info.options_toml = checkpoint.terms().options_toml;
@@ -255,6 +272,11 @@ void add_map_command(CLI::App& app, AppContext& context) {
           "were waited for")
       ->type_name("SPEED")
       ->check(CLI::Range(0.001, 1e6));
+  command
+      ->add_option("--mcap", arguments->mcap,
+                   "also the run as a recording to watch in Foxglove, Lichtblick or RViz: scans, "
+                   "transforms, the map as it grows, path, closures, faults")
+      ->type_name("FILE");
   add_checkpoint_flags(*command, arguments->checkpoint);
   add_log_flags(*command, arguments->reading);
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");

@@ -30,6 +30,11 @@ void refuse_flags_of_submaps(const MapArguments& arguments) {
   if (arguments.odometry) {
     throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
   }
+  if (!arguments.mcap.empty()) {
+    throw UsageError(
+        "--mcap shows a map that grows with its submaps; the textbook pipeline has none: leave out "
+        "--pipeline");
+  }
 }
 
 void feed(const MapPipeline::Source& source, ScanToScanMapper& mapper) {
@@ -45,9 +50,11 @@ void feed(const MapPipeline::Source& source, Mapper& mapper) {
     if (pace) pace->wait_for(stamp_of(*message), [] { return !interrupted(); });
     source.camera.take(*message);
     if (pace && std::holds_alternative<LaserScan>(*message)) pace->note_scan();
+    source.recording.add(*message);
     mapper.add(*message);
-    while (mapper.next_update()) {
+    while (const auto update = mapper.next_update()) {
       if (pace) pace->note_pose();
+      source.recording.add(*update, mapper);
     }
     source.checkpoint.after(*message, mapper);
   }
@@ -65,6 +72,11 @@ MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& contex
     options_ = options;
     return;
   }
+  if (!arguments.mcap.empty() && arguments.checkpoint.resume) {
+    throw UsageError(
+        "--mcap records a run from its beginning, and --resume goes on in its midst: leave out one "
+        "of them");
+  }
   auto options = context.load_options<MapOptions>();
   options.map.most_cells = most_cells(context);
   if (arguments.no_loop_closure) options.loop_closure = false;
@@ -81,6 +93,11 @@ TextureOptions MapPipeline::texture() const {
   return options == nullptr ? TextureOptions{} : options->texture;
 }
 
+const OccupancyOptions& MapPipeline::map_options() const {
+  return std::visit([](const auto& options) -> const OccupancyOptions& { return options.map; },
+                    options_);
+}
+
 MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Threads threads,
                            std::optional<HeldInterrupt>& held) const {
   if (const auto* options = std::get_if<ScanToScanOptions>(&options_)) {
@@ -94,7 +111,9 @@ MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Thread
     resume_from(source.out, source.checkpoint, mapper, source.log, source.camera, context_);
   held.emplace();
   feed(source, mapper);
-  return mapper.finish([](const Progress&) { return !interrupted(); });
+  MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
+  while (const auto update = mapper.next_update()) source.recording.add(*update, mapper);
+  return result;
 }
 
 }  // namespace loopstone::app

@@ -16,6 +16,7 @@
 #include "loopstone/slam/scan_to_scan.hpp"
 #include "pace.hpp"
 #include "progress_display.hpp"
+#include "run_recording.hpp"
 #include "session_folder.hpp"
 
 namespace loopstone::app {
@@ -30,6 +31,7 @@ constexpr auto words_of(Pipeline /*any*/) {
 struct MapArguments {
   std::string log;
   std::string out;
+  std::string mcap;  ///< empty: no recording of the run
   Pipeline pipeline = Pipeline::kSubmaps;
   LogCut cut;
   std::optional<OdometryUse> odometry;
@@ -50,6 +52,7 @@ class MapPipeline {
 
   [[nodiscard]] std::string options_toml();
   [[nodiscard]] TextureOptions texture() const;
+  [[nodiscard]] const OccupancyOptions& map_options() const;
   /// Whether a run can be known by its terms, and gone on with.
   [[nodiscard]] bool has_sessions() const { return std::holds_alternative<MapOptions>(options_); }
 
@@ -59,6 +62,7 @@ class MapPipeline {
     Checkpoint& checkpoint;
     std::optional<Pace>& pace;
     ProgressDisplay& display;
+    RunRecording& recording;
     std::string out;  ///< the session is there
     bool resumes = false;
   };

@@ -61,8 +61,7 @@ bool LiveGrid::grow_to(TileId low, TileId high, double resolution_m) {
 }
 
 void LiveGrid::show(const OccupancyTile& tile) {
-  const GridFrame frame{
-      .resolution = cells_.frame().resolution, .columns = kSide, .rows = kSide};
+  const GridFrame frame{.resolution = cells_.frame().resolution, .columns = kSide, .rows = kSide};
   OccupancyMap map{Grid<float>(frame), Grid<std::uint8_t>(frame)};
   std::ranges::copy(tile.log_odds, map.log_odds.cells().begin());
   std::ranges::copy(tile.observed, map.observed.cells().begin());
@@ -71,8 +70,7 @@ void LiveGrid::show(const OccupancyTile& tile) {
   for (int row = 0; row < kSide; ++row) {
     const auto* from = states.cells().data() + frame.index_of({0, row});
     std::copy_n(from, kSide,
-                cells_.cells().data() +
-                    cells_.frame().index_of({corner.column, corner.row + row}));
+                cells_.cells().data() + cells_.frame().index_of({corner.column, corner.row + row}));
   }
 }
 

@@ -103,11 +103,10 @@ msg::DiagnosticStatus diagnostic_of(const OdometryEpisode& episode) {
 msg::DiagnosticStatus diagnostic_of(const LaserFaultChanged& change) {
   const LaserEpisode& episode = change.episode;
   const std::string fault(to_string(episode.fault));
-  auto told = change.over
-                  ? status(laser_frame(episode.lidar), msg::DiagnosticStatus::kOk,
-                           "no longer " + fault)
-                  : status(laser_frame(episode.lidar), msg::DiagnosticStatus::kError,
-                           fault + ": its scans are not used");
+  auto told = change.over ? status(laser_frame(episode.lidar), msg::DiagnosticStatus::kOk,
+                                   "no longer " + fault)
+                          : status(laser_frame(episode.lidar), msg::DiagnosticStatus::kError,
+                                   fault + ": its scans are not used");
   told.values = {{"fault", fault},
                  {"from_s", fmt::format("{:.3f}", episode.from.seconds())},
                  {"scans", std::to_string(episode.scans)}};
@@ -115,9 +114,9 @@ msg::DiagnosticStatus diagnostic_of(const LaserFaultChanged& change) {
 }
 
 msg::DiagnosticStatus diagnostic_of(const PathBreak& gap) {
-  auto told = status("path", msg::DiagnosticStatus::kWarn,
-                     fmt::format("the laser did not hold the pose for {:.1f} s",
-                                 (gap.to - gap.from).seconds()));
+  auto told = status(
+      "path", msg::DiagnosticStatus::kWarn,
+      fmt::format("the laser did not hold the pose for {:.1f} s", (gap.to - gap.from).seconds()));
   told.values = {{"cause", std::string(to_string(gap.cause))},
                  {"bridged_by", std::string(to_string(gap.bridge))},
                  {"from_s", fmt::format("{:.3f}", gap.from.seconds())},

@@ -29,6 +29,8 @@ constexpr Duration kPeriod = Duration::from_milliseconds(1000);
 constexpr Duration kAfterwards = Duration::from_milliseconds(1);
 constexpr double kCellsPerS = 1e6;
 constexpr double kSubmapsPerS = 1e3;
+/// That are drawn at most for each snapshot: about 20 ms.
+constexpr std::size_t kScansPerSnapshot = 1000;
 /// A way so far is sent again and again.
 constexpr std::size_t kPosesSoFar = 500;
 constexpr std::size_t kPosesAtEnd = 20'000;
@@ -192,7 +194,7 @@ void MapRecording::Impl::show(const MapSnapshot& snapshot, const MapUpdate& upda
 }
 
 void MapRecording::Impl::show_map(const MapSnapshot& snapshot, Stamp stamp) {
-  live_.refresh(snapshot);
+  live_.refresh(snapshot, kScansPerSnapshot);
   grid_changed_ = grid_.update(live_) || grid_changed_;
   const auto cells = static_cast<double>(grid_.cells().cells().size());
   if (!grid_changed_ || grid_.cells().empty() ||
@@ -208,8 +210,7 @@ void MapRecording::Impl::show_path(const MapSnapshot& snapshot, const MapUpdate&
   for (const KeyScanSnapshot& key : snapshot.key_scans())
     path.push_back({key.stamp, key.map_T_robot});
   path.push_back({update.stamp, update.map_T_robot()});
-  send_latched("/path", update.stamp,
-               path_message(thinned_path(path, kPosesSoFar), update.stamp));
+  send_latched("/path", update.stamp, path_message(thinned_path(path, kPosesSoFar), update.stamp));
 }
 
 void MapRecording::Impl::show_graph(const MapSnapshot& snapshot, Stamp stamp) {

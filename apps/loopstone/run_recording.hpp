@@ -1,0 +1,49 @@
+#pragma once
+
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "loopstone/report/map_recording.hpp"
+
+namespace loopstone::app {
+
+/// What --mcap asks for. A recording that can't be written on must not take the map with it: it is
+/// given up, and failure() says why.
+class RunRecording {
+ public:
+  /// \param path  empty: none is wanted
+  /// Throws DataError when no file can be made there.
+  RunRecording(const std::string& path, const RobotModel& robot, const OccupancyOptions& map) {
+    if (!path.empty()) recording_.emplace(path, robot, map);
+  }
+
+  template <typename... What>
+  void add(const What&... what) {
+    attempt([&](MapRecording& recording) { recording.add(what...); });
+  }
+  /// Puts the file in its place.
+  void finish(const MapResult& result) {
+    attempt([&](MapRecording& recording) { recording.finish(result); });
+    recording_.reset();
+  }
+  /// Empty when there was none.
+  [[nodiscard]] const std::string& failure() const { return failure_; }
+
+ private:
+  template <typename Action>
+  void attempt(Action&& action) {
+    if (!recording_) return;
+    try {
+      action(*recording_);
+    } catch (const std::exception& error) {
+      failure_ = std::string("the recording could not be written: ") + error.what();
+      recording_.reset();
+    }
+  }
+
+  std::optional<MapRecording> recording_{};
+  std::string failure_{};
+};
+
+}  // namespace loopstone::app
