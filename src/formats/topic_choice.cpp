@@ -88,6 +88,7 @@ class Chooser {
     choose_lasers();
     choose_imu();
     choose_wheels();
+    tell_of_several_robots();
     tell();
     return std::move(choice_);
   }
@@ -360,6 +361,19 @@ class Chooser {
     if (found.empty()) return;
     use(found.front(), TopicRole::kWheels);
     choice_.wheels = found.front();
+  }
+
+  /// Robots that share names of frames keep them apart by topic; here all are one tree.
+  void tell_of_several_robots() {
+    std::vector<std::string> moving;
+    for (const TopicFacts& facts : survey_.topics) {
+      if (facts.kind != TopicKind::kTransforms || !facts.has_messages()) continue;
+      if (facts.name.ends_with("/tf")) moving.push_back(facts.name);
+    }
+    if (moving.size() < 2) return;
+    choice_.warnings.push_back(listed(moving, "and") +
+                               " are taken for one tf: of several robots whose frames have the "
+                               "same names, poses and mounts get mixed up");
   }
 
   // What was chosen, in words.

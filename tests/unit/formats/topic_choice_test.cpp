@@ -132,6 +132,16 @@ TEST(TopicChoice, FramesOfOneRobotAmongSeveral) {
   EXPECT_EQ(choice.odometry->parent, "robot1/odom");
 }
 
+TEST(TopicChoice, TfOfSeveralRobotsIsWarnedOf) {
+  Survey survey;
+  survey.add("/robot1/tf", TopicKind::kTransforms);
+  survey.add("/robot1/tf_static", TopicKind::kTransforms);
+  EXPECT_THAT(survey.choice().warnings, IsEmpty());
+  survey.add("/robot2/tf", TopicKind::kTransforms);
+  EXPECT_THAT(survey.choice().warnings,
+              ElementsAre(HasSubstr("/robot1/tf and /robot2/tf are taken for one")));
+}
+
 TEST(TopicChoice, OdometryThatNamesTheFixedFrameAsItsOwn) {
   for (const char* const child : {"odom", "odom_combined", ""}) {
     Survey survey;
