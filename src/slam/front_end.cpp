@@ -74,6 +74,7 @@ FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T
 void FrontEnd::add_companions(Sighting& sighting) const {
   const LaserView* const own = view_of(sighting.scan.lidar);
   const bool is_mapped = own != nullptr && own->piece == own_.piece;
+  const float trust = sighting.likeliest().measured ? 1.0F : kFrontEnd.companion_guess;
   for (const LaserView& view : views_) {
     const double age_s = (sighting.scan.stamp - view.stamp).seconds();
     if (view.lidar == sighting.scan.lidar || std::abs(age_s) > kFrontEnd.companion_s) continue;
@@ -82,7 +83,7 @@ void FrontEnd::add_companions(Sighting& sighting) const {
     const Eigen::Vector2f translation = now_T_then.translation().cast<float>();
     for (const SurfacePoint& seen : view.surfaces) {
       sighting.surfaces.push_back(
-          {rotation * seen.position + translation, rotation * seen.normal, seen.weight});
+          {rotation * seen.position + translation, rotation * seen.normal, trust * seen.weight});
     }
     sighting.is_new_laser = !is_mapped && !active_.empty();
   }

@@ -21,6 +21,7 @@ struct FrontEndNumbers {
   double bend_rad = 0.005;
   int straightenings = 3;
   double companion_s = 0.2;
+  float companion_guess = 0.1F;
 };
 inline constexpr FrontEndNumbers kFrontEnd{};
 
@@ -60,6 +61,12 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit("straightenings", n.straightenings,
         "derived: each takes away what the sweep is of the time between scans, half of the error "
         "or more: an eighth is left");
+  visit("companion_s", n.companion_s,
+        "chosen: what another laser saw so long ago still helps: two sweeps of a scanner that "
+        "turns ten times a second");
+  visit("companion_guess", n.companion_guess,
+        "chosen: its weight where no odometry tells the motion since: what is guessed must not "
+        "hold the robot back from moving otherwise");
   visit(
       "companion_s", n.companion_s,
       "chosen: what another laser saw so long ago still helps: two sweeps of a scanner that turns "
