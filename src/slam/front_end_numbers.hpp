@@ -67,10 +67,6 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit("companion_guess", n.companion_guess,
         "chosen: its weight where no odometry tells the motion since: what is guessed must not "
         "hold the robot back from moving otherwise");
-  visit(
-      "companion_s", n.companion_s,
-      "chosen: what another laser saw so long ago still helps: two sweeps of a scanner that turns "
-      "ten times a second");
 }
 
 /// What the front end decides by after the laser has not held the pose for a while.
