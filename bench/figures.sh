@@ -31,6 +31,7 @@ measure bench/robustness.py $quick
 measure bench/quality.py $quick
 if [[ -z $quick ]]; then
   measure scripts/matching_examples.py
+  measure scripts/ros_examples.py
   if [[ -d $data/ucsd ]]; then
     if python3 -c 'import numpy' 2>/dev/null; then
       measure bench/compare_ucsd_odometry.py --data "$data" --write docs/accuracy.md
