@@ -29,7 +29,7 @@ try:
     import numpy as np
     import readers
     import writers
-    from drive import Scan, Told, counts_of, drive, expected
+    from drive import Scan, Told, by_convention, counts_of, drive, expected
     from rosbags.interfaces import QosDurability
     from rosbags.rosbag1 import Reader as Reader1
     from rosbags.rosbag2 import Reader as Reader2
@@ -415,22 +415,56 @@ def has_right_hashes(checks, folder):
             require(reader.message_count == sum(counted.values()), "message_count is wrong")
 
 
-def has_right_summary(checks, folder):
-    for path in write_all_types(checks, folder, "mcap"):
-        with open(path, "rb") as stream:
-            reader = readers.SeekingReader(stream, validate_crcs=True)
-            summary = reader.get_summary()
-            require(reader.get_header().profile == "ros2", "its profile is not ros2")
-            counted = {}
-            for schema, channel, message in reader.iter_messages():
-                counted[channel.id] = counted.get(channel.id, 0) + 1
+def is_right_mcap(path):
+    """Its summary, its definitions and their hashes. Gives what it holds: types, by topic."""
+    types, counted = {}, {}
+    with open(path, "rb") as stream:
+        reader = readers.SeekingReader(
+            stream, validate_crcs=True, decoder_factories=[readers.Ros2Decoder()]
+        )
+        summary = reader.get_summary()
+        require(reader.get_header().profile == "ros2", "its profile is not ros2")
+        for schema, channel, _, _ in reader.iter_decoded_messages():
+            if channel.id not in counted:
                 require(schema.encoding == "ros2msg", f"schema of {schema.encoding}")
                 right = right_hash(schema.name, schema.data.decode())
                 found = channel.metadata["topic_type_hash"]
                 require({found} == right, f"{channel.topic}: {found}")
-        require(dict(summary.statistics.channel_message_counts) == counted, "counts are wrong")
-        require(summary.statistics.message_count == sum(counted.values()), "its count is wrong")
-        require(len(summary.chunk_indexes) == summary.statistics.chunk_count, "chunks are missing")
+            counted[channel.id] = counted.get(channel.id, 0) + 1
+            types[channel.topic] = schema.name
+    require(dict(summary.statistics.channel_message_counts) == counted, "counts are wrong")
+    require(summary.statistics.message_count == sum(counted.values()), "its count is wrong")
+    require(len(summary.chunk_indexes) == summary.statistics.chunk_count, "chunks are missing")
+    return types
+
+
+def has_right_summary(checks, folder):
+    for path in write_all_types(checks, folder, "mcap"):
+        require(len(is_right_mcap(path)) >= 3, "too few topics")
+
+
+# What a run shows of itself, beside the scans.
+SHOWN = {
+    "/tf": "tf2_msgs/msg/TFMessage",
+    "/tf_static": "tf2_msgs/msg/TFMessage",
+    "/map": "nav_msgs/msg/OccupancyGrid",
+    "/path": "nav_msgs/msg/Path",
+    "/submaps": "visualization_msgs/msg/MarkerArray",
+    "/verdict": "diagnostic_msgs/msg/DiagnosticArray",
+}
+
+
+def shows_a_run(checks, folder):
+    checks.run("simulate", "office", "-o", folder / "sim", "--duration", "60")
+    checks.run("map", folder / "sim", "-o", folder / "out", "--mcap", folder / "run.mcap")
+    types = is_right_mcap(folder / "run.mcap")
+    for topic, name in SHOWN.items():
+        require(types.get(topic) == name, f"{topic} holds {types.get(topic)} instead of {name}")
+    shown = readers.by_mcap(folder / "run.mcap").scans["/scan"]
+    wanted = told_by_ucsd(folder / "sim").scans["/scan"]
+    same_counts({"/scan": len(shown)}, {"/scan": len(wanted)})
+    for found, scan in zip(shown, wanted):
+        same_scan("/scan", found._replace(stamp_ns=scan.stamp_ns), scan)
 
 
 def converts_by_rosbags(checks, folder, kind):
@@ -455,6 +489,7 @@ def check_what_we_write(checks):
     checks("written: md5 and definitions of a bag", has_right_md5)
     checks("written: hashes, durability and metadata.yaml of rosbag2", has_right_hashes)
     checks("written: hashes and summary of mcap", has_right_summary)
+    checks("written: mcap of a run, by map", shows_a_run)
     for kind in ("bag", "rosbag2"):
         checks(f"written: {kind} through rosbags-convert", converts_by_rosbags, kind)
 
@@ -564,6 +599,23 @@ def has_all_of_mcap(checks, folder, path):
     same_counts(counts_in(checks, path), counts)
 
 
+def has_all_scans(checks, folder, path, all_scans):
+    """Every laser by itself, by the stamps of its messages: ranges as rosbags reads them."""
+    for number, (topic, scans) in enumerate(all_scans.items()):
+        out = folder / f"{number}.mcap"
+        named = ("--topic", f"laser={topic}", "--stamps", "header")
+        checks.run("convert", path, out, *named)
+        found = readers.by_mcap(out).scans.get("/scan", [])
+        wanted = sorted(scans, key=lambda scan: scan.stamp_ns)
+        same_stamps(topic, [s.stamp_ns for s in found], [s.stamp_ns for s in wanted])
+        for a, b in zip(found, wanted):
+            ranges = by_convention(b.ranges, b.range_min, b.range_max)
+            require(
+                np.array_equal(a.ranges, ranges, equal_nan=True),
+                f"{topic} at {b.stamp_ns}: ranges {a.ranges[:20]} instead of {ranges[:20]}",
+            )
+
+
 def comes_out_the_same(checks, folder, one, other):
     checks.run("convert", one, folder / "one.mcap")
     checks.run("convert", other, folder / "other.mcap")
@@ -577,6 +629,9 @@ def check_recorded(checks):
         return
     for path in sorted(data.glob("*.bag")):
         checks(f"recorded: {path.name}", has_all_messages, path)
+        scans = readers.scans_by_rosbags(path)
+        if scans:
+            checks(f"recorded: scans of {path.name}", has_all_scans, path, scans)
     for path in sorted(data.glob("**/metadata.yaml")):
         checks(f"recorded: {path.parent.name}/", has_all_messages, path.parent)
     for path in sorted(data.glob("*.mcap")):

@@ -69,6 +69,19 @@ def by_rosbags(path):
         )
 
 
+def scans_by_rosbags(path):
+    """Of each topic of LaserScan; none where its index is not taken."""
+    try:
+        with AnyReader([pathlib.Path(path)]) as reader:
+            lasers = [c for c in reader.connections if c.msgtype == "sensor_msgs/msg/LaserScan"]
+            messages = reader.messages(connections=lasers) if lasers else ()
+            return told(
+                (c.topic, reader.deserialize(raw, c.msgtype)) for c, _, raw in messages
+            ).scans
+    except AssertionError:
+        return {}
+
+
 def by_mcap(path, is_seeking=True):
     with open(path, "rb") as stream:
         reader = (SeekingReader if is_seeking else NonSeekingReader)(
