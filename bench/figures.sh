@@ -20,6 +20,7 @@ measure bench/pose_graphs.py $quick
 measure bench/registration.py $quick
 measure bench/localization_speed.py $quick
 measure bench/ray_cast.py $quick
+measure bench/recordings.py $quick
 measure bench/texture.py $quick
 measure bench/session.py $quick
 measure bench/localization.py $quick
