@@ -29,8 +29,6 @@ constexpr Duration kPeriod = Duration::from_milliseconds(1000);
 constexpr Duration kAfterwards = Duration::from_milliseconds(1);
 constexpr double kCellsPerS = 1e6;
 constexpr double kSubmapsPerS = 1e3;
-/// That are drawn at most for each snapshot: about 20 ms.
-constexpr std::size_t kScansPerSnapshot = 1000;
 /// A way so far is sent again and again.
 constexpr std::size_t kPosesSoFar = 500;
 constexpr std::size_t kPosesAtEnd = 20'000;
@@ -194,7 +192,7 @@ void MapRecording::Impl::show(const MapSnapshot& snapshot, const MapUpdate& upda
 }
 
 void MapRecording::Impl::show_map(const MapSnapshot& snapshot, Stamp stamp) {
-  live_.refresh(snapshot, kScansPerSnapshot);
+  live_.refresh(snapshot);
   grid_changed_ = grid_.update(live_) || grid_changed_;
   const auto cells = static_cast<double>(grid_.cells().cells().size());
   if (!grid_changed_ || grid_.cells().empty() ||
