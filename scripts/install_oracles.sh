@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs the reference libraries that tests/oracles holds recordings against, in build/oracles: a
-# virtual environment of Python and modules of Node. Safe to run again; quick when nothing is missing.
+# virtual environment of Python and modules of Node. Safe to run again; quick when nothing is
+# missing.
 #
 #     scripts/install_oracles.sh
 set -euo pipefail
