@@ -25,9 +25,9 @@ struct WrittenTopic {
 
 /// All that WrittenTopic says of a type.
 template <typename M>
-[[nodiscard]] WrittenTopic written_topic(std::string name, bool latched = false) {
+[[nodiscard]] WrittenTopic written_topic(const std::string& name, bool latched = false) {
   using Type = MessageType<M>;
-  return {.name = std::move(name),
+  return {.name = name,
           .type = Type::name(),
           .ros1_definition = Type::ros1_definition(),
           .ros2_definition = Type::ros2_definition(),
