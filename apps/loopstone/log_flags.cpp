@@ -60,9 +60,10 @@ void add_log_flags(CLI::App& command, LogFlags& flags) {
       ->type_name("FRAME");
   add_word_flag(command, "--echo", flags.echo, "of lasers with several echoes a beam");
   command
-      .add_option("--slice", flags.slice,
-                  "of point clouds: what lies between two heights above the floor [m] (default: "
-                  "about the scanner's height)")
+      .add_option(
+          "--slice", flags.slice,
+          "of point clouds: what lies between two heights in the robot's frame [m] (default: "
+          "about the scanner's height)")
       ->type_name("LOW,HIGH");
 }
 

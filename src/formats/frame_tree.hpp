@@ -32,8 +32,8 @@ class FrameTree {
            const Pose3& parent_T_child);
 
   [[nodiscard]] bool has(std::string_view frame) const;
-  /// target_T_source. Nothing when they are not connected, or a frame between them moves and was not
-  /// told near that time.
+  /// target_T_source. Nothing when they are not connected, or a frame between them moves and was
+  /// not told near that time.
   /// \param stamp  absent: as they were told last
   [[nodiscard]] std::optional<Pose3> find(std::string_view target, std::string_view source,
                                           std::optional<Stamp> stamp = {}) const;

@@ -15,8 +15,8 @@ struct ImuMount {
 
 /// By tf, held against gravity; by gravity alone when tf does not tell (its direction in the
 /// horizontal then stays open, and means nothing for a gyro's yaw).
-/// \param force  mean of what the accelerometers show while the robot is about level [m/s^2]: points
-///               up where one is at work
+/// \param force  mean of what the accelerometers show while the robot is about level [m/s^2]:
+///               points up where one is at work
 [[nodiscard]] ImuMount imu_mount(const std::optional<Eigen::Quaterniond>& by_tf,
                                  const Eigen::Vector3d& force);
 

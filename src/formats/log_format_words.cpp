@@ -101,12 +101,14 @@ std::string what_a_log_is() {
 
 std::vector<std::string> log_name_meanings() {
   std::vector<std::string> meanings;
-  std::string of_folders;
+  std::vector<std::string> of_folders;
   for (const LogFormat& format : log_formats()) {
     if (!format.can_be_written()) continue;
     if (format.place == LogPlace::kFolder) {
       // Of several that are folders a name alone means the first.
-      if (of_folders.empty()) of_folders = folder_meaning(format);
+      of_folders.push_back(of_folders.empty() ? folder_meaning(format)
+                                              : fmt::format("a folder with --format {} is {}",
+                                                            format.name, format.noun));
       continue;
     }
     std::string text = listed(strings_of(format.endings), "and");
@@ -116,7 +118,7 @@ std::vector<std::string> log_name_meanings() {
     text += fmt::format(" {} {}", format.endings.size() == 1 ? "is" : "are", format.noun);
     meanings.push_back(std::move(text));
   }
-  if (!of_folders.empty()) meanings.push_back(std::move(of_folders));
+  for (std::string& meaning : of_folders) meanings.push_back(std::move(meaning));
   return meanings;
 }
 

@@ -18,7 +18,7 @@ constexpr std::array<string_view, 3> kCarmenEndings{".clf", ".log", ".carmen"};
 constexpr std::array<string_view, 2> kPackings{".gz", ".bz2"};
 constexpr std::array<string_view, 1> kUcsdEndings{".npz"};
 constexpr std::array<string_view, 1> kMcapEndings{".mcap"};
-constexpr std::array<string_view, 2> kBagEndings{".bag", ".active"};
+constexpr std::array<string_view, 1> kBagEndings{".bag"};
 constexpr std::array<string_view, 1> kDatabaseEndings{".db3"};
 constexpr std::array<string_view, 1> kDatabasePackings{".zstd"};
 constexpr std::array<string_view, 1> kRawlogEndings{".rawlog"};

@@ -151,7 +151,8 @@ struct LeadingClock {
   const StampFacts* facts = nullptr;
 };
 
-/// What is added to a topic's own stamps to be the leading clock's. Nothing when that can't be told.
+/// What is added to a topic's own stamps to be the leading clock's. Nothing when that can't be
+/// told.
 std::optional<Duration> behind(const StampFacts& facts, const LeadingClock& lead) {
   if (lead.source == TopicClock::Source::kOwn && lead.facts->fault_of_own().empty()) {
     return facts.behind(*lead.facts);

@@ -46,6 +46,7 @@ class TopicLogWriter final : public LogWriter {
     writer_.send(scan_topic(scan.lidar), scan.stamp, to_message(scan, laser_frame(scan.lidar)));
   }
 
+  /// All of them at once whenever there is a new one: who comes late gets the last message.
   void add_mount(const LaserScan& scan) {
     const Pose2 mount = mount_of(scan, robot_);
     const auto [known, is_new] = mounts_.try_emplace(scan.lidar, mount);
@@ -53,7 +54,8 @@ class TopicLogWriter final : public LogWriter {
       if (known->second.vector() != mount.vector()) ++moved_;
       return;
     }
-    writer_.send("/tf_static", scan.stamp, msg::TFMessage{{mount_message(scan, robot_)}}, true);
+    mount_messages_.transforms.push_back(mount_message(scan, robot_));
+    writer_.send("/tf_static", scan.stamp, mount_messages_, true);
   }
 
   void add(const OdometryPose& odometry) {
@@ -87,6 +89,7 @@ class TopicLogWriter final : public LogWriter {
   TopicWriter writer_;
   RobotModel robot_;
   std::map<int, Pose2> mounts_{};  ///< that were written, by lidar
+  msg::TFMessage mount_messages_{};
   std::int64_t moved_ = 0;
 };
 

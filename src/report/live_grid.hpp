@@ -8,8 +8,8 @@
 
 namespace loopstone {
 
-/// A live map as the cells of an occupancy grid, which grows by whole tiles. Only tiles that changed
-/// are looked at.
+/// A live map as the cells of an occupancy grid, which grows by whole tiles. Only tiles that
+/// changed are looked at.
 class LiveGrid {
  public:
   /// \param most_cells  a larger map is not shown

@@ -255,11 +255,29 @@ FORMATS = [
         bombs.png,
         place=as_a_picture,
     ),
-    Format("bag", "bag", ["bag/*"], ".bag", HeadAndBody(rb"V2.0\n")),
-    Format("mcap", "mcap", ["mcap/*"], ".mcap", HeadAndBody(rb"MCAP0\r\n")),
+    Format(
+        "bag", "bag", ["bag/*", "simulated/*.bag"], ".bag", HeadAndBody(rb"V2.0\n"), LOG, log="bag"
+    ),
+    Format(
+        "mcap",
+        "mcap",
+        ["mcap/*", "simulated/*.mcap"],
+        ".mcap",
+        HeadAndBody(rb"MCAP0\r\n"),
+        LOG,
+        log="mcap",
+    ),
     Format("npy", "npy", ["npy/*"], ".npy", Npy(), [], bombs.npy),
     Format("rosbag2_metadata", "rosbag2_metadata", ["rosbag2_metadata/*"], ".yaml"),
-    Format("sqlite_log", "sqlite_log", ["sqlite_log/*"], ".db3"),
+    Format(
+        "sqlite_log",
+        "sqlite_log",
+        ["sqlite_log/*", "simulated/*.db3"],
+        ".db3",
+        None,
+        LOG,
+        log="rosbag2",
+    ),
     Format(
         "npy_cloud",
         "npy_cloud",

@@ -164,6 +164,10 @@ class GoodFiles:
         (seeds / "log.clf").write_bytes(text)
         (seeds / "log.clf.gz").write_bytes(gzip.compress(text, 9, mtime=0))
         (seeds / "log.clf.bz2").write_bytes(bz2.compress(text))
+        for name in ("drive.mcap", "drive.bag"):
+            self.run("convert", folder / "sim", seeds / name)
+        self.run("convert", folder / "sim", folder / "drive", "--format", "rosbag2")
+        shutil.copy(folder / "drive" / "drive_0.db3", seeds / "drive.db3")
         for path in (folder / "sim").glob("*20.npz"):
             shutil.copy(path, seeds / path.name)
         shutil.copy(folder / "out" / "graph.g2o", seeds / "graph.g2o")

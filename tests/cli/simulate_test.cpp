@@ -171,7 +171,7 @@ TEST(SimulateCommand, RefusesWhatMakesNoSense) {
       {{"office", "--duration", "-1"}, 2, "--duration"},
       {{"office", "--fov", "400"}, 2, "--fov"},
       {{"office", "--beams", "1"}, 2, "--beams"},
-      {{"office", "--format", "bag"}, 2, "--format"},
+      {{"office", "--format", "pcap"}, 2, "--format"},
       {{"office", "--scan-rate", "90"}, 2, "sweep"},
       {{"office", "--set", "laser.noize_m=1"}, 2, "laser.noise_m"},
       {{"missing.yaml"}, 1, "missing.yaml"},

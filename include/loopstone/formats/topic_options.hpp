@@ -39,7 +39,7 @@ constexpr auto words_of(EchoUse /*any*/) {
   return std::array{Word{kFirst, "first"}, Word{kStrongest, "strongest"}};
 }
 
-/// Heights above the floor [m].
+/// Heights in the robot's frame [m], whose origin should lie on the floor.
 struct HeightRange {
   double low_m = 0.0;
   double high_m = 0.0;
