@@ -47,7 +47,8 @@ struct HeightRange {
 
 /// How a recording with topics is to be understood; other logs take no notice.
 struct TopicOptions {
-  /// What the user named; an empty name: no topic is to play this role. Several of kLaser all count.
+  /// What the user named; an empty name: no topic is to play this role. Several of kLaser all
+  /// count.
   std::vector<std::pair<TopicRole, std::string>> named{};
   std::string base_frame{};  ///< the robot's frame in tf; empty: chosen
   EchoUse echo = EchoUse::kFirst;

@@ -44,8 +44,8 @@ namespace loopstone {
 ///                        sensors, as they begin and end; in the end, how good the map is
 ///
 /// Times are those of the log. A millisecond after the last scan follows what the finished map
-/// says: map, path, submaps, closures, verdict, and the transforms to where the path ends. What is told
-/// before of loop closing depends on how fast the machine is.
+/// says: map, path, submaps, closures, verdict, and the transforms to where the path ends. What is
+/// told before of loop closing depends on how fast the machine is.
 ///
 /// The map so far is drawn here, up to 0.1 s a second of the log. Memory: 26 kB a tile of 3.2 m,
 /// and a few bytes a cell of the map. One thread at a time.
