@@ -64,8 +64,7 @@ class TopicLogReader final : public LogReader {
         order_(
             false, {},
             [this](const OrderedRecord& record, const std::string& reason) {
-              skip({{file_, {}, record.line}, reason},
-                   std::holds_alternative<LaserScan>(record.message));
+              skip({where(record), reason}, std::holds_alternative<LaserScan>(record.message));
             },
             kReorderWindow) {
     place_topics();
@@ -120,6 +119,12 @@ class TopicLogReader final : public LogReader {
     const LogProblem told{problem, is_scan};
     tally_.add(told);
     if (options_.on_problem) options_.on_problem(told);
+  }
+
+  [[nodiscard]] Location where(const OrderedRecord& record) const {
+    Location location{file_};
+    if (record.line >= 0) location.byte_offset = record.line;
+    return location;
   }
 
   bool is_wanted(const RecordedTopic& topic) const {
@@ -355,8 +360,7 @@ class TopicLogReader final : public LogReader {
     const auto base_T_laser =
         frames_.find(known_.choice.base_frame, facts.frame, record_time(scan.stamp));
     if (!base_T_laser) {
-      skip({{file_, {}, record.line},
-            facts.name + ": tf does not tell where the laser was at that time"},
+      skip({where(record), facts.name + ": tf does not tell where the laser was at that time"},
            true);
       return false;
     }
