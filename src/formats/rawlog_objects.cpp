@@ -136,7 +136,6 @@ class RawlogObjects::Fields {
 
   Pose2 pose2() {
     const auto head = begin("CPose2D");
-    Pose2 pose;
     std::array<double, 3> values{};
     for (double& value : values) {
       value = head.version == 0 ? static_cast<double>(number<float>()) : number<double>();
