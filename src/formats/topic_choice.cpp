@@ -109,8 +109,9 @@ class Chooser {
   template <typename Fits>
   std::optional<std::vector<std::size_t>> named(TopicRole role, Fits&& fits) const {
     std::optional<std::vector<std::size_t>> found;
-    for (const auto& [named_role, name] : options_.named) {
-      if (named_role != role) continue;
+    for (const auto& choice : options_.named) {
+      if (choice.first != role) continue;
+      const std::string& name = choice.second;
       if (!found) found.emplace();
       if (name.empty()) continue;
       const std::vector<std::size_t> places =
