@@ -81,6 +81,9 @@ add_test(NAME layering.self_test COMMAND Python3::Interpreter "${check_layering}
 set(check_function_length "${PROJECT_SOURCE_DIR}/tests/layering/check_function_length.py")
 add_test(NAME layering.function_length COMMAND Python3::Interpreter "${check_function_length}" "${PROJECT_SOURCE_DIR}")
 add_test(NAME layering.function_length_self_test COMMAND Python3::Interpreter "${check_function_length}" --self-test)
+set(check_names "${PROJECT_SOURCE_DIR}/tests/layering/check_names.py")
+add_test(NAME layering.names COMMAND Python3::Interpreter "${check_names}" "${PROJECT_SOURCE_DIR}")
+add_test(NAME layering.names_self_test COMMAND Python3::Interpreter "${check_names}" --self-test)
 set_tests_properties(layering.tree layering.self_test layering.function_length layering.function_length_self_test
                      PROPERTIES LABELS layering TIMEOUT 60)
 

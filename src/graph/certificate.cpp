@@ -24,7 +24,7 @@ ComplexRows as_rows(const std::vector<Complex>& headings) {
   return rows;
 }
 
-Certificate certificate_of(const IsotropicSystem& system, const Verdict& verdict,
+Certificate certificate_of(const IsotropicSystem& system, const VerifierVerdict& verdict,
                            const RelaxedPoint& point, double cost, double relative_gap) {
   Certificate certificate;
   certificate.cost = cost;
@@ -71,12 +71,12 @@ bool holds_too_much(const PoseGraph& graph) {
 /// The end of a climb of the staircase: a minimum of the relaxation of some rank.
 struct Climb {
   RelaxedPoint point{};
-  Verdict verdict{};
+  VerifierVerdict verdict{};
   int rank = 1;
 };
 
 Climb climb(const IsotropicSystem& system, const PositionSolver& positions, Verifier& verifier,
-            RelaxedPoint start, Verdict verdict, const CertificateOptions& options) {
+            RelaxedPoint start, VerifierVerdict verdict, const CertificateOptions& options) {
   Climb at{std::move(start), std::move(verdict)};
   while (!at.verdict.positive && at.verdict.shift && at.rank < options.max_rank) {
     const Eigenpair negative{at.verdict.min_eigenvalue, at.verdict.direction};
@@ -91,9 +91,9 @@ Climb climb(const IsotropicSystem& system, const PositionSolver& positions, Veri
 }
 
 /// The minimum in the plane that a relaxed point leads to.
-DescentResult come_back(const IsotropicSystem& system, const PositionSolver& positions,
-                        const RelaxedPoint& point, const IsotropicState& gauge,
-                        int max_iterations) {
+IsotropicDescentResult come_back(const IsotropicSystem& system, const PositionSolver& positions,
+                                 const RelaxedPoint& point, const IsotropicState& gauge,
+                                 int max_iterations) {
   IsotropicState state = gauge;
   state.heading = rounded_headings(system, point, gauge.heading);
   positions.solve(state);
@@ -138,14 +138,15 @@ CertifiedSolution optimize_certified(const PoseGraph& graph, const CertificateOp
   }
   const PositionSolver positions(system);
   Verifier verifier(system, options.relative_gap);
-  DescentResult best = descend_isotropic(system, start, {.max_iterations = options.max_iterations});
+  IsotropicDescentResult best =
+      descend_isotropic(system, start, {.max_iterations = options.max_iterations});
   solution.iterations = best.iterations;
 
   // Each round ends in a proof or leads to a lower minimum.
   constexpr int kMostEscapes = 20;
   while (true) {
     RelaxedPoint point = relaxed_point(system, positions, as_rows(best.state.heading));
-    Verdict verdict = verifier.verify(point);
+    VerifierVerdict verdict = verifier.verify(point);
     solution.certificate = certificate_of(system, verdict, point, best.cost, options.relative_gap);
     if (solution.certificate.status != CertificateStatus::kNotOptimal) break;
     if (options.max_rank < 2 || solution.escapes == kMostEscapes) break;
@@ -153,7 +154,7 @@ CertifiedSolution optimize_certified(const PoseGraph& graph, const CertificateOp
     const Climb top =
         climb(system, positions, verifier, std::move(point), std::move(verdict), options);
     solution.rank = std::max(solution.rank, top.rank);
-    DescentResult next =
+    IsotropicDescentResult next =
         come_back(system, positions, top.point, best.state, options.max_iterations);
     solution.iterations += next.iterations;
     const bool lower = next.cost < best.cost * (1.0 - options.relative_gap);

@@ -38,7 +38,7 @@ double Verifier::tolerance_at(const RelaxedPoint& point) const {
   return std::max(0.5 * relative_gap_ * point.cost / headings, kRounding * scale);
 }
 
-Verdict Verifier::verify(const RelaxedPoint& point) {
+VerifierVerdict Verifier::verify(const RelaxedPoint& point) {
   constexpr int kConfirmingSteps = 3;
   const double tolerance = tolerance_at(point);
   if (!matrix_.factorise(point.multipliers, tolerance)) return search_negative(point, tolerance);
@@ -49,7 +49,7 @@ Verdict Verifier::verify(const RelaxedPoint& point) {
     const auto row = static_cast<Eigen::Index>(i);
     start(row) = 0.1 * start(row) + point.headings(row, 0);
   }
-  Verdict verdict;
+  VerifierVerdict verdict;
   verdict.positive = true;
   verdict.min_eigenvalue = smallest_eigenpair(matrix_, tolerance, start, kConfirmingSteps).value;
   verdict.tolerance = tolerance;
@@ -57,7 +57,7 @@ Verdict Verifier::verify(const RelaxedPoint& point) {
   return verdict;
 }
 
-Verdict Verifier::search_negative(const RelaxedPoint& point, double tolerance) {
+VerifierVerdict Verifier::search_negative(const RelaxedPoint& point, double tolerance) {
   constexpr int kSteps = 60;
   constexpr double kGrowth = 30.0;
   double largest = 0.0;
@@ -65,7 +65,7 @@ Verdict Verifier::search_negative(const RelaxedPoint& point, double tolerance) {
     largest = std::max(largest, std::abs(multiplier));
   }
   // Q is positive semidefinite, so S + shift I is positive definite from the largest multiplier on.
-  Verdict verdict;
+  VerifierVerdict verdict;
   for (double shift = kGrowth * tolerance; shift < kGrowth * (2.0 * largest + tolerance) * kGrowth;
        shift *= kGrowth) {
     if (!matrix_.factorise(point.multipliers, shift)) continue;

@@ -8,7 +8,7 @@
 namespace loopstone {
 
 /// What the certificate matrix of a point of the relaxation, of any rank, tells.
-struct Verdict {
+struct VerifierVerdict {
   bool positive =
       false;  ///< S + tolerance I is positive definite, for the tolerance that was asked for
   double min_eigenvalue = 0.0;
@@ -25,7 +25,7 @@ class Verifier {
   Verifier(const IsotropicSystem& system, double relative_gap)
       : system_(&system), matrix_(system), relative_gap_(relative_gap) {}
 
-  [[nodiscard]] Verdict verify(const RelaxedPoint& point);
+  [[nodiscard]] VerifierVerdict verify(const RelaxedPoint& point);
 
   /// As the last verify() left it.
   [[nodiscard]] const CertificateMatrix& matrix() const { return matrix_; }
@@ -35,7 +35,7 @@ class Verifier {
   [[nodiscard]] double tolerance_at(const RelaxedPoint& point) const;
   /// Shift by shift up to where S is positive definite, and from there Lanczos to its smallest
   /// eigenvalue.
-  [[nodiscard]] Verdict search_negative(const RelaxedPoint& point, double tolerance);
+  [[nodiscard]] VerifierVerdict search_negative(const RelaxedPoint& point, double tolerance);
 
   const IsotropicSystem* system_;
   CertificateMatrix matrix_;

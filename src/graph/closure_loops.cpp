@@ -54,7 +54,8 @@ ClosureLoops::ClosureLoops(const PoseGraph& graph)
   }
 }
 
-ClosureLoops::Opening ClosureLoops::opening(const LoopClosure& a, const LoopClosure& b) const {
+ClosureLoops::Opening ClosureLoops::opening(const ComparedClosure& a,
+                                            const ComparedClosure& b) const {
   const Pose2& a_from = poses_[a.from];
   const Pose2& b_from = poses_[b.from];
   const Pose2 b_to = b_from * b.from_T_to;            // by way of b

@@ -10,7 +10,7 @@
 namespace loopstone {
 
 /// A loop closure with what every comparison needs, told from the pose of lower index.
-struct LoopClosure {
+struct ComparedClosure {
   std::size_t edge = 0;  ///< index in the graph
   std::size_t from = 0;
   std::size_t to = 0;
@@ -25,12 +25,12 @@ class ClosureLoops {
   /// Finds the chain of odometry edges between consecutive poses, and the closures.
   explicit ClosureLoops(const PoseGraph& graph);
 
-  [[nodiscard]] const std::vector<LoopClosure>& closures() const { return closures_; }
+  [[nodiscard]] const std::vector<ComparedClosure>& closures() const { return closures_; }
   /// By odometry alone, from the first pose of each part.
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
 
   /// Whether odometry joins the ends of two closures.
-  [[nodiscard]] bool joined(const LoopClosure& a, const LoopClosure& b) const {
+  [[nodiscard]] bool joined(const ComparedClosure& a, const ComparedClosure& b) const {
     return part_[a.from] == part_[b.from] && part_[a.to] == part_[b.to];
   }
 
@@ -38,7 +38,7 @@ class ClosureLoops {
     double chi2 = 0.0;         ///< how open the loop is, in squared standard deviations
     double determinant = 0.0;  ///< of the covariance that is expected of it [m^4 rad^2]
   };
-  [[nodiscard]] Opening opening(const LoopClosure& a, const LoopClosure& b) const;
+  [[nodiscard]] Opening opening(const ComparedClosure& a, const ComparedClosure& b) const;
 
   /// Covariance of the way between two poses by odometry, as a twist in the frame in which the
   /// chain is told.
@@ -50,7 +50,7 @@ class ClosureLoops {
   std::vector<Pose2> poses_;
   std::vector<Eigen::Matrix3d> grown_;
   std::vector<int> part_;  ///< poses of different parts are not joined by odometry
-  std::vector<LoopClosure> closures_;
+  std::vector<ComparedClosure> closures_;
 };
 
 }  // namespace loopstone

@@ -9,7 +9,7 @@ namespace loopstone {
 ConsistentClosures consistent_closures(const PoseGraph& graph, const ConsistencyOptions& options) {
   check_graph(graph);
   const ClosureLoops loops(graph);
-  const std::vector<LoopClosure>& closures = loops.closures();
+  const std::vector<ComparedClosure>& closures = loops.closures();
   std::vector<std::vector<bool>> adjacent(closures.size(),
                                           std::vector<bool>(closures.size(), false));
   for (std::size_t i = 0; i < closures.size(); ++i) {

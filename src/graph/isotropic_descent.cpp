@@ -143,13 +143,13 @@ IsotropicState moved(const IsotropicState& state, const IsotropicSystem& system,
 
 }  // namespace
 
-DescentResult descend_isotropic(const IsotropicSystem& system, IsotropicState start,
-                                const DescentOptions& options) {
+IsotropicDescentResult descend_isotropic(const IsotropicSystem& system, IsotropicState start,
+                                         const IsotropicDescentOptions& options) {
   constexpr double kFirstDamping = 1e-5;
   constexpr double kMostDamping = 1e10;
   constexpr double kNegligibleCost = 1e-20;
   constexpr double kWorthwhile = 0.9;  // of the cost: what a Gauss-Newton step has to get below
-  DescentResult result;
+  IsotropicDescentResult result;
   result.state = std::move(start);
   result.cost = isotropic_cost(system.problem, result.state);
   LocalModel model(system);

@@ -4,14 +4,14 @@
 
 namespace loopstone {
 
-struct DescentResult {
+struct IsotropicDescentResult {
   IsotropicState state{};
   double cost = 0.0;
   int iterations = 0;      ///< steps tried
   bool converged = false;  ///< a step no longer promised to lower the cost noticeably
 };
 
-struct DescentOptions {
+struct IsotropicDescentOptions {
   int max_iterations = 100;
   /// Stop when a Newton step promises to lower the cost by less than this share.
   double relative_tolerance = 1e-9;
@@ -20,7 +20,8 @@ struct DescentOptions {
 /// A local minimum of an isotropic problem: Newton's method on positions and headings; Gauss-Newton
 /// while that leads down fast from where the Hessian is not positive definite, and a damped Hessian
 /// where it does not.
-[[nodiscard]] DescentResult descend_isotropic(const IsotropicSystem& system, IsotropicState start,
-                                              const DescentOptions& options = {});
+[[nodiscard]] IsotropicDescentResult descend_isotropic(const IsotropicSystem& system,
+                                                       IsotropicState start,
+                                                       const IsotropicDescentOptions& options = {});
 
 }  // namespace loopstone

@@ -27,7 +27,7 @@ struct Backing {
 std::vector<bool> supported_closures(const PoseGraph& graph, double consistent_chi2,
                                      double accident) {
   const ClosureLoops loops(graph);
-  const std::vector<LoopClosure>& closures = loops.closures();
+  const std::vector<ComparedClosure>& closures = loops.closures();
   std::vector<bool> supported(graph.edges.size(), false);
   if (closures.empty()) return supported;
 
@@ -46,9 +46,9 @@ std::vector<bool> supported_closures(const PoseGraph& graph, double consistent_c
   });
   std::vector<Backing> backing(closures.size());
   for (std::size_t i = 0; i < by_start.size(); ++i) {
-    const LoopClosure& a = closures[by_start[i]];
+    const ComparedClosure& a = closures[by_start[i]];
     for (std::size_t k = i + 1; k < by_start.size(); ++k) {
-      const LoopClosure& b = closures[by_start[k]];
+      const ComparedClosure& b = closures[by_start[k]];
       if (!loops.joined(a, b)) continue;
       // The covariance is no less than either stretch of odometry, and the first of them grows with
       // k.

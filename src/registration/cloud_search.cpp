@@ -139,7 +139,7 @@ struct Search {
       onto_model = model.frame().rotation * model.upright_frame().rotation.transpose();
     }
     const auto turns = even_rotations<kDimension>(options.starts, upright());
-    Box<kDimension> box{model.field().points().front(), model.field().points().front()};
+    PointBox<kDimension> box{model.field().points().front(), model.field().points().front()};
     for (const auto& point : model.field().points()) {
       box.low = box.low.cwiseMin(point);
       box.high = box.high.cwiseMax(point);

@@ -280,11 +280,11 @@ FewPoints<kDimension> few_points(std::span<const Eigen::Matrix<float, kDimension
 }
 
 template <int kDimension>
-std::vector<Start<kDimension>> placements(const Box<kDimension>& model,
+std::vector<Start<kDimension>> placements(const PointBox<kDimension>& model,
                                           const FewPoints<kDimension>& points,
                                           const Start<kDimension>& start) {
   using Vector = Eigen::Matrix<float, kDimension, 1>;
-  Box<kDimension> source;
+  PointBox<kDimension> source;
   for (std::size_t i = 0; i < points.count; ++i) {
     Vector point;
     for (std::size_t a = 0; a < points.axes.size(); ++a) {
@@ -326,8 +326,10 @@ template std::vector<Eigen::Matrix2d> even_rotations<2>(int, bool);
 template std::vector<Eigen::Matrix3d> even_rotations<3>(int, bool);
 template FewPoints<2> few_points<2>(std::span<const Eigen::Vector2f>, std::span<const std::size_t>);
 template FewPoints<3> few_points<3>(std::span<const Eigen::Vector3f>, std::span<const std::size_t>);
-template std::vector<Start<2>> placements<2>(const Box<2>&, const FewPoints<2>&, const Start<2>&);
-template std::vector<Start<3>> placements<3>(const Box<3>&, const FewPoints<3>&, const Start<3>&);
+template std::vector<Start<2>> placements<2>(const PointBox<2>&, const FewPoints<2>&,
+                                             const Start<2>&);
+template std::vector<Start<3>> placements<3>(const PointBox<3>&, const FewPoints<3>&,
+                                             const Start<3>&);
 template Start<2> descend<2>(const DistanceField<2>&, const FewPoints<2>&, double, int,
                              const Start<2>&);
 template Start<3> descend<3>(const DistanceField<3>&, const FewPoints<3>&, double, int,

@@ -45,7 +45,7 @@ struct Start {
 
 /// A block along the axes.
 template <int kDimension>
-struct Box {
+struct PointBox {
   Eigen::Matrix<float, kDimension, 1> low;
   Eigen::Matrix<float, kDimension, 1> high;
 };
@@ -55,7 +55,7 @@ struct Box {
 /// flush with the one end of the box, or the other, or in its middle. \return 1
 /// + 3^kDimension starts
 template <int kDimension>
-[[nodiscard]] std::vector<Start<kDimension>> placements(const Box<kDimension>& model,
+[[nodiscard]] std::vector<Start<kDimension>> placements(const PointBox<kDimension>& model,
                                                         const FewPoints<kDimension>& points,
                                                         const Start<kDimension>& start);
 

@@ -30,7 +30,7 @@ struct PatchSight {
 };
 
 /// A piece of surface that at least two key scans saw.
-struct SurfacePatch {
+struct SharedSurface {
   Eigen::Vector2d centre;  ///< mean of its points at the poses it was found with, map frame [m]
   Eigen::Vector2d normal;  ///< unit, mean of its points'
   std::size_t first = 0;   ///< its sights
@@ -38,7 +38,7 @@ struct SurfacePatch {
 };
 
 struct SurfacePatches {
-  std::vector<SurfacePatch> patches;
+  std::vector<SharedSurface> patches;
   std::vector<PatchSight> sights;  ///< patch by patch, in the order of the key scans
 };
 

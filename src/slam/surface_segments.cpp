@@ -57,7 +57,7 @@ void SurfaceSegments::for_each_patch(const SurfaceSystem& surfaces, Visitor&& vi
   std::vector<Group> groups;
   const SurfacePatches& patches = surfaces.patches();
   for (std::size_t i = 0; i < patches.patches.size(); ++i) {
-    const SurfacePatch& patch = patches.patches[i];
+    const SharedSurface& patch = patches.patches[i];
     groups.clear();
     for (std::size_t k = patch.first; k < patch.last; ++k) {
       const SurfaceSystem::Row& row = surfaces.rows()[k];

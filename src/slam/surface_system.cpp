@@ -33,7 +33,7 @@ struct Offset {
   double turn;
 };
 
-Offset offset_of(const PatchSight& sight, const SurfacePatch& patch,
+Offset offset_of(const PatchSight& sight, const SharedSurface& patch,
                  std::span<const PlacedKey> map_T_key) {
   const PlacedKey& key = map_T_key[static_cast<std::size_t>(sight.key)];
   const Eigen::Vector2d arm = key.rotation * sight.point.cast<double>();
@@ -92,7 +92,7 @@ SurfaceSystem::SurfaceSystem(const SurfacePatches& patches, std::span<const int>
 
 void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey> map_T_key,
                                     double sigma_m, Chunk& chunk) {
-  const SurfacePatch& patch = patches_.patches[index];
+  const SharedSurface& patch = patches_.patches[index];
   const double information = 1.0 / (kGrids * sigma_m * sigma_m);
   auto& distances = chunk.distances;
   distances.resize(patch.last - patch.first);
@@ -169,7 +169,7 @@ void SurfaceSystem::multiply_add(std::span<const Eigen::Vector3d> x, std::span<E
     Chunk& chunk = chunks_[index];
     std::fill(chunk.vector.begin(), chunk.vector.end(), Eigen::Vector3d::Zero());
     for (std::size_t p = chunk.first; p < chunk.last; ++p) {
-      const SurfacePatch& patch = patches_.patches[p];
+      const SharedSurface& patch = patches_.patches[p];
       const double nx = patch.normal.x();
       const double ny = patch.normal.y();
       chunk.distances.resize(patch.last - patch.first);
@@ -211,7 +211,7 @@ double SurfaceSystem::spread_m(std::span<const PlacedKey> map_T_key) const {
   parallel_for(chunks_.size(), threads_, [&](std::size_t chunk) {
     std::vector<Offset> offsets;
     for (std::size_t p = chunks_[chunk].first; p < chunks_[chunk].last; ++p) {
-      const SurfacePatch& patch = patches_.patches[p];
+      const SharedSurface& patch = patches_.patches[p];
       offsets.clear();
       LineSums sums;
       for (std::size_t i = patch.first; i < patch.last; ++i) {

@@ -95,7 +95,7 @@ TEST(IsotropicDescent, EndsWhereNoSmallStepLowersTheCost) {
   const SimulatedGraph world = manhattan_graph({.nodes = 150, .blocks = 2}, Rng(6));
   const IsotropicSystem system = isotropic_system(world.graph);
   const PositionSolver positions(system);
-  const DescentResult result = descend_isotropic(
+  const IsotropicDescentResult result = descend_isotropic(
       system, chordal_state(system, positions, state_of(world.graph, system.problem)));
   EXPECT_TRUE(result.converged);
   EXPECT_LE(result.iterations, 8);

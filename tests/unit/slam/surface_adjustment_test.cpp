@@ -182,7 +182,7 @@ TEST(SurfacePatches, AreSharedAndHoldEverySightOnce) {
   const SurfacePatches patches = find_patches(keys, r.surfaces, 0.2);
   ASSERT_FALSE(patches.patches.empty());
   std::size_t end = 0;
-  for (const SurfacePatch& patch : patches.patches) {
+  for (const SharedSurface& patch : patches.patches) {
     EXPECT_EQ(patch.first, end);
     end = patch.last;
     EXPECT_NEAR(patch.normal.norm(), 1.0, 1e-12);
@@ -210,7 +210,7 @@ TEST(SurfaceSystem, EliminatesEachPatchAsTheDenseSchurComplementDoes) {
   const auto size = 3 * static_cast<Eigen::Index>(count);
   Eigen::MatrixXd naive = Eigen::MatrixXd::Zero(size, size);
   for (std::size_t p = 0; p < patches.patches.size(); ++p) {
-    const SurfacePatch& patch = patches.patches[p];
+    const SharedSurface& patch = patches.patches[p];
     const auto sights = static_cast<Eigen::Index>(patch.last - patch.first);
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(sights, size);
     Eigen::MatrixXd lines(sights, 2);
