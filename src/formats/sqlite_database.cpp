@@ -160,7 +160,6 @@ void SqliteDatabase::fail(int code) {
   const std::string reason = handle_ != nullptr ? sqlite3_errmsg(handle_) : sqlite3_errstr(code);
   sqlite3_close_v2(handle_);
   handle_ = nullptr;
-  if ((code & 0xFF) == SQLITE_NOMEM) throw std::bad_alloc();
   throw SqliteError(code & 0xFF, reason);
 }
 
@@ -201,7 +200,6 @@ void SqliteDatabase::run(const std::string& sql) {
   const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
   if (code == SQLITE_OK) return;
   if ((code & 0xFF) == SQLITE_INTERRUPT) throw ReadingStopped();
-  if ((code & 0xFF) == SQLITE_NOMEM) throw std::bad_alloc();
   throw SqliteError(code & 0xFF, sqlite3_errmsg(handle_));
 }
 
@@ -216,7 +214,6 @@ SqliteStatement::~SqliteStatement() { sqlite3_finalize(handle_); }
 
 void SqliteStatement::fail(int code) {
   if ((code & 0xFF) == SQLITE_INTERRUPT) throw ReadingStopped();
-  if ((code & 0xFF) == SQLITE_NOMEM) throw std::bad_alloc();
   throw SqliteError(code & 0xFF, sqlite3_errmsg(database_.handle()));
 }
 

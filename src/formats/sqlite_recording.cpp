@@ -219,11 +219,16 @@ class SqliteRecording final : public Recording {
       } catch (const DataError&) {
         throw;
       } catch (const std::bad_alloc&) {
-        throw;
+        throw_too_large();
       } catch (const std::runtime_error& error) {
         throw DataError({log_.name}, error.what());
       }
     }
+  }
+
+  [[noreturn]] void throw_too_large() const {
+    throw DataError({log_.name},
+                    "needs more memory than there is: damage makes its tables look so large");
   }
 
   void read_schema() {
@@ -314,7 +319,7 @@ class SqliteRecording final : public Recording {
       bytes = unpacked_;
       return true;
     } catch (const std::bad_alloc&) {
-      throw;
+      throw_too_large();
     } catch (const std::runtime_error& error) {
       tell(fmt::format("message {} can't be unpacked ({})", row, error.what()));
       return false;
