@@ -68,6 +68,7 @@ class BagReader final : public Recording {
   std::optional<BagRecord> head(std::uint64_t at);
   std::optional<BagPlace> place(std::uint64_t at);
   bool ends_well(std::uint64_t end) { return end == data_end_ || place(end).has_value(); }
+  bool is_chunk(std::uint64_t at);
   std::uint64_t end_before_next_chunk(std::uint64_t at, std::uint64_t end);
   std::optional<std::uint64_t> find_chunk_from(std::uint64_t at);
 
@@ -254,21 +255,18 @@ std::vector<std::string> BagReader::notes() const {
 /// Where a record ends that says that it ends at `end`: before the next chunk, if the index knows
 /// of one that is really there.
 std::uint64_t BagReader::end_before_next_chunk(std::uint64_t at, std::uint64_t end) {
-  const auto& chunks = index_.chunks();
-  for (std::size_t i = index_.first_from(at + 1); i < chunks.size() && chunks[i].at < end; ++i) {
-    const auto chunk = place(chunks[i].at);
-    if (chunk && chunk->op == BagOp::kChunk) return chunks[i].at;
-  }
-  return end;
+  return index_.first_in(at + 1, end, [this](std::uint64_t chunk) { return is_chunk(chunk); })
+      .value_or(end);
 }
 
 std::optional<std::uint64_t> BagReader::find_chunk_from(std::uint64_t at) {
-  const auto& chunks = index_.chunks();
-  for (std::size_t i = index_.first_from(at); i < chunks.size(); ++i) {
-    const auto chunk = place(chunks[i].at);
-    if (chunk && chunk->op == BagOp::kChunk) return chunks[i].at;
-  }
-  return std::nullopt;
+  constexpr std::uint64_t kAnywhere = std::numeric_limits<std::uint64_t>::max();
+  return index_.first_in(at, kAnywhere, [this](std::uint64_t chunk) { return is_chunk(chunk); });
+}
+
+bool BagReader::is_chunk(std::uint64_t at) {
+  const auto record = place(at);
+  return record && record->op == BagOp::kChunk;
 }
 
 std::optional<RecordedMessage> BagReader::next() {

@@ -31,6 +31,16 @@ class ChunkIndex {
   [[nodiscard]] const std::vector<std::uint32_t>& channels() const { return channels_; }
   /// The one at this place; none when there is none.
   [[nodiscard]] const Chunk* find(std::uint64_t at) const;
+  /// Where the first chunk stands of those in [from, end) that are really there.
+  /// \param is_there  asked for the places that the index tells
+  template <typename IsThere>
+  [[nodiscard]] std::optional<std::uint64_t> first_in(std::uint64_t from, std::uint64_t end,
+                                                      IsThere&& is_there) const {
+    for (std::size_t i = first_from(from); i < chunks_.size() && chunks_[i].at < end; ++i) {
+      if (is_there(chunks_[i].at)) return chunks_[i].at;
+    }
+    return std::nullopt;
+  }
   /// In chunks(), the first at or behind a place.
   [[nodiscard]] std::size_t first_from(std::uint64_t at) const;
 

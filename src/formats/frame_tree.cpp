@@ -151,6 +151,13 @@ std::optional<Pose3> FrameTree::find(std::string_view target, std::string_view s
   return common_T_target->inverse() * *common_T_source;
 }
 
+Pose3 FrameTree::pose_of(std::string_view base, std::string_view child,
+                         const Pose3& told_T_child) const {
+  if (child.empty() || base.empty() || child == base) return told_T_child;
+  const auto child_T_base = find(child, base);
+  return child_T_base ? told_T_child * *child_T_base : told_T_child;
+}
+
 FrameTree FrameTree::standing() const {
   FrameTree result;
   for (const auto& [child, link] : links_) {

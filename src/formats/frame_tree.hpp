@@ -37,6 +37,10 @@ class FrameTree {
   /// \param stamp  absent: as they were told last
   [[nodiscard]] std::optional<Pose3> find(std::string_view target, std::string_view source,
                                           std::optional<Stamp> stamp = {}) const;
+  /// The pose of `base` in the frame in which that of `child` is told; as it is when nothing tells
+  /// what lies between the two.
+  [[nodiscard]] Pose3 pose_of(std::string_view base, std::string_view child,
+                              const Pose3& told_T_child) const;
   /// Whether something between the two moved so far.
   [[nodiscard]] bool moves(std::string_view target, std::string_view source) const;
   /// From a frame up to its root, itself first.
@@ -64,7 +68,7 @@ class FrameTree {
   };
 
   Link* link_to(const std::string& parent, const std::string& child);
-  [[nodiscard]] static std::optional<Pose3> pose_at(const Link& link, std::optional<Stamp> stamp);
+  [[nodiscard]] static std::optional<Pose3> pose_at(const Link& link, std::optional<Stamp> at);
   /// root_T_frame for each frame on the way up; nothing when a pose is missing.
   [[nodiscard]] std::optional<Pose3> up_to(std::string_view ancestor, std::string_view frame,
                                            std::optional<Stamp> stamp) const;

@@ -353,19 +353,13 @@ bool McapReader::ends_well(std::uint64_t end) {
 /// Where a record ends that says that it ends at `end`: before the next chunk, if the index knows
 /// of one that is really there.
 std::uint64_t McapReader::end_before_next_chunk(std::uint64_t at, std::uint64_t end) {
-  const auto& chunks = index_.chunks();
-  for (std::size_t i = index_.first_from(at + 1); i < chunks.size() && chunks[i].at < end; ++i) {
-    if (is_chunk(chunks[i].at)) return chunks[i].at;
-  }
-  return end;
+  return index_.first_in(at + 1, end, [this](std::uint64_t chunk) { return is_chunk(chunk); })
+      .value_or(end);
 }
 
 std::optional<std::uint64_t> McapReader::find_chunk_from(std::uint64_t at) {
-  const auto& chunks = index_.chunks();
-  for (std::size_t i = index_.first_from(at); i < chunks.size(); ++i) {
-    if (is_chunk(chunks[i].at)) return chunks[i].at;
-  }
-  return std::nullopt;
+  constexpr std::uint64_t kAnywhere = std::numeric_limits<std::uint64_t>::max();
+  return index_.first_in(at, kAnywhere, [this](std::uint64_t chunk) { return is_chunk(chunk); });
 }
 
 std::optional<RecordedMessage> McapReader::next() {

@@ -12,11 +12,10 @@ namespace {
 
 using Open = std::unique_ptr<Recording> (*)(const std::string&, const RecordingOptions&);
 
-OpenRecording opener(Open open, const LogInput& log) {
-  return [open, path = log.path.string()](const RecordingOptions& options) {
-    return open(path, options);
-  };
+OpenRecording opener(Open open, const std::string& path) {
+  return [open, path](const RecordingOptions& options) { return open(path, options); };
 }
+OpenRecording opener(Open open, const LogInput& log) { return opener(open, log.path.string()); }
 
 /// Who names the file beside the databases means all of them.
 bool is_metadata(const LogInput& log) { return log.path.filename() == "metadata.yaml"; }
@@ -63,10 +62,7 @@ Recognition recognise_rosbag2(const LogInput& log) {
   return rosbag2_files(rosbag2_place(log)).empty() ? Recognition::kNo : Recognition::kCertain;
 }
 std::unique_ptr<LogReader> open_rosbag2_log(const LogInput& log, const LogOptions& options) {
-  const auto open = [path = rosbag2_place(log)](const RecordingOptions& recording) {
-    return open_rosbag2(path, recording);
-  };
-  return open_topic_log("rosbag2", open, options);
+  return open_topic_log("rosbag2", opener(open_rosbag2, rosbag2_place(log)), options);
 }
 std::vector<std::string> rosbag2_log_files(const LogInput& log) {
   const bool is_whole = log.is_folder || is_metadata(log);
@@ -82,10 +78,7 @@ LogParts rosbag2_parts(const LogTarget& target) {
   return {.files = {(folder / (name + "_0.db3")).string(), (folder / "metadata.yaml").string()}};
 }
 Trajectory rosbag2_truth(const LogInput& log, const std::string& topic, const LogOptions& options) {
-  const auto open = [path = rosbag2_place(log)](const RecordingOptions& recording) {
-    return open_rosbag2(path, recording);
-  };
-  return read_topic_truth(log.name, topic, open, options);
+  return read_topic_truth(log.name, topic, opener(open_rosbag2, rosbag2_place(log)), options);
 }
 
 }  // namespace loopstone

@@ -13,6 +13,7 @@
 #include "formats/ros_geometry.hpp"
 #include "formats/skip_tally.hpp"
 #include "formats/stamp_order.hpp"
+#include "formats/told_transforms.hpp"
 #include "formats/topic_counts.hpp"
 #include "formats/topic_decoders.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -110,6 +111,7 @@ class TopicLogReader final : public LogReader {
     std::size_t topic = 0;  ///< in the survey
     TopicRole role = TopicRole::kNone;
     int lidar = 0;
+    double period_s = 0.0;  ///< usual, from scan to scan; of lasers
   };
 
   void take_damage(const Problem& problem) { skip(problem, false); }
@@ -158,7 +160,9 @@ class TopicLogReader final : public LogReader {
       place.role = known_.choice.roles[i];
     }
     for (std::size_t k = 0; k < known_.choice.lasers.size(); ++k) {
-      if (known_.choice.lasers[k].topic == place.topic) place.lidar = static_cast<int>(k);
+      if (known_.choice.lasers[k].topic != place.topic) continue;
+      place.lidar = static_cast<int>(k);
+      place.period_s = known_.survey.topics[place.topic].stamps.period_s();
     }
     if (kind_of(told.type) == TopicKind::kTransforms) place.role = TopicRole::kTransforms;
     return place;
@@ -245,11 +249,11 @@ class TopicLogReader final : public LogReader {
     } else if (facts.kind == TopicKind::kEchoScan) {
       decoders_.decode(message, echoes_);
       check_frame(echoes_.header, facts);
-      scan = to_laser_scan(echoes_, options_.topics.echo, facts.stamps.period_s(), remarks_);
+      scan = to_laser_scan(echoes_, options_.topics.echo, place.period_s, remarks_);
     } else {
       decoders_.decode(message, scan_);
       check_frame(scan_.header, facts);
-      scan = to_laser_scan(scan_, facts.stamps.period_s(), remarks_);
+      scan = to_laser_scan(scan_, place.period_s, remarks_);
     }
     scan.lidar = place.lidar;
     scan.stamp = time(message, place, scan.stamp);
@@ -276,13 +280,7 @@ class TopicLogReader final : public LogReader {
   /// A pose of a frame on the robot becomes one of the robot's own.
   void push_pose(Stamp stamp, const Pose3& odom_T_child, const std::string& child,
                  const RecordedMessage& message) {
-    Pose3 odom_T_base = odom_T_child;
-    const std::string& base = known_.choice.base_frame;
-    if (!child.empty() && !base.empty() && child != base) {
-      if (const auto child_T_base = frames_.find(child, base)) {
-        odom_T_base = odom_T_child * *child_T_base;
-      }
-    }
+    const Pose3 odom_T_base = frames_.pose_of(known_.choice.base_frame, child, odom_T_child);
     push(OdometryPose{stamp, to_pose2(odom_T_base)}, message);
   }
 
@@ -310,21 +308,18 @@ class TopicLogReader final : public LogReader {
 
   void take_transforms(const RecordedMessage& message) {
     decoders_.decode(message, transforms_);
-    const bool fixed = recording_->topics()[message.topic].name.ends_with("tf_static");
-    for (const msg::TransformStamped& told : transforms_.transforms) {
-      const auto pose = to_pose3(told.transform);
-      const std::string parent = frame_name(told.header.frame_id);
-      const std::string child = frame_name(told.child_frame_id);
-      if (!pose) {
-        skip({message.where(), "tf of " + child + ": the pose is no pose"}, false);
+    const bool fixed = is_static_tf(recording_->topics()[message.topic]);
+    for_each_transform(transforms_, [&](const ToldTransform& told) {
+      if (!told.parent_T_child) {
+        skip({message.where(), "tf of " + told.child + ": the pose is no pose"}, false);
       } else if (fixed) {
-        frames_.add_fixed(parent, child, *pose);
+        frames_.add_fixed(told.parent, told.child, *told.parent_T_child);
       } else {
-        const Stamp stamp = known_.tf_clock.time(told.header.stamp, message.recorded);
-        frames_.add(parent, child, stamp, *pose);
-        take_odometry_of_tf(parent, child, stamp, *pose, message);
+        const Stamp stamp = known_.tf_clock.time(told.stamp, message.recorded);
+        frames_.add(told.parent, told.child, stamp, *told.parent_T_child);
+        take_odometry_of_tf(told.parent, told.child, stamp, *told.parent_T_child, message);
       }
-    }
+    });
   }
 
   void take_odometry_of_tf(const std::string& parent, const std::string& child, Stamp stamp,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "formats/ros_geometry.hpp"
+#include "formats/told_transforms.hpp"
 #include "formats/topic_decoders.hpp"
 #include "loopstone/messages/message_codec.hpp"
 
@@ -107,7 +108,7 @@ class Surveyor {
   void look_for_fixed_frames() {
     recording_.rewind();
     const auto is_static = [](const RecordedTopic& topic) {
-      return kind_of(topic.type) == TopicKind::kTransforms && topic.name.ends_with("tf_static");
+      return kind_of(topic.type) == TopicKind::kTransforms && is_static_tf(topic);
     };
     if (std::ranges::none_of(recording_.topics(), is_static)) return;
     recording_.want(is_static);
@@ -194,21 +195,17 @@ class Surveyor {
 
   void take_transforms(const RecordedTopic& topic, const RecordedMessage& message) {
     decoders_.decode(message, transforms_message_);
-    const bool fixed = topic.name.ends_with("tf_static");
-    for (const msg::TransformStamped& told : transforms_message_.transforms) {
-      const auto pose = to_pose3(told.transform);
-      if (!pose) continue;
-      const std::string parent = frame_name(told.header.frame_id);
-      const std::string child = frame_name(told.child_frame_id);
-      if (fixed) {
-        survey_.frames.add_fixed(parent, child, *pose);
-        continue;
+    for_each_transform(transforms_message_, [&](const ToldTransform& told) {
+      if (!told.parent_T_child) return;
+      if (is_static_tf(topic)) {
+        survey_.frames.add_fixed(told.parent, told.child, *told.parent_T_child);
+        return;
       }
-      survey_.frames.add(parent, child, told.header.stamp, *pose);
-      if (MovingFrame* moving = moving_frame(parent, child)) {
-        moving->stamps.add(told.header.stamp, message.recorded);
+      survey_.frames.add(told.parent, told.child, told.stamp, *told.parent_T_child);
+      if (MovingFrame* moving = moving_frame(told.parent, told.child)) {
+        moving->stamps.add(told.stamp, message.recorded);
       }
-    }
+    });
   }
 
   MovingFrame* moving_frame(const std::string& parent, const std::string& child) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "formats/frame_tree.hpp"
 #include "formats/recording_plan.hpp"
 #include "formats/ros_geometry.hpp"
+#include "formats/told_transforms.hpp"
 #include "formats/topic_decoders.hpp"
 #include "formats/topic_log.hpp"
 #include "loopstone/formats/log_format_words.hpp"
@@ -29,9 +31,12 @@ bool has_poses(const TopicFacts& facts) {
 
 class TruthReader {
  public:
-  TruthReader(Recording& recording, const LogOptions& options)
+  /// \param skip  is told what is passed; may throw
+  TruthReader(Recording& recording, const LogOptions& options,
+              std::function<void(const Problem&)> skip)
       : recording_(recording),
         options_(options),
+        skip_(std::move(skip)),
         plan_(plan_recording(recording, options)),
         decoders_(recording),
         frames_(plan_.survey.frames.standing()) {}
@@ -46,7 +51,7 @@ class TruthReader {
       try {
         take(facts, clock, *message);
       } catch (const MessageError& error) {
-        skip({message->where(), facts.name + ": " + error.what()});
+        skip_({message->where(), facts.name + ": " + error.what()});
       }
     }
     return std::move(poses_);
@@ -60,7 +65,7 @@ class TruthReader {
       try {
         take_transforms(*message, frame);
       } catch (const MessageError& error) {
-        skip({message->where(), error.what()});
+        skip_({message->where(), error.what()});
       }
     }
     look_up(frame, {});
@@ -70,11 +75,6 @@ class TruthReader {
   [[nodiscard]] const RecordingPlan& plan() const { return plan_; }
 
  private:
-  void skip(const Problem& problem) const {
-    if (options_.strict) throw DataError(problem.location, problem.reason);
-    if (options_.on_problem) options_.on_problem({problem, false});
-  }
-
   /// The topic is brought to the clock by which the log is read.
   [[nodiscard]] TopicClock clock_of(const TopicFacts& facts) const {
     if (plan_.choice.lasers.empty()) return {};
@@ -99,32 +99,26 @@ class TruthReader {
 
   void add(const TopicClock& clock, Stamp own, const msg::Pose& told, const std::string& child,
            const RecordedMessage& message) {
-    auto pose = to_pose3(told);
+    const auto pose = to_pose3(told);
     if (!pose) throw MessageError(0, "the pose is no pose");
-    const std::string& base = plan_.choice.base_frame;
-    if (!child.empty() && !base.empty()) {
-      if (const auto child_T_base = frames_.find(child, base)) pose = *pose * *child_T_base;
-    }
-    poses_.push_back({clock.time(own, message.recorded), to_pose2(*pose)});
+    const Pose3 of_base = frames_.pose_of(plan_.choice.base_frame, child, *pose);
+    poses_.push_back({clock.time(own, message.recorded), to_pose2(of_base)});
   }
 
   void take_transforms(const RecordedMessage& message, const std::string& frame) {
     const auto told = decoders_.decode<msg::TFMessage>(message);
-    const bool fixed = recording_.topics()[message.topic].name.ends_with("tf_static");
-    for (const msg::TransformStamped& transform : told.transforms) {
-      const auto pose = to_pose3(transform.transform);
-      if (!pose) continue;
-      const std::string parent = frame_name(transform.header.frame_id);
-      const std::string child = frame_name(transform.child_frame_id);
+    const bool fixed = is_static_tf(recording_.topics()[message.topic]);
+    for_each_transform(told, [&](const ToldTransform& transform) {
+      if (!transform.parent_T_child) return;
       if (fixed) {
-        frames_.add_fixed(parent, child, *pose);
-        continue;
+        frames_.add_fixed(transform.parent, transform.child, *transform.parent_T_child);
+        return;
       }
-      const Stamp stamp = plan_.tf_clock.time(transform.header.stamp, message.recorded);
-      frames_.add(parent, child, stamp, *pose);
-      if (is_between(child, frame)) asked_.push_back(stamp);
+      const Stamp stamp = plan_.tf_clock.time(transform.stamp, message.recorded);
+      frames_.add(transform.parent, transform.child, stamp, *transform.parent_T_child);
+      if (is_between(transform.child, frame)) asked_.push_back(stamp);
       look_up(frame, stamp - kPatience);
-    }
+    });
   }
 
   /// Whether a frame lies between the robot and the one that is asked for.
@@ -147,6 +141,7 @@ class TruthReader {
 
   Recording& recording_;
   const LogOptions& options_;
+  std::function<void(const Problem&)> skip_;
   RecordingPlan plan_;
   TopicDecoders decoders_;
   FrameTree frames_;
@@ -175,7 +170,7 @@ Trajectory read_topic_truth(const std::string& name, const std::string& topic,
     if (options.on_problem) options.on_problem({problem, false});
   };
   const auto recording = open(recording_options(options, tell));
-  TruthReader reader(*recording, options);
+  TruthReader reader(*recording, options, tell);
   const TopicSurvey& survey = reader.plan().survey;
   std::vector<StampedPose2> poses;
   if (topic.starts_with(kFramePrefix)) {

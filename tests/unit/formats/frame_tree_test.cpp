@@ -20,7 +20,6 @@ namespace {
 
 using test::pose_near;
 using testing::ElementsAre;
-using testing::IsEmpty;
 
 Stamp at(double seconds) { return Stamp::from_seconds(seconds); }
 Pose3 shifted(double x, double y = 0.0, double z = 0.0) { return {{x, y, z}}; }
