@@ -1,5 +1,4 @@
-#include "formats/recording.hpp"
-#include "refusal.hpp"
+#include "recording_target.hpp"
 
 namespace {
 
@@ -10,11 +9,12 @@ struct Sum {
   bool operator==(const Sum&) const = default;
 };
 
-Sum read_all(loopstone::Recording& recording) {
+Sum read_all(loopstone::Recording& recording, loopstone::fuzz::PlacedMessages& placed) {
   Sum sum;
   while (const auto message = recording.next()) {
     if (message->topic >= recording.topics().size()) __builtin_trap();
     ++sum.messages;
+    placed.add(*message);
     for (const char c : message->bytes) sum.bytes += static_cast<unsigned char>(c);
   }
   return sum;
@@ -32,8 +32,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       fuzz::expect_own_words(std::runtime_error(problem.reason), bytes);
     };
     const auto recording = read_sqlite_log(bytes, options);
-    const Sum first = read_all(*recording);
+    fuzz::PlacedMessages placed;
+    const Sum first = read_all(*recording, placed);
     recording->rewind();
-    if (read_all(*recording) != first) __builtin_trap();
+    if (read_all(*recording, placed) != first) __builtin_trap();
+    placed.ask(*recording, true);
   });
 }

@@ -47,6 +47,7 @@ class BagReader final : public Recording {
     topics_.want(std::move(wanted));
   }
   std::optional<RecordedMessage> next() override;
+  std::span<const char> bytes_at(const MessagePlace& place) override;
   void rewind() override {
     damage_.begin_again();
     begin();
@@ -80,11 +81,14 @@ class BagReader final : public Recording {
 
   bool may_be_skipped(std::uint64_t at) const;
   void open_chunk(const BagPlace& record);
+  std::uint64_t stored_end(const BagPlace& record);
+  UnpackedChunk unpack(ChunkUnpacker& unpacker, const BagPlace& record, std::uint64_t end);
   std::uint64_t end_of_chunk(const BagPlace& record, std::uint64_t end, std::uint64_t other_end);
   std::optional<RecordedMessage> next_in_chunk();
   bool pass_damage_in_chunk();
   std::optional<RecordedMessage> give(std::uint32_t connection, Stamp time, std::string_view bytes,
-                                      std::uint64_t at);
+                                      const MessagePlace& place);
+  std::string_view record_at(const MessagePlace& place);
   bool add_connection(std::string_view bytes);
 
   std::unique_ptr<RecordingBytes> bytes_;
@@ -114,6 +118,11 @@ class BagReader final : public Recording {
   std::size_t in_chunk_resume_ = 0;  ///< from where on to search when there is no record
   std::uint64_t chunk_at_ = 0;       ///< of its record in the file
   std::uint64_t chunk_data_ = 0;     ///< of its bytes in the file, when it is not packed; else 0
+
+  // What was last unpacked for bytes_at().
+  ChunkUnpacker placed_unpacker_{};
+  std::uint64_t placed_at_ = 0;  ///< 0: nothing
+  std::string_view placed_chunk_{};
 };
 
 void BagReader::require_magic() {
@@ -270,6 +279,7 @@ bool BagReader::is_chunk(std::uint64_t at) {
 }
 
 std::optional<RecordedMessage> BagReader::next() {
+  if (in_chunk_ && chunk_data_ != 0) chunk_ = bytes_->view(chunk_data_, chunk_.size());
   while (true) {
     if (in_chunk_) {
       if (auto message = next_in_chunk()) return message;
@@ -312,7 +322,8 @@ std::optional<RecordedMessage> BagReader::step() {
   }
   if (record->op != BagOp::kMessage) return std::nullopt;
   return give(record->connection, record->time,
-              bytes_->view(record->data, record->end - record->data), record->at);
+              bytes_->view(record->data, record->end - record->data),
+              {.at = static_cast<std::int64_t>(record->at)});
 }
 
 void BagReader::step_over(const BagPlace& record, std::uint64_t end) {
@@ -372,9 +383,22 @@ bool BagReader::may_be_skipped(std::uint64_t at) const {
                       });
 }
 
-void BagReader::open_chunk(const BagPlace& record) {
+/// Where a chunk's bytes end, by its own length and by the index.
+std::uint64_t BagReader::stored_end(const BagPlace& record) {
   const std::uint64_t most = std::max(record.data, std::min(record.end, data_end_));
-  std::uint64_t end = std::max(record.data, end_before_next_chunk(record.at, most));
+  return std::max(record.data, end_before_next_chunk(record.at, most));
+}
+
+UnpackedChunk BagReader::unpack(ChunkUnpacker& unpacker, const BagPlace& record,
+                                std::uint64_t end) {
+  const std::uint64_t most_bytes = memory_.allowed_bytes(bytes_->size(), Growth::kNumbers);
+  memory_.require(end - record.data, bytes_->size(), Growth::kNumbers, {bytes_->name()});
+  return unpacker.unpack(*record.packing, bytes_->view(record.data, end - record.data), record.size,
+                         most_bytes, stop_);
+}
+
+void BagReader::open_chunk(const BagPlace& record) {
+  std::uint64_t end = stored_end(record);
   const bool is_cut = end < record.end;
   after_index_record_ = false;
   if (may_be_skipped(record.at) && !is_cut) {
@@ -391,11 +415,7 @@ void BagReader::open_chunk(const BagPlace& record) {
     if (!ends_well(end)) go_on_from(record.at + 1);
     return;
   }
-  const std::uint64_t most_bytes = memory_.allowed_bytes(bytes_->size(), Growth::kNumbers);
-  memory_.require(end - record.data, bytes_->size(), Growth::kNumbers, {bytes_->name()});
-  const UnpackedChunk unpacked =
-      unpacker_.unpack(*record.packing, bytes_->view(record.data, end - record.data), record.size,
-                       most_bytes, stop_);
+  const UnpackedChunk unpacked = unpack(unpacker_, record, end);
   std::string damage = unpacked.damage;
   if (is_cut && record.packing == Packing::kNone && end < record.data + record.size) {
     damage = "this chunk ends too early";
@@ -444,7 +464,9 @@ std::optional<RecordedMessage> BagReader::next_in_chunk() {
     const BagFields& fields = record->fields;
     if (fields.op == BagOp::kMessage) {
       const std::string_view bytes = left.substr(record->data_at, record->data_size);
-      const std::uint64_t place = chunk_data_ != 0 ? chunk_data_ + at : chunk_at_;
+      MessagePlace place{.at = static_cast<std::int64_t>(chunk_at_),
+                         .in_chunk = static_cast<std::int64_t>(at)};
+      if (chunk_data_ != 0) place = {.at = static_cast<std::int64_t>(chunk_data_ + at)};
       if (auto message = give(*fields.connection, *fields.time, bytes, place)) return message;
     } else if (fields.op == BagOp::kConnection) {
       if (!add_connection(left.substr(0, static_cast<std::size_t>(record->end())))) {
@@ -470,18 +492,55 @@ bool BagReader::pass_damage_in_chunk() {
 }
 
 std::optional<RecordedMessage> BagReader::give(std::uint32_t connection, Stamp time,
-                                               std::string_view bytes, std::uint64_t at) {
+                                               std::string_view bytes, const MessagePlace& place) {
   const auto topic = connections_.find(connection);
   if (topic == connections_.end()) {
-    damage_.tell(at, "a message of a topic that nothing describes");
+    damage_.tell(static_cast<std::uint64_t>(place.at),
+                 "a message of a topic that nothing describes");
     return std::nullopt;
   }
   if (!topics_.is_wanted(topic->second)) return std::nullopt;
-  return RecordedMessage{.topic = topic->second,
-                         .recorded = time,
-                         .bytes = {bytes.data(), bytes.size()},
-                         .file = &bytes_->name(),
-                         .offset = static_cast<std::int64_t>(at)};
+  RecordedMessage message{.topic = topic->second,
+                          .recorded = time,
+                          .bytes = {bytes.data(), bytes.size()},
+                          .file = &bytes_->name(),
+                          .offset = place.at,
+                          .place = place};
+  message.place.recorded = time;
+  message.place.size = bytes.size();
+  return message;
+}
+
+// By place.
+
+std::span<const char> BagReader::bytes_at(const MessagePlace& place) {
+  const std::string_view bytes = record_at(place);
+  const auto record = read_bag_record(bytes);
+  if (!record || record->fields.op != BagOp::kMessage || record->end() > bytes.size() ||
+      *record->fields.time != place.recorded || record->data_size != place.size) {
+    throw_message_gone({bytes_->name(), {}, place.at});
+  }
+  return {bytes.data() + record->data_at, static_cast<std::size_t>(record->data_size)};
+}
+
+/// From where the record of a message should begin; nothing when there is no such place.
+std::string_view BagReader::record_at(const MessagePlace& wanted) {
+  const auto at = static_cast<std::uint64_t>(wanted.at);
+  if (wanted.in_chunk == MessagePlace::kNoChunk) {
+    const auto record = place(at);
+    const bool fits = record && record->end <= bytes_->size();
+    return fits ? bytes_->view(at, record->end - at) : std::string_view();
+  }
+  if (placed_at_ != at) {
+    placed_at_ = 0;
+    const auto record = place(at);
+    if (!record || record->op != BagOp::kChunk) return {};
+    if (record->packing.value_or(Packing::kNone) == Packing::kNone) return {};
+    placed_chunk_ = unpack(placed_unpacker_, *record, stored_end(*record)).bytes;
+    placed_at_ = at;
+  }
+  const auto in_chunk = static_cast<std::size_t>(wanted.in_chunk);
+  return in_chunk < placed_chunk_.size() ? placed_chunk_.substr(in_chunk) : std::string_view();
 }
 
 }  // namespace

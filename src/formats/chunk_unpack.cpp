@@ -146,8 +146,7 @@ UnpackedChunk ChunkUnpacker::unpack_lz4(const Job& job) {
     const std::size_t status = LZ4F_decompress(contexts_->lz4, buffer_.data() + used, &made,
                                                job.stored.data() + chunk.consumed, &read, &how);
     if (LZ4F_isError(status) != 0) {
-      const std::size_t room = std::min(buffer_.size(), static_cast<std::size_t>(job.most_bytes));
-      used = salvage_lz4_frame(job.stored, buffer_.data(), room);
+      used = salvage_lz4(job);
       chunk.damage = kDamaged;
       break;
     }
@@ -156,7 +155,7 @@ UnpackedChunk ChunkUnpacker::unpack_lz4(const Job& job) {
     if (status == 0) {
       if (!starts_lz4_frame(job.stored.substr(chunk.consumed))) break;
     } else if (made == 0 && read == 0 && used < buffer_.size() && used < job.most_bytes) {
-      used = std::max(used, salvage_lz4_frame(job.stored, buffer_.data(), buffer_.size()));
+      used = std::max(used, salvage_lz4(job));
       chunk.damage = kCut;
       break;
     }
@@ -167,6 +166,16 @@ UnpackedChunk ChunkUnpacker::unpack_lz4(const Job& job) {
   }
   chunk.bytes = {buffer_.data(), used};
   return chunk;
+}
+
+std::size_t ChunkUnpacker::salvage_lz4(const Job& job) {
+  std::size_t used = 0;
+  do {
+    job.stop();
+    const std::size_t room = std::min(buffer_.size(), static_cast<std::size_t>(job.most_bytes));
+    used = salvage_lz4_frame(job.stored, buffer_.data(), room);
+  } while (used == buffer_.size() && make_room(used, job));
+  return used;
 }
 
 UnpackedChunk ChunkUnpacker::unpack_lz4_block(const Job& job) {
@@ -188,9 +197,8 @@ UnpackedChunk ChunkUnpacker::unpack_zstd(const Job& job) {
   if (contexts_->zstd == nullptr) contexts_->zstd = ZSTD_createDCtx();
   if (contexts_->zstd == nullptr) return {{}, 0, "no memory to unpack it"};
   job.stop();
-  char* const out = buffer_.at_least(job.first_room());
-  const auto room =
-      static_cast<std::size_t>(std::min<std::uint64_t>(buffer_.size(), job.most_bytes));
+  const std::size_t room = job.first_room();
+  char* const out = buffer_.at_least(room);
   const std::size_t made =
       ZSTD_decompressDCtx(contexts_->zstd, out, room, job.stored.data(), job.stored.size());
   if (ZSTD_isError(made) == 0) return {{out, made}, job.stored.size(), {}};
@@ -205,13 +213,14 @@ UnpackedChunk ChunkUnpacker::salvage_zstd(const Job& job) {
   UnpackedChunk chunk;
   ZSTD_outBuffer out{buffer_.data(), 0, 0};
   while (true) {
-    if (!make_room(out.pos, job)) {
+    if (out.pos >= job.most_bytes) {
       chunk.damage = too_much(job.most_bytes);
       break;
     }
     job.stop();
-    out.dst = buffer_.data();
-    out.size = std::min(buffer_.size(), static_cast<std::size_t>(job.most_bytes));
+    // Always as much room, since it decides on what an error takes with it.
+    out.dst = buffer_.grown(out.pos + kStep, out.pos);
+    out.size = std::min(out.pos + kStep, static_cast<std::size_t>(job.most_bytes));
     const std::size_t before = out.pos;
     const std::string_view left = job.stored.substr(chunk.consumed);
     ZSTD_inBuffer in{left.data(), std::min(left.size(), kInput), 0};

@@ -24,7 +24,8 @@ struct UnpackedChunk {
 };
 
 /// Unpacks one chunk after another into the same memory, which grows with what comes out, not with
-/// what a file says about itself. What stands before damage is unpacked all the same.
+/// what a file says about itself. What stands before damage is unpacked all the same, whatever
+/// was unpacked before.
 class ChunkUnpacker {
  public:
   ChunkUnpacker();
@@ -47,6 +48,7 @@ class ChunkUnpacker {
   [[nodiscard]] UnpackedChunk unpack_bzip2(const Job& job);
   [[nodiscard]] UnpackedChunk unpack_lz4(const Job& job);
   [[nodiscard]] UnpackedChunk unpack_lz4_block(const Job& job);
+  [[nodiscard]] std::size_t salvage_lz4(const Job& job);
   [[nodiscard]] UnpackedChunk unpack_zstd(const Job& job);
   [[nodiscard]] UnpackedChunk salvage_zstd(const Job& job);
   [[nodiscard]] bool make_room(std::size_t used, const Job& job);

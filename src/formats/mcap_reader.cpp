@@ -24,6 +24,19 @@ struct KnownSchema {
   MessageDefinition definition{};
 };
 
+/// A chunk in the file: what is needed of it once its bytes are no longer held.
+struct McapChunkPlace {
+  std::optional<Packing> packing{};
+  std::uint64_t unpacked_size = 0;
+  std::uint32_t checksum = 0;
+  std::uint64_t at = 0;
+  std::uint64_t data = 0;    ///< where what is packed begins
+  std::uint64_t stored = 0;  ///< bytes of it that are there
+  std::uint64_t end = 0;     ///< where the next record is
+  bool fits = false;         ///< its record has the place that it says
+  bool is_cut = false;
+};
+
 DefinitionLanguage language_of(std::string_view encoding) {
   if (encoding == "ros1msg") return DefinitionLanguage::kRos1Msg;
   if (encoding == "ros2msg") return DefinitionLanguage::kRos2Msg;
@@ -53,6 +66,7 @@ class McapReader final : public Recording {
     topics_.want(std::move(wanted));
   }
   std::optional<RecordedMessage> next() override;
+  std::span<const char> bytes_at(const MessagePlace& place) override;
   void rewind() override {
     damage_.begin_again();
     begin();
@@ -88,12 +102,16 @@ class McapReader final : public Recording {
   void pass_damage(const std::string& reason);
   void go_on_from(std::uint64_t place);
   std::optional<std::uint64_t> search(std::uint64_t from, std::uint64_t limit);
-  std::optional<RecordedMessage> use_record(McapOp op, std::string_view fields, std::uint64_t at);
+  std::optional<RecordedMessage> use_record(McapOp op, std::string_view fields,
+                                            const MessagePlace& place);
+  std::string_view record_at(const MessagePlace& place);
 
   bool may_be_skipped(std::uint64_t at) const;
-  void open_chunk(const McapRecord& record);
+  std::optional<McapChunkPlace> chunk_place(std::uint64_t at);
+  UnpackedChunk unpack(ChunkUnpacker& unpacker, const McapChunkPlace& chunk);
+  void open_chunk();
   std::uint64_t end_of_chunk(std::uint64_t end, std::uint64_t data_end);
-  void tell_wrong_chunk(const UnpackedChunk& unpacked, const McapChunk& chunk, bool is_cut);
+  void tell_wrong_chunk(const UnpackedChunk& unpacked, const McapChunkPlace& chunk);
   std::optional<RecordedMessage> next_in_chunk();
   bool pass_damage_in_chunk();
 
@@ -131,6 +149,11 @@ class McapReader final : public Recording {
   std::size_t in_chunk_resume_ = 0;  ///< from where on to search when there is no record
   std::uint64_t chunk_at_ = 0;       ///< of its record in the file
   std::uint64_t chunk_data_ = 0;     ///< of its bytes in the file, when it is not packed; else 0
+
+  // What was last unpacked for bytes_at().
+  ChunkUnpacker placed_unpacker_{};
+  std::uint64_t placed_at_ = 0;  ///< 0: nothing
+  std::string_view placed_chunk_{};
 };
 
 void McapReader::require_magic() {
@@ -363,6 +386,7 @@ std::optional<std::uint64_t> McapReader::find_chunk_from(std::uint64_t at) {
 }
 
 std::optional<RecordedMessage> McapReader::next() {
+  if (in_chunk_ && chunk_data_ != 0) chunk_ = bytes_->view(chunk_data_, chunk_.size());
   while (true) {
     if (in_chunk_) {
       if (auto message = next_in_chunk()) return message;
@@ -380,7 +404,7 @@ std::optional<RecordedMessage> McapReader::step() {
     return std::nullopt;
   }
   if (record->op == McapOp::kChunk) {
-    open_chunk(*record);
+    open_chunk();
     return std::nullopt;
   }
   const std::uint64_t at = at_;
@@ -410,7 +434,8 @@ std::optional<RecordedMessage> McapReader::step() {
       record->op != McapOp::kMessage) {
     return std::nullopt;
   }
-  return use_record(record->op, bytes_->view(at + kMcapHead, record->length), at);
+  return use_record(record->op, bytes_->view(at + kMcapHead, record->length),
+                    {.at = static_cast<std::int64_t>(at)});
 }
 
 /// What stands at at_ is no record. Goes on where the next one is found, at the next chunk that the
@@ -435,9 +460,9 @@ std::optional<std::uint64_t> McapReader::search(std::uint64_t from, std::uint64_
   return std::nullopt;
 }
 
-/// \param at  for errors
 std::optional<RecordedMessage> McapReader::use_record(McapOp op, std::string_view fields,
-                                                      std::uint64_t at) {
+                                                      const MessagePlace& place) {
+  const auto at = static_cast<std::uint64_t>(place.at);
   if (op == McapOp::kMessage) {
     const auto message = read_mcap_message(fields);
     const std::int32_t topic = message ? channels_[message->channel] : kNone;
@@ -447,11 +472,15 @@ std::optional<RecordedMessage> McapReader::use_record(McapOp op, std::string_vie
     }
     const auto number = static_cast<std::size_t>(topic);
     if (!topics_.is_wanted(number)) return std::nullopt;
-    return RecordedMessage{.topic = number,
-                           .recorded = message->recorded,
-                           .bytes = {message->bytes.data(), message->bytes.size()},
-                           .file = &bytes_->name(),
-                           .offset = static_cast<std::int64_t>(at)};
+    RecordedMessage given{.topic = number,
+                          .recorded = message->recorded,
+                          .bytes = {message->bytes.data(), message->bytes.size()},
+                          .file = &bytes_->name(),
+                          .offset = place.at,
+                          .place = place};
+    given.place.recorded = message->recorded;
+    given.place.size = message->bytes.size();
+    return given;
   }
   const bool good = op == McapOp::kSchema    ? add_schema(fields)
                     : op == McapOp::kChannel ? add_channel(fields)
@@ -473,50 +502,61 @@ bool McapReader::may_be_skipped(std::uint64_t at) const {
                       });
 }
 
-void McapReader::open_chunk(const McapRecord& record) {
-  const std::uint64_t at = at_;
-  const std::string_view front = bytes_->view(at + kMcapHead, kMostMcapChunkHead);
-  const auto chunk = read_mcap_chunk(front);
+/// The chunk that stands there, before data_end_; nothing when there is none.
+std::optional<McapChunkPlace> McapReader::chunk_place(std::uint64_t at) {
+  const auto record = head(at);
+  if (!record || record->op != McapOp::kChunk) return std::nullopt;
+  const auto chunk = read_mcap_chunk(bytes_->view(at + kMcapHead, kMostMcapChunkHead));
+  if (!chunk) return std::nullopt;
+  McapChunkPlace place{.packing = packing_of(chunk->compression),
+                       .unpacked_size = chunk->unpacked_size,
+                       .checksum = chunk->checksum,
+                       .at = at,
+                       .data = at + kMcapHead + chunk->data};
+  const std::uint64_t data_size = chunk->data_size;
+  const std::uint64_t room = data_end_ > place.data ? data_end_ - place.data : 0;
+  const std::uint64_t most = std::max(place.data, at + std::min(record->end(), data_end_ - at));
+  const std::uint64_t data_end = place.data + std::min(data_size, room);
+  place.end = std::max(place.data, end_before_next_chunk(at, most));
+  place.fits = data_size <= room && place.end == at + record->end();
+  if (data_end != place.end) place.end = end_of_chunk(place.end, data_end);
+  place.stored = std::min(place.end, data_end) - place.data;
+  place.is_cut = place.stored < data_size;
+  return place;
+}
+
+UnpackedChunk McapReader::unpack(ChunkUnpacker& unpacker, const McapChunkPlace& chunk) {
+  const std::uint64_t allowed = memory_.allowed_bytes(bytes_->size(), Growth::kNumbers);
+  memory_.require(chunk.stored, bytes_->size(), Growth::kNumbers, {bytes_->name()});
+  return unpacker.unpack(*chunk.packing, bytes_->view(chunk.data, chunk.stored),
+                         chunk.unpacked_size, allowed, stop_);
+}
+
+void McapReader::open_chunk() {
+  const auto chunk = chunk_place(at_);
   if (!chunk) {
     pass_damage("the head of a chunk is damaged or cut");
     return;
   }
-  const auto packing = packing_of(chunk->compression);
-  const std::uint64_t data = at + kMcapHead + chunk->data;
-  const std::uint64_t room = data_end_ > data ? data_end_ - data : 0;
-  const std::uint64_t most = std::max(data, at + std::min(record.end(), data_end_ - at));
-  const std::uint64_t data_end = data + std::min(chunk->data_size, room);
-  std::uint64_t end = std::max(data, end_before_next_chunk(at, most));
-  const bool fits = chunk->data_size <= room && end == at + record.end();
-  if (fits && may_be_skipped(at)) {
-    at_ = resume_ = end;
+  at_ = resume_ = chunk->end;
+  if (chunk->fits && may_be_skipped(chunk->at)) return;
+  if (!chunk->packing) {
+    damage_.tell(chunk->at, "a chunk is packed in a way that is not known");
+    if (!ends_well(chunk->end)) go_on_from(chunk->at + 1);
     return;
   }
-  if (data_end != end) end = end_of_chunk(end, data_end);
-  at_ = resume_ = end;
-  if (!packing) {
-    damage_.tell(at, "a chunk is packed in a way that is not known");
-    if (!ends_well(end)) go_on_from(at + 1);
-    return;
-  }
-  const std::uint64_t stored = std::min(end, data_end) - data;
-  const bool is_cut = stored < chunk->data_size;
-  const std::uint64_t allowed = memory_.allowed_bytes(bytes_->size(), Growth::kNumbers);
-  memory_.require(stored, bytes_->size(), Growth::kNumbers, {bytes_->name()});
-  const McapChunk wanted = *chunk;
-  const UnpackedChunk unpacked =
-      unpacker_.unpack(*packing, bytes_->view(data, stored), wanted.unpacked_size, allowed, stop_);
+  const UnpackedChunk unpacked = unpack(unpacker_, *chunk);
   chunk_ = unpacked.bytes;
-  chunk_at_ = at;
-  chunk_data_ = *packing == Packing::kNone ? data : 0;
+  chunk_at_ = chunk->at;
+  chunk_data_ = *chunk->packing == Packing::kNone ? chunk->data : 0;
   in_chunk_at_ = in_chunk_resume_ = 0;
   in_chunk_ = true;
-  tell_wrong_chunk(unpacked, wanted, is_cut);
-  if (*packing == Packing::kNone) return;
+  tell_wrong_chunk(unpacked, *chunk);
+  if (*chunk->packing == Packing::kNone) return;
   // When it ends before the chunk does, or is damaged, the chunk's length may be wrong.
-  const bool is_doubtful = told_chunk_ || data + unpacked.consumed < end;
-  if (is_doubtful && (is_cut || !ends_well(end))) {
-    go_on_from(told_chunk_ ? data : data + unpacked.consumed);
+  const bool is_doubtful = told_chunk_ || chunk->data + unpacked.consumed < chunk->end;
+  if (is_doubtful && (chunk->is_cut || !ends_well(chunk->end))) {
+    go_on_from(told_chunk_ ? chunk->data : chunk->data + unpacked.consumed);
   }
 }
 
@@ -528,10 +568,9 @@ std::uint64_t McapReader::end_of_chunk(std::uint64_t end, std::uint64_t data_end
   return std::min(end, data_end);
 }
 
-void McapReader::tell_wrong_chunk(const UnpackedChunk& unpacked, const McapChunk& chunk,
-                                  bool is_cut) {
+void McapReader::tell_wrong_chunk(const UnpackedChunk& unpacked, const McapChunkPlace& chunk) {
   std::string damage = unpacked.damage;
-  if (damage.empty() && is_cut) damage = "this chunk ends too early";
+  if (damage.empty() && chunk.is_cut) damage = "this chunk ends too early";
   if (damage.empty() && unpacked.bytes.size() != chunk.unpacked_size) {
     damage = "this chunk does not unpack to the length that it states";
   }
@@ -559,10 +598,14 @@ std::optional<RecordedMessage> McapReader::next_in_chunk() {
       if (!pass_damage_in_chunk()) break;
       continue;
     }
+    MessagePlace place{.at = static_cast<std::int64_t>(at)};
+    if (chunk_data_ == 0) place.in_chunk = static_cast<std::int64_t>(in_chunk_at_);
     in_chunk_resume_ = in_chunk_at_ + kMcapHead;
     in_chunk_at_ += static_cast<std::size_t>(record->end());
     const auto length = static_cast<std::size_t>(record->length);
-    if (auto message = use_record(record->op, left.substr(kMcapHead, length), at)) return message;
+    if (auto message = use_record(record->op, left.substr(kMcapHead, length), place)) {
+      return message;
+    }
   }
   in_chunk_ = false;
   if (told_chunk_ && chunk_data_ != 0 && at_ == resume_) resume_ = chunk_data_ + in_chunk_resume_;
@@ -579,6 +622,40 @@ bool McapReader::pass_damage_in_chunk() {
   in_chunk_at_ = *found;
   in_chunk_resume_ = *found + 1;
   return true;
+}
+
+// By place.
+
+std::span<const char> McapReader::bytes_at(const MessagePlace& place) {
+  const std::string_view bytes = record_at(place);
+  const auto record = read_mcap_head(bytes);
+  if (record && record->op == McapOp::kMessage && record->end() <= bytes.size()) {
+    const auto length = static_cast<std::size_t>(record->length);
+    const auto message = read_mcap_message(bytes.substr(kMcapHead, length));
+    if (message && message->recorded == place.recorded && message->bytes.size() == place.size) {
+      return {message->bytes.data(), message->bytes.size()};
+    }
+  }
+  throw_message_gone({bytes_->name(), {}, place.at});
+}
+
+/// From where the record of a message should begin; nothing when there is no such place.
+std::string_view McapReader::record_at(const MessagePlace& place) {
+  const auto at = static_cast<std::uint64_t>(place.at);
+  if (place.in_chunk == MessagePlace::kNoChunk) {
+    const auto record = head(at);
+    const bool fits = record && record->end() <= bytes_->size() - at;
+    return fits ? bytes_->view(at, record->end()) : std::string_view();
+  }
+  if (placed_at_ != at) {
+    placed_at_ = 0;
+    const auto chunk = at < data_end_ ? chunk_place(at) : std::nullopt;
+    if (!chunk || chunk->packing.value_or(Packing::kNone) == Packing::kNone) return {};
+    placed_chunk_ = unpack(placed_unpacker_, *chunk).bytes;
+    placed_at_ = at;
+  }
+  const auto in_chunk = static_cast<std::size_t>(place.in_chunk);
+  return in_chunk < placed_chunk_.size() ? placed_chunk_.substr(in_chunk) : std::string_view();
 }
 
 }  // namespace

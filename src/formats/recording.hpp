@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -36,6 +37,23 @@ struct RecordedTopic {
   std::string unreadable{};
 };
 
+/// Where a message is in a recording, to read it again later: Recording::bytes_at(). In the order
+/// of places files are read from their beginning to their end.
+struct MessagePlace {
+  static constexpr std::int64_t kNoChunk = -1;
+
+  std::size_t file = 0;  ///< of the recording, from 0; of one that is a single file 0
+  /// Bytes in the file: of the message's record, or of the packed chunk that holds it. Of a
+  /// database the message's row.
+  std::int64_t at = -1;
+  std::int64_t in_chunk = kNoChunk;  ///< bytes of its record in the unpacked chunk
+  // By these it is known again.
+  Stamp recorded{};
+  std::uint64_t size = 0;  ///< bytes, before a message that is packed by itself is unpacked
+
+  friend auto operator<=>(const MessagePlace&, const MessagePlace&) = default;
+};
+
 struct RecordedMessage {
   std::size_t topic = 0;          ///< in Recording::topics()
   Stamp recorded{};               ///< when the recorder got it
@@ -43,6 +61,7 @@ struct RecordedMessage {
   /// Its name, until the next call of the recording; of a database with the message's row.
   const std::string* file = nullptr;
   std::int64_t offset = -1;  ///< in the file; negative where that would tell nothing
+  MessagePlace place{};      ///< also of another Recording of the same file
 
   /// For errors.
   [[nodiscard]] Location where() const {
@@ -62,7 +81,8 @@ struct RecordingOptions {
 
 /// A container, from its beginning to its end in the order of the file (of SQLite: by time). Damage
 /// is told, passed, and everything undamaged behind it is given. Memory is bounded by a chunk (or
-/// one message) and what RecordingOptions::memory allows for the file.
+/// one message; bytes_at() has a chunk of its own) and what RecordingOptions::memory allows for the
+/// file.
 class Recording {
  public:
   virtual ~Recording() = default;
@@ -75,6 +95,13 @@ class Recording {
   virtual void want(std::function<bool(const RecordedTopic&)> wanted) = 0;
   /// Nothing at the end. Throws DataError when nothing more can be read, ReadingStopped.
   [[nodiscard]] virtual std::optional<RecordedMessage> next() = 0;
+  /// The bytes of a message that next() of a recording of the same file gave, wanted or not. Until
+  /// the next call of the recording, as those of next(), which goes on where it was. A chunk is
+  /// unpacked once for all its messages that are asked for one after another, and of the files of a
+  /// folder one is kept open: in the order of places that is fastest. Damage of a chunk is not told
+  /// again. Throws DataError with the place when the file holds that message no more;
+  /// ReadingStopped.
+  [[nodiscard]] virtual std::span<const char> bytes_at(const MessagePlace& place) = 0;
   /// Begins again; topics stay known, damage that was told is not told again.
   virtual void rewind() = 0;
   [[nodiscard]] virtual ReadProgress progress() const = 0;
@@ -82,12 +109,18 @@ class Recording {
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };
 
+/// What Recording::bytes_at() throws when there is no such message.
+[[noreturn]] inline void throw_message_gone(const Location& where) {
+  throw DataError(where, "the message that was here is gone: the file was changed meanwhile");
+}
+
 /// By the first bytes.
 [[nodiscard]] bool is_bag(std::string_view head);
 [[nodiscard]] bool is_mcap(std::string_view head);
 [[nodiscard]] bool is_sqlite(std::string_view head);
 
-// Throw DataError when there is nothing in the file that can be read.
+// Throw DataError when there is nothing in the file that can be read. Of a file its index is read,
+// if it has one; what is packed as a whole is unpacked.
 [[nodiscard]] std::unique_ptr<Recording> open_bag(const std::string& path,
                                                   const RecordingOptions& options);
 [[nodiscard]] std::unique_ptr<Recording> open_mcap(const std::string& path,

@@ -95,6 +95,16 @@ class UnpackedRecording final : public Recording {
     if (message && is_renamed_) message->file = &name_;
     return message;
   }
+  std::span<const char> bytes_at(const MessagePlace& place) override {
+    try {
+      return inner_->bytes_at(place);
+    } catch (const DataError& error) {
+      if (!is_renamed_) throw;
+      Problem problem = problem_of(error);
+      problem.location.path = name_;
+      throw DataError(problem.location, problem.reason);
+    }
+  }
   void rewind() override { inner_->rewind(); }
   ReadProgress progress() const override {
     const ReadProgress inner = inner_->progress();
@@ -176,8 +186,12 @@ class Rosbag2Recording final : public Recording {
         continue;
       }
       if (auto message = next_of_current()) {
-        if (!unpack(*message)) continue;
+        if (const auto fault = unpack(message->bytes, file_)) {
+          tell({message->where(), *fault});
+          continue;
+        }
         message->topic = global_topic(message->topic);
+        message->place.file = file_;
         return message;
       }
       take_notes();
@@ -188,6 +202,15 @@ class Rosbag2Recording final : public Recording {
     }
     is_at_end_ = true;
     return std::nullopt;
+  }
+
+  std::span<const char> bytes_at(const MessagePlace& place) override {
+    if (place.file >= files_.size()) throw_message_gone({path_});
+    std::span<const char> bytes = file_for(place).bytes_at(place);
+    if (const auto fault = unpack(bytes, place.file)) {
+      throw DataError({files_[place.file], {}, place.at}, *fault);
+    }
+    return bytes;
   }
 
   void rewind() override {
@@ -313,18 +336,28 @@ class Rosbag2Recording final : public Recording {
     }
   }
 
-  /// A message that is packed by itself within MCAP; databases unpack theirs. False: it is damaged.
-  [[nodiscard]] bool unpack(RecordedMessage& message) {
-    if (packing_ != "zstd" || !is_zstd({message.bytes.data(), message.bytes.size()})) return true;
-    const auto stored = static_cast<std::uint64_t>(bytes_[file_]);
+  /// The file that is read at the moment, or another one that is kept beside it.
+  [[nodiscard]] Recording& file_for(const MessagePlace& place) {
+    if (current_ && place.file == file_) return *current_;
+    if (!placed_ || placed_file_ != place.file) {
+      placed_.reset();
+      placed_ = open_split(files_[place.file], packing_, options_);
+      placed_file_ = place.file;
+    }
+    return *placed_;
+  }
+
+  /// A message that is packed by itself within MCAP; databases unpack theirs. Why that can't be
+  /// done; nothing when it can.
+  [[nodiscard]] std::optional<std::string> unpack(std::span<const char>& bytes, std::size_t file) {
+    if (packing_ != "zstd" || !is_zstd({bytes.data(), bytes.size()})) return std::nullopt;
+    const auto stored = static_cast<std::uint64_t>(bytes_[file]);
     try {
-      unpacker_.unpack(message.bytes, options_.memory.allowed_bytes(stored, Growth::kNumbers),
-                       unpacked_);
-      message.bytes = unpacked_;
-      return true;
+      unpacker_.unpack(bytes, options_.memory.allowed_bytes(stored, Growth::kNumbers), unpacked_);
+      bytes = unpacked_;
+      return std::nullopt;
     } catch (const std::runtime_error& error) {
-      tell({message.where(), fmt::format("this message can't be unpacked ({})", error.what())});
-      return false;
+      return fmt::format("this message can't be unpacked ({})", error.what());
     }
   }
 
@@ -402,6 +435,8 @@ class Rosbag2Recording final : public Recording {
   std::map<std::size_t, bool> decisions_;
   std::size_t file_ = 0;
   std::unique_ptr<Recording> current_;
+  std::size_t placed_file_ = 0;
+  std::unique_ptr<Recording> placed_;  ///< of bytes_at(), where it is not the current one
   std::vector<std::size_t> of_current_;
   ZstdUnpacker unpacker_;
   std::string unpacked_;  ///< of the last message

@@ -136,8 +136,21 @@ class SqliteRecording final : public Recording {
     }
   }
 
+  std::span<const char> bytes_at(const MessagePlace& place) override {
+    where_ = name_of(place.at);
+    std::span<const char> bytes;
+    try {
+      bytes = stored_at(place);
+    } catch (const SqliteError& error) {
+      throw DataError({where_}, fmt::format("can't be read ({})", error.what()));
+    }
+    if (const auto fault = unpack(bytes)) throw DataError({where_}, *fault);
+    return bytes;
+  }
+
   void rewind() override {
     row_->reset();
+    placed_row_.reset();
     walk_->rewind();
     // Damage is found when a page is read: what stayed in memory would pass for whole.
     sqlite3_db_release_memory(database_->handle());
@@ -210,6 +223,7 @@ class SqliteRecording final : public Recording {
       } catch (const SqliteError& error) {
         walk_.reset();
         row_.reset();
+        placed_row_.reset();
         if (is_tolerant || error.code() != SQLITE_CORRUPT) {
           throw DataError({log_.name},
                           "nothing in this database can be read: " + std::string(error.what()));
@@ -303,26 +317,47 @@ class SqliteRecording final : public Recording {
     message.topic = topic->second;
     message.recorded = {row_->integer(1)};
     message.bytes = row_->blob(2);
-    if (is_zstd({message.bytes.data(), message.bytes.size()}) && !unpack(row, message.bytes)) {
+    message.place = {.at = row, .recorded = message.recorded, .size = message.bytes.size()};
+    if (const auto fault = unpack(message.bytes)) {
+      tell(fmt::format("message {} {}", row, *fault));
       return std::nullopt;
     }
-    where_ = fmt::format("{} (message {})", log_.name, row);
+    where_ = name_of(row);
     message.file = &where_;
     return message;
   }
 
+  [[nodiscard]] std::string name_of(std::int64_t row) const {
+    return fmt::format("{} (message {})", log_.name, row);
+  }
+
+  [[nodiscard]] std::span<const char> stored_at(const MessagePlace& place) {
+    if (!placed_row_) {
+      placed_row_ = std::make_unique<SqliteStatement>(
+          *database_, "SELECT timestamp, data FROM messages NOT INDEXED WHERE _rowid_ = ?1");
+    }
+    placed_row_->reset();
+    placed_row_->bind(1, place.at);
+    if (!placed_row_->step()) throw_message_gone({where_});
+    const std::span<const char> bytes = placed_row_->blob(1);
+    if (placed_row_->integer(0) != place.recorded.nanoseconds || bytes.size() != place.size) {
+      throw_message_gone({where_});
+    }
+    return bytes;
+  }
+
   /// A message of CDR begins with other bytes: what looks like zstd is zstd, whatever metadata.yaml
-  /// says.
-  [[nodiscard]] bool unpack(std::int64_t row, std::span<const char>& bytes) {
+  /// says. Why that can't be unpacked; nothing when it can.
+  [[nodiscard]] std::optional<std::string> unpack(std::span<const char>& bytes) {
+    if (!is_zstd({bytes.data(), bytes.size()})) return std::nullopt;
     try {
       unpacker_.unpack(bytes, most_message_bytes(), unpacked_);
       bytes = unpacked_;
-      return true;
+      return std::nullopt;
     } catch (const std::bad_alloc&) {
       throw_too_large();
     } catch (const std::runtime_error& error) {
-      tell(fmt::format("message {} can't be unpacked ({})", row, error.what()));
-      return false;
+      return fmt::format("can't be unpacked ({})", error.what());
     }
   }
 
@@ -338,6 +373,7 @@ class SqliteRecording final : public Recording {
   std::vector<std::string> notes_;
   std::unique_ptr<SqliteDatabase> database_;
   std::unique_ptr<SqliteStatement> row_;
+  std::unique_ptr<SqliteStatement> placed_row_;
   std::unique_ptr<SqliteWalk> walk_;
   std::vector<RecordedTopic> topics_;
   std::map<std::int64_t, std::size_t> by_id_;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "formats/recording.hpp"
+#include "support/placed_messages.hpp"
 #include "support/recorded_data.hpp"
 #include "support/recording_builder.hpp"
 #include "support/recording_damage.hpp"
@@ -191,6 +192,90 @@ TEST(BagReader, what_is_undamaged_is_found_wherever_the_damage_is) {
           << static_cast<int>(build.packing) << " indexed " << build.is_indexed << " outside "
           << build.outside_of_chunks;
     }
+  }
+}
+
+TEST(BagReader, messages_are_found_again_by_their_places) {
+  const auto messages = some_messages(60);
+  for (const BagBuild& build : builds()) {
+    const BuiltRecording bag = build_bag(messages, build);
+    const auto placed = test::placed_messages_of(*read_bag(bag.bytes, {}));
+    EXPECT_EQ(test::expect_by_place(placed, *read_bag(bag.bytes, {}), "sound"), messages.size());
+    for (std::size_t size = 1000; size < bag.bytes.size(); size += 97) {
+      const auto cut = std::string_view(bag.bytes).substr(0, size);
+      test::expect_by_place(test::placed_messages_of(*read_bag(cut, {})), *read_bag(cut, {}),
+                            "cut at " + std::to_string(size));
+    }
+  }
+  const auto variants = builds();
+  std::size_t found = 0;
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    const auto spoiled =
+        test::damaged(build_bag(messages, variants[seed % variants.size()]), messages.size(), seed);
+    found += test::expect_by_place(test::placed_messages_of(*read_bag(spoiled.bytes, {})),
+                                   *read_bag(spoiled.bytes, {}),
+                                   spoiled.what + ", seed " + std::to_string(seed));
+  }
+  EXPECT_GT(found, 500 * messages.size() / 2);
+}
+
+TEST(BagReader, asking_by_place_does_not_disturb_the_reading) {
+  const auto messages = some_messages(60);
+  const test::TempDir dir;
+  for (const BagBuild& build : builds()) {
+    const std::string path = dir.write("a.bag", build_bag(messages, build).bytes);
+    const auto placed = test::placed_messages_of(*open_bag(path, {}));
+    const auto recording = open_bag(path, {});
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      const auto message = recording->next();
+      ASSERT_TRUE(message);
+      EXPECT_EQ(std::string(message->bytes.begin(), message->bytes.end()), messages[i].bytes);
+      const auto& other = placed[(7 * i + 3) % placed.size()];
+      EXPECT_TRUE(std::ranges::equal(recording->bytes_at(other.place), other.bytes));
+    }
+    EXPECT_FALSE(recording->next());
+  }
+}
+
+TEST(BagReader, a_place_that_holds_another_message_is_refused) {
+  const test::TempDir dir;
+  for (const Packing packing : {Packing::kNone, Packing::kBzip2, Packing::kLz4}) {
+    const std::string path =
+        dir.write("a.bag", build_bag(some_messages(60), {.packing = packing}).bytes);
+    const auto placed = test::placed_messages_of(*open_bag(path, {}));
+    const auto refusal = [&](const MessagePlace& place) -> std::string {
+      try {
+        (void)open_bag(path, {})->bytes_at(place);
+      } catch (const DataError& error) {
+        return error.what();
+      }
+      return "none";
+    };
+    const MessagePlace place = placed[30].place;
+    EXPECT_EQ(refusal(place), "none");
+    const std::string expected =
+        path + " (byte " + std::to_string(place.at) +
+        "): the message that was here is gone: the file was changed meanwhile";
+    MessagePlace other = place;
+    other.recorded.nanoseconds += 1;
+    EXPECT_EQ(refusal(other), expected);
+    other = place;
+    other.size += 1;
+    EXPECT_EQ(refusal(other), expected);
+    other = place;
+    other.in_chunk = packing == Packing::kNone ? 5 : MessagePlace::kNoChunk;
+    EXPECT_EQ(refusal(other), expected);
+    other.in_chunk = std::int64_t{1} << 40;
+    EXPECT_EQ(refusal(other), expected);
+    for (const std::int64_t at : {std::int64_t{-1}, std::int64_t{0}, std::int64_t{1} << 40}) {
+      other = place;
+      other.at = at;
+      EXPECT_NE(refusal(other), "none") << at;
+    }
+    dir.write("a.bag", build_bag(some_messages(60, 2), {.packing = packing}).bytes);
+    EXPECT_EQ(refusal(place), expected);
+    dir.write("a.bag", build_bag(some_messages(5), {.packing = packing}).bytes);
+    EXPECT_EQ(refusal(place), expected);
   }
 }
 

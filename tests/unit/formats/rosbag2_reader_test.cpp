@@ -14,6 +14,7 @@
 #include "formats/rosbag2_metadata.hpp"
 #include "loopstone/base/error.hpp"
 #include "recording_samples.hpp"
+#include "support/placed_messages.hpp"
 #include "support/recording_builder.hpp"
 #include "support/temp_dir.hpp"
 
@@ -726,6 +727,115 @@ TEST(Rosbag2Reader, DamageIsToldOnce) {
   reading.recording->rewind();
   EXPECT_EQ(read_messages(*reading.recording), reading.messages);
   EXPECT_EQ(reading.damage.size(), told);
+}
+
+// By place
+
+/// That each message is found again by its place, by another recording of the same.
+std::size_t expect_by_place(const std::string& path, const std::string& what = "") {
+  const auto placed = test::placed_messages_of(*open_rosbag2(path, {}));
+  return test::expect_by_place(placed, *open_rosbag2(path, {}), path + " " + what);
+}
+
+TEST(Rosbag2Reader, MessagesByTheirPlaces) {
+  const TempDir dir;
+  for (const bool with_index : {true, false}) {
+    make_log(dir / "a.db3", 0, 200, 4, 300, with_index);
+    EXPECT_EQ(expect_by_place(dir / "a.db3"), 200U);
+    fs::remove(dir / "a.db3");
+  }
+  {
+    TestDatabase database(dir / "packed.db3");
+    make_tables(database);
+    add_topic(database, "/a", "std_msgs/msg/String");
+    for (int i = 0; i < 20; ++i) {
+      database.add_message(1, i, test::packed_by_zstd(message_bytes(i, 50'000)));
+    }
+  }
+  EXPECT_EQ(expect_by_place(dir / "packed.db3"), 20U);
+  dir.write("b.db3.zstd", test::packed_by_zstd(dir.read("packed.db3")));
+  EXPECT_EQ(expect_by_place(dir / "b.db3.zstd"), 20U);
+}
+
+TEST(Rosbag2Reader, MessagesOfAFolderByTheirPlaces) {
+  const TempDir dir;
+  make_log(dir / "run_0.db3", 0, 20);
+  make_log(dir / "other.db3", 20, 20);
+  dir.write("run_1.db3.zstd", test::packed_by_zstd(dir.read("other.db3")));
+  auto messages = test::some_messages(20);
+  dir.write("run_2.mcap.zstd",
+            test::packed_by_zstd(test::build_mcap(messages, {.packing = Packing::kLz4}).bytes));
+  for (auto& message : messages) message.bytes = test::packed_by_zstd(message.bytes);
+  dir.write("run_3.mcap", test::build_mcap(messages, {}).bytes);
+  dir.write("run_4.db3", "no database");
+  const std::string mode = "  compression_mode: MESSAGE\n  compression_format: zstd\n";
+  dir.write("metadata.yaml", metadata_for({"run_0.db3", "run_1.db3.zstd", "run_2.mcap.zstd",
+                                           "run_3.mcap", "run_4.db3"},
+                                          mode));
+  EXPECT_EQ(expect_by_place(dir.path().string()), 80U);
+
+  // In the middle of the reading, too.
+  const std::string path = dir.path().string();
+  const auto placed = test::placed_messages_of(*open_rosbag2(path, {}));
+  EXPECT_EQ(placed.front().place.file, 0U);
+  EXPECT_EQ(placed.back().place.file, 3U);
+  const auto recording = open_rosbag2(path, {});
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const auto message = recording->next();
+    ASSERT_TRUE(message);
+    EXPECT_TRUE(std::ranges::equal(message->bytes, placed[i].bytes)) << i;
+    EXPECT_EQ(message->place, placed[i].place);
+    const auto& other = placed[(7 * i + 3) % placed.size()];
+    EXPECT_TRUE(std::ranges::equal(recording->bytes_at(other.place), other.bytes)) << i;
+  }
+  EXPECT_FALSE(recording->next());
+}
+
+TEST(Rosbag2Reader, DamagedMessagesByTheirPlaces) {
+  for (const bool by_time : {true, false}) {
+    const TempDir dir;
+    make_log(dir / "good.db3", 0, 600, 4, 300, by_time);
+    const std::string good = dir.read("good.db3");
+    for (std::size_t at = 0; at < good.size(); at += 3 * kPage) {
+      std::string bad = good;
+      bad.replace(at, kPage, kPage, '\0');
+      dir.write("bad.db3", bad);
+      dir.write("cut.db3", std::string_view(good).substr(0, good.size() - at));
+      for (const char* name : {"bad.db3", "cut.db3"}) {
+        if (refusal_of(dir / name) == "none") expect_by_place(dir / name, std::to_string(at));
+      }
+    }
+    dir.write("a.db3.zstd", std::string_view(test::packed_by_zstd(good)).substr(0, 20'000));
+    EXPECT_GT(expect_by_place(dir / "a.db3.zstd"), 10U);
+  }
+}
+
+TEST(Rosbag2Reader, PlacesThatHoldAnotherMessage) {
+  const TempDir dir;
+  make_log(dir / "run_0.db3", 0, 20);
+  dir.write("run_1.mcap.zstd",
+            test::packed_by_zstd(test::build_mcap(test::some_messages(20), {}).bytes));
+  const auto placed = test::placed_messages_of(*open_rosbag2(dir.path().string(), {}));
+  const auto refusal = [&](MessagePlace place, const auto& change) -> std::string {
+    change(place);
+    try {
+      (void)open_rosbag2(dir.path().string(), {})->bytes_at(place);
+    } catch (const DataError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  const MessagePlace row = placed[4].place;
+  EXPECT_EQ(refusal(row, [](MessagePlace&) {}), "none");
+  const std::string gone = "the message that was here is gone: the file was changed meanwhile";
+  const std::string in_database = dir / "run_0.db3" + " (message 5): " + gone;
+  EXPECT_EQ(refusal(row, [](MessagePlace& place) { ++place.recorded.nanoseconds; }), in_database);
+  EXPECT_EQ(refusal(row, [](MessagePlace& place) { ++place.size; }), in_database);
+  EXPECT_THAT(refusal(row, [](MessagePlace& place) { place.at = 21; }), HasSubstr(gone));
+  EXPECT_THAT(refusal(row, [](MessagePlace& place) { place.file = 2; }), HasSubstr(gone));
+  EXPECT_EQ(
+      refusal(placed.back().place, [](MessagePlace& place) { ++place.size; }),
+      dir / "run_1.mcap.zstd" + " (byte " + std::to_string(placed.back().place.at) + "): " + gone);
 }
 
 // Not what it seems

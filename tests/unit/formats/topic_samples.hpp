@@ -118,10 +118,17 @@ class ToldRecording final : public Recording {
       const auto& message = told_.messages[at_++];
       while (topics_.size() <= message.topic) topics_.push_back(told_.topics[topics_.size()]);
       if (wanted_ && !wanted_(topics_[message.topic])) continue;
-      return RecordedMessage{message.topic, message.recorded, message.bytes, &file_,
-                             static_cast<std::int64_t>(at_ - 1)};
+      return RecordedMessage{message.topic,
+                             message.recorded,
+                             message.bytes,
+                             &file_,
+                             static_cast<std::int64_t>(at_ - 1),
+                             {.at = static_cast<std::int64_t>(at_ - 1)}};
     }
     return std::nullopt;
+  }
+  std::span<const char> bytes_at(const MessagePlace& place) override {
+    return told_.messages.at(static_cast<std::size_t>(place.at)).bytes;
   }
   void rewind() override { at_ = 0; }
   [[nodiscard]] ReadProgress progress() const override {
