@@ -79,7 +79,7 @@ void frame_from_files(benchmark::State& state) {
   write_png(colour, colour_picture(), static_cast<int>(state.range(0)));
   write_png(depth, disparity_picture(), static_cast<int>(state.range(0)));
   const RgbdLoader loader{CameraModel{}};
-  const RgbdFrame frame{Stamp{}, Stamp{}, colour, depth};
+  const RgbdFrame frame{.colour_path = colour, .depth_path = depth};
   for (auto _ : state) benchmark::DoNotOptimize(loader.load(frame));
   state.counters["frames/s"] =
       benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);

@@ -93,6 +93,7 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   outputs.prepare();
   remove_unfinished(target);
   const auto writer = create_log(target, robot);
+  writer->use_pictures(log->pictures());
   ProgressDisplay display(context);
   const ConvertResult converted =
       convert_log(*log, *writer, target.format->holds, robot, display.callback());
@@ -118,6 +119,7 @@ void add_convert_command(CLI::App& app, AppContext& context) {
   command->add_option("OUT", arguments->output, "the log to write")->required();
   add_format_flag(*command, arguments->format, "of OUT (default: by its name)");
   command->add_flag("--force", arguments->force, "overwrite OUT");
+  arguments->reading.pictures = true;
   add_log_flags(*command, arguments->reading);
   context.add_robot_flag(*command);
   context.add_common_flags(*command);

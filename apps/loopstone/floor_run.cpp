@@ -16,6 +16,11 @@ void CameraFrames::take(const SensorMessage& message) {
   if (!frame->colour_path.empty() && !frame->depth_path.empty()) ++complete_;
 }
 
+void CameraFrames::take_pictures(const LogReader& log) {
+  pictures_ = log.pictures();
+  fault_ = log.camera_fault();
+}
+
 void gather_cloud(TextureOptions& options) {
   constexpr double kCube_m = 0.02;
   if (options.cloud_cube_m == 0.0) options.cloud_cube_m = kCube_m;
@@ -24,7 +29,7 @@ void gather_cloud(TextureOptions& options) {
 FloorTexture colour_floor(const CameraFrames& camera, const Trajectory& trajectory,
                           const RobotModel& robot, const TextureOptions& options,
                           const AppContext& context, ProgressDisplay& display) {
-  const RgbdLoader loader(robot.camera);
+  const RgbdLoader loader(robot.camera, camera.pictures());
   const RgbdSource source{camera.frames(),
                           [&](const RgbdFrame& frame) { return loader.load(frame); }};
   FloorTexture texture = map_floor_texture(source, trajectory, robot.camera, options,

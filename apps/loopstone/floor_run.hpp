@@ -1,8 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "app.hpp"
+#include "loopstone/formats/log_reader.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "progress_display.hpp"
@@ -16,12 +20,20 @@ namespace loopstone::app {
 class CameraFrames {
  public:
   void take(const SensorMessage& message);
+  /// What the log tells of them once it was read.
+  void take_pictures(const LogReader& log);
   [[nodiscard]] const std::vector<RgbdFrame>& frames() const { return frames_; }
   /// Those with depth and colour.
   [[nodiscard]] std::int64_t complete() const { return complete_; }
 
+  [[nodiscard]] const std::shared_ptr<const PictureStore>& pictures() const { return pictures_; }
+  /// LogReader::camera_fault().
+  [[nodiscard]] const std::string& fault() const { return fault_; }
+
  private:
   std::vector<RgbdFrame> frames_{};
+  std::shared_ptr<const PictureStore> pictures_{};
+  std::string fault_{};
   std::int64_t complete_ = 0;
 };
 

@@ -69,6 +69,7 @@ void add_info_command(CLI::App& app, AppContext& context) {
   };
   command->add_flag_callback("--formats", ask_for_formats, "the formats of logs, without a LOG")
       ->trigger_on_parse();
+  arguments->reading.pictures = true;
   add_log_flags(*command, arguments->reading);
   context.add_common_flags(*command);
   command->footer(kFooter);

@@ -14,8 +14,9 @@ namespace loopstone::app {
 namespace {
 
 /// Those that a user may name.
-constexpr std::array<TopicRole, 4> kNamedRoles{TopicRole::kLaser, TopicRole::kOdometry,
-                                               TopicRole::kImu, TopicRole::kWheels};
+constexpr std::array<TopicRole, 6> kNamedRoles{TopicRole::kLaser, TopicRole::kOdometry,
+                                               TopicRole::kImu,   TopicRole::kWheels,
+                                               TopicRole::kDepth, TopicRole::kColour};
 
 std::pair<TopicRole, std::string> parse_topic(const std::string& text) {
   const std::size_t mark = text.find('=');
@@ -50,8 +51,8 @@ void add_log_flags(CLI::App& command, LogFlags& flags) {
                 "whose time counts: the messages' own, the recorder's, or the order alone");
   command
       .add_option("--topic", flags.topics,
-                  "of a recording with topics: which plays a role (laser, odometry, imu, wheels); "
-                  "several lasers all count, NAME none leaves a role empty")
+                  "of a recording with topics: which plays a role (laser, odometry, imu, wheels, "
+                  "depth, colour); several lasers all count, NAME none leaves a role empty")
       ->type_name("ROLE=NAME")
       ->allow_extra_args(false);
   command
@@ -72,7 +73,8 @@ void add_truth_topic_flag(CLI::App& command, std::string& topic, const std::stri
 }
 
 TopicOptions topic_options(const LogFlags& flags) {
-  TopicOptions options{.base_frame = flags.base_frame, .echo = flags.echo};
+  TopicOptions options{
+      .base_frame = flags.base_frame, .echo = flags.echo, .pictures = flags.pictures};
   for (const std::string& text : flags.topics) options.named.push_back(parse_topic(text));
   if (!flags.slice.empty()) options.slice = parse_slice(flags.slice);
   return options;

@@ -17,7 +17,8 @@ struct LogFlags {
   std::vector<std::string> topics{};  ///< "ROLE=NAME"
   std::string base_frame{};
   EchoUse echo = EchoUse::kFirst;
-  std::string slice{};  ///< "LOW,HIGH"
+  std::string slice{};    ///< "LOW,HIGH"
+  bool pictures = false;  ///< not said by the user: the command has a use for them
 };
 
 /// --strict, --stamps, --topic, --base-frame, --echo, --slice.

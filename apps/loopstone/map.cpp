@@ -116,6 +116,11 @@ std::optional<FloorTexture> colour(CameraFrames& camera, const MapArguments& arg
                                    const AppContext& context, ProgressDisplay& display,
                                    MapResult& result, RunInfo& info) {
   if (arguments.no_texture || camera.complete() == 0 || !result.complete) return {};
+  if (!context.robot_given() && !camera.fault().empty()) {
+    result.warnings.push_back("the floor is not coloured: " + camera.fault() +
+                              "; --robot FILE can tell it");
+    return {};
+  }
   if (arguments.cloud) gather_cloud(options);
   try {
     auto texture = colour_floor(camera, result.trajectory, robot, options, context, display);
@@ -178,6 +183,16 @@ Outputs outputs_of(const MapArguments& arguments, RunStart begin, const AppConte
   return outputs;
 }
 
+std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppContext& context,
+                                    ProblemPrinter& print_problem) {
+  const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
+  LogFlags flags = arguments.reading;
+  flags.pictures = !arguments.no_texture;
+  auto reader = open(arguments.log, log_options(flags, context, &print_problem));
+  tell_choices(*reader, context);
+  return reader;
+}
+
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   MapPipeline pipeline(arguments, context);
@@ -188,9 +203,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   outputs.check(least_bytes_of_results(log_files.bytes()));
 
   ProblemPrinter print_problem(context);
-  const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
-  const auto reader = open(arguments.log, log_options(arguments.reading, context, &print_problem));
-  tell_choices(*reader, context);
+  const auto reader = open_for(arguments, context, print_problem);
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
 
   ProgressDisplay display(context);
@@ -219,6 +232,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                   robot, context.threads(), held);
   ProgressDisplay::clear_line();
   const LogSummary judged = log.judge(arguments.log);
+  camera.take_pictures(*reader);
   add_judgement(judged, log_files.changes(), log.interrupted(), result);
 
   const bool may_overwrite = arguments.force || arguments.checkpoint.any();

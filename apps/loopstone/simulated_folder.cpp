@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <optional>
 #include <system_error>
+#include <utility>
 
 #include "floor_files.hpp"
 #include "loopstone/formats/options_file.hpp"
@@ -61,6 +63,19 @@ nlohmann::ordered_json to_json(const CameraModel& camera, const SimulatedCamera&
           {"clock_offset_s", options.clock_offset_s}};
 }
 
+/// Where pictures are files until a recording has taken them in.
+struct PassingFolder {
+  explicit PassingFolder(fs::path where) : path(std::move(where)) { fs::remove_all(path); }
+  PassingFolder(const PassingFolder&) = delete;
+  PassingFolder& operator=(const PassingFolder&) = delete;
+  ~PassingFolder() {
+    std::error_code error;
+    fs::remove_all(path, error);
+  }
+
+  fs::path path;
+};
+
 }  // namespace
 
 LogTarget SimulatedFolder::log() const {
@@ -81,15 +96,21 @@ SimulatedDrive write_drive(const SimulatedFolder& folder, const World& world,
   SimulatedDrive simulated;
   SimulationSink sink;
   sink.message = [&](const SensorMessage& message) { writer->write(message); };
-  UcsdPictures pictures{folder.path.string()};
+  std::optional<PassingFolder> passing;
+  if (folder.has_pictures && !folder.format->has_picture_files) {
+    passing.emplace(folder.path / "pictures.unfinished");
+  }
+  UcsdPictures pictures{(passing ? passing->path : folder.path).string()};
   pictures.holds_disparity = robot.camera.encoding.kind == DepthKind::kDisparity;
   if (folder.has_pictures) {
     pictures.make_folders();
     sink.frame = [&](const SimulatedFrame& frame) -> RgbdFrame {
       pictures.write_depth(frame.index, frame.depth);
       pictures.write_colour(frame.index, frame.colour);
-      return {frame.depth_stamp, frame.colour_stamp, pictures.colour_path(frame.index),
-              pictures.depth_path(frame.index)};
+      return {.stamp = frame.depth_stamp,
+              .colour_stamp = frame.colour_stamp,
+              .colour_path = pictures.colour_path(frame.index),
+              .depth_path = pictures.depth_path(frame.index)};
     };
   }
   sink.truth = [&](const StampedPose2& pose) { simulated.truth.append(pose.stamp, pose.pose); };

@@ -93,12 +93,16 @@ Recording read_recording(LogReader& reader, const std::string& path, const AppCo
     counter.add(*message);
     if (interrupted()) throw ReadingStopped();
   }
+  recording.camera.take_pictures(reader);
   recording.left_out = counter.left_out();
   judge_left_out(recording.left_out, path, context);
   if (recording.camera.complete() == 0) {
     throw DataError({path},
                     "there are no RGB-D frames with depth and colour in it; `loopstone info` shows "
                     "what there is");
+  }
+  if (!context.robot_given() && !recording.camera.fault().empty()) {
+    throw DataError({path}, recording.camera.fault() + "; --robot FILE can tell it");
   }
   return recording;
 }
@@ -187,6 +191,7 @@ void add_texture_command(CLI::App& app, AppContext& context) {
   command->add_option("--map", arguments->map, "walls for the picture")->type_name("MAP.yaml");
   command->add_flag("--cloud", arguments->cloud,
                     "also cloud.ply: everything the camera saw, in colour");
+  arguments->reading.pictures = true;
   add_log_flags(*command, arguments->reading);
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");
   context.add_robot_flag(*command);

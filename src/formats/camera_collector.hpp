@@ -5,6 +5,7 @@
 
 #include "formats/timing_collector.hpp"
 #include "loopstone/formats/log_summary.hpp"
+#include "loopstone/formats/picture_store.hpp"
 
 namespace loopstone {
 
@@ -13,7 +14,8 @@ class CameraCollector {
  public:
   void add(const RgbdFrame& frame);
   /// Looks into the first picture of each kind for their sizes.
-  [[nodiscard]] CameraSummary finish();
+  /// \param pictures  of the log, if its frames are not files
+  [[nodiscard]] CameraSummary finish(const PictureStore* pictures);
 
  private:
   CameraSummary summary_;
@@ -21,8 +23,8 @@ class CameraCollector {
   TimingCollector depth_;
   TimingCollector colour_;
   std::vector<float> offsets_s_;
-  std::string first_depth_path_;
-  std::string first_colour_path_;
+  RgbdFrame first_depth_;
+  RgbdFrame first_colour_;
 };
 
 }  // namespace loopstone

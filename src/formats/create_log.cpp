@@ -23,6 +23,9 @@ class HeldMessages final : public LogWriter {
     writer_->write(message);
   }
 
+  void use_pictures(std::shared_ptr<const PictureStore> pictures) override {
+    writer_->use_pictures(std::move(pictures));
+  }
   void finish() override { writer_->finish(); }
 
   std::vector<std::string> notes() const override {

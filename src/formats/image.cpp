@@ -24,12 +24,14 @@ Image make_image(int width, int height, int channels, int bytes_per_sample) {
 Image decode_image(std::string_view bytes, const std::string& path_for_errors,
                    const MemoryBudget& budget) {
   if (bytes.starts_with("\x89PNG")) return decode_png(bytes, path_for_errors, budget);
+  if (bytes.starts_with("\xff\xd8")) return decode_jpeg(bytes, path_for_errors, budget);
   if (bytes.size() >= 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '7') {
     return decode_pnm(bytes, path_for_errors, budget);
   }
-  if (bytes.empty()) throw DataError({path_for_errors}, "is empty; expected a PGM or PNG picture");
+  if (bytes.empty())
+    throw DataError({path_for_errors}, "is empty; expected a PGM, PNG or JPEG picture");
   throw DataError({path_for_errors},
-                  "is no picture in a known format; convert it to PGM (P2, P5) or PNG");
+                  "is no picture in a known format; convert it to PGM (P2, P5), PNG or JPEG");
 }
 
 Image read_image(const std::string& path, const MemoryBudget& budget) {

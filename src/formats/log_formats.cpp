@@ -26,11 +26,12 @@ constexpr std::array<string_view, 1> kRawlogEndings{".rawlog"};
 // Stamps as doubles: what is rounded on the way to seconds, and on the way back.
 constexpr Duration kErrorOfDoubleStamps{500};
 
-// All that a robot with ROS tells, but pictures.
+// All that a robot with ROS tells.
 constexpr LogContents kTopics{.scans = true,
                               .odometry_poses = true,
                               .wheel_ticks = true,
                               .imu_samples = true,
+                              .rgbd_frames = true,
                               .lidars = 16,
                               .beams_change = true,
                               .beam_times = true,
@@ -75,6 +76,7 @@ constexpr std::array<LogFormat, 6> kFormats{{
         .endings = kUcsdEndings,
         .expected = "EncodersN.npz, HokuyoN.npz or ImuN.npz",
         .has_sets = true,
+        .has_picture_files = true,
         .holds = {.scans = true,
                   .odometry_poses = true,
                   .wheel_ticks = true,

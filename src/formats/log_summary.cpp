@@ -259,7 +259,9 @@ LogSummary LogAnalyser::finish() {
   if (collectors.odometry) summary.odometry = collectors.odometry->finish();
   if (collectors.wheels) summary.wheels = collectors.wheels->finish();
   if (collectors.imu) summary.imu = collectors.imu->finish();
-  if (collectors.camera) summary.camera = collectors.camera->finish();
+  if (collectors.camera) {
+    summary.camera = collectors.camera->finish(log.pictures().get());
+  }
   summary.topics = log.topics();
   summary.choices = log.choices();
   summary.findings = find_suspicious(summary, log.notes(), log.warnings());

@@ -87,6 +87,10 @@ class ReadAhead final : public LogReader {
     const std::scoped_lock lock(reading_);
     return reader_->choices();
   }
+  [[nodiscard]] std::shared_ptr<const PictureStore> pictures() const override {
+    return reader_->pictures();
+  }
+  [[nodiscard]] std::string camera_fault() const override { return reader_->camera_fault(); }
   [[nodiscard]] std::vector<TopicSummary> topics() const override {
     const std::scoped_lock lock(reading_);
     return reader_->topics();

@@ -12,6 +12,10 @@ std::vector<std::size_t> timed_topics(const TopicChoice& choice) {
   if (choice.odometry && choice.odometry->topic) topics.push_back(*choice.odometry->topic);
   if (choice.imu) topics.push_back(*choice.imu);
   if (choice.wheels) topics.push_back(*choice.wheels);
+  if (choice.camera) {
+    topics.push_back(choice.camera->depth);
+    topics.push_back(choice.camera->colour);
+  }
   return topics;
 }
 
@@ -27,7 +31,7 @@ const MovingFrame* leading_frame(const TopicSurvey& survey, const TopicChoice& c
 
 RecordingPlan plan_recording(Recording& recording, const LogOptions& options) {
   RecordingPlan result;
-  result.survey = survey_topics(recording);
+  result.survey = survey_topics(recording, options.topics.pictures);
   result.choice = choose_topics(result.survey, options.topics);
   std::vector<ClockQuestion> questions;
   const std::vector<std::size_t> timed = timed_topics(result.choice);

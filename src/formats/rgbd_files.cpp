@@ -33,6 +33,17 @@ void check_size(int width, int height, const LensModel& lens, const std::string&
                               "width_px and height_px, and its focal lengths and centre with them");
 }
 
+void check_colour_size(const ColourImage& colour, const CameraModel& camera,
+                       const std::string& path) {
+  check_size(colour.width, colour.height, colour_lens(camera),
+             camera.colour_is_registered ? "camera.depth" : "camera.colour", path);
+}
+
+void check_depth_size(const InverseDepthImage& depth, const CameraModel& camera,
+                      const std::string& path) {
+  check_size(depth.width, depth.height, camera.depth, "camera.depth", path);
+}
+
 /// Any sample as 8 bits, rounded.
 class ToEightBits {
  public:
@@ -199,8 +210,9 @@ InverseDepthImage decode_depth(std::string_view bytes, const DepthEncoding& enco
   return decode_depth(bytes, encoding, per_m_of_number, scratch, path_for_errors);
 }
 
-RgbdLoader::RgbdLoader(const CameraModel& camera)
+RgbdLoader::RgbdLoader(const CameraModel& camera, std::shared_ptr<const PictureStore> pictures)
     : camera_(camera),
+      pictures_(std::move(pictures)),
       per_m_of_number_(inverse_depth_table(camera.encoding)),
       workplaces_(std::make_shared<Workplaces>()) {}
 
@@ -209,8 +221,7 @@ ColourImage RgbdLoader::load_colour(const std::string& path) const {
     mine.file = read_whole_file(path, kMostPictureBytes, std::move(mine.file));
     return decode_colour(mine.file, mine.png, path);
   });
-  check_size(colour.width, colour.height, colour_lens(camera_),
-             camera_.colour_is_registered ? "camera.depth" : "camera.colour", path);
+  check_colour_size(colour, camera_, path);
   return colour;
 }
 
@@ -219,14 +230,28 @@ InverseDepthImage RgbdLoader::load_depth(const std::string& path) const {
     mine.file = read_whole_file(path, kMostPictureBytes, std::move(mine.file));
     return decode_depth(mine.file, camera_.encoding, per_m_of_number_, mine.png, path);
   });
-  check_size(depth.width, depth.height, camera_.depth, "camera.depth", path);
+  check_depth_size(depth, camera_, path);
   return depth;
 }
 
 RgbdImages RgbdLoader::load(const RgbdFrame& frame) const {
   RgbdImages images{frame.stamp, frame.colour_stamp, {}, {}};
-  if (!frame.depth_path.empty()) images.depth = load_depth(frame.depth_path);
-  if (!frame.colour_path.empty()) images.colour = load_colour(frame.colour_path);
+  if (!frame.depth_path.empty()) {
+    if (frame.depth_message < 0) {
+      images.depth = load_depth(frame.depth_path);
+    } else if (pictures_) {
+      images.depth = pictures_->depth(frame.depth_message, camera_.encoding);
+      check_depth_size(images.depth, camera_, frame.depth_path);
+    }
+  }
+  if (!frame.colour_path.empty()) {
+    if (frame.colour_message < 0) {
+      images.colour = load_colour(frame.colour_path);
+    } else if (pictures_) {
+      images.colour = pictures_->colour(frame.colour_message);
+      check_colour_size(images.colour, camera_, frame.colour_path);
+    }
+  }
   return images;
 }
 

@@ -47,7 +47,9 @@ bool StampOrder::leads(const OrderedRecord& record) const {
 
 void StampOrder::push(OrderedRecord record) {
   const Stamp stamp = stamp_of(record.message);
-  note_order(stamp, record.is_part_of_a_scan);
+  // Frames wait for their pictures: that they come late says nothing about the log.
+  const bool is_frame = std::holds_alternative<RgbdFrame>(record.message);
+  if (!is_frame) note_order(stamp, record.is_part_of_a_scan);
   if (leads(record)) {
     lead(std::move(record));
   } else if (record.is_part_of_a_scan && !pending_.empty() &&

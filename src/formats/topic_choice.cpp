@@ -12,6 +12,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_format_words.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/roll_pitch_yaw.hpp"
 
 namespace loopstone {
 namespace {
@@ -60,9 +61,15 @@ bool is_one_of(string_view frame, const std::array<string_view, kCount>& names) 
   return std::ranges::find(names, last_part(frame)) != names.end();
 }
 
-std::string metres(double value_m) { return fmt::format("{:.3f} m", value_m + 0.0); }
+/// Rounded first, so that nothing is "-0.000".
+std::string metres(double value_m) {
+  return fmt::format("{:.3f} m", std::round(1e3 * value_m) / 1e3 + 0.0);
+}
+std::string tenths_of_degrees(double angle_rad) {
+  return fmt::format("{:.1f}", std::round(10.0 * degrees(angle_rad)) / 10.0 + 0.0);
+}
 
-std::string mount_text(const Pose3& base_T_laser) {
+std::string laser_mount_text(const Pose3& base_T_laser) {
   const Pose2 pose = to_pose2(base_T_laser);
   return fmt::format("x {}, y {}, yaw {:.1f} deg, {} up{}", metres(pose.x), metres(pose.y),
                      degrees(pose.yaw), metres(base_T_laser.translation.z()),
@@ -88,6 +95,7 @@ class Chooser {
     choose_lasers();
     choose_imu();
     choose_wheels();
+    if (options_.pictures) choose_camera();
     tell_of_several_robots();
     tell();
     return std::move(choice_);
@@ -364,6 +372,33 @@ class Chooser {
     choice_.wheels = found.front();
   }
 
+  void choose_camera() {
+    const auto depths = pictures_for(TopicRole::kDepth, shows_depth);
+    const auto colours = pictures_for(TopicRole::kColour, shows_colour);
+    auto camera = loopstone::choose_camera(survey_, choice_.base_frame, depths, colours);
+    for (const std::size_t i : depths) choice_.remarks[i] = lonely_or_other(camera, "colour");
+    for (const std::size_t i : colours) choice_.remarks[i] = lonely_or_other(camera, "depth");
+    if (!camera) return;
+    use(camera->depth, TopicRole::kDepth);
+    use(camera->colour, TopicRole::kColour);
+    for (const std::string& note : camera->notes) choice_.warnings.push_back(note);
+    choice_.camera = std::move(camera);
+  }
+
+  [[nodiscard]] static std::string lonely_or_other(const std::optional<ChosenCamera>& camera,
+                                                   const std::string& partner) {
+    return camera ? "another one is used" : "no pictures of " + partner + " beside it";
+  }
+
+  /// \param shows  what it has to show; the user may know better
+  std::vector<std::size_t> pictures_for(TopicRole role,
+                                        bool (*shows)(const TopicFacts& topic)) const {
+    const auto fits = [](const TopicFacts& t) { return t.is_picture(); };
+    if (auto by_user = named(role, fits)) return *by_user;
+    return all(
+        [&](const TopicFacts& t) { return shows(t) && t.has_messages() && t.fault.empty(); });
+  }
+
   /// Robots that share names of frames keep them apart by topic; here all are one tree.
   void tell_of_several_robots() {
     std::vector<std::string> moving;
@@ -406,6 +441,22 @@ class Chooser {
     }
     if (choice_.imu) say(TopicRole::kImu, described(*choice_.imu));
     if (choice_.wheels) say(TopicRole::kWheels, described(*choice_.wheels));
+    if (choice_.camera) tell(*choice_.camera);
+  }
+
+  void tell(const ChosenCamera& camera) {
+    say(TopicRole::kDepth,
+        described(camera.depth) + (camera.fault.empty() ? ", " + camera_mount_text(camera) : ""));
+    say(TopicRole::kColour, described(camera.colour));
+  }
+
+  [[nodiscard]] static std::string camera_mount_text(const ChosenCamera& camera) {
+    const Pose3& pose = camera.model.robot_T_camera;
+    const Eigen::Vector3d angles = to_roll_pitch_yaw(pose);
+    return fmt::format("x {}, y {}, yaw {} deg, {} up, looks {:.0f} deg down{}",
+                       metres(pose.translation.x()), metres(pose.translation.y()),
+                       tenths_of_degrees(angles.z()), metres(pose.translation.z()),
+                       degrees(angles.y()), camera.mount_moves ? ", and moves" : "");
   }
 
   void tell(const ChosenLaser& laser) {
@@ -418,7 +469,7 @@ class Chooser {
           facts.name, facts.frame));
       return;
     }
-    say(TopicRole::kLaser, described(laser.topic) + ", " + mount_text(*laser.base_T_laser));
+    say(TopicRole::kLaser, described(laser.topic) + ", " + laser_mount_text(*laser.base_T_laser));
     const double tilt_deg = degrees(tilt_of(*laser.base_T_laser));
     if (tilt_deg > kTiltWorthAWordDeg && facts.kind != TopicKind::kCloud) {
       choice_.warnings.push_back(fmt::format(

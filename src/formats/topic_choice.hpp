@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/camera_choice.hpp"
 #include "formats/topic_survey.hpp"
 #include "loopstone/formats/topic_options.hpp"
 #include "loopstone/geometry/pose3.hpp"
@@ -32,6 +33,7 @@ struct TopicChoice {
   std::optional<ChosenOdometry> odometry{};
   std::optional<std::size_t> imu{};
   std::optional<std::size_t> wheels{};
+  std::optional<ChosenCamera> camera{};
 
   std::vector<TopicRole> roles{};       ///< of each topic of the survey
   std::vector<std::string> remarks{};   ///< of each: why it is not used

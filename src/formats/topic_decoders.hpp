@@ -41,7 +41,8 @@ class TopicDecoders {
   std::tuple<Decoders<msg::LaserScan>, Decoders<msg::MultiEchoLaserScan>,
              Decoders<msg::PointCloud2>, Decoders<msg::Odometry>, Decoders<msg::Imu>,
              Decoders<msg::TFMessage>, Decoders<msg::WheelTicks>, Decoders<msg::PoseStamped>,
-             Decoders<msg::PoseWithCovarianceStamped>>
+             Decoders<msg::PoseWithCovarianceStamped>, Decoders<msg::Image>,
+             Decoders<msg::CompressedImage>, Decoders<msg::CameraInfo>>
       decoders_{};
 };
 

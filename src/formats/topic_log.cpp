@@ -9,6 +9,8 @@
 
 #include "formats/imu_mount.hpp"
 #include "formats/message_scan.hpp"
+#include "formats/picture_stream.hpp"
+#include "formats/recorded_pictures.hpp"
 #include "formats/recording_plan.hpp"
 #include "formats/ros_geometry.hpp"
 #include "formats/skip_tally.hpp"
@@ -67,7 +69,13 @@ class TopicLogReader final : public LogReader {
             [this](const OrderedRecord& record, const std::string& reason) {
               skip({where(record), reason}, std::holds_alternative<LaserScan>(record.message));
             },
-            kReorderWindow) {
+            kReorderWindow),
+        pictures_(
+            std::make_shared<RecordedPictures>(open, RecordingOptions{.memory = options_.memory})) {
+    if (known_.choice.camera) {
+      frames_of_camera_.emplace(known_.survey.topics[known_.choice.camera->depth].name,
+                                known_.survey.topics[known_.choice.camera->colour].name);
+    }
     place_topics();
     mount_imu();
     recording_->want([this](const RecordedTopic& topic) { return is_wanted(topic); });
@@ -79,6 +87,9 @@ class TopicLogReader final : public LogReader {
         if (auto* scan = std::get_if<LaserScan>(&record->message)) {
           if (!mount(*scan, *record)) continue;
         }
+        if (auto* frame = std::get_if<RgbdFrame>(&record->message)) {
+          if (!mount(*frame, *record)) continue;
+        }
         return std::move(record->message);
       }
       if (at_end_) return std::nullopt;
@@ -87,6 +98,7 @@ class TopicLogReader final : public LogReader {
           take(*message);
           continue;
         }
+        push_frames(true);
         order_.close();
       } catch (const ReadingStopped&) {
       }
@@ -99,6 +111,10 @@ class TopicLogReader final : public LogReader {
   const SkippedRecords& skipped() const override { return tally_.skipped(); }
   std::vector<std::string> choices() const override { return known_.choice.choices; }
   RobotModel robot(RobotModel base) const override;
+  std::shared_ptr<const PictureStore> pictures() const override { return pictures_; }
+  std::string camera_fault() const override {
+    return known_.choice.camera ? known_.choice.camera->fault : "";
+  }
   std::vector<std::string> notes() const override;
   std::vector<std::string> warnings() const override;
   std::vector<TopicSummary> topics() const override {
@@ -142,6 +158,10 @@ class TopicLogReader final : public LogReader {
     return false;
   }
 
+  static bool shows_pictures(TopicRole role) {
+    return role == TopicRole::kDepth || role == TopicRole::kColour;
+  }
+
   /// Of every topic that the recording has told of.
   void place_topics() {
     for (std::size_t recorded = places_.size(); recorded < recording_->topics().size();
@@ -150,7 +170,7 @@ class TopicLogReader final : public LogReader {
     }
   }
 
-  [[nodiscard]] Place place_of(std::size_t recorded) const {
+  [[nodiscard]] Place place_of(std::size_t recorded) {
     const RecordedTopic& told = recording_->topics()[recorded];
     Place place{.topic = known_.survey.topics.size()};
     for (std::size_t i = 0; i < known_.survey.topics.size(); ++i) {
@@ -165,6 +185,7 @@ class TopicLogReader final : public LogReader {
       place.period_s = known_.survey.topics[place.topic].stamps.period_s();
     }
     if (kind_of(told.type) == TopicKind::kTransforms) place.role = TopicRole::kTransforms;
+    if (shows_pictures(place.role)) pictures_->add_topic(recorded, told);
     return place;
   }
 
@@ -208,6 +229,9 @@ class TopicLogReader final : public LogReader {
         return take_wheels(message, place);
       case TopicRole::kTransforms:
         return take_transforms(message);
+      case TopicRole::kDepth:
+      case TopicRole::kColour:
+        return take_picture(message, place);
       case TopicRole::kNone:
       case TopicRole::kTruth:
         return;
@@ -306,6 +330,28 @@ class TopicLogReader final : public LogReader {
     push(WheelTicks{time(message, place, ticks.header.stamp), ticks.counts}, message);
   }
 
+  /// Only its stamp and its place are kept.
+  void take_picture(const RecordedMessage& message, const Place& place) {
+    const RecordedTopic& topic = recording_->topics()[message.topic];
+    const auto header = decode_header(topic.format, message.bytes);
+    if (!header) throw MessageError(0, "the picture is cut off");
+    const Stamp stamp = time(message, place, header->stamp);
+    const std::int64_t number = pictures_->add(message.topic, message.place);
+    if (place.role == TopicRole::kDepth) {
+      frames_of_camera_->add_depth(stamp, number);
+    } else {
+      frames_of_camera_->add_colour(stamp, number);
+    }
+    push_frames(false);
+  }
+
+  void push_frames(bool at_end) {
+    if (!frames_of_camera_) return;
+    for (RgbdFrame& frame : frames_of_camera_->take(at_end)) {
+      order_.push({.message = std::move(frame), .line = -1});
+    }
+  }
+
   void take_transforms(const RecordedMessage& message) {
     decoders_.decode(message, transforms_);
     const bool fixed = is_static_tf(recording_->topics()[message.topic]);
@@ -367,6 +413,21 @@ class TopicLogReader final : public LogReader {
     return true;
   }
 
+  /// The same for a camera that moves on the robot.
+  bool mount(RgbdFrame& frame, const OrderedRecord& record) {
+    const ChosenCamera& camera = *known_.choice.camera;
+    if (!camera.mount_moves || !camera.fault.empty()) return true;
+    const auto base_T_frame =
+        frames_.find(known_.choice.base_frame, camera.frame, record_time(frame.stamp));
+    if (!base_T_frame) {
+      skip({where(record), "tf does not tell where the camera was when a picture was taken"},
+           false);
+      return false;
+    }
+    frame.robot_T_camera = robot_T_camera(camera, *base_T_frame);
+    return true;
+  }
+
   /// Frames that move are asked by the log's clock; made-up stamps know nothing of it.
   [[nodiscard]] std::optional<Stamp> record_time(Stamp stamp) const {
     if (known_.tf_clock.source == TopicClock::Source::kOrder) return std::nullopt;
@@ -381,6 +442,8 @@ class TopicLogReader final : public LogReader {
   RecordingPlan known_;
   FrameTree frames_;
   StampOrder order_;
+  std::shared_ptr<RecordedPictures> pictures_;
+  std::optional<PictureStream> frames_of_camera_{};
   std::vector<Place> places_{};  ///< of the recorded topics
   TopicCounts counts_{};
   ImuMount imu_mount_{};
@@ -409,6 +472,9 @@ RobotModel TopicLogReader::robot(RobotModel base) const {
     base.lidars[i].name = known_.survey.topics[laser.topic].name;
     base.lidars[i].robot_T_lidar = to_pose2(base_T_laser);
     base.lidars[i].height_m = base_T_laser.translation.z();
+  }
+  if (known_.choice.camera && known_.choice.camera->fault.empty()) {
+    base.camera = known_.choice.camera->model;
   }
   return base;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/message_scan.hpp"
+#include "formats/picture_topics.hpp"
 #include "formats/topic_names.hpp"
 #include "formats/topic_writer.hpp"
 
@@ -17,7 +18,10 @@ namespace {
 class TopicLogWriter final : public LogWriter {
  public:
   TopicLogWriter(LogTarget target, std::unique_ptr<RecordingWriter> writer, RobotModel robot)
-      : target_(std::move(target)), writer_(std::move(writer)), robot_(std::move(robot)) {}
+      : target_(std::move(target)),
+        writer_(std::move(writer)),
+        robot_(std::move(robot)),
+        pictures_(robot_) {}
 
   void write(const SensorMessage& message) override {
     try {
@@ -25,6 +29,9 @@ class TopicLogWriter final : public LogWriter {
     } catch (const MessageError& error) {
       throw DataError({target_.path}, error.what());
     }
+  }
+  void use_pictures(std::shared_ptr<const PictureStore> pictures) override {
+    pictures_.use_pictures(std::move(pictures));
   }
   void finish() override { writer_.finish(); }
 
@@ -83,11 +90,24 @@ class TopicLogWriter final : public LogWriter {
                  msg::WheelTicks{.header = {ticks.stamp, kBaseFrame}, .counts = ticks.counts});
   }
 
-  void add(const RgbdFrame& /*frame*/) {}  // the format has no place for pictures
+  void add(const RgbdFrame& frame) {
+    const std::vector<msg::TransformStamped> mounts = pictures_.mounts(frame.stamp, frame);
+    if (frame.robot_T_camera) {
+      writer_.send("/tf", frame.stamp, msg::TFMessage{mounts});
+    } else if (!camera_is_mounted_) {
+      auto& all = mount_messages_.transforms;
+      all.insert(all.end(), mounts.begin(), mounts.end());
+      writer_.send("/tf_static", frame.stamp, mount_messages_, true);
+      camera_is_mounted_ = true;
+    }
+    pictures_.write(frame, writer_);
+  }
 
   LogTarget target_;
   TopicWriter writer_;
   RobotModel robot_;
+  PictureTopics pictures_;
+  bool camera_is_mounted_ = false;
   std::map<int, Pose2> mounts_{};  ///< that were written, by lidar
   msg::TFMessage mount_messages_{};
   std::int64_t moved_ = 0;

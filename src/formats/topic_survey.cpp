@@ -27,7 +27,7 @@ struct KindOfType {
   std::string_view type;
   TopicKind kind;
 };
-constexpr std::array<KindOfType, 10> kKinds{{
+constexpr std::array<KindOfType, 13> kKinds{{
     {"sensor_msgs/LaserScan", TopicKind::kScan},
     {"sensor_msgs/MultiEchoLaserScan", TopicKind::kEchoScan},
     {"sensor_msgs/PointCloud2", TopicKind::kCloud},
@@ -38,11 +38,24 @@ constexpr std::array<KindOfType, 10> kKinds{{
     {"tf2_msgs/TFMessage", TopicKind::kTransforms},
     {"geometry_msgs/PoseStamped", TopicKind::kPose},
     {"geometry_msgs/PoseWithCovarianceStamped", TopicKind::kPoseWithCovariance},
+    {"sensor_msgs/Image", TopicKind::kPicture},
+    {"sensor_msgs/CompressedImage", TopicKind::kPackedPicture},
+    {"sensor_msgs/CameraInfo", TopicKind::kCameraInfo},
 }};
+
+/// Pictures take most of a recording's bytes, so they have a look of their own: so many of each
+/// topic, and so much of the file.
+constexpr std::int64_t kEnoughPictures = 20;
+constexpr std::int64_t kMostPictureBytes = std::int64_t{1} << 27;
+
+bool is_of_camera(TopicKind kind) {
+  return kind == TopicKind::kPicture || kind == TopicKind::kPackedPicture ||
+         kind == TopicKind::kCameraInfo;
+}
 
 /// Topics whose first messages tell how to use them.
 bool is_looked_at(TopicKind kind) {
-  return kind != TopicKind::kOther && kind != TopicKind::kJoints;
+  return kind != TopicKind::kOther && kind != TopicKind::kJoints && !is_of_camera(kind);
 }
 
 /// Reads messages of all topics into the survey.
@@ -50,13 +63,14 @@ class Surveyor {
  public:
   explicit Surveyor(Recording& recording) : recording_(recording), decoders_(recording) {}
 
-  TopicSurvey run() {
+  TopicSurvey run(bool with_pictures) {
     recording_.want([](const RecordedTopic& topic) { return is_looked_at(kind_of(topic.type)); });
     look_at_the_beginning();
     if (!survey_.is_whole && recording_.is_indexed()) {
       look_for_late_topics();
       look_for_fixed_frames();
     }
+    if (with_pictures) look_at_cameras();
     note_topics();
     recording_.want({});
     recording_.rewind();
@@ -115,6 +129,26 @@ class Surveyor {
     while (const auto message = recording_.next()) take(*message);
   }
 
+  void look_at_cameras() {
+    note_topics();
+    const auto is_it = [](const RecordedTopic& topic) { return is_of_camera(kind_of(topic.type)); };
+    if (std::ranges::none_of(recording_.topics(), is_it)) return;
+    recording_.rewind();
+    recording_.want(is_it);
+    while (const auto message = recording_.next()) {
+      take(*message);
+      if (recording_.progress().bytes_done > kMostPictureBytes || knows_cameras()) return;
+    }
+  }
+
+  [[nodiscard]] bool knows_cameras() const {
+    return std::ranges::all_of(survey_.topics, [](const TopicFacts& topic) {
+      const std::int64_t enough = topic.kind == TopicKind::kCameraInfo ? 1 : kEnoughPictures;
+      return !is_of_camera(topic.kind) ||
+             topic.seen >= std::min(enough, topic.messages.value_or(enough));
+    });
+  }
+
   /// Every topic has an entry, also those of which nothing was read.
   void note_topics() {
     for (std::size_t i = 0; i < recording_.topics().size(); ++i) (void)facts_of(i);
@@ -163,7 +197,7 @@ class Surveyor {
     try {
       if (facts.kind == TopicKind::kTransforms) {
         take_transforms(topic, message);
-      } else if (is_looked_at(facts.kind)) {
+      } else if (is_looked_at(facts.kind) || is_of_camera(facts.kind)) {
         look_at(facts, topic, message);
       }
       facts.is_decoded = true;
@@ -190,6 +224,19 @@ class Surveyor {
     }
     if (facts.kind == TopicKind::kScan) {
       facts.beams = decoders_.decode<msg::LaserScan>(message).ranges.size();
+    }
+    if (is_of_camera(facts.kind)) look_at_camera(facts, message);
+  }
+
+  void look_at_camera(TopicFacts& facts, const RecordedMessage& message) {
+    if (facts.kind == TopicKind::kCameraInfo) {
+      facts.camera = decoders_.decode<msg::CameraInfo>(message);
+    } else if (facts.kind == TopicKind::kPicture) {
+      const auto picture = decoders_.decode<msg::Image>(message);
+      facts.picture = {picture.encoding, static_cast<int>(std::min(picture.width, 1U << 16U)),
+                       static_cast<int>(std::min(picture.height, 1U << 16U))};
+    } else {
+      facts.picture.encoding = decoders_.decode<msg::CompressedImage>(message).format;
     }
   }
 
@@ -245,6 +292,8 @@ const TopicFacts* TopicSurvey::find(std::string_view name) const {
   return found == topics.end() ? nullptr : &*found;
 }
 
-TopicSurvey survey_topics(Recording& recording) { return Surveyor(recording).run(); }
+TopicSurvey survey_topics(Recording& recording, bool with_pictures) {
+  return Surveyor(recording).run(with_pictures);
+}
 
 }  // namespace loopstone

@@ -11,6 +11,7 @@
 #include "formats/recording.hpp"
 #include "formats/topic_clock.hpp"
 #include "loopstone/formats/topic_options.hpp"
+#include "loopstone/messages/message_types.hpp"
 
 namespace loopstone {
 
@@ -27,9 +28,19 @@ enum class TopicKind {
   kTransforms,  ///< tf2_msgs/TFMessage
   kPose,        ///< geometry_msgs/PoseStamped
   kPoseWithCovariance,
+  kPicture,        ///< sensor_msgs/Image
+  kPackedPicture,  ///< sensor_msgs/CompressedImage
+  kCameraInfo,     ///< sensor_msgs/CameraInfo
 };
 
 [[nodiscard]] TopicKind kind_of(const std::string& type);
+
+/// Of the first picture of a topic.
+struct PictureFacts {
+  std::string encoding{};  ///< of a packed one, its format
+  int width_px = 0;        ///< 0: not known before it is unpacked
+  int height_px = 0;
+};
 
 /// What the beginning of a recording tells of a topic; topics of one name and type are one.
 struct TopicFacts {
@@ -44,11 +55,16 @@ struct TopicFacts {
   StampFacts stamps{};
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< of an imu: sum of its accelerations
   std::size_t beams = 0;                            ///< of the first scan
-  bool is_decoded = false;                          ///< one of its messages could be read
-  std::string fault{};                              ///< why its messages can't be read
+  PictureFacts picture{};
+  std::optional<msg::CameraInfo> camera{};  ///< the first one
+  bool is_decoded = false;                  ///< one of its messages could be read
+  std::string fault{};                      ///< why its messages can't be read
 
   [[nodiscard]] bool is_laser() const {
     return kind == TopicKind::kScan || kind == TopicKind::kEchoScan || kind == TopicKind::kCloud;
+  }
+  [[nodiscard]] bool is_picture() const {
+    return kind == TopicKind::kPicture || kind == TopicKind::kPackedPicture;
   }
   [[nodiscard]] bool has_messages() const { return seen > 0 || messages.value_or(0) > 0; }
   [[nodiscard]] double rate_hz() const;
@@ -73,7 +89,8 @@ struct TopicSurvey {
 /// Reads the beginning of a recording: some seconds, until every topic that may be of use was seen
 /// often enough, or there is no more to expect; what stands fixed (tf_static) from the whole
 /// recording, when an index leads there. The recording is at its beginning again afterwards.
+/// \param with_pictures  topics of pictures are looked at, too, which takes longer
 /// Throws what the recording throws.
-[[nodiscard]] TopicSurvey survey_topics(Recording& recording);
+[[nodiscard]] TopicSurvey survey_topics(Recording& recording, bool with_pictures);
 
 }  // namespace loopstone

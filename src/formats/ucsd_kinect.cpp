@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "formats/picture_pairs.hpp"
 #include "formats/text_numbers.hpp"
-#include "formats/ucsd_pairs.hpp"
 #include "formats/ucsd_sensors.hpp"
 
 namespace loopstone {

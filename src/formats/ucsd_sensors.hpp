@@ -40,7 +40,7 @@ struct UcsdChannel {
 
 /// Kinect: `disparity_time_stamps` (or `depth_time_stamps`) and `rgb_time_stamps`; picture i of
 /// dataRGBD/RGBN is rgbN_{i+1}.png. A frame is a depth picture with the colour picture nearest in
-/// time (ucsd_pairs.hpp), or either of them alone. Only names are looked at.
+/// time (picture_pairs.hpp), or either of them alone. Only names are looked at.
 [[nodiscard]] UcsdChannel open_ucsd_kinect(const NpzFile& file, const UcsdFiles& files);
 
 /// `sensor` x N matrices, as numpy or its transpose holds them. Throws DataError naming the shapes

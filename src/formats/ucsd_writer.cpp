@@ -85,6 +85,11 @@ class UcsdWriter final : public LogWriter {
       notes.push_back("the laser's mount is in Hokuyo" + set_ +
                       ".npz as robot_T_lidar, which other readers of this layout don't know");
     }
+    if (frames_left_out_ > 0) {
+      notes.push_back(std::to_string(frames_left_out_) +
+                      " RGB-D frames of a recording are left out: the layout holds pictures that "
+                      "are files");
+    }
     if (has_plain_depth_ && depth_) {
       notes.push_back("the depth pictures are in dataRGBD/Depth" + set_ +
                       ", which other readers of this layout don't know");
@@ -137,6 +142,10 @@ class UcsdWriter final : public LogWriter {
   }
 
   void take(const RgbdFrame& frame) {
+    if (frame.colour_message >= 0 || frame.depth_message >= 0) {
+      ++frames_left_out_;
+      return;
+    }
     const fs::path pictures = folder_ / "dataRGBD";
     if (!frame.colour_path.empty()) {
       if (!colour_) colour_.emplace(pictures / ("RGB" + set_), "rgb" + set_ + "_");
@@ -260,6 +269,7 @@ class UcsdWriter final : public LogWriter {
   std::optional<UcsdPictureCopies> colour_;
   std::optional<UcsdPictureCopies> depth_;
   bool has_plain_depth_ = false;
+  std::int64_t frames_left_out_ = 0;
   LaserScan layout_;
   std::size_t beams_ = 0;
   bool states_mount_ = false;

@@ -60,6 +60,12 @@ CloudGatherer::CloudGatherer(const CameraModel& camera, double noise_per_m, doub
   }
 }
 
+void CloudGatherer::look_from(const Pose3& robot_T_camera) {
+  camera_.robot_T_camera = robot_T_camera;
+  robot_T_depth_ = robot_T_depth_optical(camera_);
+  robot_T_colour_ = robot_T_colour_optical(camera_);
+}
+
 void CloudGatherer::add(const RgbdImages& images, const FramePose& pose) {
   const LensModel& lens = colour_lens(camera_);
   const Pose3 map_T_depth = Pose3::from_pose2(pose.map_T_robot_depth) * robot_T_depth_;

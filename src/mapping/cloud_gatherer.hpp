@@ -24,6 +24,8 @@ class CloudGatherer {
   /// \param noise_per_m  of an inverse depth
   CloudGatherer(const CameraModel& camera, double noise_per_m, double cube_m);
 
+  /// From here on frames are those of a camera that sits elsewhere, with the same lenses.
+  void look_from(const Pose3& robot_T_camera);
   void add(const RgbdImages& images, const FramePose& pose);
 
   /// In the order of the cubes; cubes measured fewer than three times are left out.

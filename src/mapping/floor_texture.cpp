@@ -10,6 +10,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/roll_pitch_yaw.hpp"
 #include "mapping/cloud_gatherer.hpp"
 #include "mapping/smooth_pose.hpp"
 #include "mapping/texture_finish.hpp"
@@ -73,15 +74,16 @@ class FrameChooser {
       ++statistics_.frames_without_pose;
       return {};
     }
+    const Pose2 camera_pose = pose_of_camera(frame, *colour_pose);
     if (last_) {
-      const Pose2 step = last_->inverse() * *colour_pose;
+      const Pose2 step = last_->inverse() * camera_pose;
       if (step.translation().norm() < options_.min_travel_m &&
           std::abs(step.yaw) < options_.min_turn_rad) {
         ++statistics_.frames_still;
         return {};
       }
     }
-    last_ = colour_pose;
+    last_ = camera_pose;
     FramePose pose{*depth_pose, *colour_pose};
     constexpr double kSpan_s = 0.05;
     const auto before = trajectory_.at_clamped(colour_stamp - Duration::from_seconds(kSpan_s));
@@ -93,6 +95,13 @@ class FrameChooser {
   }
 
  private:
+  /// The robot's where the camera is fixed to it.
+  static Pose2 pose_of_camera(const RgbdFrame& frame, const Pose2& map_T_robot) {
+    if (!frame.robot_T_camera) return map_T_robot;
+    const Eigen::Vector3d& place = frame.robot_T_camera->translation;
+    return map_T_robot * Pose2{place.x(), place.y(), to_roll_pitch_yaw(*frame.robot_T_camera).z()};
+  }
+
   const Trajectory& trajectory_;
   const TextureOptions& options_;
   Duration late_;
@@ -102,8 +111,36 @@ class FrameChooser {
 
 /// What frames are gathered into.
 struct Gatherers {
+  CameraModel camera;
+  bool correct_mount = true;
   TextureMapper texture;
   std::optional<CloudGatherer> cloud{};
+
+  /// Where the camera of a frame really sat, by the floor that it sees. False: it sees none.
+  bool look_from(const Pose3& robot_T_camera, const InverseDepthImage& depth) {
+    camera.robot_T_camera = robot_T_camera;
+    if (robot_T_camera.translation.z() <= 0.0) return false;
+    FloorPlaneEstimator estimator(camera);
+    estimator.add(depth);
+    FloorEstimate floor = estimator.estimate();
+    if (floor.status != FloorStatus::kEstimated) return false;
+    if (correct_mount) {
+      camera.robot_T_camera = floor.robot_T_camera;
+    } else {
+      floor.plane = floor_plane_of(robot_T_camera);
+    }
+    texture.look_from(camera, floor);
+    if (cloud) cloud->look_from(camera.robot_T_camera);
+    return true;
+  }
+
+  TextureMapper::Use add(const Job& job) {
+    const auto& mount = job.frame->robot_T_camera;
+    if (mount && !look_from(*mount, job.images.depth)) return TextureMapper::Use::kTilted;
+    const TextureMapper::Use use = texture.add(job.images, job.pose);
+    if (cloud && use == TextureMapper::Use::kUsed) cloud->add(job.images, job.pose);
+    return use;
+  }
 };
 
 void use_frame(const Job& job, Gatherers& gatherers, FloorTexture& texture) {
@@ -111,11 +148,10 @@ void use_frame(const Job& job, Gatherers& gatherers, FloorTexture& texture) {
   if (!job.problem.empty()) {
     constexpr std::int64_t kMostWarnings = 3;
     if (++statistics.frames_unreadable <= kMostWarnings) texture.warnings.push_back(job.problem);
-  } else if (gatherers.texture.add(job.images, job.pose) == TextureMapper::Use::kTilted) {
+  } else if (gatherers.add(job) == TextureMapper::Use::kTilted) {
     ++statistics.frames_tilted;
   } else {
     ++statistics.frames_used;
-    if (gatherers.cloud) gatherers.cloud->add(job.images, job.pose);
   }
 }
 
@@ -188,9 +224,9 @@ void add_warnings(const TextureOptions& options, FloorTexture& texture) {
   }
   const TextureStatistics& s = texture.statistics;
   if (s.frames_tilted * 20 > s.frames) {
-    warnings.push_back(
-        fmt::format("{} of {} frames see a floor that is tilted against the others'; not used",
-                    s.frames_tilted, s.frames));
+    warnings.push_back(fmt::format(
+        "{} of {} frames see a floor that is tilted against the others', or none; not used",
+        s.frames_tilted, s.frames));
   }
   if (s.frames_without_pose * 20 > s.frames) {
     warnings.push_back(fmt::format("{} of {} frames were taken when the trajectory has no pose",
@@ -208,20 +244,27 @@ FloorTexture map_floor_texture(const RgbdSource& source, const Trajectory& traje
   const std::vector<RgbdFrame> frames = complete_frames(source);
   texture.statistics.frames = static_cast<std::int64_t>(frames.size());
 
-  texture.floor = estimate_floor(source, frames, given_camera, threads);
+  const bool mount_moves = std::ranges::any_of(
+      frames, [](const RgbdFrame& frame) { return frame.robot_T_camera.has_value(); });
+  if (mount_moves) {
+    texture.floor.status = FloorStatus::kByFrame;
+    texture.floor.robot_T_camera = given_camera.robot_T_camera;
+  } else {
+    texture.floor = estimate_floor(source, frames, given_camera, threads);
+  }
   CameraModel camera = given_camera;
   FloorEstimate used_floor = texture.floor;
-  if (options.correct_mount) {
+  if (options.correct_mount && !mount_moves) {
     camera.robot_T_camera = texture.floor.robot_T_camera;
   } else {
     used_floor.plane = floor_plane_of(camera.robot_T_camera);
   }
 
-  if (options.correct_clock) {
+  if (options.correct_clock && !mount_moves) {
     texture.clock = estimate_camera_clock({frames, source.load}, trajectory, camera, threads);
   }
 
-  Gatherers gatherers{TextureMapper(camera, used_floor, options)};
+  Gatherers gatherers{camera, options.correct_mount, TextureMapper(camera, used_floor, options)};
   if (options.cloud_cube_m > 0.0) {
     gatherers.cloud.emplace(camera, used_floor.noise_per_m, options.cloud_cube_m);
   }

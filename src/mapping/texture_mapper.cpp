@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "geometry/symmetric_matrix.hpp"
 #include "loopstone/base/median.hpp"
@@ -92,6 +93,18 @@ TextureMapper::TextureMapper(const CameraModel& camera, const FloorEstimate& flo
       lenses_(camera),
       sight_(camera, floor.plane, floor.noise_per_m, options.height_tolerance_m),
       cells_(options.resolution_m) {}
+
+void TextureMapper::look_from(const CameraModel& camera, const FloorEstimate& floor) {
+  TextureMapper other(camera, floor, options_);
+  camera_ = other.camera_;
+  robot_T_colour_ = other.robot_T_colour_;
+  robot_T_depth_ = other.robot_T_depth_;
+  footprint_ = std::move(other.footprint_);
+  blur_per_depth2_ = other.blur_per_depth2_;
+  width_per_depth_ = other.width_per_depth_;
+  lenses_ = other.lenses_;
+  sight_ = std::move(other.sight_);
+}
 
 TextureMapper::Footprint TextureMapper::make_footprint() const {
   const LensModel& lens = colour_lens(camera_);
@@ -311,24 +324,28 @@ FramePose TextureMapper::refined(const FramePose& given) const {
 void TextureMapper::level_samples() {
   // Brightness against what earlier frames saw of the same cells, each channel by itself (white
   // balance wanders as well): the median ratio, so that what has changed on the floor does not
-  // count.
+  // count. A channel in which the floor is too dark to tell is levelled as all of them together.
   constexpr std::size_t kEvery = 7;
   constexpr std::size_t kFewest = 100;
+  constexpr std::size_t kAll = 3;
   constexpr float kDark = 0.01F * 65535.0F;  // where the ratio is mostly noise
   for (auto& ratios : ratios_) ratios.clear();
   for (std::size_t i = 0; i < samples_.size(); i += kEvery) {
     const TextureMode& known = samples_[i].cell->best;
+    const LinearRgb& light = samples_[i].light;
     if (known.weight == 0) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (known.rgb[c] > kDark && samples_[i].light[c] > kDark) {
-        ratios_[c].push_back(samples_[i].light[c] / static_cast<float>(known.rgb[c]));
-      }
-    }
+    const auto add = [&](std::size_t channel, float seen, float before) {
+      if (seen > kDark && before > kDark) ratios_[channel].push_back(seen / before);
+    };
+    for (std::size_t c = 0; c < 3; ++c) add(c, light[c], static_cast<float>(known.rgb[c]));
+    add(kAll, light[0] + light[1] + light[2],
+        static_cast<float>(known.rgb[0]) + static_cast<float>(known.rgb[1]) +
+            static_cast<float>(known.rgb[2]));
   }
+  if (ratios_[kAll].size() < kFewest) return;
   double log_gain = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
-    if (ratios_[c].size() < kFewest) return;
-    const float ratio = median_of(ratios_[c]);
+    const float ratio = median_of(ratios_[ratios_[c].size() < kFewest ? kAll : c]);
     // A little less than the whole difference, so that levels a long way apart do not add up
     // errors.
     constexpr float kForget = 0.98F;

@@ -25,6 +25,9 @@ class TextureMapper {
   TextureMapper(const CameraModel& camera, const FloorEstimate& floor,
                 const TextureOptions& options);
 
+  /// From here on frames are those of a camera that sits elsewhere.
+  void look_from(const CameraModel& camera, const FloorEstimate& floor);
+
   enum class Use { kUsed, kTilted };
   /// Frames come in a fixed order: colours are levelled against what is there.
   Use add(const RgbdImages& images, const FramePose& pose);
@@ -102,7 +105,7 @@ class TextureMapper {
   LightRows light_;
   TileGrid<TextureCell> cells_;
   std::vector<Sample> samples_{};
-  std::array<std::vector<float>, 3> ratios_{};
+  std::array<std::vector<float>, 4> ratios_{};  ///< of red, green, blue, and their sum
   std::int64_t frames_levelled_ = 0;
   double log_gain_sum_ = 0.0;
   double log_gain_sum2_ = 0.0;

@@ -40,6 +40,7 @@ THIRD_PARTY = {
     "lz4.h": {"formats"},
     "sqlite3.h": {"formats"},
     "jpeglib.h": {"formats"},
+    "jerror.h": {"formats"},
     "cairo": FILE_PARTS,
     "CLI/": {"apps"},
     "spdlog/": {"apps"},

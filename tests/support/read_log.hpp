@@ -52,7 +52,10 @@ template <typename Open>
 }
 
 [[nodiscard]] inline LogContent read_log(const std::string& path) {
-  return read_all([&](const LogOptions& options) { return open_log(path, options); });
+  return read_all([&](LogOptions options) {
+    options.topics.pictures = true;
+    return open_log(path, options);
+  });
 }
 
 }  // namespace loopstone::test

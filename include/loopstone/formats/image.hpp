@@ -59,7 +59,14 @@ struct Image {
 /// Raw graymap (P5) without a comment; one channel, 8 bits.
 [[nodiscard]] std::string encode_pgm(const Image& image);
 
-/// PNG or PNM, told apart by content. Throws DataError naming the formats that are understood.
+/// JPEG of 8 bits, grey or colour, baseline or progressive; one that is cut off or damaged is
+/// refused. Throws DataError.
+[[nodiscard]] Image decode_jpeg(std::string_view bytes,
+                                const std::string& path_for_errors = "image",
+                                const MemoryBudget& budget = {});
+
+/// PNG, JPEG or PNM, told apart by content. Throws DataError naming the formats that are
+/// understood.
 [[nodiscard]] Image decode_image(std::string_view bytes,
                                  const std::string& path_for_errors = "image",
                                  const MemoryBudget& budget = {});

@@ -91,9 +91,10 @@ struct LogFormat {
   LogPlace place = LogPlace::kFile;
   std::span<const std::string_view> endings{};   ///< of the names of its files: ".clf"
   std::span<const std::string_view> packings{};  ///< that may follow: ".gz"
-  std::string_view expected{};  ///< in a folder, for the message when it is missing
-  bool has_sets = false;        ///< a folder holds several logs, told apart by number
-  bool reads_streams = false;   ///< can be read from a pipe
+  std::string_view expected{};     ///< in a folder, for the message when it is missing
+  bool has_sets = false;           ///< a folder holds several logs, told apart by number
+  bool reads_streams = false;      ///< can be read from a pipe
+  bool has_picture_files = false;  ///< pictures are files beside the log, not messages in it
   LogContents holds{};
 
   /// By content; never throws for a log of another format.

@@ -13,6 +13,7 @@
 #include "loopstone/base/memory_budget.hpp"
 #include "loopstone/base/words.hpp"
 #include "loopstone/formats/left_out.hpp"
+#include "loopstone/formats/picture_store.hpp"
 #include "loopstone/formats/topic_options.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
@@ -87,6 +88,12 @@ class LogReader {
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
   /// What was chosen where the log left a choice, in plain words: "laser: /scan (...)".
   [[nodiscard]] virtual std::vector<std::string> choices() const { return {}; }
+  /// What RgbdFrame::depth_message and colour_message are numbers of; complete after the last
+  /// message, and not to be asked before. Nothing when pictures are files.
+  [[nodiscard]] virtual std::shared_ptr<const PictureStore> pictures() const { return nullptr; }
+  /// Why what the log says of its camera is not enough to use it without a robot file, in plain
+  /// words; empty when it is enough, and for logs that leave the camera to the robot's model.
+  [[nodiscard]] virtual std::string camera_fault() const { return {}; }
   /// The topics of a recording; counts and rates are complete after the last message.
   [[nodiscard]] virtual std::vector<TopicSummary> topics() const { return {}; }
 };
@@ -109,6 +116,8 @@ class LogWriter {
   virtual ~LogWriter() = default;
   /// Messages come in time order.
   virtual void write(const SensorMessage& message) = 0;
+  /// Before the first frame whose pictures are messages of a recording: what they are numbers of.
+  virtual void use_pictures(std::shared_ptr<const PictureStore> /*pictures*/) {}
   /// Completes the files and moves them to their final names. Without it the destructor removes
   /// what was written.
   virtual void finish() = 0;

@@ -6,23 +6,25 @@
 #include <string_view>
 #include <vector>
 
+#include "loopstone/formats/picture_store.hpp"
 #include "loopstone/sensor/camera_model.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/rgbd_images.hpp"
 
 namespace loopstone {
 
-/// Loads the pictures of RGB-D frames.
+/// Loads the pictures of RGB-D frames, from files or from the recording that they are messages of.
 ///
-/// Colour is PNG or PNM: grey is expanded, 16 bits are reduced to 8, alpha is dropped. Depth is a
-/// picture of 16-bit numbers (PNG, PNM, TIFF), which the camera's DepthEncoding explains, or of
+/// Colour is PNG, JPEG or PNM: grey is expanded, 16 bits are reduced to 8, alpha is dropped. Depth
+/// is a picture of 16-bit numbers (PNG, PNM, TIFF), which the camera's DepthEncoding explains, or of
 /// metres as 32-bit numbers (PFM, TIFF). Every function is const and may be called from several
 /// threads at once. Memory for unpacking is kept from call to call, as much as one frame needs for
 /// every thread that was loading at the same time.
 class RgbdLoader {
  public:
-  /// Throws UsageError when the camera's depth encoding is of an unknown kind.
-  explicit RgbdLoader(const CameraModel& camera);
+  /// \param pictures  of the recording that the frames come from (LogReader::pictures()); none for
+  ///                  frames whose pictures are files
+  explicit RgbdLoader(const CameraModel& camera, std::shared_ptr<const PictureStore> pictures = {});
 
   /// The pixels of both pictures; one without a name stays empty. Throws DataError that names the
   /// file: when it can't be read, is damaged, or is not of the size that the camera's lens has.
@@ -35,11 +37,12 @@ class RgbdLoader {
   struct Workplaces;
 
   CameraModel camera_;
+  std::shared_ptr<const PictureStore> pictures_;
   std::vector<float> per_m_of_number_;
   std::shared_ptr<Workplaces> workplaces_;
 };
 
-/// A colour picture from the bytes of a PNG or PNM file. Throws DataError.
+/// A colour picture from the bytes of a PNG, JPEG or PNM file. Throws DataError.
 [[nodiscard]] ColourImage decode_colour(std::string_view bytes,
                                         const std::string& path_for_errors = "colour");
 

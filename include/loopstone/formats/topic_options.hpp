@@ -22,13 +22,15 @@ enum class TopicRole {
   kWheels,
   kTransforms,  ///< tf
   kTruth,       ///< poses to compare with
+  kDepth,       ///< pictures of depth
+  kColour,      ///< pictures of colour, of the same camera or one beside it
 };
 
 constexpr auto words_of(TopicRole /*any*/) {
   using enum TopicRole;
-  return std::array{Word{kNone, "none"},  Word{kLaser, "laser"},   Word{kOdometry, "odometry"},
-                    Word{kImu, "imu"},    Word{kWheels, "wheels"}, Word{kTransforms, "tf"},
-                    Word{kTruth, "truth"}};
+  return std::array{Word{kNone, "none"},   Word{kLaser, "laser"},   Word{kOdometry, "odometry"},
+                    Word{kImu, "imu"},     Word{kWheels, "wheels"}, Word{kTransforms, "tf"},
+                    Word{kTruth, "truth"}, Word{kDepth, "depth"},   Word{kColour, "colour"}};
 }
 
 /// Which of several echoes of one beam counts.
@@ -53,7 +55,9 @@ struct TopicOptions {
   std::string base_frame{};  ///< the robot's frame in tf; empty: chosen
   EchoUse echo = EchoUse::kFirst;
   std::optional<HeightRange> slice{};  ///< of point clouds; absent: about the scanner's own height
-  bool count_all = false;              ///< topics that nobody uses are read, too, to be counted
+  /// Pictures of a camera that sees depth and colour are looked for and given.
+  bool pictures = false;
+  bool count_all = false;  ///< topics that nobody uses are read, too, to be counted
 };
 
 /// One topic of a recording, for people.

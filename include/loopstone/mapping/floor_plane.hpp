@@ -31,11 +31,13 @@ struct FloorPlane {
 enum class FloorStatus {
   kEstimated,
   kNotSeen,  ///< too little floor in the pictures; the given mount is kept
+  kByFrame,  ///< the camera moves on the robot: each frame's floor tells its own mount
 };
 
 constexpr auto words_of(FloorStatus /*any*/) {
   using enum FloorStatus;
-  return std::array{Word{kEstimated, "estimated"}, Word{kNotSeen, "not_seen"}};
+  return std::array{Word{kEstimated, "estimated"}, Word{kNotSeen, "not_seen"},
+                    Word{kByFrame, "by_frame"}};
 }
 
 /// Where the camera really sits above the floor.

@@ -3,11 +3,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/geometry/pose2.hpp"
+#include "loopstone/geometry/pose3.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
 
 namespace loopstone {
@@ -52,8 +54,15 @@ struct ImuSample {
 struct RgbdFrame {
   Stamp stamp;              ///< of the depth picture, or of the colour picture when it is alone
   Stamp colour_stamp;       ///< the cameras need not be synchronised
-  std::string colour_path;  ///< empty when there is only depth
-  std::string depth_path;   ///< empty when there is only colour
+  std::string colour_path;  ///< a file, or the topic of a recording; empty: there is only depth
+  std::string depth_path;   ///< the same; empty: there is only colour
+  /// Of pictures that are messages of a recording: their numbers there, for LogReader::pictures().
+  /// Negative: they are files.
+  std::int64_t colour_message = -1;
+  std::int64_t depth_message = -1;
+  /// Of a camera that moves on the robot: where it was at the depth picture's stamp. Absent: where
+  /// the robot's model says.
+  std::optional<Pose3> robot_T_camera{};
 };
 
 using SensorMessage = std::variant<LaserScan, OdometryPose, WheelTicks, ImuSample, RgbdFrame>;

@@ -207,7 +207,7 @@ TEST(Pgm, DamageIsNamedWithItsPlace) {
     EXPECT_NE(error.find(part), std::string::npos) << error;
   };
   has(error_of(""), "is empty");
-  has(error_of("hello"), "PGM (P2, P5) or PNG");
+  has(error_of("hello"), "PGM (P2, P5), PNG or JPEG");
   has(error_of("P1 1 1 1"), "P2 or P5");
   has(error_of("P5"), "m (byte 2): the width");
   has(error_of("P5 2 2 255"), "(byte 10): the header does not end");

@@ -57,7 +57,7 @@ std::vector<std::string> write_log(const LogTarget& target,
 }
 
 /// A drive with all that the simulator tells (poses or wheels), by a clock that counts from 1970,
-/// and one picture of the floor.
+/// and one frame of the floor.
 std::vector<SensorMessage> drive(bool poses, const TempDir& folder) {
   SimulationOptions options;
   options.duration_s = 3.0;
@@ -66,10 +66,14 @@ std::vector<SensorMessage> drive(bool poses, const TempDir& folder) {
   options.laser.fov_rad = kPi;
   options.odometry_poses = poses;
   std::vector<SensorMessage> messages = test::simulate_log("office", 1, options).messages;
-  const std::string picture = folder / "colour.png";
-  write_png(picture, make_image(4, 3, 3));
+  const CameraModel camera;
+  const std::string colour = folder / "colour.png";
+  const std::string depth = folder / "depth.png";
+  write_png(colour, make_image(camera.colour.width_px, camera.colour.height_px, 3));
+  write_png(depth, make_image(camera.depth.width_px, camera.depth.height_px, 1, 2));
   const Stamp end = stamp_of(messages.back());
-  messages.emplace_back(RgbdFrame{end, end, picture, {}});
+  messages.emplace_back(
+      RgbdFrame{.stamp = end, .colour_stamp = end, .colour_path = colour, .depth_path = depth});
   return messages;
 }
 

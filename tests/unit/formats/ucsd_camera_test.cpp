@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/ucsd_pairs.hpp"
+#include "formats/picture_pairs.hpp"
 #include "loopstone/base/rng.hpp"
 #include "loopstone/formats/convert_log.hpp"
 #include "loopstone/formats/image.hpp"

@@ -1,4 +1,4 @@
-#include "formats/ucsd_pairs.hpp"
+#include "formats/picture_pairs.hpp"
 
 #include <algorithm>
 #include <cstddef>
