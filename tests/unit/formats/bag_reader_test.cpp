@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "chunked_checks.hpp"
 #include "formats/recording.hpp"
-#include "support/placed_messages.hpp"
 #include "support/recorded_data.hpp"
 #include "support/recording_builder.hpp"
 #include "support/recording_damage.hpp"
@@ -17,20 +17,9 @@ using test::BagBuild;
 using test::build_bag;
 using test::BuiltMessage;
 using test::BuiltRecording;
+using test::Damage;
 using test::messages_of;
 using test::some_messages;
-
-/// What a reading said of damage.
-struct Damage {
-  std::vector<std::string> reasons{};
-  RecordingOptions options() {
-    RecordingOptions options;
-    options.on_damage = [this](const Problem& problem) {
-      reasons.push_back(to_string(problem.location) + ": " + problem.reason);
-    };
-    return options;
-  }
-};
 
 std::vector<BagBuild> builds() {
   std::vector<BagBuild> list;
@@ -45,6 +34,11 @@ std::vector<BagBuild> builds() {
     }
   }
   return list;
+}
+
+std::string words(const BagBuild& build) {
+  return "packing " + std::to_string(static_cast<int>(build.packing)) +
+         (build.is_indexed ? "" : " no index") + (build.outside_of_chunks ? " outside" : "");
 }
 
 TEST(BagReader, every_way_to_write_a_bag_gives_the_same_messages) {
@@ -127,23 +121,8 @@ TEST(BagReader, only_wanted_topics_are_given_and_chunks_without_them_are_not_unp
 TEST(BagReader, a_bag_that_is_cut_anywhere_gives_the_messages_before) {
   const auto messages = some_messages(30);
   for (const BagBuild& build : builds()) {
-    const BuiltRecording bag = build_bag(messages, build);
-    std::size_t most = 0;
-    for (std::size_t size = 13; size < bag.bytes.size(); size += 7) {
-      const auto recording = read_bag(std::string_view(bag.bytes).substr(0, size), {});
-      const auto got = messages_of(*recording);
-      ASSERT_LE(got.size(), messages.size());
-      ASSERT_TRUE(std::equal(got.begin(), got.end(), messages.begin())) << size;
-      ASSERT_GE(got.size(), most) << size;
-      for (const auto& part : bag.parts) {
-        if (part.end <= size) {
-          ASSERT_GE(got.size(), part.first + part.messages) << size;
-        }
-      }
-      most = got.size();
-      ASSERT_FALSE(recording->is_indexed()) << size;
-    }
-    EXPECT_EQ(most, messages.size());
+    test::expect_what_is_before_cuts(build_bag(messages, build), messages, 13, 7, read_bag,
+                                     words(build));
   }
 }
 
@@ -181,101 +160,31 @@ TEST(BagReader, wrong_lengths_of_index_records_and_junk_before_the_index_cost_no
 TEST(BagReader, what_is_undamaged_is_found_wherever_the_damage_is) {
   const auto messages = some_messages(60);
   const auto variants = builds();
+  std::size_t placed = 0;
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const BagBuild& build = variants[seed % variants.size()];
     const auto spoiled = test::damaged(build_bag(messages, build), messages.size(), seed);
-    const auto recording = read_bag(spoiled.bytes, {});
-    const auto found = test::found_in(*recording, messages);
-    for (std::size_t i = 0; i < messages.size(); ++i) {
-      EXPECT_TRUE(found[i] || !spoiled.is_whole[i])
-          << "seed " << seed << ", message " << i << ", " << spoiled.what << ", packing "
-          << static_cast<int>(build.packing) << " indexed " << build.is_indexed << " outside "
-          << build.outside_of_chunks;
-    }
+    const std::string what = words(build) + ", seed " + std::to_string(seed);
+    test::expect_what_is_undamaged(spoiled, messages, read_bag, what);
+    placed += test::expect_by_place(spoiled.bytes, read_bag, what);
   }
+  EXPECT_GT(placed, 500 * messages.size() / 2);
 }
 
 TEST(BagReader, messages_are_found_again_by_their_places) {
   const auto messages = some_messages(60);
   for (const BagBuild& build : builds()) {
     const BuiltRecording bag = build_bag(messages, build);
-    const auto placed = test::placed_messages_of(*read_bag(bag.bytes, {}));
-    EXPECT_EQ(test::expect_by_place(placed, *read_bag(bag.bytes, {}), "sound"), messages.size());
+    EXPECT_EQ(test::expect_by_place(bag.bytes, read_bag, words(build)), messages.size());
     for (std::size_t size = 1000; size < bag.bytes.size(); size += 97) {
-      const auto cut = std::string_view(bag.bytes).substr(0, size);
-      test::expect_by_place(test::placed_messages_of(*read_bag(cut, {})), *read_bag(cut, {}),
-                            "cut at " + std::to_string(size));
+      test::expect_by_place(std::string_view(bag.bytes).substr(0, size), read_bag,
+                            words(build) + " cut at " + std::to_string(size));
     }
-  }
-  const auto variants = builds();
-  std::size_t found = 0;
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
-    const auto spoiled =
-        test::damaged(build_bag(messages, variants[seed % variants.size()]), messages.size(), seed);
-    found += test::expect_by_place(test::placed_messages_of(*read_bag(spoiled.bytes, {})),
-                                   *read_bag(spoiled.bytes, {}),
-                                   spoiled.what + ", seed " + std::to_string(seed));
-  }
-  EXPECT_GT(found, 500 * messages.size() / 2);
-}
-
-TEST(BagReader, asking_by_place_does_not_disturb_the_reading) {
-  const auto messages = some_messages(60);
-  const test::TempDir dir;
-  for (const BagBuild& build : builds()) {
-    const std::string path = dir.write("a.bag", build_bag(messages, build).bytes);
-    const auto placed = test::placed_messages_of(*open_bag(path, {}));
-    const auto recording = open_bag(path, {});
-    for (std::size_t i = 0; i < messages.size(); ++i) {
-      const auto message = recording->next();
-      ASSERT_TRUE(message);
-      EXPECT_EQ(std::string(message->bytes.begin(), message->bytes.end()), messages[i].bytes);
-      const auto& other = placed[(7 * i + 3) % placed.size()];
-      EXPECT_TRUE(std::ranges::equal(recording->bytes_at(other.place), other.bytes));
-    }
-    EXPECT_FALSE(recording->next());
-  }
-}
-
-TEST(BagReader, a_place_that_holds_another_message_is_refused) {
-  const test::TempDir dir;
-  for (const Packing packing : {Packing::kNone, Packing::kBzip2, Packing::kLz4}) {
-    const std::string path =
-        dir.write("a.bag", build_bag(some_messages(60), {.packing = packing}).bytes);
-    const auto placed = test::placed_messages_of(*open_bag(path, {}));
-    const auto refusal = [&](const MessagePlace& place) -> std::string {
-      try {
-        (void)open_bag(path, {})->bytes_at(place);
-      } catch (const DataError& error) {
-        return error.what();
-      }
-      return "none";
-    };
-    const MessagePlace place = placed[30].place;
-    EXPECT_EQ(refusal(place), "none");
-    const std::string expected =
-        path + " (byte " + std::to_string(place.at) +
-        "): the message that was here is gone: the file was changed meanwhile";
-    MessagePlace other = place;
-    other.recorded.nanoseconds += 1;
-    EXPECT_EQ(refusal(other), expected);
-    other = place;
-    other.size += 1;
-    EXPECT_EQ(refusal(other), expected);
-    other = place;
-    other.in_chunk = packing == Packing::kNone ? 5 : MessagePlace::kNoChunk;
-    EXPECT_EQ(refusal(other), expected);
-    other.in_chunk = std::int64_t{1} << 40;
-    EXPECT_EQ(refusal(other), expected);
-    for (const std::int64_t at : {std::int64_t{-1}, std::int64_t{0}, std::int64_t{1} << 40}) {
-      other = place;
-      other.at = at;
-      EXPECT_NE(refusal(other), "none") << at;
-    }
-    dir.write("a.bag", build_bag(some_messages(60, 2), {.packing = packing}).bytes);
-    EXPECT_EQ(refusal(place), expected);
-    dir.write("a.bag", build_bag(some_messages(5), {.packing = packing}).bytes);
-    EXPECT_EQ(refusal(place), expected);
+    test::expect_undisturbed_by_places(bag.bytes, open_bag, words(build));
+    test::expect_other_places_refused(
+        bag.bytes,
+        {build_bag(some_messages(60, 2), build).bytes, build_bag(some_messages(5), build).bytes},
+        open_bag);
   }
 }
 
@@ -317,19 +226,8 @@ TEST(BagReader, what_is_no_bag_is_refused_in_words) {
 }
 
 TEST(BagReader, whoever_wants_no_more_is_asked_within_a_block) {
-  const BuiltRecording bag = build_bag(some_messages(60), {.packing = Packing::kBzip2});
-  bool stop = false;
-  RecordingOptions options;
-  options.stop = [&] { return stop; };
-  const auto recording = read_bag(bag.bytes, options);
-  ASSERT_TRUE(recording->next());
-  stop = true;
-  EXPECT_THROW(
-      {
-        while (recording->next()) {
-        }
-      },
-      ReadingStopped);
+  test::expect_stops_when_asked(build_bag(some_messages(60), {.packing = Packing::kBzip2}).bytes,
+                                read_bag);
 }
 
 struct RealBag {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "chunked_checks.hpp"
 #include "formats/recording.hpp"
-#include "support/placed_messages.hpp"
 #include "support/recorded_data.hpp"
 #include "support/recording_builder.hpp"
 #include "support/recording_damage.hpp"
@@ -16,20 +16,10 @@ namespace {
 using test::build_mcap;
 using test::BuiltMessage;
 using test::BuiltRecording;
+using test::Damage;
 using test::McapBuild;
 using test::messages_of;
 using test::some_messages;
-
-struct Damage {
-  std::vector<std::string> reasons{};
-  RecordingOptions options() {
-    RecordingOptions options;
-    options.on_damage = [this](const Problem& problem) {
-      reasons.push_back(to_string(problem.location) + ": " + problem.reason);
-    };
-    return options;
-  }
-};
 
 /// Everything of which a writer may leave out the one or the other.
 std::vector<McapBuild> builds() {
@@ -182,22 +172,8 @@ TEST(McapReader, only_wanted_topics_are_given_and_chunks_without_them_are_not_un
 TEST(McapReader, a_file_that_is_cut_anywhere_gives_the_messages_before) {
   const auto messages = some_messages(30);
   for (const McapBuild& build : builds()) {
-    const BuiltRecording file = build_mcap(messages, build);
-    std::size_t most = 0;
-    for (std::size_t size = 8; size < file.bytes.size(); size += 11) {
-      const auto recording = read_mcap(std::string_view(file.bytes).substr(0, size), {});
-      EXPECT_FALSE(recording->is_indexed());
-      const auto got = messages_of(*recording);
-      ASSERT_LE(got.size(), messages.size());
-      ASSERT_TRUE(std::equal(got.begin(), got.end(), messages.begin())) << size << words(build);
-      ASSERT_GE(got.size(), most) << size << words(build);
-      for (const auto& part : file.parts) {
-        if (part.end <= size) {
-          ASSERT_GE(got.size(), part.first + part.messages) << size << words(build);
-        }
-      }
-      most = got.size();
-    }
+    test::expect_what_is_before_cuts(build_mcap(messages, build), messages, 8, 11, read_mcap,
+                                     words(build));
   }
 }
 
@@ -260,100 +236,31 @@ TEST(McapReader, two_files_one_behind_the_other_are_read_as_one) {
 TEST(McapReader, what_is_undamaged_is_found_wherever_the_damage_is) {
   const auto messages = some_messages(60);
   const auto variants = builds();
+  std::size_t placed = 0;
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const McapBuild& build = variants[seed % variants.size()];
     const auto spoiled = test::damaged(build_mcap(messages, build), messages.size(), seed);
-    const auto recording = read_mcap(spoiled.bytes, {});
-    const auto found = test::found_in(*recording, messages);
-    for (std::size_t i = 0; i < messages.size(); ++i) {
-      EXPECT_TRUE(found[i] || !spoiled.is_whole[i])
-          << "seed " << seed << ", message " << i << ", " << spoiled.what << ", " << words(build);
-    }
+    const std::string what = words(build) + ", seed " + std::to_string(seed);
+    test::expect_what_is_undamaged(spoiled, messages, read_mcap, what);
+    placed += test::expect_by_place(spoiled.bytes, read_mcap, what);
   }
+  EXPECT_GT(placed, 500 * messages.size() / 2);
 }
 
 TEST(McapReader, messages_are_found_again_by_their_places) {
   const auto messages = some_messages(60);
   for (const McapBuild& build : builds()) {
     const BuiltRecording file = build_mcap(messages, build);
-    const auto placed = test::placed_messages_of(*read_mcap(file.bytes, {}));
-    EXPECT_EQ(test::expect_by_place(placed, *read_mcap(file.bytes, {}), words(build)),
-              messages.size());
+    EXPECT_EQ(test::expect_by_place(file.bytes, read_mcap, words(build)), messages.size());
     for (std::size_t size = 1000; size < file.bytes.size(); size += 331) {
-      const auto cut = std::string_view(file.bytes).substr(0, size);
-      test::expect_by_place(test::placed_messages_of(*read_mcap(cut, {})), *read_mcap(cut, {}),
+      test::expect_by_place(std::string_view(file.bytes).substr(0, size), read_mcap,
                             words(build) + " cut at " + std::to_string(size));
     }
-  }
-  const auto variants = builds();
-  std::size_t found = 0;
-  for (std::uint64_t seed = 0; seed < 500; ++seed) {
-    const McapBuild& build = variants[seed % variants.size()];
-    const auto spoiled = test::damaged(build_mcap(messages, build), messages.size(), seed);
-    found += test::expect_by_place(
-        test::placed_messages_of(*read_mcap(spoiled.bytes, {})), *read_mcap(spoiled.bytes, {}),
-        words(build) + ", " + spoiled.what + ", seed " + std::to_string(seed));
-  }
-  EXPECT_GT(found, 500 * messages.size() / 2);
-}
-
-TEST(McapReader, asking_by_place_does_not_disturb_the_reading) {
-  const auto messages = some_messages(60);
-  const test::TempDir dir;
-  for (const McapBuild& build : builds()) {
-    const std::string path = dir.write("a.mcap", build_mcap(messages, build).bytes);
-    const auto placed = test::placed_messages_of(*open_mcap(path, {}));
-    const auto recording = open_mcap(path, {});
-    for (std::size_t i = 0; i < messages.size(); ++i) {
-      const auto message = recording->next();
-      ASSERT_TRUE(message);
-      EXPECT_EQ(std::string(message->bytes.begin(), message->bytes.end()), messages[i].bytes);
-      const auto& other = placed[(7 * i + 3) % placed.size()];
-      EXPECT_TRUE(std::ranges::equal(recording->bytes_at(other.place), other.bytes));
-    }
-    EXPECT_FALSE(recording->next());
-  }
-}
-
-TEST(McapReader, a_place_that_holds_another_message_is_refused) {
-  const test::TempDir dir;
-  for (const Packing packing : {Packing::kNone, Packing::kZstd, Packing::kLz4}) {
-    const std::string path =
-        dir.write("a.mcap", build_mcap(some_messages(60), {.packing = packing}).bytes);
-    const auto placed = test::placed_messages_of(*open_mcap(path, {}));
-    const auto refusal = [&](const MessagePlace& place) -> std::string {
-      try {
-        (void)open_mcap(path, {})->bytes_at(place);
-      } catch (const DataError& error) {
-        return error.what();
-      }
-      return "none";
-    };
-    const MessagePlace place = placed[30].place;
-    EXPECT_EQ(refusal(place), "none");
-    const std::string expected =
-        path + " (byte " + std::to_string(place.at) +
-        "): the message that was here is gone: the file was changed meanwhile";
-    MessagePlace other = place;
-    other.recorded.nanoseconds += 1;
-    EXPECT_EQ(refusal(other), expected);
-    other = place;
-    other.size += 1;
-    EXPECT_EQ(refusal(other), expected);
-    other = place;
-    other.in_chunk = packing == Packing::kNone ? 5 : MessagePlace::kNoChunk;
-    EXPECT_EQ(refusal(other), expected);
-    other.in_chunk = std::int64_t{1} << 40;
-    EXPECT_EQ(refusal(other), expected);
-    for (const std::int64_t at : {std::int64_t{-1}, std::int64_t{0}, std::int64_t{1} << 40}) {
-      other = place;
-      other.at = at;
-      EXPECT_NE(refusal(other), "none") << at;
-    }
-    dir.write("a.mcap", build_mcap(some_messages(60, 2), {.packing = packing}).bytes);
-    EXPECT_EQ(refusal(place), expected);
-    dir.write("a.mcap", build_mcap(some_messages(5), {.packing = packing}).bytes);
-    EXPECT_EQ(refusal(place), expected);
+    test::expect_undisturbed_by_places(file.bytes, open_mcap, words(build));
+    test::expect_other_places_refused(
+        file.bytes,
+        {build_mcap(some_messages(60, 2), build).bytes, build_mcap(some_messages(5), build).bytes},
+        open_mcap);
   }
 }
 
@@ -402,19 +309,8 @@ TEST(McapReader, what_is_no_such_file_is_refused_in_words) {
 }
 
 TEST(McapReader, whoever_wants_no_more_is_asked_within_a_block) {
-  const BuiltRecording file = build_mcap(some_messages(600), {.packing = Packing::kZstd});
-  bool stop = false;
-  RecordingOptions options;
-  options.stop = [&] { return stop; };
-  const auto recording = read_mcap(file.bytes, options);
-  ASSERT_TRUE(recording->next());
-  stop = true;
-  EXPECT_THROW(
-      {
-        while (recording->next()) {
-        }
-      },
-      ReadingStopped);
+  test::expect_stops_when_asked(build_mcap(some_messages(600), {.packing = Packing::kZstd}).bytes,
+                                read_mcap);
 }
 
 TEST(McapReader, a_real_file_holds_as_many_messages_as_others_find_in_it) {
