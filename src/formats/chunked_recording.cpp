@@ -46,8 +46,10 @@ std::optional<std::uint64_t> ChunkedRecording::find_chunk_from(std::uint64_t at)
 }
 
 std::optional<RecordedMessage> ChunkedRecording::next() {
-  // bytes_at() may have taken the place of a chunk that is not packed.
-  if (in_chunk_ && chunk_data_ != 0) chunk_ = bytes_->view(chunk_data_, chunk_.size());
+  if (is_displaced_ && in_chunk_ && chunk_data_ != 0) {
+    chunk_ = bytes_->view(chunk_data_, chunk_.size());
+  }
+  is_displaced_ = false;
   while (true) {
     if (in_chunk_) {
       if (auto message = next_in_chunk()) return message;
@@ -177,7 +179,6 @@ std::optional<RecordedMessage> ChunkedRecording::next_in_chunk() {
   while (in_chunk_at_ < chunk_.size()) {
     const std::string_view left = chunk_.substr(in_chunk_at_);
     const auto record = read_record(left);
-    MessagePlace place{.at = static_cast<std::int64_t>(chunk_data_ + in_chunk_at_)};
     if (record && record->kind == RecordHead::Kind::kChunk && chunk_data_ != 0) {
       at_ = resume_ = chunk_data_ + in_chunk_at_;  // it ended before, and did not say so
       in_chunk_ = false;
@@ -188,9 +189,12 @@ std::optional<RecordedMessage> ChunkedRecording::next_in_chunk() {
       if (!pass_damage_in_chunk()) break;
       continue;
     }
-    if (chunk_data_ == 0) {
-      place = {.at = static_cast<std::int64_t>(chunk_at_),
-               .in_chunk = static_cast<std::int64_t>(in_chunk_at_)};
+    MessagePlace place;
+    if (chunk_data_ != 0) {
+      place.at = static_cast<std::int64_t>(chunk_data_ + in_chunk_at_);
+    } else {
+      place.at = static_cast<std::int64_t>(chunk_at_);
+      place.in_chunk = static_cast<std::int64_t>(in_chunk_at_);
     }
     in_chunk_resume_ = in_chunk_at_ + static_cast<std::size_t>(record->head);
     in_chunk_at_ += static_cast<std::size_t>(record->end);
@@ -217,6 +221,7 @@ bool ChunkedRecording::pass_damage_in_chunk() {
 // By place.
 
 std::span<const char> ChunkedRecording::bytes_at(const MessagePlace& place) {
+  is_displaced_ = true;
   const std::string_view bytes = bytes_from(place);
   const auto record = read_record(bytes);
   if (!record || record->kind != RecordHead::Kind::kMessage || record->end > bytes.size() ||

@@ -148,7 +148,8 @@ class ChunkedRecording : public Recording {
   const std::function<void()> stop_ = [this] { bytes_->ask_stop(); };
 
   bool in_chunk_ = false;
-  bool told_chunk_ = false;  ///< that it is damaged
+  bool is_displaced_ = false;  ///< bytes_at() took the buffer of a chunk that is not packed
+  bool told_chunk_ = false;    ///< that it is damaged
   std::string_view chunk_{};
   std::size_t in_chunk_at_ = 0;
   std::size_t in_chunk_resume_ = 0;  ///< from where on to search when there is no record
