@@ -149,13 +149,8 @@ class TopicLogReader final : public LogReader {
     if (options_.topics.count_all) return true;
     const TopicKind kind = kind_of(topic.type);
     if (kind == TopicKind::kTransforms) return true;
-    for (std::size_t i = 0; i < known_.survey.topics.size(); ++i) {
-      const TopicFacts& facts = known_.survey.topics[i];
-      if (facts.name == topic.name && facts.type == topic.type) {
-        return known_.choice.roles[i] != TopicRole::kNone;
-      }
-    }
-    return false;
+    const auto place = known_.survey.find(topic);
+    return place && known_.choice.roles[*place] != TopicRole::kNone;
   }
 
   static bool shows_pictures(TopicRole role) {
@@ -172,13 +167,9 @@ class TopicLogReader final : public LogReader {
 
   [[nodiscard]] Place place_of(std::size_t recorded) {
     const RecordedTopic& told = recording_->topics()[recorded];
-    Place place{.topic = known_.survey.topics.size()};
-    for (std::size_t i = 0; i < known_.survey.topics.size(); ++i) {
-      const TopicFacts& facts = known_.survey.topics[i];
-      if (facts.name != told.name || facts.type != told.type) continue;
-      place.topic = i;
-      place.role = known_.choice.roles[i];
-    }
+    const auto found = known_.survey.find(told);
+    Place place{.topic = found.value_or(known_.survey.topics.size())};
+    if (found) place.role = known_.choice.roles[*found];
     for (std::size_t k = 0; k < known_.choice.lasers.size(); ++k) {
       if (known_.choice.lasers[k].topic != place.topic) continue;
       place.lidar = static_cast<int>(k);

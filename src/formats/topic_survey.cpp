@@ -175,17 +175,15 @@ class Surveyor {
   std::size_t enter(std::size_t recorded) {
     const RecordedTopic& topic = recording_.topics()[recorded];
     auto& topics = survey_.topics;
-    auto found = std::ranges::find_if(topics, [&](const TopicFacts& known) {
-      return known.name == topic.name && known.type == topic.type;
-    });
-    if (found == topics.end()) {
+    const std::size_t place = survey_.find(topic).value_or(topics.size());
+    if (place == topics.size()) {
       topics.push_back({.name = topic.name, .type = topic.type, .kind = kind_of(topic.type)});
-      found = std::prev(topics.end());
-      found->fault = topic.unreadable;
+      topics.back().fault = topic.unreadable;
     }
-    found->recorded.push_back(recorded);
-    if (topic.messages) found->messages = found->messages.value_or(0) + *topic.messages;
-    return static_cast<std::size_t>(found - topics.begin());
+    TopicFacts& facts = topics[place];
+    facts.recorded.push_back(recorded);
+    if (topic.messages) facts.messages = facts.messages.value_or(0) + *topic.messages;
+    return place;
   }
 
   void take(const RecordedMessage& message) {
@@ -290,6 +288,14 @@ const TopicFacts* TopicSurvey::find(std::string_view name) const {
   const auto found =
       std::ranges::find_if(topics, [&](const TopicFacts& topic) { return topic.name == name; });
   return found == topics.end() ? nullptr : &*found;
+}
+
+std::optional<std::size_t> TopicSurvey::find(const RecordedTopic& topic) const {
+  const auto found = std::ranges::find_if(topics, [&](const TopicFacts& known) {
+    return known.name == topic.name && known.type == topic.type;
+  });
+  if (found == topics.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - topics.begin());
 }
 
 TopicSurvey survey_topics(Recording& recording, bool with_pictures) {

@@ -84,6 +84,8 @@ struct TopicSurvey {
   bool is_whole = false;  ///< the recording ended within the survey
 
   [[nodiscard]] const TopicFacts* find(std::string_view name) const;
+  /// In topics, the one of this name and type.
+  [[nodiscard]] std::optional<std::size_t> find(const RecordedTopic& topic) const;
 };
 
 /// Reads the beginning of a recording: some seconds, until every topic that may be of use was seen
