@@ -42,6 +42,7 @@ struct Arguments {
   std::optional<double> range_noise_m;
   std::optional<int> people;
   std::optional<SimulatedOdometryFault> odometry_fault;
+  std::optional<std::string> realism;
   bool rgbd = false;
   std::optional<std::string> floor;
   double floor_width_m = 4.0;
@@ -62,6 +63,21 @@ std::string log_places() {
   return text;
 }
 
+/// With commas, in indented lines of a help text.
+std::string wrapped_names(const std::vector<std::string>& names) {
+  std::string text;
+  std::size_t column = 100;
+  for (const std::string& name : names) {
+    if (column + name.size() > 94) {
+      text += "\n ";
+      column = 1;
+    }
+    text += " " + name + (&name == &names.back() ? "" : ",");
+    column += name.size() + 2;
+  }
+  return text;
+}
+
 std::string footer() {
   return fmt::format(R"(
 WORLD is a map.yaml with its picture, as ROS map_server reads it, or one of
@@ -70,11 +86,20 @@ WORLD is a map.yaml with its picture, as ROS map_server reads it, or one of
   corridor   100 m straight between two rooms, nothing to hold on to on the way
   rooms      rows of rooms that are all alike
   warehouse  aisles between racks
+  loops      a ring of long, nearly bare corridors, 100 to 400 m round, closed at one place
+  wings      two floors of four wings, all alike, joined by one passage
+  aisles     a warehouse whose aisles are equal to the last box
+  hall       100 m x 80 m, a few columns: larger than a laser's reach
+  outdoors   between buildings, with trees and cars; no wall around it
 
 DIR then holds the log ({}), truth.tum
 (map_T_robot at every scan), map.yaml and map.pgm (the true map) and world.json (what was
-simulated). The same arguments give the same bytes. Wheels, gyro, laser, camera, faults and drive
-have more options: see --set, for example --set wheels.imbalance=0.002
+simulated). The same arguments give the same bytes. Wheels, gyro, laser, camera, faults, realism
+and drive have more options: see --set, for example --set wheels.imbalance=0.002
+
+--realism takes{}.
+usual is what every robot has every day:{}.
+world.json then has what was drawn, such as the laser's true mount, and when what was spoilt.
 
 --rgbd adds the robot's RGB-D camera: pictures in dataRGBD, their stamps in Kinect20.npz, the
 camera's true mount (not quite the robot file's) in world.json, and the true colours of the floor
@@ -90,8 +115,10 @@ Examples:
       --set faults.glass=0.1
   loopstone simulate office -o seen --rgbd --floor text --duration 60
   loopstone simulate warehouse -o sick --format carmen --beams 180 --fov 179 \
-      --scan-rate 5 --max-range 80)",
-                     log_places());
+      --scan-rate 5 --max-range 80
+  loopstone simulate office -o unkind --realism usual,blocked,follower \
+      --set realism.blocked.at_s=60)",
+                     log_places(), wrapped_names(realism_names()), wrapped_names(usual_realism()));
 }
 
 /// A flag's value is held to the same rule as the option that it sets, and beats the file.
@@ -109,6 +136,7 @@ SimulationOptions options_of(const Arguments& arguments, const LogFormat& format
   if (arguments.beams) options.laser.beams = *arguments.beams;
   if (arguments.people) options.people = *arguments.people;
   if (arguments.odometry_fault) options.faults.odometry = *arguments.odometry_fault;
+  if (arguments.realism) choose_realism(options.realism, *arguments.realism);
   override_with("--fov", "laser.fov_rad", arguments.fov_deg, radians(1.0));
   override_with("--scan-rate", "laser.rate_hz", arguments.scan_rate_hz);
   override_with("--max-range", "laser.range_max_m", arguments.max_range_m);
@@ -177,17 +205,21 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   outputs.reads(arguments.floor.value_or(""));
   outputs.add_folder("-o", arguments.output);
   outputs.check();
-  World world = world_of(arguments, robot, context.memory());
+  RealismRecord record;
+  World world = real_world(world_of(arguments, robot, context.memory()), options.realism,
+                           arguments.seed, record);
   if (arguments.rgbd) world.floor = floor_of(arguments, context.memory());
   const HeldInterrupt held;
   outputs.prepare();
   remove_simulation(folder.path);
 
-  const SimulatedDrive drive = write_drive(folder, world, robot, options, arguments.seed, context);
+  SimulatedDrive drive = write_drive(folder, world, robot, options, arguments.seed, context);
+  drive.summary.realism.facts.insert(drive.summary.realism.facts.begin(), record.facts.begin(),
+                                     record.facts.end());
   write_truth(folder, world, drive.truth);
   for (const std::string& note : drive.notes) context.warn(note);
   const Result result = result_of(arguments, folder, world, drive.summary);
-  write_description(folder, result.json(), robot, options, arguments.floor);
+  write_description(folder, result.json(), robot, options, drive.summary.realism, arguments.floor);
   result.print(context);
   if (drive.summary.complete) return kExitDone;
   context.warn("interrupted: the log is of what was driven until then");
@@ -227,6 +259,11 @@ void add_trouble_flags(CLI::App& command, Arguments& arguments) {
       ->check(CLI::Range(0, 1000));
   add_word_flag(command, "--odometry-fault", arguments.odometry_fault,
                 "what is wrong with wheels and gyro (default: none)");
+  command
+      .add_option("--realism", arguments.realism,
+                  "how the world is less kind than a simulation: effects with commas between them, "
+                  "usual, all or none (default: none)")
+      ->type_name("NAME,...");
 }
 
 void add_camera_flags(CLI::App& command, Arguments& arguments) {

@@ -49,6 +49,24 @@ nlohmann::ordered_json to_json(const RobotModel& robot) {
            {{"x_m", robot_T_lidar.x}, {"y_m", robot_T_lidar.y}, {"yaw_rad", robot_T_lidar.yaw}}}};
 }
 
+/// What was worse than in a clean simulation: the effects, what was drawn for them, and what they
+/// spoilt when, in seconds since the log's start and as stamps of the log.
+nlohmann::ordered_json to_json(const RealismRecord& record, const SimulationOptions& options) {
+  nlohmann::ordered_json json;
+  json["effects"] = realism_names(options.realism);
+  json["drawn"] = nlohmann::ordered_json::object();
+  for (const RealismFact& fact : record.facts) json["drawn"][fact.effect][fact.name] = fact.value;
+  json["spoils"] = nlohmann::ordered_json::array();
+  for (const RealismSpoil& spoil : record.spoils) {
+    json["spoils"].push_back({{"effect", spoil.effect},
+                              {"from_s", spoil.from_s},
+                              {"to_s", spoil.to_s},
+                              {"from_stamp_s", options.start_s + spoil.from_s},
+                              {"to_stamp_s", options.start_s + spoil.to_s}});
+  }
+  return json;
+}
+
 /// The camera as it truly was, which the robot's file does not say.
 nlohmann::ordered_json to_json(const CameraModel& camera, const SimulatedCamera& options) {
   const Eigen::Vector3d angles = to_roll_pitch_yaw(camera.robot_T_camera);
@@ -136,7 +154,7 @@ void write_truth(const SimulatedFolder& folder, const World& world, const Trajec
 
 void write_description(const SimulatedFolder& folder, nlohmann::ordered_json result,
                        const RobotModel& robot, const SimulationOptions& options,
-                       const std::optional<std::string>& floor) {
+                       const RealismRecord& record, const std::optional<std::string>& floor) {
   result["log"] = folder.log_name();
   result["robot"] = to_json(robot);
   if (folder.has_pictures) {
@@ -144,6 +162,11 @@ void write_description(const SimulatedFolder& folder, nlohmann::ordered_json res
     result["camera"] = to_json(true_camera(robot.camera, options.camera), options.camera);
   }
   result["options"] = to_json(options);
+  if (realism_names(options.realism).empty()) {
+    result["options"].erase("realism");
+  } else {
+    result["realism"] = to_json(record, options);
+  }
   result["version"] = std::string(kVersion);
   write_text_file((folder.path / "world.json").string(), result.dump(2) + "\n");
 }

@@ -43,10 +43,11 @@ void write_truth(const SimulatedFolder& folder, const World& world, const Trajec
 
 /// world.json: what was simulated, after what came of it.
 /// \param result  the command's own result
+/// \param record  of realism, if there was any
 /// \param floor   that the user asked for
 void write_description(const SimulatedFolder& folder, nlohmann::ordered_json result,
                        const RobotModel& robot, const SimulationOptions& options,
-                       const std::optional<std::string>& floor);
+                       const RealismRecord& record, const std::optional<std::string>& floor);
 
 /// An older simulation goes, its description first: whoever ends this run leaves no mixture of both
 /// that looks whole.

@@ -11,5 +11,10 @@ void build_campus(World& world, Rng rng);
 void build_corridor(World& world, Rng rng);
 void build_rooms(World& world, Rng rng);
 void build_warehouse(World& world, Rng rng);
+void build_loops(World& world, Rng rng);
+void build_wings(World& world, Rng rng);
+void build_aisles(World& world, Rng rng);
+void build_hall(World& world, Rng rng);
+void build_outdoors(World& world, Rng rng);
 
 }  // namespace loopstone

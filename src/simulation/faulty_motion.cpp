@@ -43,8 +43,10 @@ FaultyMotion::Motion FaultyMotion::until(double time_s) {
   // Time does not run backwards when the lag sets in: until then the wheels seem to stand.
   if (acts(time_s) && faults_.odometry == Fault::kLagging)
     to = std::max(seen_until_s_, time_s - strength_);
+  // Wheels stand while hands carry the robot.
+  const double by_hand = drive_.turned_by_hand_rad(to) - drive_.turned_by_hand_rad(seen_until_s_);
   Motion motion{drive_.travelled_m(to) - drive_.travelled_m(seen_until_s_),
-                drive_.turned_rad(to) - drive_.turned_rad(seen_until_s_)};
+                drive_.turned_rad(to) - drive_.turned_rad(seen_until_s_) - by_hand};
   seen_until_s_ = to;
   if (!acts(time_s)) return motion;
   if (faults_.odometry == Fault::kStuck) return {};

@@ -17,6 +17,14 @@ constexpr double kTouching = 0.55;     ///< a person nearer than this has steppe
 
 }  // namespace
 
+void add_legs_of_person(const Eigen::Vector2d& middle, const Eigen::Vector2d& forward,
+                        double walked_m, std::vector<Circle>& legs) {
+  const Eigen::Vector2d left(-forward.y(), forward.x());
+  const double swing = kHalfStride * std::sin(2.0 * kPi * walked_m / kStrideLength);
+  legs.push_back({middle + kHalfHip * left + swing * forward, kLegRadius});
+  legs.push_back({middle - kHalfHip * left - swing * forward, kLegRadius});
+}
+
 Crowd::Crowd(const World& world, const Drive& drive, int count, Rng rng) : drive_(drive) {
   if (count <= 0) return;
   const FloorPlan plan = obstacles_of(world);
@@ -107,10 +115,7 @@ std::vector<Circle> Crowd::legs_at(double time_s) const {
     const Eigen::Vector2d along = on_path(person, at + 0.1) - on_path(person, at - 0.1);
     const Eigen::Vector2d forward =
         along.norm() > 0.0 ? Eigen::Vector2d(along.normalized()) : Eigen::Vector2d(1.0, 0.0);
-    const Eigen::Vector2d left(-forward.y(), forward.x());
-    const double swing = kHalfStride * std::sin(2.0 * kPi * at / kStrideLength);
-    legs.push_back({middle + kHalfHip * left + swing * forward, kLegRadius});
-    legs.push_back({middle - kHalfHip * left - swing * forward, kLegRadius});
+    add_legs_of_person(middle, forward, at, legs);
   }
   return legs;
 }

@@ -10,6 +10,12 @@
 
 namespace loopstone {
 
+/// Appends both legs of a person in mid-stride.
+/// \param forward   unit length
+/// \param walked_m  how far the person has walked: where in the stride
+void add_legs_of_person(const Eigen::Vector2d& middle, const Eigen::Vector2d& forward,
+                        double walked_m, std::vector<Circle>& legs);
+
 /// People who walk to and fro, each between a few spots, and step back when the robot comes near. A
 /// laser sees their legs.
 class Crowd {

@@ -7,16 +7,6 @@ namespace {
 
 constexpr double kOuterWall = 0.3;
 
-/// A closed rectangle of walls that stand outside [0, width] x [0, depth].
-void add_shell(PlanBuilder& builder, double width, double depth) {
-  const double o = 0.5 * kOuterWall;
-  builder.wall({-o, -o}, {width + o, -o}, kOuterWall);
-  builder.wall({-o, depth + o}, {width + o, depth + o}, kOuterWall);
-  builder.wall({-o, -o}, {-o, depth + o}, kOuterWall);
-  builder.wall({width + o, -o}, {width + o, depth + o}, kOuterWall);
-  builder.world().floor_area_m2 += width * depth;
-}
-
 /// Two back-to-back rows of bays along x: posts at the corners of the bays, pallets between them.
 void add_rack(PlanBuilder& builder, const Eigen::Vector2d& low, int bays, double bay_m,
               double depth_m, Rng& rng) {
@@ -88,7 +78,7 @@ void build_rooms(World& world, Rng rng) {
   const double width = columns * room + 2.0 * side;
   const double depth = 4.0 * room + 2.0 * corridor;
   PlanBuilder builder(world, Pose2{});
-  add_shell(builder, width, depth);
+  builder.shell(width, depth, kOuterWall);
   // One room's contents, drawn once and repeated.
   const double table_x = rng.uniform(0.3, 0.4) * room;
   const double table_y = rng.uniform(0.66, 0.74) * room;
@@ -150,7 +140,7 @@ void build_warehouse(World& world, Rng rng) {
   const double aisle = rng.uniform(2.6, 3.0);
   const int bays = 8;
   PlanBuilder builder(world, Pose2{});
-  add_shell(builder, width, depth);
+  builder.shell(width, depth, kOuterWall);
   const double first_x = 6.0;
   const double second_x = first_x + bays * bay + 3.4;
   const double dock_x = second_x + bays * bay + 1.5;

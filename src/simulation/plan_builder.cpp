@@ -27,6 +27,15 @@ void PlanBuilder::wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, doubl
   piece(from, length + 0.5 * thickness_m);
 }
 
+void PlanBuilder::shell(double width_m, double depth_m, double thickness_m) {
+  const double o = 0.5 * thickness_m;
+  wall({-o, -o}, {width_m + o, -o}, thickness_m);
+  wall({-o, depth_m + o}, {width_m + o, depth_m + o}, thickness_m);
+  wall({-o, -o}, {-o, depth_m + o}, thickness_m);
+  wall({width_m + o, -o}, {width_m + o, depth_m + o}, thickness_m);
+  world_.floor_area_m2 += width_m * depth_m;
+}
+
 void PlanBuilder::box(const Pose2& building_T_box, double length_m, double width_m) {
   world_.plan.boxes.push_back({map_T_building_ * building_T_box, length_m, width_m});
 }

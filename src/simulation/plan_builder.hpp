@@ -29,6 +29,8 @@ class PlanBuilder {
   /// A straight wall around the line from a to b, but for the openings.
   void wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double thickness_m,
             std::vector<Opening> openings = {});
+  /// A closed rectangle of walls that stand outside [0, width] x [0, depth]. Its floor counts.
+  void shell(double width_m, double depth_m, double thickness_m);
   void box(const Pose2& building_T_box, double length_m, double width_m);
   void circle(const Eigen::Vector2d& centre, double radius_m);
   void keep_out(const Pose2& building_T_box, double length_m, double width_m);

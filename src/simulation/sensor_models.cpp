@@ -5,16 +5,12 @@
 #include <limits>
 #include <utility>
 
+#include "simulation/systematic.hpp"
+
 namespace loopstone {
 namespace {
 
 constexpr double kGravity = 9.80665;  ///< [m/s^2]
-
-/// Between half and all of a size, either sign: every seed is about equally hard.
-double systematic(double size, Rng& rng) {
-  const double magnitude = size * rng.uniform(0.5, 1.0);
-  return rng.below(2) == 0 ? magnitude : -magnitude;
-}
 
 /// Whether the place that a beam meets is glass: the same places for every scan and every seed.
 bool is_glass(const Eigen::Vector2d& point, double share) {
@@ -49,8 +45,22 @@ WheelSensor::WheelSensor(FaultyMotion motion, const WheelModel& model, const Sim
   turn_scale_ = 1.0 + systematic(noise.turn_slip, rng_);
 }
 
+void WheelSensor::worsen(const RealismWheels& realism, Rng rng, RealismRecord& record) {
+  const double scale = 1.0 + systematic(realism.scale_error, rng);
+  const double imbalance = systematic(realism.imbalance, rng);
+  left_scale_ *= scale * (1.0 - 0.5 * imbalance);
+  right_scale_ *= scale * (1.0 + 0.5 * imbalance);
+  slips_ = WheelSlips(realism, rng.fork(1));
+  record.facts.push_back({"wheels", "left_scale", left_scale_});
+  record.facts.push_back({"wheels", "right_scale", right_scale_});
+}
+
 std::array<std::int64_t, 4> WheelSensor::read(double time_s) {
-  const FaultyMotion::Motion motion = motion_.until(time_s);
+  FaultyMotion::Motion motion = motion_.until(time_s);
+  travelled_m_ += motion.travelled_m;
+  const WheelSlips::Slip slip = slips_.since(time_s, travelled_m_);
+  motion.travelled_m += slip.ahead_m;
+  motion.turned_rad += slip.turned_rad;
   const double ahead = motion.travelled_m;
   // The track is an effective one, found by turning the robot, so it has absorbed the wheels'
   // common error.
@@ -62,8 +72,8 @@ std::array<std::int64_t, 4> WheelSensor::read(double time_s) {
   std::array<std::int64_t, 4> counts{};
   std::array<double, 4> seen_m{};
   for (std::size_t wheel = 0; wheel < 4; ++wheel) {
-    const double slip = noise_.slip_m_per_sqrt_m * std::sqrt(std::abs(rolls[wheel]));
-    rolled_m_[wheel] += rolls[wheel] + rng_.normal(0.0, 1.0) * slip;
+    const double spread = noise_.slip_m_per_sqrt_m * std::sqrt(std::abs(rolls[wheel]));
+    rolled_m_[wheel] += rolls[wheel] + rng_.normal(0.0, 1.0) * spread;
     const auto total =
         static_cast<std::int64_t>(std::floor(rolled_m_[wheel] / model_.metres_per_count));
     const std::int64_t since = total - counted_[wheel];
@@ -90,6 +100,13 @@ ImuSensor::ImuSensor(const Drive& drive, FaultyMotion motion, const SimulatedImu
   tilt_m_s2_ = {systematic(leak, rng_), systematic(leak, rng_), 0.0};
 }
 
+void ImuSensor::worsen(const RealismGyro& realism, Rng rng, RealismRecord& record) {
+  gyro_scale_ = 1.0 + systematic(realism.scale_error, rng);
+  bias_rad_s_ += systematic(realism.bias_rad_s, rng);
+  record.facts.push_back({"gyro", "scale", gyro_scale_});
+  record.facts.push_back({"gyro", "bias_rad_s", bias_rad_s_});
+}
+
 ImuSample ImuSensor::read(double time_s) {
   const double period = 1.0 / noise_.rate_hz;
   const double from = time_s - 0.5 * period;
@@ -107,8 +124,8 @@ ImuSample ImuSensor::read(double time_s) {
   ImuSample sample;
   const double roll_rate = noise(noise_.noise_rad_s);
   const double pitch_rate = noise(noise_.noise_rad_s);
-  sample.angular_velocity_rad_s = {roll_rate, pitch_rate,
-                                   yaw_rate + bias_rad_s_ + noise(noise_.noise_rad_s)};
+  sample.angular_velocity_rad_s = {
+      roll_rate, pitch_rate, gyro_scale_ * yaw_rate + bias_rad_s_ + noise(noise_.noise_rad_s)};
   const double x = noise(noise_.acceleration_noise_m_s2);
   const double y = noise(noise_.acceleration_noise_m_s2);
   const double z = noise(noise_.acceleration_noise_m_s2);
@@ -140,19 +157,46 @@ double LaserSensor::true_range(double time_s, double angle_rad,
   return range <= options_.range_max_m ? range : std::numeric_limits<double>::infinity();
 }
 
+void LaserSensor::worsen(LaserRealism& realism, const Realism& options) {
+  realism_ = &realism;
+  robot_T_lidar_ = realism.robot_T_lidar();
+  if (options.sweep.on) {
+    options_.sweep_s = options.sweep.sweep_s;
+    tells_sweep_ = false;
+  }
+  // What a cover returns is in the log, so the laser is one that sees as near.
+  if (options.blocked.on)
+    options_.range_min_m = std::min(options_.range_min_m, options.blocked.nearest_m);
+}
+
+double LaserSensor::real_range(double time_s, double angle_rad,
+                               const std::vector<Circle>& legs) const {
+  const BeamEcho met = realism_->meet(time_s, angle_rad, options_.range_max_m, legs);
+  const double range = realism_->measured(met);
+  if (glass_ <= 0.0 || met.surface == SurfaceHit::kNothing) return range;
+  const Pose2 map_T_lidar = drive_.pose_at(time_s) * robot_T_lidar_;
+  const double bearing = map_T_lidar.yaw + angle_rad;
+  const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
+  const bool is_pane = is_glass(map_T_lidar.translation() + met.range_m * direction, glass_);
+  return is_pane ? std::numeric_limits<double>::infinity() : range;
+}
+
 LaserScan LaserSensor::read(double time_s) {
   LaserScan scan;
   scan.angle_min_rad = -0.5 * options_.fov_rad;
   scan.angle_increment_rad = options_.fov_rad / (options_.beams - 1);
   scan.range_min_m = options_.range_min_m;
   scan.range_max_m = options_.range_max_m;
-  scan.time_increment_s = options_.sweep_s / (options_.beams - 1);
+  const double between_beams_s = options_.sweep_s / (options_.beams - 1);
+  scan.time_increment_s = tells_sweep_ ? between_beams_s : 0.0;
   scan.ranges_m.resize(static_cast<std::size_t>(options_.beams));
   // Within a sweep nobody gets far; legs stand where they are in its middle.
-  const std::vector<Circle> legs = crowd_.legs_at(time_s + 0.5 * options_.sweep_s);
+  std::vector<Circle> legs = crowd_.legs_at(time_s + 0.5 * options_.sweep_s);
+  if (realism_ != nullptr) realism_->add_people(time_s + 0.5 * options_.sweep_s, legs);
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    double range = true_range(time_s + static_cast<double>(beam) * scan.time_increment_s,
-                              scan.angle_rad(beam), legs);
+    const double beam_s = time_s + static_cast<double>(beam) * between_beams_s;
+    double range = realism_ == nullptr ? true_range(beam_s, scan.angle_rad(beam), legs)
+                                       : real_range(beam_s, scan.angle_rad(beam), legs);
     // The same draws for every beam, whatever it meets: one change in a world changes nothing
     // elsewhere.
     const double noise = rng_.normal(0.0, 1.0) * options_.noise_m;
@@ -165,6 +209,7 @@ LaserScan LaserSensor::read(double time_s) {
       range = std::numeric_limits<double>::quiet_NaN();
     scan.ranges_m[beam] = static_cast<float>(range);
   }
+  if (realism_ != nullptr) realism_->spoil(scan, time_s);
   return scan;
 }
 

@@ -7,7 +7,9 @@
 #include "loopstone/simulation/simulate.hpp"
 #include "loopstone/simulation/surface_index.hpp"
 #include "simulation/faulty_motion.hpp"
+#include "simulation/laser_realism.hpp"
 #include "simulation/people.hpp"
+#include "simulation/wheel_slips.hpp"
 
 namespace loopstone {
 
@@ -31,6 +33,9 @@ class WheelSensor {
   /// \param motion  what the wheels see of the drive
   WheelSensor(FaultyMotion motion, const WheelModel& model, const SimulatedWheels& noise, Rng rng);
 
+  /// Makes them worse, before the first reading.
+  void worsen(const RealismWheels& realism, Rng rng, RealismRecord& record);
+
   /// Counts since the previous call (or in all, as the model says), at a later time.
   [[nodiscard]] std::array<std::int64_t, 4> read(double time_s);
   /// What the robot itself makes of its counts: odom_T_robot after the last reading.
@@ -44,6 +49,8 @@ class WheelSensor {
   double left_scale_;
   double right_scale_;
   double turn_scale_;
+  WheelSlips slips_{};
+  double travelled_m_ = 0.0;
   std::array<double, 4> rolled_m_{};  ///< of each wheel since the start
   std::array<std::int64_t, 4> counted_{};
   Pose2 odom_T_robot_{};
@@ -54,6 +61,9 @@ class ImuSensor {
  public:
   /// \param motion  what the gyro sees of the drive's turning
   ImuSensor(const Drive& drive, FaultyMotion motion, const SimulatedImu& noise, Rng rng);
+
+  /// Makes the gyro worse, before the first reading.
+  void worsen(const RealismGyro& realism, Rng rng, RealismRecord& record);
   [[nodiscard]] ImuSample read(double time_s);
 
  private:
@@ -62,6 +72,7 @@ class ImuSensor {
   SimulatedImu noise_;
   Rng rng_;
   double bias_rad_s_;
+  double gyro_scale_ = 1.0;
   Eigen::Vector3d tilt_m_s2_;  ///< gravity that a not quite level mount leaks into the axes
 };
 
@@ -70,11 +81,16 @@ class LaserSensor {
  public:
   LaserSensor(const Drive& drive, const SurfaceIndex& surfaces, const Crowd& crowd,
               const LidarMount& mount, const SimulatedLaser& options, double glass, Rng rng);
+  /// Makes it worse, before the first scan.
+  /// \param realism  must outlive the sensor
+  void worsen(LaserRealism& realism, const Realism& options);
   /// A scan whose first beam leaves at this time; its stamp is for the caller to set.
   [[nodiscard]] LaserScan read(double time_s);
 
  private:
   [[nodiscard]] double true_range(double time_s, double angle_rad,
+                                  const std::vector<Circle>& legs) const;
+  [[nodiscard]] double real_range(double time_s, double angle_rad,
                                   const std::vector<Circle>& legs) const;
 
   const Drive& drive_;
@@ -83,6 +99,8 @@ class LaserSensor {
   Pose2 robot_T_lidar_;
   SimulatedLaser options_;
   double glass_;  ///< share of the walls that return nothing
+  LaserRealism* realism_ = nullptr;
+  bool tells_sweep_ = true;
   Rng rng_;
 };
 

@@ -7,8 +7,12 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/option_list.hpp"
+#include "simulation/laser_realism.hpp"
+#include "simulation/message_faults.hpp"
+#include "simulation/planned_drive.hpp"
 #include "simulation/rgbd_sensor.hpp"
 #include "simulation/sensor_models.hpp"
+#include "simulation/systematic.hpp"
 
 namespace loopstone {
 namespace {
@@ -33,8 +37,10 @@ class Simulator {
         drops_(Rng(seed).fork(kFaults).fork(1)),
         wheels_(motion_, robot.wheels, options.wheels, Rng(seed).fork(kWheels)),
         imu_(drive, motion_, options.imu, Rng(seed).fork(kImu)),
-        laser_(drive, surfaces_, crowd_, robot.lidars.empty() ? LidarMount{} : robot.lidars.front(),
-               options.laser, options.faults.glass, Rng(seed).fork(kLaser)) {
+        laser_(drive, surfaces_, crowd_, mount_of_file(robot), options.laser, options.faults.glass,
+               Rng(seed).fork(kLaser)),
+        loss_(options.realism.loss, drive.duration_s(), realism_stream(seed, "loss")) {
+    if (!realism_names(options.realism).empty()) worsen(world, robot, seed);
     if (sink.frame) {
       const Rng camera = Rng(seed).fork(kCamera);
       Rng phase = camera.fork(1);
@@ -49,13 +55,15 @@ class Simulator {
     imu_clock_ = Clock(options.imu.rate_hz, phases.uniform() / options.imu.rate_hz);
     laser_clock_ = Clock(options.laser.rate_hz, 0.05 + phases.uniform() / options.laser.rate_hz);
     read_wheels();
+    await_imu();
+    await_laser();
   }
 
   SimulationSummary run() {
     while (true) {
-      const double wheel = wheel_time_;
-      const double imu = options_.odometry_poses ? kNever : imu_clock_.time_s(imu_index_);
-      const double laser = laser_clock_.time_s(laser_index_) + options_.laser.clock_offset_s;
+      const double wheel = wheel_stamp_;
+      const double imu = options_.odometry_poses ? kNever : imu_stamp_;
+      const double laser = laser_stamp_;
       const double frame =
           camera_ ? camera_clock_.time_s(camera_index_) + options_.camera.clock_offset_s : kNever;
       const double next = std::min({wheel, imu, laser, frame});
@@ -63,10 +71,7 @@ class Simulator {
       if (next == wheel) {
         emit_wheels();
       } else if (next == imu) {
-        ImuSample sample = imu_.read(imu);
-        sample.stamp = stamp(imu);
-        emit(std::move(sample));
-        ++imu_index_;
+        emit_imu();
       } else if (next == frame) {
         take_frame();
       } else if (!fire_laser(laser)) {
@@ -78,6 +83,33 @@ class Simulator {
   }
 
  private:
+  [[nodiscard]] static LidarMount mount_of_file(const RobotModel& robot) {
+    return robot.lidars.empty() ? LidarMount{} : robot.lidars.front();
+  }
+
+  /// Turns on what `realism` asks for.
+  void worsen(const World& world, const RobotModel& robot, std::uint64_t seed) {
+    const Realism& realism = options_.realism;
+    RealismRecord& record = summary_.realism;
+    laser_realism_.emplace(world, drive_, surfaces_, robot, mount_of_file(robot), realism, seed);
+    laser_.worsen(*laser_realism_, realism);
+    laser_realism_->note(record);
+    if (realism.wheels.on) wheels_.worsen(realism.wheels, realism_stream(seed, "wheels"), record);
+    if (realism.gyro.on) imu_.worsen(realism.gyro, realism_stream(seed, "gyro"), record);
+    loss_.note(record);
+    for (const Carry& carry : drive_.carries()) {
+      record.spoils.push_back(
+          {carry.is_blind ? "carried_blind" : "carried", carry.from_s, carry.to_s});
+    }
+    if (!realism.stamps.on) return;
+    Rng rng = realism_stream(seed, "stamps");
+    const double drift = systematic(1e-6 * realism.stamps.drift_ppm, rng);
+    record.facts.push_back({"stamps", "laser_clock_drift_ppm", 1e6 * drift});
+    wheel_stamps_ = StampErrors(realism.stamps, 0.0, 0.0, rng.fork(1));
+    imu_stamps_ = StampErrors(realism.stamps, 0.0, 0.0, rng.fork(2));
+    laser_stamps_ = StampErrors(realism.stamps, realism.stamps.latency_s, drift, rng.fork(3));
+  }
+
   [[nodiscard]] Stamp stamp(double time_s) const {
     return Stamp::from_seconds(options_.start_s) + Duration::from_seconds(time_s);
   }
@@ -89,21 +121,44 @@ class Simulator {
 
   /// Reads ahead: dead reckoning at a scan's stamp lies between two readings.
   void read_wheels() {
-    previous_time_ = wheel_time_;
     odom_T_previous_ = wheels_.dead_reckoning();
     wheel_time_ = wheel_clock_.time_s(wheel_index_++);
     counts_ = wheels_.read(wheel_time_);
+    previous_stamp_ = wheel_stamp_;
+    wheel_stamp_ = wheel_stamps_.stamp_s(wheel_time_);
   }
 
   void emit_wheels() {
-    if (!motion_.is_read(wheel_time_)) {
+    const bool is_lost = loss_.is_odometry_lost(wheel_time_);
+    if (is_lost || !motion_.is_read(wheel_time_)) {
       // Nobody reads the wheels.
     } else if (options_.odometry_poses) {
-      emit(OdometryPose{stamp(wheel_time_), wheels_.dead_reckoning()});
+      emit(OdometryPose{stamp(wheel_stamp_), wheels_.dead_reckoning()});
     } else {
-      emit(WheelTicks{stamp(wheel_time_), counts_});
+      emit(WheelTicks{stamp(wheel_stamp_), counts_});
     }
     read_wheels();
+  }
+
+  void await_imu() { imu_stamp_ = imu_stamps_.stamp_s(imu_clock_.time_s(imu_index_)); }
+
+  void emit_imu() {
+    const double time = imu_clock_.time_s(imu_index_++);
+    ImuSample sample = imu_.read(time);
+    sample.stamp = stamp(imu_stamp_);
+    if (!loss_.is_odometry_lost(time)) emit(std::move(sample));
+    await_imu();
+  }
+
+  void await_laser() {
+    laser_stamp_ =
+        laser_stamps_.stamp_s(laser_clock_.time_s(laser_index_) + options_.laser.clock_offset_s);
+  }
+
+  [[nodiscard]] bool is_carried_blind(double time_s) const {
+    return std::ranges::any_of(drive_.carries(), [&](const Carry& carry) {
+      return carry.is_blind && time_s >= carry.from_s && time_s < carry.to_s;
+    });
   }
 
   void take_frame() {
@@ -119,10 +174,13 @@ class Simulator {
 
   bool fire_laser(double stamp_s) {
     const double time = laser_clock_.time_s(laser_index_++);
-    const bool is_dropped = drops_.uniform() < options_.faults.scans_dropped;
+    const bool is_fault = drops_.uniform() < options_.faults.scans_dropped;
+    const bool is_lost = loss_.is_scan_lost(time);
+    const bool is_dropped = is_fault || is_lost || is_carried_blind(time);
+    await_laser();
     if (options_.odometry_poses && motion_.is_read(stamp_s) && !is_dropped) {
-      const double span = wheel_time_ - previous_time_;
-      const double ratio = span > 0.0 ? (stamp_s - previous_time_) / span : 0.0;
+      const double span = wheel_stamp_ - previous_stamp_;
+      const double ratio = span > 0.0 ? (stamp_s - previous_stamp_) / span : 0.0;
       emit(OdometryPose{stamp(stamp_s),
                         interpolate(odom_T_previous_, wheels_.dead_reckoning(), ratio)});
     }
@@ -148,6 +206,11 @@ class Simulator {
   WheelSensor wheels_;
   ImuSensor imu_;
   LaserSensor laser_;
+  std::optional<LaserRealism> laser_realism_{};
+  MessageLoss loss_;
+  StampErrors wheel_stamps_{};
+  StampErrors imu_stamps_{};
+  StampErrors laser_stamps_{};
   std::optional<RgbdSensor> camera_{};
   Clock camera_clock_{1.0, 0.0};
   std::int64_t camera_index_ = 0;
@@ -158,7 +221,10 @@ class Simulator {
   std::int64_t imu_index_ = 0;
   std::int64_t laser_index_ = 0;
   double wheel_time_ = 0.0;
-  double previous_time_ = 0.0;
+  double wheel_stamp_ = 0.0;
+  double previous_stamp_ = 0.0;
+  double imu_stamp_ = 0.0;
+  double laser_stamp_ = 0.0;
   std::array<std::int64_t, 4> counts_{};
   Pose2 odom_T_previous_{};
   SimulationSummary summary_{};
@@ -170,10 +236,11 @@ SimulationSummary simulate_drive(const World& world, const Drive& drive, const R
                                  const SimulationOptions& options, std::uint64_t seed,
                                  const SimulationSink& sink) {
   require_valid(options);
-  if (options.laser.sweep_s > 1.0 / options.laser.rate_hz) {
-    throw UsageError("a sweep of " + std::to_string(options.laser.sweep_s) +
-                     " s does not fit between scans at " + std::to_string(options.laser.rate_hz) +
-                     " Hz");
+  const double sweep_s =
+      options.realism.sweep.on ? options.realism.sweep.sweep_s : options.laser.sweep_s;
+  if (sweep_s > 1.0 / options.laser.rate_hz) {
+    throw UsageError("a sweep of " + std::to_string(sweep_s) + " s does not fit between scans at " +
+                     std::to_string(options.laser.rate_hz) + " Hz");
   }
   return Simulator(world, drive, robot, options, seed, sink).run();
 }
@@ -181,7 +248,8 @@ SimulationSummary simulate_drive(const World& world, const Drive& drive, const R
 SimulationSummary simulate(const World& world, const RobotModel& robot,
                            const SimulationOptions& options, std::uint64_t seed,
                            const SimulationSink& sink) {
-  Drive drive = drive_route(world, robot.footprint_radius_m, options.drive);
+  Drive drive =
+      planned_drive(world, robot.footprint_radius_m, options.drive, options.realism, seed);
   if (options.duration_s > 0.0) drive.cut(options.duration_s);
   return simulate_drive(world, drive, robot, options, seed, sink);
 }

@@ -13,9 +13,12 @@ struct Builder {
   void (*build)(World&, Rng);
 };
 
-constexpr std::array kBuilders{Builder{"office", build_office}, Builder{"campus", build_campus},
-                               Builder{"corridor", build_corridor}, Builder{"rooms", build_rooms},
-                               Builder{"warehouse", build_warehouse}};
+constexpr std::array kBuilders{
+    Builder{"office", build_office},       Builder{"campus", build_campus},
+    Builder{"corridor", build_corridor},   Builder{"rooms", build_rooms},
+    Builder{"warehouse", build_warehouse}, Builder{"loops", build_loops},
+    Builder{"wings", build_wings},         Builder{"aisles", build_aisles},
+    Builder{"hall", build_hall},           Builder{"outdoors", build_outdoors}};
 
 }  // namespace
 

@@ -15,12 +15,15 @@ std::vector<LaserScan> SimulatedLog::scans() const {
 SimulatedLog simulate_log(const std::string& world, std::uint64_t seed,
                           const SimulationOptions& options, const RobotModel& robot) {
   SimulatedLog log;
-  log.world = make_world(world, seed);
+  RealismRecord of_world;
+  log.world = real_world(make_world(world, seed), options.realism, seed, of_world);
   log.robot = robot;
   SimulationSink sink;
   sink.message = [&](SensorMessage message) { log.messages.push_back(std::move(message)); };
   sink.truth = [&](const StampedPose2& pose) { log.truth.append(pose.stamp, pose.pose); };
   log.summary = simulate(log.world, robot, options, seed, sink);
+  auto& facts = log.summary.realism.facts;
+  facts.insert(facts.begin(), of_world.facts.begin(), of_world.facts.end());
   return log;
 }
 

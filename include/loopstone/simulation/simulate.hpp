@@ -9,6 +9,7 @@
 #include "loopstone/sensor/rgbd_images.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/simulation/drive.hpp"
+#include "loopstone/simulation/realism.hpp"
 #include "loopstone/simulation/simulated_camera.hpp"
 #include "loopstone/simulation/simulated_faults.hpp"
 #include "loopstone/simulation/world.hpp"
@@ -59,6 +60,7 @@ struct SimulationOptions {
   SimulatedImu imu{};
   SimulatedCamera camera{};
   SimulatedFaults faults{};
+  Realism realism{};
 };
 
 template <typename Visitor>
@@ -123,6 +125,7 @@ void visit_options(SimulationOptions& options, Visitor&& visit) {
   visit.group("imu", options.imu);
   visit.group("camera", options.camera);
   visit.group("faults", options.faults);
+  visit.group("realism", options.realism);
 }
 
 /// The pictures of one frame of the RGB-D camera.
@@ -153,20 +156,23 @@ struct SimulationSummary {
   std::int64_t scans = 0;
   std::int64_t frames = 0;  ///< of the RGB-D camera
   std::int64_t messages = 0;
-  bool complete = true;  ///< false when progress asked to stop
+  bool complete = true;     ///< false when progress asked to stop
+  RealismRecord realism{};  ///< what was drawn, but for the world (real_world)
 };
 
 /// Drives the robot through the world and lets its sensors measure: WheelTicks and ImuSample (or
 /// OdometryPose, one with each scan's stamp and one with each encoder reading's), LaserScan of the
 /// robot's first lidar, and RgbdFrame of its camera when the sink takes frames. The same arguments
 /// give the same messages to the bit, and those of the other sensors are the same with and without
-/// the camera. Memory: the drive (about 3 kB a second) and the world.
+/// the camera. Of `options.realism`, bent and turned are the caller's, who has the world: see
+/// real_world. Truth is the robot's, at the true time of the scan, with the stamp that the log has.
+/// Memory: the drive (about 3 kB a second) and the world.
 /// Cost: about 0.3 us a beam, 50 ms an RGB-D frame.
 SimulationSummary simulate(const World& world, const RobotModel& robot,
                            const SimulationOptions& options, std::uint64_t seed,
                            const SimulationSink& sink);
 
-/// The same over a given drive.
+/// The same over a given drive, which nothing lifts and which begins where it begins.
 SimulationSummary simulate_drive(const World& world, const Drive& drive, const RobotModel& robot,
                                  const SimulationOptions& options, std::uint64_t seed,
                                  const SimulationSink& sink);

@@ -40,6 +40,11 @@ struct World {
 ///   corridor   100 m straight between two small rooms, nothing to hold on to on the way
 ///   rooms      rows of rooms that are all alike
 ///   warehouse  aisles between racks
+///   loops      a ring of long, nearly bare corridors, 100 to 400 m round, closed at one place
+///   wings      two floors of four wings, all alike, joined by one passage
+///   aisles     a warehouse whose aisles are equal to the last box
+///   hall       100 m x 80 m, a few columns: larger than a laser's reach
+///   outdoors   between buildings, with trees and cars; no wall around it
 /// Throws UsageError for another name.
 [[nodiscard]] World make_world(std::string_view name, std::uint64_t seed);
 

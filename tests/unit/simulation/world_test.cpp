@@ -85,13 +85,83 @@ TEST_P(BuiltInWorld, IsVisitedWithoutTouchingAnything) {
   EXPECT_GE(least, kRadius);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, BuiltInWorld,
-                         testing::Values(Kind{"office", 950.0, 1100.0, 250.0},
-                                         Kind{"campus", 9000.0, 11000.0, 1000.0},
-                                         Kind{"corridor", 300.0, 400.0, 250.0},
-                                         Kind{"rooms", 1000.0, 1200.0, 250.0},
-                                         Kind{"warehouse", 2000.0, 2300.0, 300.0}),
-                         [](const auto& kind) { return std::string(kind.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    All, BuiltInWorld,
+    testing::Values(Kind{"office", 950.0, 1100.0, 250.0}, Kind{"campus", 9000.0, 11000.0, 1000.0},
+                    Kind{"corridor", 300.0, 400.0, 250.0}, Kind{"rooms", 1000.0, 1200.0, 250.0},
+                    Kind{"warehouse", 2000.0, 2300.0, 300.0}, Kind{"loops", 200.0, 1100.0, 100.0},
+                    Kind{"wings", 1500.0, 3000.0, 300.0}, Kind{"aisles", 900.0, 2000.0, 200.0},
+                    Kind{"hall", 8000.0, 8000.0, 200.0}),
+    [](const auto& kind) { return std::string(kind.param.name); });
+
+TEST(World, OutdoorsIsOpenAndVisited) {
+  const World world = make_world("outdoors", 2);
+  EXPECT_FALSE(is_closed(true_map(world, 0.2)));
+  const Drive drive = drive_route(world, kRadius);
+  for (const Eigen::Vector2d& place : world.places) EXPECT_LT(nearest_pass(drive, place), 1.1);
+  EXPECT_LT((drive.last_pose().translation() - world.returns.back()).norm(), 1.1);
+}
+
+TEST(World, LoopsAreOneRingOfTheirLength) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const World world = make_world("loops", seed);
+    const Drive drive = drive_route(world, kRadius);
+    const double way = drive.travelled_m(drive.duration_s());
+    EXPECT_GT(way, 100.0) << seed;
+    EXPECT_LT(way, 415.0) << seed;
+    // Once round: it comes back to the start only at the end.
+    double back_s = 0.0;
+    for (double time = 30.0; time <= drive.duration_s() && back_s == 0.0; time += 0.2) {
+      if ((drive.pose_at(time).translation() - world.map_T_start.translation()).norm() < 1.0)
+        back_s = time;
+    }
+    EXPECT_GT(drive.travelled_m(back_s), 0.85 * way - 12.0) << seed;
+  }
+}
+
+TEST(World, TheHallIsLargerThanTheLasersReach) {
+  const World world = make_world("hall", 1);
+  const SurfaceIndex index(world.plan);
+  const Drive drive = drive_route(world, kRadius);
+  std::size_t fewest = 360;
+  for (double time = 0.0; time < drive.duration_s(); time += 1.0) {
+    std::size_t seen = 0;
+    for (int i = 0; i < 360; ++i) {
+      const Eigen::Vector2d direction(std::cos(radians(i)), std::sin(radians(i)));
+      seen += std::isfinite(index.cast(drive.pose_at(time).translation(), direction, 30.0)) ? 1 : 0;
+    }
+    fewest = std::min(fewest, seen);
+  }
+  EXPECT_LT(fewest, 40U);
+}
+
+TEST(World, WingsAndAislesLookAlike) {
+  const World wings = make_world("wings", 1);
+  const SurfaceIndex of_wings(wings.plan);
+  // Both places of a wing come one after the other.
+  const Eigen::Vector2d first = wings.places[0];
+  const Eigen::Vector2d second = wings.places[2];
+  const Eigen::Vector2d upstairs = wings.places[8];
+  const World aisles = make_world("aisles", 1);
+  const SurfaceIndex of_aisles(aisles.plan);
+  for (int i = 0; i < 360; ++i) {
+    const Eigen::Vector2d direction(std::cos(radians(i + 0.5)), std::sin(radians(i + 0.5)));
+    const double range = of_wings.cast(first, direction, 12.0);
+    const double other = of_wings.cast(second, direction, 12.0);
+    const double above = of_wings.cast(upstairs, direction, 12.0);
+    if (std::isfinite(range) || std::isfinite(other)) {
+      EXPECT_NEAR(range, other, 1e-6) << i;
+    }
+    if (std::isfinite(range) || std::isfinite(above)) {
+      EXPECT_NEAR(range, above, 1e-6) << i;
+    }
+    const double a = of_aisles.cast(aisles.places[1], direction, 4.0);
+    const double b = of_aisles.cast(aisles.places[2], direction, 4.0);
+    if (std::isfinite(a) || std::isfinite(b)) {
+      EXPECT_NEAR(a, b, 1e-6) << i;
+    }
+  }
+}
 
 TEST(World, OfficesOfManySeedsAreVisitedWhole) {
   for (std::uint64_t seed = 10; seed < 14; ++seed) {
