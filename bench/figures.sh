@@ -29,6 +29,8 @@ measure bench/outliers.py $quick
 measure bench/loops.py $quick
 measure bench/gaps.py $quick
 measure bench/robustness.py $quick
+measure bench/realism.py $quick
+measure bench/residuals.py $quick
 measure bench/quality.py $quick
 if [[ -z $quick ]]; then
   measure scripts/matching_examples.py
