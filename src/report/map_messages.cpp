@@ -106,7 +106,9 @@ msg::DiagnosticStatus diagnostic_of(const LaserFaultChanged& change) {
   auto told = change.over ? status(laser_frame(episode.lidar), msg::DiagnosticStatus::kOk,
                                    "no longer " + fault)
                           : status(laser_frame(episode.lidar), msg::DiagnosticStatus::kError,
-                                   fault + ": its scans are not used");
+                                   fault + (episode.fault == LaserFault::kCovered
+                                                ? " in part: what is nearest is not used"
+                                                : ": its scans are not used"));
   told.values = {{"fault", fault},
                  {"from_s", fmt::format("{:.3f}", episode.from.seconds())},
                  {"scans", std::to_string(episode.scans)}};

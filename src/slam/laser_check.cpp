@@ -69,19 +69,22 @@ bool LaserCheck::is_frozen(const LaserScan& scan, Laser& laser,
 }
 
 std::optional<LaserFault> LaserCheck::fault_of(const LaserScan& scan, Laser& laser,
-                                               const std::optional<OdometryReading>& odometry) {
+                                               const std::optional<OdometryReading>& odometry,
+                                               bool is_covered) {
   // A scan without returns repeats itself for good reason.
   const bool any = std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
                                [](float range_m) { return std::isfinite(range_m); });
   if (!any) return {};
   if (is_frozen(scan, laser, odometry)) return LaserFault::kFrozen;
   if (is_blocked(scan)) return LaserFault::kBlocked;
+  if (is_covered) return LaserFault::kCovered;
   return {};
 }
 
-bool LaserCheck::add(const LaserScan& scan, const std::optional<OdometryReading>& odometry) {
+bool LaserCheck::add(const LaserScan& scan, const std::optional<OdometryReading>& odometry,
+                     bool is_covered) {
   Laser& laser = laser_of(scan);
-  const auto fault = fault_of(scan, laser, odometry);
+  const auto fault = fault_of(scan, laser, odometry, is_covered);
   if (!fault) {
     laser.open.reset();
     return true;
@@ -101,7 +104,7 @@ bool LaserCheck::add(const LaserScan& scan, const std::optional<OdometryReading>
     episode.odometry_rad =
         std::max(odometry->turned_rad - laser.begun->turned_rad, std::abs(motion.yaw));
   }
-  return false;
+  return fault == LaserFault::kCovered;
 }
 
 void LaserCheck::restore(State state) {

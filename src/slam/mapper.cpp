@@ -15,6 +15,7 @@
 #include "loopstone/slam/surface_adjustment.hpp"
 #include "slam/back_end_worker.hpp"
 #include "slam/fault_events.hpp"
+#include "slam/laser_cover.hpp"
 #include "slam/map_board.hpp"
 #include "slam/map_finish.hpp"
 #include "slam/stopwatch.hpp"
@@ -135,6 +136,7 @@ void Mapper::Impl::add_scan(LaserScan scan) {
   }
   tell(tracked);
   so_far_.statistics.front_end_s += watch.seconds();
+  if (tracked.covered) take_out_cover(scan);
   hand_over(std::move(scan), robot_T_lidar, std::move(tracked));
 }
 

@@ -23,23 +23,36 @@ std::string moved(const LaserEpisode& episode) {
                      readable_metres(episode.odometry_m), kDegrees * episode.odometry_rad);
 }
 
+std::string text_of(const LaserEpisode& episode, const RunClock& clock) {
+  const std::string when = clock.span(episode.from, episode.to) + moved(episode);
+  const std::string name =
+      episode.lidar == 0 ? "the laser" : fmt::format("laser {}", episode.lidar + 1);
+  const std::string left_out = fmt::format("; these {} scans were not used", episode.scans);
+  switch (episode.fault) {
+    case LaserFault::kBlocked:
+      return name + " was blocked " + when + ": nearly all returns came from within 35 cm of it" +
+             left_out;
+    case LaserFault::kFrozen:
+      return name + " was frozen " + when + ": it repeated one scan to the last bit" + left_out;
+    case LaserFault::kCovered:
+      return fmt::format(
+          "{} was covered in part {}: returns came from within {:.0f} cm of it, where there is "
+          "nothing on the map; they were left out of {} scans",
+          name, when, 100.0F * kLaserCheck.cover_m, episode.scans);
+  }
+  return {};
+}
+
 void add_unusable_scans(const MapResult& result, const RunClock& clock,
                         std::vector<std::string>& faults) {
   std::size_t told = 0;
   for (const LaserEpisode& episode : result.laser_episodes) {
     if ((episode.to - episode.from).seconds() < kSensorFaults.brief_s || ++told > kTold) continue;
-    const std::string when = clock.span(episode.from, episode.to) + moved(episode);
-    const std::string left_out = fmt::format("; these {} scans were not used", episode.scans);
-    const std::string name =
-        episode.lidar == 0 ? "the laser" : fmt::format("laser {}", episode.lidar + 1);
-    faults.push_back(episode.fault == LaserFault::kBlocked
-                         ? name + " was blocked " + when +
-                               ": nearly all returns came from within 35 cm of it" + left_out
-                         : name + " was frozen " + when + ": it repeated one scan to the last bit" +
-                               left_out);
+    faults.push_back(text_of(episode, clock));
   }
   if (told > kTold)
-    faults.push_back(fmt::format("{} more times the laser was blocked or frozen", told - kTold));
+    faults.push_back(
+        fmt::format("{} more times the laser was blocked, covered or frozen", told - kTold));
   if (result.statistics.scans_repeated >= kSensorFaults.many_repeats) {
     faults.push_back(fmt::format(
         "{} scans in a row are the same to the last bit: the robot stood still, or the laser was "

@@ -110,6 +110,24 @@ TEST(Robustness, LostScansPeopleAndGlassTogether) {
   }
 }
 
+/// Something hangs before the laser for a while and lets some beams through.
+TEST(Robustness, ALaserThatIsCoveredInPartIsHeldByTheRest) {
+  for (const double seen_share : {0.25, 0.5, 0.7}) {
+    SimulationOptions options{.duration_s = small_scale() ? 70.0 : 150.0};
+    options.laser.beams = 181;
+    options.laser.rate_hz = 5.0;
+    options.realism.blocked.on = true;
+    options.realism.blocked.at_s = 30.0;
+    options.realism.blocked.length_s = 30.0;
+    options.realism.blocked.seen_share = seen_share;
+    const SimulatedLog log = simulate_log("office", 23, options);
+    const MapResult result = map_of(log);
+    EXPECT_TRUE(as_usual(ate_rmse_m(result.trajectory, log), 0.008)) << seen_share;
+    EXPECT_TRUE(warns_of(result, "covered in part") || warns_of(result, "was blocked"))
+        << seen_share;
+  }
+}
+
 TEST(Robustness, AFastTurningRobotNeedsNoOdometry) {
   SimulationOptions options{.duration_s = small_scale() ? 40.0 : 120.0};
   options.drive.yaw_rate_rad_s = 3.0;

@@ -75,7 +75,8 @@ struct TrackedScan {
   double score = 0.0;
   bool searched = false;
   bool left_out =
-      false;  ///< it contradicts the map wherever it was looked for: the pose is a guess
+      false;             ///< it contradicts the map wherever it was looked for: the pose is a guess
+  bool covered = false;  ///< what was nearest to the laser was taken out: LaserFault::kCovered
   bool key = false;
   bool starts_submap = false;
   std::optional<PathBreak> path_break{};  ///< that ends with this scan
@@ -208,6 +209,7 @@ class FrontEnd {
     const std::optional<OdometryReading>& odometry;
     std::vector<MotionGuess> guesses;      ///< at least one
     bool believed = false;                 ///< the laser shows its surroundings
+    bool covered = false;                  ///< in part; `scan` is what remains
     std::vector<SurfacePoint> surfaces{};  ///< its own, then those of other lasers
     std::size_t own_count = 0;
     bool is_new_laser = false;  ///< nothing that it saw is mapped yet, but what others see is
@@ -223,6 +225,9 @@ class FrontEnd {
   };
 
   // The steps of add(), in their order.
+  /// The scan without what covers the laser in part, if anything does.
+  [[nodiscard]] const LaserScan& uncovered(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                           const Pose2& local_T_robot);
   [[nodiscard]] Sighting prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
                                  const std::optional<OdometryReading>& odometry);
   [[nodiscard]] static TrackedScan predicted(const Sighting& sighting);
@@ -302,6 +307,7 @@ class FrontEnd {
   std::vector<ActiveSubmap> active_{};  ///< oldest first; the oldest is what scans are aligned to
   MotionPredictor predictor_;
   LaserCheck laser_check_{};
+  LaserScan uncovered_{};  ///< of a scan that was covered in part, the rest
   std::vector<LaserView> views_{};
   State::Own own_{};
 };

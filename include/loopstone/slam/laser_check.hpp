@@ -18,6 +18,8 @@ struct LaserCheckNumbers {
   int fewest_returns = 20;
   double moved_m = 0.05;
   double moved_rad = 0.05;
+  float cover_m = 0.5F;
+  double cover_share = 0.1;
 };
 inline constexpr LaserCheckNumbers kLaserCheck{};
 
@@ -32,17 +34,23 @@ void visit_numbers(const LaserCheckNumbers& n, Visitor&& visit) {
         "chosen: odometry that moved so far says that the robot does not stand; far beyond what "
         "wheels tremble");
   visit("moved_rad", n.moved_rad, "chosen: as moved_m, of a point a metre off");
+  visit("cover_m", n.cover_m,
+        "chosen: what covers a laser in part, or crowds about it, is nearer than this");
+  visit("cover_share", n.cover_share,
+        "chosen: of the beams must end so near where the map is free; legs beside the robot are "
+        "fewer");
 }
 
 /// What is wrong with the laser, as far as its scans tell.
 enum class LaserFault {
   kBlocked,  ///< nearly all returns come from right in front of it
   kFrozen,   ///< the same scan to the last bit, while odometry says that the robot moves
+  kCovered,  ///< some returns come from right in front of it, where there is nothing on the map
 };
 
 constexpr auto words_of(LaserFault /*any*/) {
   using enum LaserFault;
-  return std::array{Word{kBlocked, "blocked"}, Word{kFrozen, "frozen"}};
+  return std::array{Word{kBlocked, "blocked"}, Word{kFrozen, "frozen"}, Word{kCovered, "covered"}};
 }
 
 /// A time during which scans said nothing of the surroundings.
@@ -62,7 +70,7 @@ struct LaserEpisode {
 };
 
 /// Tells scans that show the laser's cover, or are one scan again and again, from those that show
-/// the surroundings.
+/// the surroundings. (Whether a scan is covered in part, the map tells: laser_cover.hpp.)
 ///
 /// A robot that stands still in a world without noise repeats itself too; so a scan counts as
 /// frozen only once odometry has moved since the scan that it repeats. Without odometry nothing
@@ -70,8 +78,11 @@ struct LaserEpisode {
 /// Several lasers are told apart. Cost: one pass over the ranges. Deterministic.
 class LaserCheck {
  public:
-  /// Whether the scan can be believed. \param odometry  at its stamp, if there is any
-  [[nodiscard]] bool add(const LaserScan& scan, const std::optional<OdometryReading>& odometry);
+  /// Whether the scan can be believed; of one that is covered in part, the rest of it.
+  /// \param odometry    at its stamp, if there is any
+  /// \param is_covered  by what the map knows, part of it shows a cover
+  [[nodiscard]] bool add(const LaserScan& scan, const std::optional<OdometryReading>& odometry,
+                         bool is_covered = false);
 
   [[nodiscard]] const std::vector<LaserEpisode>& episodes() const { return state_.episodes; }
   /// Whether an episode goes on.
@@ -114,7 +125,8 @@ class LaserCheck {
  private:
   [[nodiscard]] Laser& laser_of(const LaserScan& scan);
   [[nodiscard]] std::optional<LaserFault> fault_of(const LaserScan& scan, Laser& laser,
-                                                   const std::optional<OdometryReading>& odometry);
+                                                   const std::optional<OdometryReading>& odometry,
+                                                   bool is_covered);
   [[nodiscard]] bool is_frozen(const LaserScan& scan, Laser& laser,
                                const std::optional<OdometryReading>& odometry);
 
