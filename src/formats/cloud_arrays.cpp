@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
-#include <functional>
+#include <array>
+#include <bit>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "formats/cloud_columns.hpp"
 #include "formats/cloud_parts.hpp"
 #include "formats/mat_file.hpp"
 #include "formats/npy.hpp"
@@ -30,18 +33,22 @@ std::optional<CloudShape> cloud_shape(std::int64_t rows, std::int64_t columns) {
   return std::nullopt;
 }
 
-PointCloud make_cloud(const CloudShape& shape,
-                      const std::function<double(std::int64_t, std::int64_t)>& at,
-                      const std::string& path) {
-  PointCloud cloud;
-  cloud.points.reserve(static_cast<std::size_t>(shape.points));
-  for (std::int64_t i = 0; i < shape.points; ++i) {
-    const auto value = [&](std::int64_t axis) {
-      return shape.points_are_columns ? at(axis, i) : at(i, axis);
-    };
-    cloud.points.emplace_back(value(0), value(1), shape.has_z ? value(2) : 0.0);
+/// \param values  of an array that is stored row after row, or else column after column
+PointCloud make_cloud(const CloudShape& shape, std::span<const double> values, std::int64_t rows,
+                      std::int64_t columns, bool by_columns, const std::string& path) {
+  const auto row_step = static_cast<std::size_t>(by_columns ? 1 : columns);
+  const auto column_step = static_cast<std::size_t>(by_columns ? rows : 1);
+  const std::size_t point_step = shape.points_are_columns ? column_step : row_step;
+  const std::size_t axis_step = shape.points_are_columns ? row_step : column_step;
+  std::array<std::optional<CloudColumn>, 3> axes;
+  for (std::size_t axis = 0; axis < (shape.has_z ? 3U : 2U) && shape.points > 0; ++axis) {
+    axes[axis] = CloudColumn{reinterpret_cast<const char*>(values.data() + axis * axis_step),
+                             point_step * sizeof(double),
+                             {'f', sizeof(double)}};
   }
-  return finish_cloud(std::move(cloud), shape.has_z, path);
+  return finish_cloud(
+      read_columns(axes, static_cast<std::size_t>(shape.points), std::endian::native), shape.has_z,
+      path);
 }
 
 std::string list_of(const MatFile& file) {
@@ -89,8 +96,7 @@ PointCloud decode_npy_cloud(std::string_view bytes, const std::string& path,
   }
   require_points(static_cast<std::uint64_t>(shape->points), array.values.size() * sizeof(double),
                  bytes.size(), budget, {path});
-  return make_cloud(
-      *shape, [&](std::int64_t row, std::int64_t column) { return array.at(row, column); }, path);
+  return make_cloud(*shape, array.values, array.rows(), array.columns(), array.fortran_order, path);
 }
 
 PointCloud decode_mat_cloud(std::string_view bytes, const std::string& path,
@@ -104,12 +110,7 @@ PointCloud decode_mat_cloud(std::string_view bytes, const std::string& path,
   }
   require_points(static_cast<std::uint64_t>(shape->points), file.held_bytes(), bytes.size(), budget,
                  {path});
-  return make_cloud(
-      *shape,
-      [&](std::int64_t row, std::int64_t column) {
-        return matrix.values[static_cast<std::size_t>(column * matrix.rows + row)];
-      },
-      path);
+  return make_cloud(*shape, matrix.values, matrix.rows, matrix.columns, true, path);
 }
 
 }  // namespace loopstone

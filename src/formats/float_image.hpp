@@ -28,7 +28,7 @@ struct FloatImage {
 ///
 /// Loopstone reads TIFF itself: what depth is stored in is a small part of the format, and the
 /// usual library brings a dozen decoders along, one of them (JBIG-KIT) under a licence that would
-/// bind the whole program.
+/// bind the whole program. docs/file_readers.md has both side by side.
 [[nodiscard]] std::variant<Image, FloatImage> decode_tiff(std::string_view bytes,
                                                           const std::string& path_for_errors,
                                                           const MemoryBudget& budget = {});

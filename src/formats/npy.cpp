@@ -120,8 +120,11 @@ void NpyReader::parse_head() {
 
 template <typename T>
 void NpyReader::read_as(std::span<T> values) {
-  std::array<char, kBlockElements * 8> block;
   const auto size = static_cast<std::size_t>(header_.element_bytes);
+  if (header_.kind == 'f' && size == sizeof(T) && !header_.big_endian) {
+    return fill({reinterpret_cast<char*>(values.data()), values.size_bytes()});
+  }
+  std::array<char, kBlockElements * 8> block;
   while (!values.empty()) {
     const std::size_t count = std::min(values.size(), kBlockElements);
     fill(std::span(block).first(count * size));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/cloud_columns.hpp"
 #include "formats/cloud_parts.hpp"
 #include "formats/lzf.hpp"
 #include "formats/pcd_head.hpp"
@@ -31,9 +32,10 @@ PointCloud read_ascii(const PcdHead& head, std::string_view text, const std::str
   require_points(head.points, 0, text.size(), budget, {path});
   PointCloud cloud;
   cloud.points.reserve(head.points);
+  std::vector<std::string_view> words;
   for_each_line(text, [&](std::string_view line, std::int64_t number) {
     if (cloud.points.size() == head.points) return;
-    const std::vector<std::string_view> words = split_words(line);
+    split_words(line, words);
     if (words.empty() || words[0].starts_with('#')) return;
     const Location where{path, head.head_lines + number};
     if (words.size() < head.point_words) {
@@ -58,39 +60,17 @@ PointCloud read_ascii(const PcdHead& head, std::string_view text, const std::str
   return cloud;
 }
 
-/// Where the bytes of each coordinate are: point i's at begin + i * step.
-struct Column {
-  const char* begin = nullptr;
-  std::size_t step = 0;
-  ScalarType type{};
-};
-
-PointCloud read_columns(const std::array<std::optional<Column>, 3>& columns, std::size_t points) {
-  PointCloud cloud;
-  cloud.points.resize(points, Eigen::Vector3d::Zero());
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!columns[axis]) continue;
-    const char* at = columns[axis]->begin;
-    for (Eigen::Vector3d& point : cloud.points) {
-      point(static_cast<Eigen::Index>(axis)) =
-          load_scalar(columns[axis]->type, at, std::endian::little);
-      at += columns[axis]->step;
-    }
-  }
-  return cloud;
-}
-
 PointCloud read_binary(const PcdHead& head, std::string_view bytes, const std::string& path,
                        const MemoryBudget& budget) {
   require_room(head, bytes.size(), head.point_bytes, path);
   require_points(head.points, 0, bytes.size(), budget, {path});
-  std::array<std::optional<Column>, 3> columns;
+  std::array<std::optional<CloudColumn>, 3> columns;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (const auto& field = head.xyz[axis]) {
-      columns[axis] = Column{bytes.data() + field->byte_offset, head.point_bytes, field->type};
+      columns[axis] = CloudColumn{bytes.data() + field->byte_offset, head.point_bytes, field->type};
     }
   }
-  return read_columns(columns, head.points);
+  return read_columns(columns, head.points, std::endian::little);
 }
 
 /// Two sizes, then the packed bytes; unpacked, all values of the first field stand first, then
@@ -120,14 +100,14 @@ PointCloud read_compressed(const PcdHead& head, std::string_view bytes, const st
   require_points(head.points, size, bytes.size(), budget, {path});
   const auto unpacked = lzf_decompress(bytes.substr(0, packed_size), size);
   if (!unpacked) throw DataError(where, "the packed points are damaged");
-  std::array<std::optional<Column>, 3> columns;
+  std::array<std::optional<CloudColumn>, 3> columns;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (const auto& field = head.xyz[axis]) {
-      columns[axis] =
-          Column{unpacked->data() + field->byte_offset * head.points, field->size(), field->type};
+      columns[axis] = CloudColumn{unpacked->data() + field->byte_offset * head.points,
+                                  field->size(), field->type};
     }
   }
-  return read_columns(columns, head.points);
+  return read_columns(columns, head.points, std::endian::little);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/cloud_columns.hpp"
 #include "formats/cloud_parts.hpp"
 #include "formats/ply_head.hpp"
 #include "formats/text_lines.hpp"
@@ -68,6 +69,9 @@ class BinaryValues {
     }
   }
 
+  [[nodiscard]] const char* here() const { return bytes_.data() + at_; }
+  [[nodiscard]] std::endian order() const { return order_; }
+
   Eigen::Vector3d vertex(const PlyElement& element, const Axes& axes) {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < element.properties.size(); ++i) {
@@ -113,12 +117,31 @@ class BinaryValues {
   const std::string& path_;
 };
 
+/// Of an element without lists, all of whose vertices are equally long.
+std::array<std::optional<CloudColumn>, 3> columns_of(const PlyElement& element, const Axes& axes,
+                                                     const char* begin) {
+  std::array<std::optional<CloudColumn>, 3> columns;
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const ScalarType type = element.properties[i].type;
+    const auto axis = std::find(axes.property.begin(), axes.property.end(), i);
+    if (axis != axes.property.end()) {
+      columns[static_cast<std::size_t>(axis - axes.property.begin())] =
+          CloudColumn{begin, element.least_bytes(), type};
+    }
+    begin += type.bytes;
+  }
+  return columns;
+}
+
 PointCloud read_binary(const PlyHead& head, std::size_t vertex, const Axes& axes,
                        std::string_view bytes, const std::string& path) {
   BinaryValues values(head, bytes, path);
   for (std::size_t i = 0; i < vertex; ++i) values.skip(head.elements[i]);
   const PlyElement& element = head.elements[vertex];
   values.require_room(element);
+  if (!element.has_lists()) {
+    return read_columns(columns_of(element, axes, values.here()), element.count, values.order());
+  }
   PointCloud cloud;
   cloud.points.reserve(element.count);
   for (std::size_t i = 0; i < element.count; ++i)
@@ -132,6 +155,7 @@ Eigen::Vector3d parse_vertex(std::string_view line, const PlyElement& element, c
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   Words words(line);
   const auto number = [&] {
+    if (const auto short_number = words.next_short_number()) return *short_number;
     const std::string_view word = words.next();
     const auto value = parse_number(word);
     if (!value) {
@@ -152,6 +176,10 @@ Eigen::Vector3d parse_vertex(std::string_view line, const PlyElement& element, c
   return point;
 }
 
+bool is_empty(std::string_view line) {
+  return line.empty() || (line.front() <= ' ' && trim(line).empty());
+}
+
 PointCloud read_ascii(const PlyHead& head, std::size_t vertex, const Axes& axes,
                       std::string_view text, const std::string& path) {
   std::size_t lines_before = 0;
@@ -160,9 +188,11 @@ PointCloud read_ascii(const PlyHead& head, std::size_t vertex, const Axes& axes,
   }
   const PlyElement& element = head.elements[vertex];
   PointCloud cloud;
+  constexpr std::size_t kLeastLine = 4;  // "0 0\n"
+  cloud.points.reserve(std::min(element.count, text.size() / kLeastLine + 1));
   std::size_t line_index = 0;
   for_each_line(text, [&](std::string_view line, std::int64_t number) {
-    if (cloud.points.size() == element.count || trim(line).empty()) return;
+    if (cloud.points.size() == element.count || is_empty(line)) return;
     if (line_index++ < lines_before) return;
     cloud.points.push_back(parse_vertex(line, element, axes, {path, head.head_lines + number}));
   });

@@ -9,6 +9,8 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+
 /// A word of a damaged file as it can be shown: short, printable.
 std::string quoted(std::string_view word) {
   std::string text = "'";
@@ -38,13 +40,21 @@ std::string_view trim(std::string_view text) {
 
 std::vector<std::string_view> split_words(std::string_view line) {
   std::vector<std::string_view> words;
-  std::size_t begin = line.find_first_not_of(kBlanks);
-  while (begin != std::string_view::npos) {
-    const std::size_t end = line.find_first_of(kBlanks, begin);
-    words.push_back(line.substr(begin, end - begin));
-    begin = end == std::string_view::npos ? end : line.find_first_not_of(kBlanks, end);
-  }
+  split_words(line, words);
   return words;
+}
+
+void split_words(std::string_view line, std::vector<std::string_view>& words) {
+  words.clear();
+  const char* at = line.data();
+  const char* const end = at + line.size();
+  while (true) {
+    while (at != end && is_blank(*at)) ++at;
+    if (at == end) return;
+    const char* const first = at;
+    while (at != end && !is_blank(*at)) ++at;
+    words.emplace_back(first, static_cast<std::size_t>(at - first));
+  }
 }
 
 double parse_finite(std::string_view word, const Location& location) {

@@ -18,6 +18,8 @@ void for_each_line(std::string_view text,
 
 /// The words between blanks and tabs.
 [[nodiscard]] std::vector<std::string_view> split_words(std::string_view line);
+/// The same into a vector whose memory is kept from line to line.
+void split_words(std::string_view line, std::vector<std::string_view>& words);
 
 /// A finite number that fills the whole word; otherwise DataError at the location.
 [[nodiscard]] double parse_finite(std::string_view word, const Location& location);

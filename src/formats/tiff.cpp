@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,16 +20,18 @@ namespace loopstone {
 namespace {
 
 template <typename Number>
-void turn_bytes(std::string& row) {
+void turn_bytes(std::span<char> row) {
   for (std::size_t at = 0; at + sizeof(Number) <= row.size(); at += sizeof(Number)) {
-    std::reverse(row.begin() + static_cast<std::ptrdiff_t>(at),
-                 row.begin() + static_cast<std::ptrdiff_t>(at + sizeof(Number)));
+    std::array<char, sizeof(Number)> raw;
+    std::memcpy(raw.data(), row.data() + at, sizeof raw);
+    std::reverse(raw.begin(), raw.end());
+    std::memcpy(row.data() + at, raw.data(), sizeof raw);
   }
 }
 
 /// Each number is the difference to its left neighbour, modulo its width.
 template <typename Number>
-void sum_differences(std::string& row) {
+void sum_differences(std::span<char> row) {
   Number sum = 0;
   for (std::size_t at = 0; at + sizeof(Number) <= row.size(); at += sizeof(Number)) {
     Number value = 0;
@@ -37,50 +41,66 @@ void sum_differences(std::string& row) {
   }
 }
 
-/// Differences of bytes; then the highest bytes of all numbers stand first, whatever the byte order
-/// of the file. Source: Adobe Photoshop TIFF Technical Note 3.
-std::string floats_from_planes(std::string row) {
-  sum_differences<std::uint8_t>(row);
-  const std::size_t numbers = row.size() / 4;
-  std::string floats(row.size(), '\0');
-  for (std::size_t i = 0; i < numbers; ++i) {
-    for (std::size_t byte = 0; byte < 4; ++byte) {
-      const std::size_t plane = std::endian::native == std::endian::little ? 3 - byte : byte;
-      floats[4 * i + byte] = row[plane * numbers + i];
+/// Turns rows as they were unpacked into samples in the machine's byte order, the predictor undone.
+class RowDecoder {
+ public:
+  explicit RowDecoder(const TiffHead& head) : head_(head) {}
+
+  void decode(std::span<char> row) {
+    if (head_.predictor == TiffPredictor::kFloatingPoint) return join_planes(row);
+    if (head_.order != std::endian::native) {
+      head_.is_float ? turn_bytes<std::uint32_t>(row) : turn_bytes<std::uint16_t>(row);
+    }
+    if (head_.predictor == TiffPredictor::kDifferences) {
+      head_.is_float ? sum_differences<std::uint32_t>(row) : sum_differences<std::uint16_t>(row);
     }
   }
-  return floats;
-}
 
-/// A row of a tile in the machine's byte order, the predictor undone.
-std::string decode_row(std::string row, const TiffHead& head) {
-  if (head.predictor == TiffPredictor::kFloatingPoint) return floats_from_planes(std::move(row));
-  if (head.order != std::endian::native) {
-    head.is_float ? turn_bytes<std::uint32_t>(row) : turn_bytes<std::uint16_t>(row);
+ private:
+  /// Differences of bytes; then the highest bytes of all numbers stand first, whatever the byte
+  /// order of the file. Source: Adobe Photoshop TIFF Technical Note 3.
+  void join_planes(std::span<char> row) {
+    sum_differences<std::uint8_t>(row);
+    planes_.assign(row.begin(), row.end());
+    const std::size_t numbers = row.size() / 4;
+    const char* const plane = planes_.data();
+    for (std::size_t i = 0; i < numbers; ++i) {
+      std::array<char, 4> number{plane[i], plane[numbers + i], plane[2 * numbers + i],
+                                 plane[3 * numbers + i]};
+      if constexpr (std::endian::native == std::endian::little) {
+        std::reverse(number.begin(), number.end());
+      }
+      std::memcpy(row.data() + 4 * i, number.data(), 4);
+    }
   }
-  if (head.predictor == TiffPredictor::kDifferences) {
-    head.is_float ? sum_differences<std::uint32_t>(row) : sum_differences<std::uint16_t>(row);
-  }
-  return row;
-}
+
+  const TiffHead& head_;
+  std::vector<char> planes_{};
+};
 
 /// All samples, row by row from the top, to where they belong.
 void decode_samples(std::string_view bytes, const TiffHead& head, char* to,
                     const std::string& path) {
   const std::size_t sample = head.bytes_per_sample();
-  for (std::size_t tile = 0; tile < head.tiles.size(); ++tile) {
-    const std::size_t column = tile % head.tiles_across() * head.tile_width;
-    const std::size_t first_row = tile / head.tiles_across() * head.tile_height;
+  const std::size_t row_bytes = head.tile_width * sample;
+  std::vector<char> tile(head.has_tiles ? row_bytes * head.tile_height : 0);
+  RowDecoder decoder(head);
+  for (std::size_t i = 0; i < head.tiles.size(); ++i) {
+    const std::size_t column = i % head.tiles_across() * head.tile_width;
+    const std::size_t first_row = i / head.tiles_across() * head.tile_height;
     const std::size_t columns = std::min(head.tile_width, head.width - column);
     const std::size_t rows = std::min(head.tile_height, head.height - first_row);
-    const std::size_t row_bytes = head.tile_width * sample;
-    const std::string plain =
-        unpack_tiff(bytes.substr(head.tiles[tile].offset, head.tiles[tile].size), head.packing,
-                    row_bytes * (head.has_tiles ? head.tile_height : rows), path);
+    // Strips are as wide as the picture and are unpacked where they belong.
+    const std::span<char> plain =
+        head.has_tiles ? std::span(tile) : std::span(to + first_row * row_bytes, rows * row_bytes);
+    unpack_tiff(bytes.substr(head.tiles[i].offset, head.tiles[i].size), head.packing, plain, path);
     for (std::size_t row = 0; row < rows; ++row) {
-      const std::string decoded = decode_row(plain.substr(row * row_bytes, row_bytes), head);
-      std::memcpy(to + ((first_row + row) * head.width + column) * sample, decoded.data(),
-                  columns * sample);
+      const std::span<char> decoded = plain.subspan(row * row_bytes, row_bytes);
+      decoder.decode(decoded);
+      if (head.has_tiles) {
+        std::memcpy(to + ((first_row + row) * head.width + column) * sample, decoded.data(),
+                    columns * sample);
+      }
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,8 +40,8 @@ struct TiffHead {
 /// Throws DataError that says what is damaged or not understood.
 [[nodiscard]] TiffHead parse_tiff_head(std::string_view bytes, const std::string& path);
 
-/// Exactly `size` bytes from packed ones. Throws DataError.
-[[nodiscard]] std::string unpack_tiff(std::string_view packed, TiffPacking packing,
-                                      std::size_t size, const std::string& path);
+/// Fills `to` from packed bytes. Throws DataError when they hold less.
+void unpack_tiff(std::string_view packed, TiffPacking packing, std::span<char> to,
+                 const std::string& path);
 
 }  // namespace loopstone

@@ -1,10 +1,13 @@
+#include <libdeflate.h>
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <vector>
+#include <memory>
+#include <span>
 
 #include "formats/tiff_head.hpp"
 #include "loopstone/base/error.hpp"
@@ -16,23 +19,26 @@ namespace {
   throw DataError({path}, "is a damaged TIFF picture: " + reason);
 }
 
-std::string unpack_deflate(std::string_view packed, std::size_t size, const std::string& path) {
-  std::string plain(size, '\0');
-  auto length = static_cast<uLongf>(size);
+void unpack_deflate(std::string_view packed, std::span<char> to, const std::string& path) {
+  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> fast(
+      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  if (fast != nullptr &&
+      libdeflate_zlib_decompress(fast.get(), packed.data(), packed.size(), to.data(), to.size(),
+                                 nullptr) == LIBDEFLATE_SUCCESS) {
+    return;
+  }
+  auto length = static_cast<uLongf>(to.size());
   const int status =
-      uncompress(reinterpret_cast<Bytef*>(plain.data()), &length,
+      uncompress(reinterpret_cast<Bytef*>(to.data()), &length,
                  reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
   // What is more than a strip needs is of no use; what is less is missing.
-  const bool is_enough = (status == Z_OK || status == Z_BUF_ERROR) && length == size;
+  const bool is_enough = (status == Z_OK || status == Z_BUF_ERROR) && length == to.size();
   if (!is_enough) fail(path, "its Deflate data is broken or cut off");
-  return plain;
 }
 
-std::string unpack_pack_bits(std::string_view packed, std::size_t size, const std::string& path) {
-  std::string plain;
-  plain.reserve(size);
+void unpack_pack_bits(std::string_view packed, std::span<char> to, const std::string& path) {
   std::size_t at = 0;
-  while (plain.size() < size) {
+  while (!to.empty()) {
     if (at >= packed.size()) fail(path, "its PackBits data is cut off");
     const int byte = static_cast<unsigned char>(packed[at++]);
     const int control = byte < 128 ? byte : byte - 256;
@@ -40,15 +46,15 @@ std::string unpack_pack_bits(std::string_view packed, std::size_t size, const st
     const auto count = static_cast<std::size_t>(control >= 0 ? control + 1 : 1 - control);
     const std::size_t stored = control >= 0 ? count : 1;
     if (packed.size() - at < stored) fail(path, "its PackBits data is cut off");
-    const std::size_t used = std::min(count, size - plain.size());
+    const std::size_t used = std::min(count, to.size());
     if (control >= 0) {
-      plain.append(packed.substr(at, used));
+      std::memcpy(to.data(), packed.data() + at, used);
     } else {
-      plain.append(used, packed[at]);
+      std::memset(to.data(), packed[at], used);
     }
+    to = to.subspan(used);
     at += stored;
   }
-  return plain;
 }
 
 /// Codes of 9 to 12 bits, first bit first; the width grows one code early (TIFF revision 6.0,
@@ -75,67 +81,79 @@ class LzwCodes {
   unsigned held_ = 0;
 };
 
-std::string unpack_lzw(std::string_view packed, std::size_t size, const std::string& path) {
-  constexpr int kClear = 256;
-  constexpr int kEnd = 257;
-  constexpr std::size_t kMostWords = 4096;
+/// Where a word of the table stands in what is unpacked already. A strip has less than 2^32 bytes.
+struct LzwWord {
+  std::uint32_t begin;
+  std::uint32_t size;
+};
+
+/// Repeats a word at `at`; it may reach into what it writes, which then repeats.
+void repeat_word(std::span<char> to, std::size_t at, LzwWord word) {
+  constexpr std::size_t kBlock = 8;
+  char* out = to.data() + at;
+  const char* from = to.data() + word.begin;
+  const std::size_t size = std::min<std::size_t>(word.size, to.size() - at);
+  // In blocks where what is written too much is written over later.
+  if (at - word.begin >= kBlock && to.size() - at >= size + kBlock) {
+    for (std::size_t i = 0; i < size; i += kBlock) std::memcpy(out + i, from + i, kBlock);
+    return;
+  }
+  for (std::size_t i = 0; i < size; ++i) out[i] = from[i];
+}
+
+void unpack_lzw(std::string_view packed, std::span<char> to, const std::string& path) {
+  constexpr std::uint32_t kClear = 256;
+  constexpr std::uint32_t kEnd = 257;
+  constexpr std::uint32_t kMostWords = 4096;
   // Every word of the table stands in the text already: it is the word before it and the next
   // letter.
-  std::vector<TiffSpan> words;
-  words.reserve(kMostWords);
-  const auto clear = [&] { words.assign(kEnd + 1, TiffSpan{}); };
-  clear();
-  std::string plain;
-  plain.reserve(size);
+  std::array<LzwWord, kMostWords> words;
+  std::uint32_t known = kEnd + 1;
   LzwCodes codes(packed);
-  TiffSpan last{};
-  bool has_last = false;
-  while (plain.size() < size) {
-    const std::size_t known = words.size();
+  LzwWord last{};  // without a size after the table was cleared
+  std::size_t at = 0;
+  while (at < to.size()) {
     const unsigned width = known < 511 ? 9 : known < 1023 ? 10 : known < 2047 ? 11 : 12;
-    const int code = codes.next(width);
-    if (code < 0 || code == kEnd) fail(path, "its LZW data is cut off");
+    const int next = codes.next(width);
+    const auto code = static_cast<std::uint32_t>(next);
+    if (next < 0 || code == kEnd) fail(path, "its LZW data is cut off");
     if (code == kClear) {
-      clear();
-      has_last = false;
+      known = kEnd + 1;
+      last = {};
       continue;
     }
-    const TiffSpan here{plain.size(), 0};
-    if (has_last) {
-      if (words.size() == kMostWords) fail(path, "its LZW data is broken");
-      words.push_back({last.offset, last.size + 1});
+    if (last.size > 0) {
+      if (known == kMostWords) fail(path, "its LZW data is broken");
+      words[known++] = {last.begin, last.size + 1};
     }
+    last = {static_cast<std::uint32_t>(at), 1};
     if (code < kClear) {
-      plain.push_back(static_cast<char>(code));
+      to[at] = static_cast<char>(code);
     } else {
-      if (static_cast<std::size_t>(code) >= words.size()) fail(path, "its LZW data is broken");
-      const TiffSpan word = words[static_cast<std::size_t>(code)];
-      // Letter by letter: a word may reach into what it writes.
-      for (std::size_t i = 0; i < word.size; ++i) plain.push_back(plain[word.offset + i]);
+      if (code >= known) fail(path, "its LZW data is broken");
+      last.size = words[code].size;
+      repeat_word(to, at, words[code]);
     }
-    last = {here.offset, plain.size() - here.offset};
-    has_last = true;
+    at += last.size;
   }
-  plain.resize(size);
-  return plain;
 }
 
 }  // namespace
 
-std::string unpack_tiff(std::string_view packed, TiffPacking packing, std::size_t size,
-                        const std::string& path) {
+void unpack_tiff(std::string_view packed, TiffPacking packing, std::span<char> to,
+                 const std::string& path) {
   switch (packing) {
     case TiffPacking::kLzw:
-      return unpack_lzw(packed, size, path);
+      return unpack_lzw(packed, to, path);
     case TiffPacking::kDeflate:
-      return unpack_deflate(packed, size, path);
+      return unpack_deflate(packed, to, path);
     case TiffPacking::kPackBits:
-      return unpack_pack_bits(packed, size, path);
+      return unpack_pack_bits(packed, to, path);
     case TiffPacking::kNone:
       break;
   }
-  if (packed.size() < size) fail(path, "a strip or tile is cut off");
-  return std::string(packed.substr(0, size));
+  if (packed.size() < to.size()) fail(path, "a strip or tile is cut off");
+  std::memcpy(to.data(), packed.data(), to.size());
 }
 
 }  // namespace loopstone

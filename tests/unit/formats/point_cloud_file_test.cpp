@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -208,6 +209,26 @@ TEST(NpyCloud, OtherShapesAreRefused) {
   EXPECT_THROW((void)decode_npy_cloud(shape({1 << 30, 3}, 9)), DataError);
 }
 
+TEST(Ply, TextTakesEveryWayToWriteANumber) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property uchar red\nend_header\n";
+  const PointCloud cloud = decode_ply(head +
+                                      "1e3 -.5 7\n"
+                                      "\t+2. 0.1 255\r\n"
+                                      " \n"
+                                      "123456789.12345678 0.0001234567890123456 0\n"
+                                      "-0 nan 1\n");
+  EXPECT_EQ(rows(cloud), (Rows{{1000, -0.5, 0},
+                               {2, 0.1, 0},
+                               {123456789.12345678, 0.0001234567890123456, 0},
+                               {0, -999, 0}}));
+  EXPECT_THAT(error_of([&] { return decode_ply(head + "1 2 3\n1.5.2 0 0\n"); }),
+              HasSubstr(":9: '1.5.2' is no number"));
+  EXPECT_THAT(error_of([&] { return decode_ply(head + "1 2\n"); }),
+              HasSubstr("fewer numbers than the head promises"));
+}
+
 TEST(MatCloud, WhatMatioWrote) {
   for (const char* name : {"mat_cloud/matio_plain.mat", "mat_cloud/matio_compressed.mat"}) {
     const std::string path = seed(name);
@@ -246,6 +267,43 @@ TEST(MatCloud, BigEndianSmallElementsAndPackedNumbers) {
   file += std::string("\1\0MI", 4);
   file += word(14) + word(static_cast<std::uint32_t>(matrix.size())) + matrix;
   EXPECT_EQ(rows(decode_mat_cloud(file)), (Rows{{1, 2, 3}, {4, 5, 6}}));
+}
+
+/// Little-endian, as a compressed variable of a MATLAB file whose tag promises `more` bytes than
+/// there are.
+std::string compressed_variable(const std::string& matrix, std::uint32_t more) {
+  const auto tag = [](std::uint32_t type, std::size_t size) {
+    return raw<std::uint32_t>({type, static_cast<std::uint32_t>(size)});
+  };
+  const std::string plain = tag(14, matrix.size() + more) + matrix;
+  uLongf size = compressBound(static_cast<uLong>(plain.size()));
+  std::string packed(size, '\0');
+  EXPECT_EQ(
+      compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+               reinterpret_cast<const Bytef*>(plain.data()), static_cast<uLong>(plain.size())),
+      Z_OK);
+  packed.resize(size);
+  return tag(15, packed.size()) + packed;
+}
+
+TEST(MatCloud, CompressedVariablesMayPromiseMoreThanTheyNeed) {
+  // Flags, sizes, name, values: text as matio writes it, and a matrix of doubles.
+  const std::string text =
+      raw<std::uint32_t>({6, 8, 4, 0, 5, 8, 1, 5, 1 << 16 | 1, 't', 16, 5, 'a', 'b'});
+  const std::string matrix = raw<std::uint32_t>({6, 8, 6, 0, 5, 8, 2, 3, 1 << 16 | 1, 'p', 9, 48}) +
+                             raw<double>({1, 4, 2, 5, 3, 6});
+  std::string head = "MATLAB 5.0 by hand";
+  head.resize(124, ' ');
+  head += std::string("\0\1IM", 4);
+  const std::string file = head + compressed_variable(text, 8) + compressed_variable(matrix, 0);
+  EXPECT_EQ(rows(decode_mat_cloud(file)), (Rows{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_THAT(parse_mat(file, "a.mat").others, testing::ElementsAre("t (text)"));
+  const std::string short_of_values = matrix.substr(0, matrix.size() - 8);
+  EXPECT_THAT(
+      error_of([&] { return parse_mat(head + compressed_variable(short_of_values, 8), "m"); }),
+      HasSubstr("48 bytes begins here and 40 are left"));
+  EXPECT_THAT(error_of([&] { return parse_mat(head + compressed_variable("ab", 6), "m"); }),
+              HasSubstr("ends within a tag"));
 }
 
 TEST(MatCloud, OtherVersionsAreRefusedWithAdvice) {
