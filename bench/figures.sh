@@ -21,6 +21,7 @@ measure bench/registration.py $quick
 measure bench/localization_speed.py $quick
 measure bench/ray_cast.py $quick
 measure bench/recordings.py $quick
+measure bench/file_readers.py $quick
 measure bench/texture.py $quick
 measure bench/session.py $quick
 measure bench/localization.py $quick

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Holds sentences to the tables that they come from.
 
-  tests/docs/check_claims.py             every claim in README.md, CHANGELOG.md and docs/
+  tests/docs/check_claims.py             every claim in README.md, CONTRIBUTING.md,
+                                         CHANGELOG.md and docs/
   tests/docs/check_claims.py --self-test
 
 A claim stands behind its sentence, which a reader sees without it:
@@ -24,7 +25,10 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import read_block  # noqa: E402
 
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
+    *sorted((ROOT / "docs").glob("*.md")),
+]
 CLAIM = re.compile(r"<!-- holds: (\S+) (\S+) \|(.*?)\|(.*?)-->", re.S)
 BOUND = re.compile(r"(.+?)(?: / (.+?))? (<=|>=) (-?[\d.]+)")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")

@@ -38,6 +38,7 @@ PARTS = {
     "bench/ray_cast.py": ["base", "geometry", "grid", "localization"],
     "bench/localization_speed.py": ["base", "geometry", "grid", "localization"],
     "bench/registration.py": ["base", "geometry", "sensor", "grid", "odometry", "registration"],
+    "bench/file_readers.py": ["base", "sensor", "formats"],
     "bench/compare_ucsd_odometry.py": ["base", "geometry", "sensor", "odometry", "formats"],
 }
 
