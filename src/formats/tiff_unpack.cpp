@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
+#include <new>
 #include <span>
 
 #include "formats/tiff_head.hpp"
@@ -19,21 +21,41 @@ namespace {
   throw DataError({path}, "is a damaged TIFF picture: " + reason);
 }
 
+/// What is more than a strip needs is of no use, but the checksum behind it is; what is less is
+/// missing.
+void unpack_deflate_with_rest(std::string_view packed, std::span<char> to,
+                              const std::string& path) {
+  if (to.size() > std::numeric_limits<uInt>::max()) fail(path, "its Deflate data is broken");
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, void (*)(z_stream*)> end(
+      &stream, [](z_stream* s) { (void)inflateEnd(s); });
+  // zlib promises not to change its input.
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+  stream.avail_in = static_cast<uInt>(packed.size());
+  stream.next_out = reinterpret_cast<Bytef*>(to.data());
+  stream.avail_out = static_cast<uInt>(to.size());
+  int status = inflate(&stream, Z_NO_FLUSH);
+  const std::size_t missing = stream.avail_out;
+  std::array<Bytef, 4096> rest;
+  while (status == Z_OK && missing == 0) {
+    stream.next_out = rest.data();
+    stream.avail_out = static_cast<uInt>(rest.size());
+    status = inflate(&stream, Z_NO_FLUSH);
+  }
+  // Z_BUF_ERROR: the data ends before the checksum.
+  const bool is_enough = missing == 0 && (status == Z_STREAM_END || status == Z_BUF_ERROR);
+  if (!is_enough) fail(path, "its Deflate data is broken or cut off");
+}
+
 void unpack_deflate(std::string_view packed, std::span<char> to, const std::string& path) {
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> fast(
       libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
-  if (fast != nullptr &&
+  const bool is_unpacked =
+      fast != nullptr &&
       libdeflate_zlib_decompress(fast.get(), packed.data(), packed.size(), to.data(), to.size(),
-                                 nullptr) == LIBDEFLATE_SUCCESS) {
-    return;
-  }
-  auto length = static_cast<uLongf>(to.size());
-  const int status =
-      uncompress(reinterpret_cast<Bytef*>(to.data()), &length,
-                 reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
-  // What is more than a strip needs is of no use; what is less is missing.
-  const bool is_enough = (status == Z_OK || status == Z_BUF_ERROR) && length == to.size();
-  if (!is_enough) fail(path, "its Deflate data is broken or cut off");
+                                 nullptr) == LIBDEFLATE_SUCCESS;
+  if (!is_unpacked) unpack_deflate_with_rest(packed, to, path);
 }
 
 void unpack_pack_bits(std::string_view packed, std::span<char> to, const std::string& path) {

@@ -241,6 +241,40 @@ TEST(DecodeDepth, LongLzwReachesTheWidestCodesAndStartsAnew) {
             decode(encode_png(numbers_image(numbers, 200))).per_m);
 }
 
+TEST(DecodeDepth, ChecksumsOfDeflateFindFlippedBits) {
+  std::vector<std::uint16_t> numbers(16 * 8);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::uint16_t>(7 * i);
+  test::TiffLayout layout;
+  layout.packing = test::TiffSamplePacking::kDeflate;
+  layout.rows_per_strip = 8;
+  const std::string good = test::make_tiff(numbers, 16, layout);
+  const std::size_t packed =
+      test::pack_tiff(test::encode_tiff_row(numbers, layout), test::TiffSamplePacking::kDeflate)
+          .size();
+  int taken = 0;
+  for (std::size_t byte = 8; byte < 8 + packed; ++byte) {
+    std::string damaged = good;
+    damaged[byte] ^= 4;
+    const std::string error = error_of([&] { (void)decode(damaged); });
+    const bool is_taken = error == "no error";
+    taken += is_taken ? 1 : 0;
+    EXPECT_TRUE(is_taken || error.find("Deflate data is broken") != error.npos) << error;
+  }
+  // Where data that goes on wrongly takes the checksum for more data, there is none to ask.
+  EXPECT_LE(taken, 2) << "of " << packed;
+  EXPECT_GT(packed, 100U);
+  // A last strip of all the rows that a strip has is longer than needed.
+  layout.rows_per_strip = 6;
+  std::vector<std::uint16_t> more = numbers;
+  more.resize(16 * 12);
+  const std::string twelve_rows = test::make_tiff(more, 16, layout);
+  std::string eight_rows = twelve_rows;
+  const std::size_t height = twelve_rows.rfind(std::string("\x01\x01\x04\0\1\0\0\0\x0c", 9));
+  ASSERT_NE(height, std::string::npos);
+  eight_rows[height + 8] = 8;
+  EXPECT_EQ(decode(eight_rows).per_m, decode(good).per_m);
+}
+
 TEST(DecodeDepth, WhatCanNotBeDepthIsRefusedWithAWayOut) {
   const auto error = [](std::string_view bytes) { return error_of([&] { (void)decode(bytes); }); };
   EXPECT_THAT(error(encode_png(make_image(2, 2, 1, 1))), HasSubstr("1 channels of 8 bits"));
