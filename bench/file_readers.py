@@ -219,36 +219,37 @@ def measure_coverage(files, readers):
     return coverage
 
 
-def package(name):
-    """(installed size [bytes], names of the packages that it needs)."""
+def packages(names):
+    """{package: (installed size [bytes], names of the packages that it needs)}"""
     text = subprocess.run(
-        ["apt-cache", "show", "--no-all-versions", name],
+        ["apt-cache", "show", "--no-all-versions", *sorted(names)],
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         check=False,
     ).stdout.decode()
-    size = re.search(r"^Installed-Size: (\d+)", text, re.M)
-    needs = re.search(r"^Depends: (.*)", text, re.M)
-    names = (
-        [re.split(r"[ (:|]", need.strip())[0] for need in needs.group(1).split(",")]
-        if needs
-        else []
-    )
-    return (1024 * int(size.group(1)) if size else None), names
+    found = {}
+    for entry in text.split("\n\n"):
+        name = re.search(r"^Package: (\S+)", entry, re.M)
+        size = re.search(r"^Installed-Size: (\d+)", entry, re.M)
+        needs = re.search(r"^Depends: (.*)", entry, re.M)
+        if name and size:
+            needed = needs.group(1).split(",") if needs else []
+            found[name.group(1)] = (
+                1024 * int(size.group(1)),
+                {re.split(r"[ (:|]", need.strip())[0] for need in needed},
+            )
+    return found
 
 
 def closure(name):
     """{package: bytes} of all that is installed with it on a bare system."""
-    found, left = {}, [name]
+    sizes, left = {}, {name}
     while left:
-        each = left.pop()
-        if each in found or each in OF_THE_SYSTEM:
-            continue
-        size, needs = package(each)
-        if size is not None:
-            found[each] = size
-            left += needs
-    return found
+        found = packages(left)
+        sizes.update({each: size for each, (size, _) in found.items()})
+        needed = set().union(*(needs for _, needs in found.values()))
+        left = needed - set(sizes) - left - OF_THE_SYSTEM
+    return sizes
 
 
 def lines_of(patterns):
