@@ -123,6 +123,8 @@ void visit_robot(RobotModel& robot, CameraAngles& angles, Visitor&& visit) {
         "counts since the start (true) or since the last reading (false)");
   visit("wheels.counter_bits", robot.wheels.counter_bits, Range{1, 62},
         "cumulative counters wrap at 2 to this power");
+  visit("wheels.radius_m", robot.wheels.radius_m, Range{0.001, 10.0},
+        "of the wheels, where a recording tells their angles [m]");
 
   for (std::size_t i = 0; i < robot.lidars.size(); ++i) {
     LidarMount& lidar = robot.lidars[i];
@@ -220,6 +222,25 @@ RobotModel parse_robot(std::string_view toml, const std::string& path) {
 
 RobotModel read_robot_file(const std::string& path) {
   return parse_robot(read_whole_file(path, kMostOptionBytes), path);
+}
+
+StatedWheels stated_wheels(std::string_view toml, const std::string& path) {
+  const WheelModel wheels = parse_robot(toml, path).wheels;
+  StatedWheels stated;
+  for (const TomlValue& value : parse_toml(toml, path).values) {
+    if (value.key == "wheels.metres_per_count") stated.metres_per_count = wheels.metres_per_count;
+    if (value.key == "wheels.radius_m") stated.radius_m = wheels.radius_m;
+    if (value.key == "wheels.track_width_m") stated.track_width_m = wheels.track_width_m;
+    if (value.key == "wheels.counts_are_cumulative") {
+      stated.counts_are_cumulative = wheels.counts_are_cumulative;
+    }
+    if (value.key == "wheels.counter_bits") stated.counter_bits = wheels.counter_bits;
+  }
+  return stated;
+}
+
+StatedWheels read_stated_wheels(const std::string& path) {
+  return stated_wheels(read_whole_file(path, kMostOptionBytes), path);
 }
 
 std::string robot_to_toml(const RobotModel& robot) {

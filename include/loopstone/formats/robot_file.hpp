@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "loopstone/formats/topic_options.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 
 namespace loopstone {
@@ -15,6 +16,12 @@ namespace loopstone {
 
 /// The same from a file. Throws DataError when it can't be read.
 [[nodiscard]] RobotModel read_robot_file(const std::string& path);
+
+/// What the text itself says of the wheels, without defaults. Throws OptionsError as parse_robot().
+[[nodiscard]] StatedWheels stated_wheels(std::string_view toml, const std::string& path);
+
+/// The same from a file. Throws DataError when it can't be read.
+[[nodiscard]] StatedWheels read_stated_wheels(const std::string& path);
 
 /// The robot as TOML with help texts as comments. Read back it gives the same robot (angles of the
 /// camera to 1e-12).

@@ -47,6 +47,16 @@ struct HeightRange {
   double high_m = 0.0;
 };
 
+/// What is known of a robot's wheels; what is not known is not taken from another robot. From the
+/// user's robot file (stated_wheels()), or from whoever has measured them.
+struct StatedWheels {
+  std::optional<double> metres_per_count{};
+  std::optional<double> radius_m{};
+  std::optional<double> track_width_m{};
+  std::optional<bool> counts_are_cumulative{};  ///< absent: they are
+  std::optional<int> counter_bits{};            ///< absent: those of the message's type
+};
+
 /// How a recording with topics is to be understood; other logs take no notice.
 struct TopicOptions {
   /// What the user named; an empty name: no topic is to play this role. Several of kLaser all
@@ -57,7 +67,8 @@ struct TopicOptions {
   std::optional<HeightRange> slice{};  ///< of point clouds; absent: about the scanner's own height
   /// Pictures of a camera that sees depth and colour are looked for and given.
   bool pictures = false;
-  bool count_all = false;  ///< topics that nobody uses are read, too, to be counted
+  StatedWheels wheels{};               ///< of joints and of counts by other types than our own
+  bool count_all = false;              ///< topics that nobody uses are read, too, to be counted
 };
 
 /// One topic of a recording, for people.

@@ -13,7 +13,8 @@ struct WheelModel {
   double metres_per_count = 0.0022;
   double track_width_m = 0.39;  ///< effective: distance between the two virtual wheels
   bool counts_are_cumulative = false;
-  int counter_bits = 32;  ///< where cumulative counters wrap
+  int counter_bits = 32;    ///< where cumulative counters wrap
+  double radius_m = 0.127;  ///< of wheels that are told as angles
 };
 
 /// No sensor is mounted farther from its robot's centre, along an axis [m].

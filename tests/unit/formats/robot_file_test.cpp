@@ -39,6 +39,7 @@ void expect_same(const RobotModel& a, const RobotModel& b) {
   EXPECT_EQ(a.wheels.track_width_m, b.wheels.track_width_m);
   EXPECT_EQ(a.wheels.counts_are_cumulative, b.wheels.counts_are_cumulative);
   EXPECT_EQ(a.wheels.counter_bits, b.wheels.counter_bits);
+  EXPECT_EQ(a.wheels.radius_m, b.wheels.radius_m);
   ASSERT_EQ(a.lidars.size(), b.lidars.size());
   for (std::size_t i = 0; i < a.lidars.size(); ++i) {
     EXPECT_EQ(a.lidars[i].name, b.lidars[i].name);
@@ -69,6 +70,7 @@ TEST(RobotFile, WhatIsWrittenReadsBackTheSame) {
   robot.name = "a \"quoted\" robot \\ \n of two lines";
   robot.wheels.metres_per_count = 1.0 / 3.0;
   robot.wheels.counts_are_cumulative = true;
+  robot.wheels.radius_m = 1.0 / 30.0;
   robot.lidars = {{"front", {0.2, -0.1, 0.5}, 0.4}, {"rear", {-0.2, 0.0, 3.0}, 0.3}};
   robot.camera.robot_T_camera = Pose3::from_roll_pitch_yaw({1.0, 2.0, 3.0}, 0.1, -0.2, 2.5);
   robot.camera.camera_T_colour = Pose3::from_roll_pitch_yaw({0.01, -0.02, 0.03}, 0.3, 0.2, -0.1);
@@ -90,6 +92,22 @@ TEST(RobotFile, NamedLidarsReplaceTheDefaultOnes) {
   RobotModel none;
   none.lidars.clear();
   EXPECT_EQ(parse_robot(robot_to_toml(none), "r").lidars.size(), 0u);
+}
+
+TEST(RobotFile, WhatIsSaidOfTheWheelsIsKnownFromWhatIsNot) {
+  const StatedWheels none = stated_wheels("[[lidars]]\nx_m = 0.3\n", "r");
+  EXPECT_FALSE(none.metres_per_count || none.radius_m || none.track_width_m);
+  EXPECT_FALSE(none.counts_are_cumulative || none.counter_bits);
+  const StatedWheels some = stated_wheels("[wheels]\nradius_m = 0.033\ntrack_width_m = 1\n", "r");
+  EXPECT_EQ(some.radius_m, 0.033);
+  EXPECT_EQ(some.track_width_m, 1.0);
+  EXPECT_FALSE(some.metres_per_count);
+  const StatedWheels all = stated_wheels(robot_to_toml({}), "r");
+  EXPECT_EQ(all.metres_per_count, WheelModel{}.metres_per_count);
+  EXPECT_EQ(all.counts_are_cumulative, false);
+  EXPECT_EQ(all.counter_bits, 32);
+  EXPECT_THROW((void)stated_wheels("[wheels]\nradius_m = -1\n", "r"), OptionsError);
+  EXPECT_THROW((void)read_stated_wheels("/no/such/robot.toml"), DataError);
 }
 
 TEST(RobotFile, TheLensHasMovedAndTheMessageSaysWhere) {
