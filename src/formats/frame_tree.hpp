@@ -32,6 +32,8 @@ class FrameTree {
            const Pose3& parent_T_child);
 
   [[nodiscard]] bool has(std::string_view frame) const;
+  /// Of all frames.
+  [[nodiscard]] const std::set<std::string, std::less<>>& names() const { return frames_; }
   /// target_T_source. Nothing when they are not connected, or a frame between them moves and was
   /// not told near that time.
   /// \param stamp  absent: as they were told last

@@ -111,7 +111,7 @@ std::optional<ScanName> parse_scan_name(const std::string& text) {
 LogScan read_log_scan(const ScanName& name, const RobotModel& robot, bool robot_given,
                       const LogOptions& options) {
   const auto log = open_log(name.log, options);
-  ScanQueue queue(robot.wheels);
+  ScanQueue queue(log->wheels(robot.wheels));
   ScanPicker picker(name);
   std::optional<LogScan> before;
   const auto take = [&](LaserScan scan) {

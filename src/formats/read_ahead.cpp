@@ -75,6 +75,10 @@ class ReadAhead final : public LogReader {
     const std::scoped_lock lock(reading_);
     return reader_->robot(std::move(base));
   }
+  [[nodiscard]] WheelModel wheels(WheelModel base) const override {
+    const std::scoped_lock lock(reading_);
+    return reader_->wheels(base);
+  }
   [[nodiscard]] std::vector<std::string> notes() const override {
     const std::scoped_lock lock(reading_);
     return reader_->notes();

@@ -6,12 +6,13 @@ namespace loopstone {
 namespace {
 
 /// The topics whose clocks are held against the first one's.
-std::vector<std::size_t> timed_topics(const TopicChoice& choice) {
+std::vector<std::size_t> timed_topics(const TopicChoice& choice, const WheelPlan& wheels) {
   std::vector<std::size_t> topics;
   for (const ChosenLaser& laser : choice.lasers) topics.push_back(laser.topic);
   if (choice.odometry && choice.odometry->topic) topics.push_back(*choice.odometry->topic);
   if (choice.imu) topics.push_back(*choice.imu);
   if (choice.wheels) topics.push_back(*choice.wheels);
+  for (const std::size_t topic : wheels.topics()) topics.push_back(topic);
   if (choice.camera) {
     topics.push_back(choice.camera->depth);
     topics.push_back(choice.camera->colour);
@@ -33,8 +34,9 @@ RecordingPlan plan_recording(Recording& recording, const LogOptions& options) {
   RecordingPlan result;
   result.survey = survey_topics(recording, options.topics.pictures);
   result.choice = choose_topics(result.survey, options.topics);
+  result.wheels = plan_wheels(recording, options.topics, result.survey, result.choice);
   std::vector<ClockQuestion> questions;
-  const std::vector<std::size_t> timed = timed_topics(result.choice);
+  const std::vector<std::size_t> timed = timed_topics(result.choice, result.wheels);
   for (const std::size_t i : timed) {
     questions.push_back({result.survey.topics[i].name, &result.survey.topics[i].stamps});
   }
@@ -50,6 +52,11 @@ RecordingPlan plan_recording(Recording& recording, const LogOptions& options) {
   for (std::size_t k = 0; k < timed.size(); ++k)
     result.clock_of[timed[k]] = result.clocks.clocks[k];
   if (frame != nullptr) result.tf_clock = result.clocks.clocks.back();
+  for (const std::size_t topic : result.wheels.topics()) {
+    if (result.clock_of[topic].source != TopicClock::Source::kOrder) continue;
+    drop_wheels("wheels need stamps", result.survey, result.wheels, result.choice);
+    break;
+  }
   return result;
 }
 

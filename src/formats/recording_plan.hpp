@@ -9,6 +9,7 @@
 #include "formats/topic_choice.hpp"
 #include "formats/topic_clock.hpp"
 #include "formats/topic_survey.hpp"
+#include "formats/wheel_plan.hpp"
 #include "loopstone/formats/log_reader.hpp"
 
 namespace loopstone {
@@ -17,6 +18,7 @@ namespace loopstone {
 struct RecordingPlan {
   TopicSurvey survey{};
   TopicChoice choice{};
+  WheelPlan wheels{};  ///< by other messages than our own
   ClockChoice clocks{};
   std::vector<TopicClock> clock_of{};  ///< of each topic of the survey
   TopicClock tf_clock{};               ///< of the frames that move

@@ -47,9 +47,7 @@ bool StampOrder::leads(const OrderedRecord& record) const {
 
 void StampOrder::push(OrderedRecord record) {
   const Stamp stamp = stamp_of(record.message);
-  // Frames wait for their pictures: that they come late says nothing about the log.
-  const bool is_frame = std::holds_alternative<RgbdFrame>(record.message);
-  if (!is_frame) note_order(stamp, record.is_part_of_a_scan);
+  note_order(stamp, record.is_part_of_a_scan || record.is_brought_together);
   if (leads(record)) {
     lead(std::move(record));
   } else if (record.is_part_of_a_scan && !pending_.empty() &&
@@ -62,9 +60,9 @@ void StampOrder::push(OrderedRecord record) {
 
 /// Counts the records that stand after a later one; a stamp from elsewhere does not count for those
 /// around it.
-void StampOrder::note_order(Stamp stamp, bool is_part_of_a_scan) {
+void StampOrder::note_order(Stamp stamp, bool may_be_late) {
   const bool near = newest_ && std::abs(seconds_between(stamp, *newest_)) <= kJump.seconds();
-  if (near && stamp < *newest_ && !is_part_of_a_scan) {
+  if (near && stamp < *newest_ && !may_be_late) {
     ++out_of_order_;
     largest_step_back_ = std::max(largest_step_back_, *newest_ - stamp);
   }

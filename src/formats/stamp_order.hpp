@@ -19,6 +19,8 @@ struct OrderedRecord {
   /// Odometry that came with a scan rather than on a line of its own: it may be dropped in silence.
   bool is_part_of_a_scan = false;
   bool is_truth = false;  ///< a true pose of the robot: no message of the log
+  /// Of several messages, which came one after the other: it is late without any disorder.
+  bool is_brought_together = false;
 };
 
 /// Puts records whose stamps go back a little into the order of their stamps, with bounded memory.
@@ -66,7 +68,7 @@ class StampOrder {
   static bool comes_later(const Waiting& a, const Waiting& b);
 
   [[nodiscard]] bool leads(const OrderedRecord& record) const;
-  void note_order(Stamp stamp, bool is_part_of_a_scan);
+  void note_order(Stamp stamp, bool may_be_late);
   void lead(OrderedRecord record);
   void enqueue(OrderedRecord record);
   void believe_pending();

@@ -362,11 +362,16 @@ class Chooser {
   }
 
   void choose_wheels() {
-    const auto fits = [](const TopicFacts& t) { return t.kind == TopicKind::kTicks; };
+    const auto is_ours = [](const TopicFacts& t) { return t.kind == TopicKind::kTicks; };
+    const auto fits = [&](const TopicFacts& t) {
+      return is_ours(t) || t.kind == TopicKind::kJoints || t.kind == TopicKind::kCounts;
+    };
     const auto by_user = named(TopicRole::kWheels, fits);
-    const std::vector<std::size_t> found = by_user ? *by_user : all([&](const TopicFacts& t) {
-      return fits(t) && t.has_messages() && t.fault.empty();
+    std::vector<std::size_t> found = by_user ? *by_user : all([&](const TopicFacts& t) {
+      return is_ours(t) && t.has_messages() && t.fault.empty();
     });
+    // Others need more than a look at the names of topics: plan_wheels().
+    std::erase_if(found, [&](std::size_t i) { return !is_ours(topic(i)); });
     if (found.empty()) return;
     use(found.front(), TopicRole::kWheels);
     choice_.wheels = found.front();

@@ -18,6 +18,7 @@
 #include "formats/told_transforms.hpp"
 #include "formats/topic_counts.hpp"
 #include "formats/topic_decoders.hpp"
+#include "formats/wheel_stream.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
@@ -78,6 +79,7 @@ class TopicLogReader final : public LogReader {
     }
     place_topics();
     mount_imu();
+    if (!known_.wheels.empty()) wheels_.emplace(known_.wheels, *recording_, known_.survey);
     recording_->want([this](const RecordedTopic& topic) { return is_wanted(topic); });
   }
 
@@ -111,6 +113,9 @@ class TopicLogReader final : public LogReader {
   const SkippedRecords& skipped() const override { return tally_.skipped(); }
   std::vector<std::string> choices() const override { return known_.choice.choices; }
   RobotModel robot(RobotModel base) const override;
+  WheelModel wheels(WheelModel base) const override {
+    return known_.wheels.empty() ? base : known_.wheels.model;
+  }
   std::shared_ptr<const PictureStore> pictures() const override { return pictures_; }
   std::string camera_fault() const override {
     return known_.choice.camera ? known_.choice.camera->fault : "";
@@ -317,6 +322,13 @@ class TopicLogReader final : public LogReader {
   }
 
   void take_wheels(const RecordedMessage& message, const Place& place) {
+    if (known_.survey.topics[place.topic].kind != TopicKind::kTicks) {
+      const Stamp own = wheels_->read(message, place.topic);
+      for (WheelTicks& ticks : wheels_->add(time(message, place, own))) {
+        order_.push({.message = ticks, .line = message.offset, .is_brought_together = true});
+      }
+      return;
+    }
     const auto ticks = decoders_.decode<msg::WheelTicks>(message);
     push(WheelTicks{time(message, place, ticks.header.stamp), ticks.counts}, message);
   }
@@ -339,7 +351,7 @@ class TopicLogReader final : public LogReader {
   void push_frames(bool at_end) {
     if (!frames_of_camera_) return;
     for (RgbdFrame& frame : frames_of_camera_->take(at_end)) {
-      order_.push({.message = std::move(frame), .line = -1});
+      order_.push({.message = std::move(frame), .line = -1, .is_brought_together = true});
     }
   }
 
@@ -438,6 +450,7 @@ class TopicLogReader final : public LogReader {
   std::vector<Place> places_{};  ///< of the recorded topics
   TopicCounts counts_{};
   ImuMount imu_mount_{};
+  std::optional<WheelStream> wheels_{};  ///< by other messages than our own
   ScanRemarks remarks_{};
   ClockDrift drift_{};
   MadeUpTime made_up_{};
@@ -456,6 +469,7 @@ class TopicLogReader final : public LogReader {
 };
 
 RobotModel TopicLogReader::robot(RobotModel base) const {
+  base.wheels = wheels(base.wheels);
   base.lidars.resize(std::max<std::size_t>(1, known_.choice.lasers.size()));
   for (std::size_t i = 0; i < known_.choice.lasers.size(); ++i) {
     const ChosenLaser& laser = known_.choice.lasers[i];
@@ -474,6 +488,9 @@ std::vector<std::string> TopicLogReader::notes() const {
   std::vector<std::string> notes = recording_->notes();
   for (const std::string& note : known_.clocks.notes) notes.push_back(note);
   if (!imu_mount_.note.empty()) notes.push_back(imu_mount_.note);
+  if (wheels_) {
+    for (const std::string& note : wheels_->notes()) notes.push_back(note);
+  }
   for (const auto& [what, count] : remarks_.counts()) {
     notes.push_back(fmt::format("{} ({} scans)", what, count));
   }

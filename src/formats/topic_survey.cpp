@@ -8,6 +8,7 @@
 #include "formats/ros_geometry.hpp"
 #include "formats/told_transforms.hpp"
 #include "formats/topic_decoders.hpp"
+#include "formats/wheel_fields.hpp"
 #include "loopstone/messages/message_codec.hpp"
 
 namespace loopstone {
@@ -55,7 +56,8 @@ bool is_of_camera(TopicKind kind) {
 
 /// Topics whose first messages tell how to use them.
 bool is_looked_at(TopicKind kind) {
-  return kind != TopicKind::kOther && kind != TopicKind::kJoints && !is_of_camera(kind);
+  return kind != TopicKind::kOther && kind != TopicKind::kJoints && kind != TopicKind::kCounts &&
+         !is_of_camera(kind);
 }
 
 /// Reads messages of all topics into the survey.
@@ -177,7 +179,7 @@ class Surveyor {
     auto& topics = survey_.topics;
     const std::size_t place = survey_.find(topic).value_or(topics.size());
     if (place == topics.size()) {
-      topics.push_back({.name = topic.name, .type = topic.type, .kind = kind_of(topic.type)});
+      topics.push_back({.name = topic.name, .type = topic.type, .kind = kind_of(topic)});
       topics.back().fault = topic.unreadable;
     }
     TopicFacts& facts = topics[place];
@@ -277,6 +279,12 @@ TopicKind kind_of(const std::string& type) {
   const auto* const known =
       std::ranges::find_if(kKinds, [&](const KindOfType& kind) { return kind.type == type; });
   return known == kKinds.end() ? TopicKind::kOther : known->kind;
+}
+
+TopicKind kind_of(const RecordedTopic& topic) {
+  const TopicKind kind = kind_of(topic.type);
+  if (kind != TopicKind::kOther || wheel_fields(topic).fields.empty()) return kind;
+  return TopicKind::kCounts;
 }
 
 double TopicFacts::rate_hz() const {

@@ -25,6 +25,7 @@ enum class TopicKind {
   kImu,         ///< sensor_msgs/Imu
   kJoints,      ///< sensor_msgs/JointState
   kTicks,       ///< loopstone_msgs/WheelTicks
+  kCounts,      ///< wheels by the fields of another type
   kTransforms,  ///< tf2_msgs/TFMessage
   kPose,        ///< geometry_msgs/PoseStamped
   kPoseWithCovariance,
@@ -34,6 +35,8 @@ enum class TopicKind {
 };
 
 [[nodiscard]] TopicKind kind_of(const std::string& type);
+/// Also by what the topic's definition tells.
+[[nodiscard]] TopicKind kind_of(const RecordedTopic& topic);
 
 /// Of the first picture of a topic.
 struct PictureFacts {

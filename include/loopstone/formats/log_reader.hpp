@@ -75,8 +75,12 @@ class LogReader {
   [[nodiscard]] virtual ReadProgress progress() const = 0;
   /// The name of its entry in log_formats(): "carmen", "ucsd".
   [[nodiscard]] virtual std::string format() const = 0;
-  /// `base` with everything that the log itself states about the robot (mounts) written over it.
+  /// `base` with everything that the log itself states about the robot (mounts, wheels) written
+  /// over it.
   [[nodiscard]] virtual RobotModel robot(RobotModel base) const = 0;
+  /// By which this log's WheelTicks are to be read: `base`, or where they are made of something
+  /// else (angles of joints) what was taken for that, whatever a robot file says.
+  [[nodiscard]] virtual WheelModel wheels(WheelModel base) const { return base; }
   /// What was skipped so far because it was broken, repeated or too late.
   [[nodiscard]] virtual const SkippedRecords& skipped() const = 0;
   [[nodiscard]] std::int64_t records_skipped() const { return skipped().records; }
