@@ -77,6 +77,10 @@ RobotModel AppContext::robot() const {
   return robot_path_.empty() ? RobotModel{} : read_robot_file(robot_path_);
 }
 
+StatedWheels AppContext::stated_wheels() const {
+  return robot_path_.empty() ? StatedWheels{} : read_stated_wheels(robot_path_);
+}
+
 void AppContext::override_options(const std::vector<OptionEntry>& options) const {
   std::vector<OptionProblem> problems;
   if (!options_path_.empty()) problems = apply_options_file(options, options_path_);

@@ -23,6 +23,7 @@
 #include "loopstone/base/memory_budget.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/formats/options_file.hpp"
+#include "loopstone/formats/topic_options.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 
 // Not its header, which costs seconds in every file that reads it (commands.hpp has it).
@@ -71,6 +72,8 @@ class AppContext {
 
   /// The robot of --robot, else the default one.
   [[nodiscard]] RobotModel robot() const;
+  /// What its file says of the wheels; nothing without --robot.
+  [[nodiscard]] StatedWheels stated_wheels() const;
   /// True when the user named a robot; its file then beats what a log says about itself.
   [[nodiscard]] bool robot_given() const { return !robot_path_.empty(); }
   /// The files of -c and --robot; empty names where they are not given.

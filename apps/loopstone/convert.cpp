@@ -81,6 +81,19 @@ void print(const Arguments& arguments, const LogTarget& target, const ConvertRes
   result.print(context);
 }
 
+/// No log says what its wheel counts mean: whoever reads the new one has to.
+void tell_wheels(const LogReader& log, const AppContext& context) {
+  const WheelModel asked = context.robot().wheels;
+  const WheelModel own = log.wheels(asked);
+  if (own.metres_per_count == asked.metres_per_count && own.track_width_m == asked.track_width_m) {
+    return;
+  }
+  context.warn(
+      fmt::format("the wheel counts that were written are of {:.9g} m each, with a track of {:.6g} "
+                  "m: say metres_per_count and track_width_m by --robot FILE when you read them",
+                  own.metres_per_count, own.track_width_m));
+}
+
 ExitCode run(const Arguments& arguments, AppContext& context) {
   const LogTarget target = log_target(arguments.output, arguments.format);
   const LogFiles log_files(arguments.input);
@@ -88,7 +101,7 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   outputs.check(least_bytes_of_results(log_files.bytes()));
   const auto log = open_log(arguments.input, log_options(arguments.reading, context));
   tell_choices(*log, context);
-  const RobotModel robot = context.robot_given() ? context.robot() : log->robot(context.robot());
+  const RobotModel robot = robot_of(*log, context);
   const HeldInterrupt held;  // the writer removes what it began
   outputs.prepare();
   remove_unfinished(target);
@@ -106,6 +119,9 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   writer->finish();
   warn_of_changes(log_files, context);
   for (const std::string& note : writer->notes()) context.warn(note);
+  if (target.format->holds.wheel_ticks && converted.wheel_readings > 0) {
+    tell_wheels(*log, context);
+  }
   print(arguments, target, converted, writer->notes(), context);
   return kExitDone;
 }

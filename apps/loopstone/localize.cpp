@@ -295,7 +295,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   tell_choices(*reader, context);
   const HeldInterrupt held;
   outputs.prepare();
-  const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
+  const RobotModel robot = robot_of(*reader, context);
 
   ProgressDisplay display(context);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "localising", display);

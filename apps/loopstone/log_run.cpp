@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <utility>
 #include <variant>
 
 #include "interrupt.hpp"
@@ -85,10 +86,18 @@ LogOptions log_options(const LogFlags& flags, const AppContext& context, Problem
                      .memory = context.memory(),
                      .stop = app::interrupted,
                      .topics = topic_options(flags)};
+  options.topics.wheels = context.stated_wheels();
   if (printer != nullptr) {
     options.on_problem = [printer](const LogProblem& problem) { (*printer)(problem); };
   }
   return options;
+}
+
+RobotModel robot_of(const LogReader& log, const AppContext& context) {
+  RobotModel robot = context.robot();
+  if (!context.robot_given()) return log.robot(std::move(robot));
+  robot.wheels = log.wheels(robot.wheels);
+  return robot;
 }
 
 std::vector<std::string> warnings_of(const LogSummary& summary) {

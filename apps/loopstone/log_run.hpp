@@ -79,6 +79,9 @@ void warn_of_changes(const LogFiles& files, const AppContext& context);
 [[nodiscard]] LogOptions log_options(const LogFlags& flags, const AppContext& context,
                                      ProblemPrinter* printer = nullptr);
 
+/// The robot of --robot, else what the log states of it; its wheels as the log's are to be read.
+[[nodiscard]] RobotModel robot_of(const LogReader& log, const AppContext& context);
+
 /// The texts of the findings that are warnings.
 [[nodiscard]] std::vector<std::string> warnings_of(const LogSummary& summary);
 

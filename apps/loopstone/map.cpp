@@ -204,7 +204,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
 
   ProblemPrinter print_problem(context);
   const auto reader = open_for(arguments, context, print_problem);
-  const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
+  const RobotModel robot = robot_of(*reader, context);
 
   ProgressDisplay display(context);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping", display);

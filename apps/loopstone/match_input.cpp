@@ -96,7 +96,9 @@ MatchInput read_match_input(const std::string& name, const AppContext& context) 
   }
   if (const auto scan = parse_scan_name(name)) {
     input.scan = read_log_scan(*scan, context.robot(), context.robot_given(),
-                               {.memory = context.memory(), .stop = interrupted});
+                               {.memory = context.memory(),
+                                .stop = interrupted,
+                                .topics = {.wheels = context.stated_wheels()}});
     return input;
   }
   std::error_code ignored;

@@ -93,7 +93,7 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   outputs.check(least_bytes_of_results(log_files.bytes()));
   const auto log = open_log(arguments.log, log_options(arguments.reading, context));
   tell_choices(*log, context);
-  const RobotModel robot = context.robot();
+  const RobotModel robot = robot_of(*log, context);
   outputs.prepare();
 
   const HeldInterrupt held;

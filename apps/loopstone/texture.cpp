@@ -146,7 +146,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
       open_log(arguments.log, log_options(arguments.reading, context, &print_problem));
   tell_choices(*reader, context);
   outputs.prepare();
-  const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
+  const RobotModel robot = robot_of(*reader, context);
 
   ProgressDisplay display(context);
   const Recording recording = read_recording(*reader, arguments.log, context);
