@@ -394,6 +394,22 @@ def session():
     yield head
 
 
+def wheels():
+    """A serialisation and language, topic, type, definition, messages: fuzz_wheels.cpp."""
+    for last in (b"", b"int32 left_encoder\nint32 right_encoder\n"):
+        nested = b"T0 a\n"
+        for i in range(6):
+            use = b"".join(b"T%d f%d\n" % (i + 1, k) for k in range(100))
+            nested += b"MSG: p/T%d\n" % i + (use if i < 5 else last)
+        yield b"\x04/encoders\0p/Encoders\0" + nested + b"\0" + (b"\x40\0" + bytes(64)) * 1000
+    many = b"".join(b"int32 left_encoder%d\n" % k for k in range(100_000))
+    yield b"\x04/encoders\0p/Encoders\0" + many + b"\0" + (b"\xff\xff" + bytes(65535)) * 10
+    names = (100_000).to_bytes(4, "little") + b"\2\0\0\0l\0\0\0" * 8000
+    joints = b"\0\1\0\0" + bytes(12) + names
+    told = len(joints).to_bytes(2, "little") + joints
+    yield b"\0/joint_states\0sensor_msgs/JointState\0\0" + told * 20
+
+
 def message():
     """A type's number, a serialisation and language, a definition, a message: fuzz_message.cpp."""
     any_ros1 = b"\xc8\x03"

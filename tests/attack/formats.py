@@ -372,6 +372,7 @@ FORMATS = [
         bombs_of_text.text,
     ),
     Format("message", "message", ["message/*"], ".message", None, [], bombs.message),
+    Format("wheels", "wheels", ["wheels/*"], ".wheels", None, [], bombs.wheels),
 ]
 
 
