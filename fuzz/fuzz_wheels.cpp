@@ -56,6 +56,9 @@ class OneTopic final : public Recording {
                         Duration::from_milliseconds(50 * static_cast<std::int64_t>(next_));
     return RecordedMessage{.topic = 0, .recorded = stamp, .bytes = messages_[next_++]};
   }
+  std::span<const char> bytes_at(const MessagePlace& place) override {
+    throw_message_gone({std::to_string(place.at)});
+  }
   void rewind() override { next_ = 0; }
   ReadProgress progress() const override { return {}; }
 

@@ -16,8 +16,8 @@ namespace loopstone {
 /// Loads the pictures of RGB-D frames, from files or from the recording that they are messages of.
 ///
 /// Colour is PNG, JPEG or PNM: grey is expanded, 16 bits are reduced to 8, alpha is dropped. Depth
-/// is a picture of 16-bit numbers (PNG, PNM, TIFF), which the camera's DepthEncoding explains, or of
-/// metres as 32-bit numbers (PFM, TIFF). Every function is const and may be called from several
+/// is a picture of 16-bit numbers (PNG, PNM, TIFF), which the camera's DepthEncoding explains, or
+/// of metres as 32-bit numbers (PFM, TIFF). Every function is const and may be called from several
 /// threads at once. Memory for unpacking is kept from call to call, as much as one frame needs for
 /// every thread that was loading at the same time.
 class RgbdLoader {
