@@ -410,6 +410,33 @@ def wheels():
     yield b"\0/joint_states\0sensor_msgs/JointState\0\0" + told * 20
 
 
+def jpeg():
+    """Heads that claim many pixels, and scans that never end."""
+    head = b"\xff\xd8\xff\xdb\0\x43\0" + bytes([1]) * 64
+    tables = b"".join(
+        b"\xff\xc4\0\x14" + kind + b"\1" + bytes(15) + b"\0" for kind in (b"\0", b"\x10")
+    )
+    for frame in (b"\xc0", b"\xc2"):
+        for height, width in ((65500, 65500), (1, 65500), (65500, 1), (0, 0), (16000, 16000)):
+            size = height.to_bytes(2, "big") + width.to_bytes(2, "big")
+            picture = head + b"\xff" + frame + b"\0\x0b\x08" + size + b"\1\1\x11\0" + tables
+            scan = b"\xff\xda\0\x08\1\1\0\0\0\0"
+            yield picture + scan + bytes(100) + b"\xff\xd9"
+            yield picture + (scan + b"\0") * 20_000
+
+
+def picture_message():
+    """An encoding, sizes and pixels, or a packed picture: fuzz_picture_message.cpp."""
+    for encoding in range(12):
+        yield bytes([encoding, 255, 255, 255, 255, 1]) + bytes(100)
+        yield bytes([encoding, 255, 255, 8, 0, 0]) + bytes(600_000)
+    depth = bytes(12)
+    for picture in png():
+        yield depth + picture
+        yield picture
+    yield from jpeg()
+
+
 def message():
     """A type's number, a serialisation and language, a definition, a message: fuzz_message.cpp."""
     any_ros1 = b"\xc8\x03"

@@ -226,6 +226,16 @@ FORMATS = [
         place=beside_a_map,
     ),
     Format(
+        "jpeg",
+        "image",
+        ["image/*.jpg"],
+        ".jpg",
+        HeadAndBody(rb"\xff\xda"),
+        MAP,
+        bombs.jpeg,
+        place=beside_a_map,
+    ),
+    Format(
         "depth_tiff",
         "depth_picture",
         ["depth_picture/*.tiff"],
@@ -372,6 +382,15 @@ FORMATS = [
         bombs_of_text.text,
     ),
     Format("message", "message", ["message/*"], ".message", None, [], bombs.message),
+    Format(
+        "picture_message",
+        "picture_message",
+        ["picture_message/*"],
+        ".picture",
+        None,
+        [],
+        bombs.picture_message,
+    ),
     Format("wheels", "wheels", ["wheels/*"], ".wheels", None, [], bombs.wheels),
 ]
 
