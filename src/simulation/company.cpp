@@ -74,7 +74,7 @@ Company::Company(const Drive& drive, const SurfaceIndex& surfaces, const Realism
 }
 
 void Company::add_person(const Pose2& robot, Eigen::Vector2d at, double yaw_rad, double walked_m,
-                         std::vector<Circle>& legs) const {
+                         double body_m, std::vector<Circle>& legs) const {
   const Eigen::Vector2d away = at - robot.translation();
   const double distance = away.norm();
   if (distance < kNearest) {
@@ -83,7 +83,23 @@ void Company::add_person(const Pose2& robot, Eigen::Vector2d at, double yaw_rad,
                                       : Eigen::Vector2d(-std::sin(robot.yaw), std::cos(robot.yaw));
     at = robot.translation() + kNearest * aside;
   }
-  add_legs_of_person(at, {std::cos(yaw_rad), std::sin(yaw_rad)}, walked_m, legs);
+  if (body_m > 0.0) {
+    legs.push_back({at, body_m});
+  } else {
+    add_legs_of_person(at, {std::cos(yaw_rad), std::sin(yaw_rad)}, walked_m, legs);
+  }
+}
+
+void Company::add_walker(const Pose2& robot, double way_m, double aside_m, double phase_rad,
+                         double body_m, std::vector<Circle>& legs) const {
+  const Pose2 on_way = crumbs_.at_way(way_m);
+  double aside = aside_m + kSway * std::sin(2.0 * kPi * way_m / kSwayLength + phase_rad);
+  const double side = aside < 0.0 ? -1.0 : 1.0;
+  const Eigen::Vector2d left(-std::sin(on_way.yaw), std::cos(on_way.yaw));
+  const double wall = surfaces_.cast(on_way.translation(), side * left, std::abs(aside) + 1.0);
+  aside = side * std::min(std::abs(aside), std::max(0.0, wall - kBeforeWall));
+  const Pose2 person = on_way * Pose2{0.0, aside, 0.0};
+  add_person(robot, person.translation(), person.yaw, way_m, body_m, legs);
 }
 
 void Company::add_ring(double time_s, const Pose2& robot, std::vector<Circle>& legs) const {
@@ -97,22 +113,19 @@ void Company::add_ring(double time_s, const Pose2& robot, std::vector<Circle>& l
     distance = std::min(distance, wall - kBeforeWall);
     if (distance < kNearest) continue;  // no room there
     add_person(robot, robot.translation() + distance * direction, robot.yaw, walked + one.phase_rad,
-               legs);
+               crowd_.body_m, legs);
   }
 }
 
 void Company::add_legs(double time_s, std::vector<Circle>& legs) const {
   const Pose2 robot = drive_.pose_at(time_s);
   const double way = crumbs_.way_m(time_s);
-  const auto walk_along = [&](double at_m, double phase_rad) {
-    const double sway = kSway * std::sin(2.0 * kPi * at_m / kSwayLength + phase_rad);
-    const Pose2 person = crumbs_.at_way(at_m) * Pose2{0.0, sway, 0.0};
-    add_person(robot, person.translation(), person.yaw, at_m, legs);
-  };
-  if (follower_.on && is_within(time_s, follower_.from_s, follower_.to_s))
-    walk_along(way - follower_.gap_m, follower_phase_rad_);
+  if (follower_.on && is_within(time_s, follower_.from_s, follower_.to_s)) {
+    add_walker(robot, way - follower_.gap_m, follower_.aside_m, follower_phase_rad_,
+               follower_.body_m, legs);
+  }
   if (ahead_.on && is_within(time_s, ahead_.from_s, ahead_.to_s))
-    walk_along(way + ahead_.gap_m, ahead_phase_rad_);
+    add_walker(robot, way + ahead_.gap_m, 0.0, ahead_phase_rad_, ahead_.body_m, legs);
   if (crowd_.on && is_within(time_s, crowd_.from_s, crowd_.to_s)) add_ring(time_s, robot, legs);
 }
 

@@ -33,7 +33,7 @@ class Company {
   Company(const Drive& drive, const SurfaceIndex& surfaces, const Realism& realism,
           std::uint64_t seed);
 
-  /// Appends two circles a person, map frame.
+  /// Appends two circles a person, or one where a body is seen; map frame.
   void add_legs(double time_s, std::vector<Circle>& legs) const;
   /// When each kind of them is there.
   void note(RealismRecord& record) const;
@@ -46,6 +46,8 @@ class Company {
   };
   /// Steps aside when the robot comes.
   void add_person(const Pose2& robot, Eigen::Vector2d at, double yaw_rad, double walked_m,
+                  double body_m, std::vector<Circle>& legs) const;
+  void add_walker(const Pose2& robot, double way_m, double aside_m, double phase_rad, double body_m,
                   std::vector<Circle>& legs) const;
   void add_ring(double time_s, const Pose2& robot, std::vector<Circle>& legs) const;
 

@@ -23,7 +23,7 @@ float as_logged(double range_m, const LaserScan& scan) {
 }  // namespace
 
 BlockedLaser::BlockedLaser(const RealismBlocked& options, Rng rng) : options_(options), rng_(rng) {
-  for (double& size : sizes_) size = rng_.uniform(0.0, 0.5 / sizes_.size());
+  for (double& size : sizes_) size = rng_.uniform(0.0, 0.5 / static_cast<double>(sizes_.size()));
   for (double& phase : phases_rad_) phase = rng_.uniform(0.0, 2.0 * kPi);
 }
 

@@ -9,8 +9,10 @@ namespace loopstone {
 
 namespace {
 
-/// What a beam's footprint can add at most: electronics answer to its nearer part [m].
-constexpr double kMostOfFootprint = 0.1;
+/// A surface that leans spreads the echo over the beam's footprint; the laser finds the echo's
+/// middle to about a tenth of that.
+constexpr double kShareOfFootprint = 0.1;
+constexpr double kMostOfFootprint = 0.05;  ///< [m]
 
 }  // namespace
 
@@ -21,10 +23,8 @@ RangeErrors::RangeErrors(const RealismRange& options, Rng rng) : options_(option
 
 double RangeErrors::spread_m(double range_m, double tan_incidence) const {
   const double by_range = options_.noise_per_m * range_m;
-  // The power of a Gaussian beam has a standard deviation of a quarter of its width; a surface that
-  // leans spreads it in depth.
-  const double footprint =
-      std::min(kMostOfFootprint, 0.25 * options_.beam_width_rad * range_m * tan_incidence);
+  const double depth = options_.beam_width_rad * range_m * tan_incidence;
+  const double footprint = std::min(kMostOfFootprint, kShareOfFootprint * depth);
   return std::hypot(by_range, footprint);
 }
 

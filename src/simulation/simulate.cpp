@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/option_list.hpp"
@@ -97,10 +99,8 @@ class Simulator {
     if (realism.wheels.on) wheels_.worsen(realism.wheels, realism_stream(seed, "wheels"), record);
     if (realism.gyro.on) imu_.worsen(realism.gyro, realism_stream(seed, "gyro"), record);
     loss_.note(record);
-    for (const Carry& carry : drive_.carries()) {
-      record.spoils.push_back(
-          {carry.is_blind ? "carried_blind" : "carried", carry.from_s, carry.to_s});
-    }
+    note_carries(record);
+    keep_spoils_within(record);
     if (!realism.stamps.on) return;
     Rng rng = realism_stream(seed, "stamps");
     const double drift = systematic(1e-6 * realism.stamps.drift_ppm, rng);
@@ -108,6 +108,23 @@ class Simulator {
     wheel_stamps_ = StampErrors(realism.stamps, 0.0, 0.0, rng.fork(1));
     imu_stamps_ = StampErrors(realism.stamps, 0.0, 0.0, rng.fork(2));
     laser_stamps_ = StampErrors(realism.stamps, realism.stamps.latency_s, drift, rng.fork(3));
+  }
+
+  void note_carries(RealismRecord& record) const {
+    for (const Carry& carry : drive_.carries()) {
+      const std::string name = carry.is_blind ? "carried_blind" : "carried";
+      const Pose2 moved = drive_.pose_at(carry.from_s).inverse() * drive_.pose_at(carry.to_s);
+      record.facts.push_back({name, "distance_m", moved.translation().norm()});
+      record.facts.push_back({name, "turn_rad", moved.yaw});
+      record.spoils.push_back({name, carry.from_s, carry.to_s});
+    }
+  }
+
+  /// What would come after the drive's end does not come.
+  void keep_spoils_within(RealismRecord& record) const {
+    const double end = drive_.duration_s();
+    std::erase_if(record.spoils, [&](const RealismSpoil& spoil) { return spoil.from_s >= end; });
+    for (RealismSpoil& spoil : record.spoils) spoil.to_s = std::min(spoil.to_s, end);
   }
 
   [[nodiscard]] Stamp stamp(double time_s) const {

@@ -31,7 +31,8 @@ UnevenFloor::UnevenFloor(const RealismUneven& options, Rng rng) : options_(optio
     wave.number = number * Eigen::Vector2d(std::cos(heading), std::sin(heading));
     // Each has its share of the square of the slope along any line: the mean over headings is half
     // of that along its own, and so is the mean over a wave.
-    wave.height_m = 2.0 * options.slope_rad / (number * std::sqrt(1.0 * waves_.size()));
+    wave.height_m =
+        2.0 * options.slope_rad / (number * std::sqrt(static_cast<double>(waves_.size())));
     wave.phase_rad = rng.uniform(0.0, 2.0 * kPi);
   }
   const auto phase = [&](double period) {

@@ -79,6 +79,43 @@ TEST(SimulateCommand, SameArgumentsSameBytes) {
   EXPECT_GE(files, 7);
 }
 
+TEST(SimulateCommand, RealismIsTold) {
+  TempDir folder;
+  const std::vector<std::string> arguments{"simulate",   "rooms", "--format", "carmen",
+                                           "--beams",    "91",    "--set",    "laser.rate_hz=5",
+                                           "--duration", "20"};
+  const auto description_of = [&](const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> all = arguments;
+    all.insert(all.end(), {"-o", output});
+    all.insert(all.end(), more.begin(), more.end());
+    const ProgramResult run = run_program(all);
+    EXPECT_EQ(run.exit_code, 0) << run.error;
+    return nlohmann::json::parse(bytes_of(output + "/world.json"));
+  };
+  const auto clean = description_of(folder / "clean", {});
+  EXPECT_FALSE(clean.contains("realism"));
+  EXPECT_FALSE(clean["options"].contains("realism"));
+  const auto none = description_of(folder / "none", {"--realism", "none"});
+  EXPECT_EQ(bytes_of(folder / "clean/log.clf"), bytes_of(folder / "none/log.clf"));
+
+  const std::string output = folder / "real";
+  const auto real = description_of(
+      output, {"--realism", "blocked,mount,turned", "--set", "realism.blocked.at_s=8"});
+  EXPECT_EQ(real["realism"]["effects"], (std::vector<std::string>{"mount", "blocked", "turned"}));
+  EXPECT_TRUE(real["realism"]["drawn"]["mount"].contains("robot_T_lidar_yaw_rad"));
+  EXPECT_NE(real["realism"]["drawn"]["turned"]["yaw_rad"].get<double>(), 0.0);
+  ASSERT_EQ(real["realism"]["spoils"].size(), 1U);
+  EXPECT_EQ(real["realism"]["spoils"][0]["from_stamp_s"].get<double>(), 1008.0);
+  EXPECT_EQ(real["realism"]["spoils"][0]["to_s"].get<double>(), 20.0) << "with the log";
+  EXPECT_TRUE(real["options"]["realism"]["blocked"]["on"].get<bool>());
+  expect_truth_for_every_scan(output + "/log.clf", output + "/truth.tum");
+  // The true map is turned with the world: the robot stands on its free floor.
+  const CellStates map = read_ros_map(output + "/map.yaml");
+  const Trajectory truth = read_tum(output + "/truth.tum");
+  for (const StampedPose2& pose : truth.poses())
+    EXPECT_EQ(map[map.frame().cell_of(pose.pose.translation())], kFreeCell);
+}
+
 TEST(SimulateCommand, TakesPicturesInTheLayoutOfTheRobot) {
   TempDir folder;
   const std::string output = folder / "seen";
@@ -174,6 +211,8 @@ TEST(SimulateCommand, RefusesWhatMakesNoSense) {
       {{"office", "--format", "pcap"}, 2, "--format"},
       {{"office", "--scan-rate", "90"}, 2, "sweep"},
       {{"office", "--set", "laser.noize_m=1"}, 2, "laser.noise_m"},
+      {{"office", "--realism", "blocked,fog"}, 2, "upside_down"},
+      {{"office", "--set", "realism.blocked.share=1"}, 2, "realism.blocked"},
       {{"missing.yaml"}, 1, "missing.yaml"},
       {{"office", "--floor", "wood"}, 2, "--rgbd"},
       {{"office", "--rgbd", "--floor", "lava"}, 2, "tiles, carpet"},

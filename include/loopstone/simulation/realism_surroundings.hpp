@@ -39,12 +39,15 @@ struct RealismWalkers {
   int count = 12;
 };
 
-/// Somebody follows the robot closely.
+/// Somebody follows the robot closely, half behind and half beside it, so that a laser that does
+/// not look back sees them at the end of its beams.
 struct RealismFollower {
   bool on = false;
   double from_s = 5.0;
   double to_s = 0.0;
-  double gap_m = 0.8;
+  double gap_m = 0.4;
+  double aside_m = 0.65;
+  double body_m = 0.0;
 };
 
 /// Somebody walks ahead of it.
@@ -53,6 +56,7 @@ struct RealismAhead {
   double from_s = 5.0;
   double to_s = 0.0;
   double gap_m = 1.2;
+  double body_m = 0.0;
 };
 
 /// People crowd around it, and go with it.
@@ -60,8 +64,9 @@ struct RealismCrowd {
   bool on = false;
   double from_s = 30.0;
   double to_s = 60.0;
-  int count = 7;
-  double radius_m = 1.0;
+  int count = 8;
+  double radius_m = 0.9;
+  double body_m = 0.2;
 };
 
 /// Panes that return only what meets them squarely, and let all else pass.
@@ -76,6 +81,9 @@ struct RealismMirrors {
   bool on = false;
   double share = 0.03;
 };
+
+inline constexpr const char* kRealismBodyHelp =
+    "radius of what the laser sees of each: a coat, a waist; 0: two legs";
 
 template <typename Visitor>
 void visit_options(RealismTurned& options, Visitor&& visit) {
@@ -114,7 +122,9 @@ void visit_options(RealismFollower& options, Visitor&& visit) {
   visit("on", options.on, kRealismOnHelp);
   visit("from_s", options.from_s, Range{0.0, 1e6}, "when it begins");
   visit("to_s", options.to_s, Range{0.0, 1e6}, "when it ends; 0: never");
-  visit("gap_m", options.gap_m, Range{0.3, 20.0}, "behind the robot's centre, along its way");
+  visit("gap_m", options.gap_m, Range{0.0, 20.0}, "behind the robot's centre, along its way");
+  visit("aside_m", options.aside_m, Range{-5.0, 5.0}, "to its left, where walls leave room");
+  visit("body_m", options.body_m, Range{0.0, 1.0}, kRealismBodyHelp);
 }
 
 template <typename Visitor>
@@ -123,6 +133,7 @@ void visit_options(RealismAhead& options, Visitor&& visit) {
   visit("from_s", options.from_s, Range{0.0, 1e6}, "when it begins");
   visit("to_s", options.to_s, Range{0.0, 1e6}, "when it ends; 0: never");
   visit("gap_m", options.gap_m, Range{0.3, 20.0}, "ahead of the robot's centre, along its way");
+  visit("body_m", options.body_m, Range{0.0, 1.0}, kRealismBodyHelp);
 }
 
 template <typename Visitor>
@@ -132,6 +143,7 @@ void visit_options(RealismCrowd& options, Visitor&& visit) {
   visit("to_s", options.to_s, Range{0.0, 1e6}, "when it ends; 0: never");
   visit("count", options.count, Range{0, 100}, "of people");
   visit("radius_m", options.radius_m, Range{0.4, 20.0}, "of the ring in which they stand");
+  visit("body_m", options.body_m, Range{0.0, 1.0}, kRealismBodyHelp);
 }
 
 template <typename Visitor>

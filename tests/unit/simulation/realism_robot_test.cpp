@@ -179,6 +179,8 @@ TEST(RealismCarried, WheelsStandWhileTheRobotIsMoved) {
   const Pose2 carried = at(lift.from_s).inverse() * at(lift.to_s);
   EXPECT_NEAR(carried.translation().norm(), 3.0, 0.2);
   EXPECT_NEAR(std::abs(carried.yaw), 1.0, 0.05);
+  EXPECT_NEAR(fact_of(log, "carried", "distance_m"), 3.0, 0.2);
+  EXPECT_NEAR(std::abs(fact_of(log, "carried", "turn_rad")), 1.0, 1e-6);
   Trajectory odometry;
   for (const SensorMessage& message : log.messages) {
     const auto* pose = std::get_if<OdometryPose>(&message);

@@ -110,6 +110,16 @@ TEST(Realism, EveryEffectByItselfAndAllAtOnceCanBeSimulated) {
   }
 }
 
+TEST(Realism, SpoilsEndWithTheLog) {
+  SimulationOptions options = with("blocked,crowd,carried,follower", 8.0);
+  options.realism.blocked.at_s = 5.0;
+  const auto spoils = simulate_log("rooms", 3, options).summary.realism.spoils;
+  ASSERT_EQ(spoils.size(), 2U) << "nobody is carried or crowded after the end";
+  EXPECT_EQ(spoils[0].effect, "blocked");
+  EXPECT_NEAR(spoils[0].to_s, 8.0, 0.021);
+  EXPECT_EQ(spoils[1].effect, "follower");
+}
+
 TEST(Realism, SameSeedSameBits) {
   const auto a = simulate_log("rooms", 3, with("all", 6.0)).scans();
   const auto b = simulate_log("rooms", 3, with("all", 6.0)).scans();
