@@ -57,7 +57,7 @@ struct RealismUneven {
   double sill_m = 0.012;
   double sill_every_m = 9.0;
   double ramp_rad = 0.06;
-  double ramp_every_m = 35.0;
+  double ramp_every_m = 120.0;
   double ceiling_m = 2.6;
 };
 

@@ -265,6 +265,22 @@ TEST(RealismUneven, WavesHaveTheSlopeThatWasAskedFor) {
   EXPECT_NEAR(std::sqrt(squares / count), 0.01, 0.0015);
 }
 
+TEST(RealismUneven, RampsGoUpAndDownAtTheirSlope) {
+  const UnevenFloor floor({.on = true, .slope_rad = 0.0, .sill_m = 0.0, .ramp_rad = 0.06}, Rng(2));
+  double up = 0.0;
+  double down = 0.0;
+  for (double x = 0.0; x < 120.0; x += 0.05) {
+    const FloorTilt tilt = floor.tilt_at({x, 0.0, 0.0});
+    EXPECT_NEAR(tilt.left_up_rad, floor.tilt_at({0.0, 0.0, 0.0}).left_up_rad, 1e-9);
+    up += tilt.nose_up_rad > 0.059 ? 0.05 : 0.0;
+    down += tilt.nose_up_rad < -0.059 ? 0.05 : 0.0;
+    EXPECT_LE(std::abs(tilt.nose_up_rad), 0.06 + 1e-9);
+  }
+  // Ramps of 3 m, less the wheelbase on both of their ends.
+  EXPECT_NEAR(up, 2.65, 0.11);
+  EXPECT_NEAR(down, 2.65, 0.11);
+}
+
 TEST(RealismUneven, ASillLiftsTheFrontThenTheRear) {
   const UnevenFloor floor({.on = true, .slope_rad = 0.0, .sill_m = 0.02, .ramp_rad = 0.0}, Rng(1));
   double highest = 0.0;
