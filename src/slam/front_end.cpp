@@ -9,7 +9,6 @@
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/correlative_search.hpp"
 #include "slam/front_end_numbers.hpp"
-#include "slam/laser_cover.hpp"
 #include "slam/pose_search.hpp"
 
 namespace loopstone {
@@ -65,26 +64,27 @@ FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T
                                      const std::optional<OdometryReading>& odometry) {
   std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
   const Pose2 local_T_robot = guesses.front().local_T_robot;
-  const LaserScan& shown = uncovered(scan, robot_T_lidar, local_T_robot);
-  const bool is_covered = &shown != &scan;
+  LaserCover cover = cover_of(scan, robot_T_lidar, local_T_robot);
+  if (!cover.beams.empty()) {
+    uncovered_ = scan;
+    take_out(cover.beams, uncovered_);
+  }
+  const LaserScan& shown = cover.beams.empty() ? scan : uncovered_;
   Sighting sighting{shown, robot_T_lidar, odometry, std::move(guesses)};
-  sighting.covered = is_covered;
-  sighting.believed = laser_check_.add(scan, odometry, is_covered);
+  sighting.believed = laser_check_.add(scan, odometry, cover.is_fault);
+  sighting.cover = std::move(cover);
   sighting.surfaces = surfaces_of(shown, robot_T_lidar, velocity_to(local_T_robot, shown));
   sighting.own_count = sighting.surfaces.size();
   add_companions(sighting);
   return sighting;
 }
 
-const LaserScan& FrontEnd::uncovered(const LaserScan& scan, const Pose2& robot_T_lidar,
-                                     const Pose2& local_T_robot) {
-  if (active_.empty()) return scan;
+LaserCover FrontEnd::cover_of(const LaserScan& scan, const Pose2& robot_T_lidar,
+                              const Pose2& local_T_robot) {
+  if (active_.empty()) return {};
   const ActiveSubmap& known = active_.front();
   const Pose2 submap_T_lidar = known.local_T_submap.inverse() * local_T_robot * robot_T_lidar;
-  if (!is_covered(scan, submap_T_lidar, known.submap, beams_)) return scan;
-  uncovered_ = scan;
-  take_out_cover(uncovered_);
-  return uncovered_;
+  return loopstone::cover_of(scan, submap_T_lidar, known.submap, beams_);
 }
 
 void FrontEnd::add_companions(Sighting& sighting) const {
@@ -132,7 +132,7 @@ TrackedScan FrontEnd::predicted(const Sighting& sighting) {
   const MotionGuess& guess = sighting.likeliest();
   TrackedScan tracked;
   tracked.local_T_robot = tracked.guess_local_T_robot = guess.local_T_robot;
-  tracked.covered = sighting.covered;
+  tracked.taken_out = sighting.cover.beams;
   tracked.used = sighting.believed &&
                  sighting.matched().size() >= static_cast<std::size_t>(kFrontEnd.min_points);
   if (!tracked.used) tracked.covariance = guess.information.inverse();

@@ -11,11 +11,11 @@
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
+#include "loopstone/slam/laser_cover.hpp"
 #include "loopstone/slam/mapper_state.hpp"
 #include "loopstone/slam/surface_adjustment.hpp"
 #include "slam/back_end_worker.hpp"
 #include "slam/fault_events.hpp"
-#include "slam/laser_cover.hpp"
 #include "slam/map_board.hpp"
 #include "slam/map_finish.hpp"
 #include "slam/stopwatch.hpp"
@@ -136,7 +136,7 @@ void Mapper::Impl::add_scan(LaserScan scan) {
   }
   tell(tracked);
   so_far_.statistics.front_end_s += watch.seconds();
-  if (tracked.covered) take_out_cover(scan);
+  take_out(tracked.taken_out, scan);
   hand_over(std::move(scan), robot_T_lidar, std::move(tracked));
 }
 

@@ -36,9 +36,9 @@ std::string text_of(const LaserEpisode& episode, const RunClock& clock) {
       return name + " was frozen " + when + ": it repeated one scan to the last bit" + left_out;
     case LaserFault::kCovered:
       return fmt::format(
-          "{} was covered in part {}: returns came from within {:.0f} cm of it, where there is "
-          "nothing on the map; they were left out of {} scans",
-          name, when, 100.0F * kLaserCheck.cover_m, episode.scans);
+          "{} was covered in part, or people stood about it, {}: many of its beams ended around it "
+          "where there is nothing on the map; they were left out of {} scans",
+          name, when, episode.scans);
   }
   return {};
 }

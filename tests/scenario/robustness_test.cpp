@@ -128,6 +128,19 @@ TEST(Robustness, ALaserThatIsCoveredInPartIsHeldByTheRest) {
   }
 }
 
+TEST(Robustness, ACrowdThatGoesWithTheRobotIsNotMapped) {
+  SimulationOptions options{.duration_s = small_scale() ? 70.0 : 150.0};
+  options.laser.beams = 271;
+  options.laser.rate_hz = 5.0;
+  options.realism.crowd.on = true;
+  options.realism.crowd.from_s = 25.0;
+  options.realism.crowd.to_s = 55.0;
+  const SimulatedLog log = simulate_log("office", 24, options);
+  const MapResult result = map_of(log);
+  EXPECT_TRUE(as_usual(ate_rmse_m(result.trajectory, log), 0.01));
+  EXPECT_TRUE(warns_of(result, "people stood about it"));
+}
+
 TEST(Robustness, AFastTurningRobotNeedsNoOdometry) {
   SimulationOptions options{.duration_s = small_scale() ? 40.0 : 120.0};
   options.drive.yaw_rate_rad_s = 3.0;

@@ -67,8 +67,8 @@ struct TopicOptions {
   std::optional<HeightRange> slice{};  ///< of point clouds; absent: about the scanner's own height
   /// Pictures of a camera that sees depth and colour are looked for and given.
   bool pictures = false;
-  StatedWheels wheels{};               ///< of joints and of counts by other types than our own
-  bool count_all = false;              ///< topics that nobody uses are read, too, to be counted
+  StatedWheels wheels{};   ///< of joints and of counts by other types than our own
+  bool count_all = false;  ///< topics that nobody uses are read, too, to be counted
 };
 
 /// One topic of a recording, for people.

@@ -13,6 +13,7 @@
 #include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/finished_submap.hpp"
 #include "loopstone/slam/laser_check.hpp"
+#include "loopstone/slam/laser_cover.hpp"
 #include "loopstone/slam/motion_predictor.hpp"
 #include "loopstone/slam/path_break.hpp"
 #include "loopstone/slam/tracking_status.hpp"
@@ -75,8 +76,8 @@ struct TrackedScan {
   double score = 0.0;
   bool searched = false;
   bool left_out =
-      false;             ///< it contradicts the map wherever it was looked for: the pose is a guess
-  bool covered = false;  ///< what was nearest to the laser was taken out: LaserFault::kCovered
+      false;  ///< it contradicts the map wherever it was looked for: the pose is a guess
+  std::vector<bool> taken_out{};  ///< beams that do not show the surroundings; empty: none
   bool key = false;
   bool starts_submap = false;
   std::optional<PathBreak> path_break{};  ///< that ends with this scan
@@ -209,7 +210,7 @@ class FrontEnd {
     const std::optional<OdometryReading>& odometry;
     std::vector<MotionGuess> guesses;      ///< at least one
     bool believed = false;                 ///< the laser shows its surroundings
-    bool covered = false;                  ///< in part; `scan` is what remains
+    LaserCover cover{};                    ///< was taken out of `scan`
     std::vector<SurfacePoint> surfaces{};  ///< its own, then those of other lasers
     std::size_t own_count = 0;
     bool is_new_laser = false;  ///< nothing that it saw is mapped yet, but what others see is
@@ -225,9 +226,9 @@ class FrontEnd {
   };
 
   // The steps of add(), in their order.
-  /// The scan without what covers the laser in part, if anything does.
-  [[nodiscard]] const LaserScan& uncovered(const LaserScan& scan, const Pose2& robot_T_lidar,
-                                           const Pose2& local_T_robot);
+  /// What of a scan shows the laser's cover, or people about the robot.
+  [[nodiscard]] LaserCover cover_of(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                    const Pose2& local_T_robot);
   [[nodiscard]] Sighting prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
                                  const std::optional<OdometryReading>& odometry);
   [[nodiscard]] static TrackedScan predicted(const Sighting& sighting);

@@ -20,6 +20,11 @@ struct LaserCheckNumbers {
   double moved_rad = 0.05;
   float cover_m = 0.5F;
   double cover_share = 0.1;
+  float stranger_m = 4.0F;
+  double stranger_share = 0.15;
+  float stranger_step_m = 0.3F;
+  double rest_agrees = 0.6;
+  double crowd_share = 0.3;
 };
 inline constexpr LaserCheckNumbers kLaserCheck{};
 
@@ -39,13 +44,26 @@ void visit_numbers(const LaserCheckNumbers& n, Visitor&& visit) {
   visit("cover_share", n.cover_share,
         "chosen: of the beams must end so near where the map is free; legs beside the robot are "
         "fewer");
+  visit("stranger_m", n.stranger_m,
+        "chosen: who goes with a robot is nearer than this; farther off a pose that is a little "
+        "wrong puts walls into free space");
+  visit("stranger_share", n.stranger_share,
+        "chosen: of the beams must end in free space around; a passer-by takes less, and is "
+        "outvoted in any match");
+  visit("stranger_step_m", n.stranger_step_m,
+        "chosen: beams beside one another show one thing unless their ranges differ by more");
+  visit("rest_agrees", n.rest_agrees,
+        "chosen: of the other returns must fall on known surfaces where the robot is expected, as "
+        "trusted_score of a match; else it is elsewhere");
+  visit("crowd_share", n.crowd_share,
+        "chosen: strangers that take so much of the beams are worth a word");
 }
 
 /// What is wrong with the laser, as far as its scans tell.
 enum class LaserFault {
   kBlocked,  ///< nearly all returns come from right in front of it
   kFrozen,   ///< the same scan to the last bit, while odometry says that the robot moves
-  kCovered,  ///< some returns come from right in front of it, where there is nothing on the map
+  kCovered,  ///< many beams end around it where the map knows free space; the rest is used
 };
 
 constexpr auto words_of(LaserFault /*any*/) {
@@ -70,7 +88,7 @@ struct LaserEpisode {
 };
 
 /// Tells scans that show the laser's cover, or are one scan again and again, from those that show
-/// the surroundings. (Whether a scan is covered in part, the map tells: laser_cover.hpp.)
+/// the surroundings. (Whether it is covered in part, the map tells: laser_cover.hpp.)
 ///
 /// A robot that stands still in a world without noise repeats itself too; so a scan counts as
 /// frozen only once odometry has moved since the scan that it repeats. Without odometry nothing

@@ -194,7 +194,8 @@ TEST(FrontEndState, WhatNoLaserCanHaveLedToIsRefused) {
   EXPECT_TRUE(refuses(check, [](State& state) { state.most_repeated = 0; }));
   State state = check.state();
   state.episodes[0].fault = static_cast<LaserFault>(3);
-  EXPECT_THROW(test::restore(check, state_of(state)), DataError) << "neither blocked, frozen nor covered";
+  EXPECT_THROW(test::restore(check, state_of(state)), DataError)
+      << "neither blocked, frozen nor covered";
 }
 
 }  // namespace

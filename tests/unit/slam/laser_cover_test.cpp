@@ -1,6 +1,6 @@
 // Returns from right in front of the laser: a wall, or its own cover.
 
-#include "slam/laser_cover.hpp"
+#include "loopstone/slam/laser_cover.hpp"
 
 #include <gtest/gtest.h>
 
@@ -31,9 +31,9 @@ LaserScan room_from(const Pose2& room_T_lidar) {
 }
 
 /// A submap of a drive through the room.
-class LaserCover : public testing::Test {
+class LaserCoverOf : public testing::Test {
  protected:
-  LaserCover() {
+  LaserCoverOf() {
     const SurfaceOptions options{.range_max_m = 30.0, .points_max = 360};
     for (double x = -2.0; x <= 2.4; x += 0.2) {
       for (const double yaw : {0.0, 1.5}) {
@@ -44,44 +44,70 @@ class LaserCover : public testing::Test {
       }
     }
   }
+  [[nodiscard]] LaserCover cover(const LaserScan& scan, const Pose2& pose) {
+    return cover_of(scan, pose, submap_, beams_);
+  }
   [[nodiscard]] bool covered(const LaserScan& scan, const Pose2& pose) {
-    return is_covered(scan, pose, submap_, beams_);
+    return !cover(scan, pose).beams.empty();
   }
 
   BeamTable beams_{};
   Submap submap_{SubmapOptions{}};
 };
 
-TEST_F(LaserCover, WallsThatAreKnownAreNone) {
+TEST_F(LaserCoverOf, WallsThatAreKnownAreNone) {
   // As near as 20 cm.
   for (const double x : {-1.0, 0.0, 2.0, 2.6, 2.8}) {
     EXPECT_FALSE(covered(room_from({x, 0.0, 0.0}), {x, 0.0, 0.0})) << x;
   }
 }
 
-TEST_F(LaserCover, WhatStandsInFreeSpaceRightBeforeItIs) {
+TEST_F(LaserCoverOf, WhatStandsInFreeSpaceRightBeforeItIs) {
   const Pose2 pose{0.3, 0.1, 0.2};
   LaserScan scan = room_from(pose);
   // Every fifth beam ends on something that is not there.
   for (std::size_t i = 0; i < scan.ranges_m.size(); i += 5) {
     scan.ranges_m[i] = 0.05F + 0.01F * static_cast<float>(i % 24);
   }
-  EXPECT_TRUE(covered(scan, pose));
-  take_out_cover(scan);
+  const LaserCover found = cover(scan, pose);
+  ASSERT_FALSE(found.beams.empty());
+  EXPECT_TRUE(found.is_fault);
+  take_out(found.beams, scan);
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     EXPECT_EQ(std::isnan(scan.ranges_m[i]), i % 5 == 0) << i;
   }
   EXPECT_FALSE(covered(scan, pose));
 }
 
-TEST_F(LaserCover, LegsAreTooFew) {
+TEST_F(LaserCoverOf, LegsAreTooFew) {
   const Pose2 pose{0.3, 0.1, 0.2};
   LaserScan scan = room_from(pose);
   for (std::size_t i = 60; i < 70; ++i) scan.ranges_m[i] = 0.4F;
   EXPECT_FALSE(covered(scan, pose));
 }
 
-TEST_F(LaserCover, WhereNothingIsKnownNothingIsSaid) {
+TEST_F(LaserCoverOf, PeopleAroundAreTakenOutWhole) {
+  const Pose2 pose{0.3, 0.1, 0.2};
+  LaserScan scan = room_from(pose);
+  const auto is_person = [](std::size_t i) { return i % 30 < 10; };  // a third of what is seen
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    if (is_person(i)) scan.ranges_m[i] = 1.0F;
+  }
+  const LaserCover found = cover(scan, pose);
+  ASSERT_FALSE(found.beams.empty());
+  EXPECT_TRUE(found.is_fault);
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    EXPECT_EQ(found.beams[i], is_person(i)) << i;
+  }
+}
+
+TEST_F(LaserCoverOf, ARobotThatIsElsewhereSeesNoStrangers) {
+  // Most of what it sees would stand in free space, and nothing else agrees either.
+  const LaserScan scan = room_from({1.5, 1.2, 0.9});
+  EXPECT_FALSE(covered(scan, {-1.0, -0.5, 0.0}));
+}
+
+TEST_F(LaserCoverOf, WhereNothingIsKnownNothingIsSaid) {
   const Pose2 outside{20.0, 20.0, 0.0};
   LaserScan scan = room_from({});
   for (float& range_m : scan.ranges_m) range_m = 0.2F;
