@@ -14,6 +14,7 @@
 #include "loopstone/odometry/odometry_lag.hpp"
 #include "loopstone/odometry/scan_queue.hpp"
 #include "loopstone/slam/back_end.hpp"
+#include "loopstone/slam/calibration.hpp"
 #include "loopstone/slam/key_chain.hpp"
 #include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/loop_closer.hpp"
@@ -81,6 +82,7 @@ std::vector<NumberGroup> decision_numbers() {
       group("pairwise_consistency", kPairwiseConsistency),
       group("back_end", kBackEnd),
       group("surface_adjustment", kSurfaceAdjustment),
+      group("calibration", kCalibration),
       group("judged_scans", kJudgedScans),
       group("wall_pieces", kWallPieces),
       group("visit_agreement", kVisitAgreement),
