@@ -275,6 +275,8 @@ void add_map_command(CLI::App& app, AppContext& context) {
                 "used while it agrees with the laser, always, or not at all (default: check)");
   command->add_flag("--no-loop-closure", arguments->no_loop_closure,
                     "do not correct the map where places are seen again");
+  command->add_flag("--no-calibration", arguments->no_calibration,
+                    "take the laser's mount as it is told, whatever the drive tells of it");
   command->add_flag("--no-texture", arguments->no_texture,
                     "leave out the colour of the floor, though the log has RGB-D");
   command->add_flag("--cloud", arguments->cloud,

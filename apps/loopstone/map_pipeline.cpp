@@ -30,6 +30,9 @@ void refuse_flags_of_submaps(const MapArguments& arguments) {
   if (arguments.odometry) {
     throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
   }
+  if (arguments.no_calibration) {
+    throw UsageError("--no-calibration: the textbook pipeline does none; leave out --pipeline");
+  }
   if (!arguments.mcap.empty()) {
     throw UsageError(
         "--mcap shows a map that grows with its submaps; the textbook pipeline has none: leave out "
@@ -80,6 +83,7 @@ MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& contex
   auto options = context.load_options<MapOptions>();
   options.map.most_cells = most_cells(context);
   if (arguments.no_loop_closure) options.loop_closure = false;
+  if (arguments.no_calibration) options.calibration = false;
   if (arguments.odometry) options.front_end.odometry = *arguments.odometry;
   options_ = options;
 }

@@ -36,6 +36,7 @@ struct MapArguments {
   LogCut cut;
   std::optional<OdometryUse> odometry;
   bool no_loop_closure = false;
+  bool no_calibration = false;
   bool no_texture = false;
   bool cloud = false;
   bool force = false;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "report/calibration_summary.hpp"
 #include "report/html_parts.hpp"
 #include "report/motion_profile.hpp"
 #include "report/summary.hpp"
@@ -211,6 +212,7 @@ std::string format_report(const MapResult& result, const RunInfo& info, std::str
                       "accepted loop closures are green.");
   body += quality_html;
   body += "<h2>Key figures</h2>\n" + key_figures(result, info);
+  body += calibration_html(result.calibration);
   body += floor_html;
   body += "<h2>Path</h2>\n" + path_plot(result) + motion_plots(result);
   body += loop_closures(result);

@@ -4,6 +4,7 @@
 
 #include "formats/left_out_json.hpp"
 #include "loopstone/report/map_outputs.hpp"
+#include "report/calibration_summary.hpp"
 #include "report/fault_summary.hpp"
 #include "report/quality_summary.hpp"
 #include "report/texture_summary.hpp"
@@ -88,6 +89,7 @@ Json summary_json(const MapResult& result, const RunInfo& info) {
       {"surface_spread_before_m", s.surface_spread_before_m},
       {"surface_spread_m", s.surface_spread_m},
       {"quality", quality_json(result)},
+      {"calibration", calibration_json(result.calibration)},
       {"odometry_faults", odometry_faults(result)},
       {"laser_faults", laser_faults(result)},
       {"path_breaks", path_breaks(result)},

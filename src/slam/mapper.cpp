@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <exception>
+#include <span>
 #include <utility>
 
 #include "loopstone/base/error.hpp"
@@ -18,6 +19,7 @@
 #include "slam/fault_events.hpp"
 #include "slam/map_board.hpp"
 #include "slam/map_finish.hpp"
+#include "slam/mount_correction.hpp"
 #include "slam/stopwatch.hpp"
 
 namespace loopstone {
@@ -104,6 +106,7 @@ class Mapper::Impl {
   [[nodiscard]] Pose2 end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const;
   [[nodiscard]] MapResult result_of_back_end() const;
   void adjust(MapResult& result) const;
+  [[nodiscard]] PlacedScans place(MapResult& result) const;
 
   RobotModel robot_;
   MapOptions options_;
@@ -292,6 +295,20 @@ void Mapper::Impl::adjust(MapResult& result) const {
   result.statistics.adjustment_s = watch.seconds();
 }
 
+/// All scans on the map, by the mount that the drive tells.
+PlacedScans Mapper::Impl::place(MapResult& result) const {
+  const std::span<const SubmapRecord> submaps = back_end_.back_end().submaps();
+  PlacedScans placed =
+      place_scans(so_far_.track, back_end_.back_end().keys(), result.graph.poses, submaps);
+  if (options_.calibration && options_.front_end.odometry != OdometryUse::kIgnore) {
+    result.calibration = calibrate_run(so_far_.track, assumed_mounts(submaps), result);
+    const Calibration& found = result.calibration;
+    if (found.is_corrected)
+      correct_mount(found.robot_T_lidar_given, found.robot_T_lidar(), result, placed);
+  }
+  return placed;
+}
+
 MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop_token& cancel) {
   constexpr std::int64_t kStages = 5;
   bool complete = true;
@@ -318,8 +335,7 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
   result.statistics.judging_s = judging_graph.seconds();
   result.loop_closures = at_poses_of(result.graph, std::move(result.loop_closures));
 
-  PlacedScans placed = place_scans(so_far_.track, back_end_.back_end().keys(), result.graph.poses,
-                                   back_end_.back_end().submaps());
+  PlacedScans placed = place(result);
   result.trajectory = std::move(placed.trajectory);
   result.odometry = std::move(placed.odometry);
   so_far_.track = {};  // it is in the trajectories now

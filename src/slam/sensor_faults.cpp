@@ -88,7 +88,8 @@ void add_contradictions(const MapResult& result, const RunClock& clock,
   }
 }
 
-void add_calibration(const MapStatistics& s, std::vector<std::string>& faults) {
+void add_calibration(const MapResult& result, std::vector<std::string>& faults) {
+  const MapStatistics& s = result.statistics;
   const double scale = s.odometry_translation_scale;
   if (scale > 0.0 && std::abs(scale - 1.0) > kSensorFaults.scale_off) {
     faults.push_back(fmt::format(
@@ -96,6 +97,7 @@ void add_calibration(const MapStatistics& s, std::vector<std::string>& faults) {
         "laser's ranges are; the data can't tell which. The map has the laser's scale",
         scale));
   }
+  if (result.calibration.is_corrected) return;
   if (s.laser_heading_offset_rad &&
       std::abs(*s.laser_heading_offset_rad) > kSensorFaults.mount_off_deg / kDegrees) {
     const double offset = kDegrees * *s.laser_heading_offset_rad;
@@ -115,7 +117,7 @@ std::vector<std::string> sensor_faults(const MapResult& result) {
   const RunClock clock(result.trajectory.front().stamp);
   add_unusable_scans(result, clock, faults);
   add_contradictions(result, clock, faults);
-  add_calibration(result.statistics, faults);
+  add_calibration(result, faults);
   return faults;
 }
 

@@ -14,6 +14,7 @@ namespace loopstone {
 /// Every option of the mapper. The defaults serve every log.
 struct MapOptions {
   bool loop_closure = true;
+  bool calibration = true;
   FrontEndOptions front_end{};
   GridMatchOptions match{};
   SubmapOptions submap{};
@@ -26,6 +27,8 @@ struct MapOptions {
 template <typename Visitor>
 void visit_options(MapOptions& options, Visitor&& visit) {
   visit("loop_closure", options.loop_closure, "recognise places seen before and correct the map");
+  visit("calibration", options.calibration,
+        "find out by the drive how the laser sits on the robot, and put right what is told wrong");
   visit.group("front_end", options.front_end);
   visit.group("match", options.match);
   visit.group("submap", options.submap);

@@ -10,6 +10,7 @@
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/odometry/odometry_check.hpp"
 #include "loopstone/odometry/trajectory.hpp"
+#include "loopstone/slam/calibration.hpp"
 #include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/loop_closure.hpp"
 #include "loopstone/slam/map_verdict.hpp"
@@ -70,6 +71,7 @@ struct MapResult {
   std::vector<OdometryEpisode> odometry_episodes;  ///< when odometry was found wrong, and how
   std::vector<LaserEpisode> laser_episodes;        ///< when the laser was blocked or frozen
   std::vector<PathBreak> breaks;                   ///< when the laser did not hold the pose
+  Calibration calibration;  ///< how the sensors sit and count, as the drive tells
   MapStatistics statistics;
   MapQuality quality;                 ///< what the scans say about each other
   GraphQuality graph_quality;         ///< what the pose graph says about itself

@@ -1,0 +1,81 @@
+// Simulated robots whose laser does not sit where the robot file says.
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+#include <variant>
+
+#include "loopstone/geometry/angle.hpp"
+#include "mapped_drives.hpp"
+
+namespace loopstone::test {
+namespace {
+
+SimulationOptions office_options(bool mount_is_wrong) {
+  SimulationOptions options{.duration_s = 240.0};
+  options.laser.rate_hz = 5.0;
+  options.laser.beams = 361;
+  options.realism.mount.on = mount_is_wrong;
+  return options;
+}
+
+double heading_error_rad(const MapResult& result, const SimulatedLog& log) {
+  return absolute_error(result.trajectory, log.truth, Alignment::kSe2).rotation_rad.rmse;
+}
+
+TEST(CalibrationSimulated, AMountThatIsWrongIsPutRight) {
+  const SimulatedLog log = simulate_log("office", 1, office_options(true));
+  const MapResult right = map_of(log);
+  const Calibration& found = right.calibration;
+  ASSERT_TRUE(found.is_corrected);
+  EXPECT_LT(heading_error_rad(right, log), radians(0.1));
+  ASSERT_FALSE(right.warnings.empty());
+  EXPECT_NE(right.warnings.front().find("of where its mount says"), std::string::npos);
+
+  const MapResult as_told = map_of(log, {.calibration = false});
+  EXPECT_GT(heading_error_rad(as_told, log), radians(0.5)) << "else this shows nothing";
+  EXPECT_LT(ate_rmse_m(right.trajectory, log), 0.4 * ate_rmse_m(as_told.trajectory, log));
+  EXPECT_EQ(as_told.calibration.motions, 0);
+
+  // The same scans lie on the same walls: only the centre that is told is another one.
+  const Pose2 new_T_old = found.robot_T_lidar() * found.robot_T_lidar_given.inverse();
+  ASSERT_EQ(right.trajectory.size(), as_told.trajectory.size());
+  for (std::size_t i = 0; i < right.trajectory.size(); i += 50) {
+    const Pose2 told = new_T_old * as_told.trajectory.poses()[i].pose * new_T_old.inverse();
+    const Pose2 difference = told.inverse() * right.trajectory.poses()[i].pose;
+    EXPECT_LT(difference.vector().norm(), 1e-9) << i;
+  }
+  EXPECT_LT(right.trajectory.front().pose.vector().norm(), 0.01) << "still the origin";
+  EXPECT_NEAR(graph_cost(right.graph), graph_cost(as_told.graph), 1e-3 * graph_cost(as_told.graph));
+  for (std::size_t i = 0; i < right.graph.poses.size(); i += 20) {
+    const Pose2 at = *right.trajectory.at(right.node_stamps[i]);
+    EXPECT_LT((at.inverse() * right.graph.poses[i]).vector().norm(), 1e-9) << i;
+  }
+}
+
+TEST(CalibrationSimulated, AMountThatIsRightIsLeftAlone) {
+  const SimulatedLog log = simulate_log("office", 1, office_options(false));
+  const MapResult result = map_of(log);
+  EXPECT_FALSE(result.calibration.mount_is_off());
+  EXPECT_GT(result.calibration.motions, 200);
+  EXPECT_TRUE(result.calibration.lidar_x_m.observable);
+  EXPECT_TRUE(result.calibration.lidar_yaw_rad.observable);
+  const MapResult as_told = map_of(log, {.calibration = false});
+  for (std::size_t i = 0; i < result.trajectory.size(); i += 50)
+    EXPECT_EQ(result.trajectory.poses()[i].pose, as_told.trajectory.poses()[i].pose);
+}
+
+TEST(CalibrationSimulated, ALogThatAsksForTheLasersPathGetsIt) {
+  SimulationOptions options = office_options(true);
+  SimulatedLog log = simulate_log("office", 1, options);
+  for (SensorMessage& message : log.messages) {
+    if (auto* scan = std::get_if<LaserScan>(&message)) scan->robot_T_lidar = Pose2{};
+  }
+  const MapResult result = map_of(log);
+  EXPECT_TRUE(result.calibration.place_is_off);
+  EXPECT_FALSE(result.calibration.is_corrected);
+}
+
+}  // namespace
+}  // namespace loopstone::test
