@@ -7,6 +7,7 @@
 namespace loopstone::app {
 
 // One function for each subcommand, each in the file of its name.
+void add_calibrate_command(CLI::App& app, AppContext& context);
 void add_config_command(CLI::App& app, AppContext& context);
 void add_convert_command(CLI::App& app, AppContext& context);
 void add_evaluate_command(CLI::App& app, AppContext& context);

@@ -41,6 +41,7 @@ void add_commands(CLI::App& app, AppContext& context) {
   // In the order in which a user meets them.
   add_info_command(app, context);
   add_map_command(app, context);
+  add_calibrate_command(app, context);
   add_texture_command(app, context);
   add_localize_command(app, context);
   add_match_command(app, context);
