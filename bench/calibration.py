@@ -6,6 +6,7 @@ docs/calibration.md.
   bench/calibration.py              office and warehouse, five seeds each (about six minutes)
   bench/calibration.py --quick      two seeds, 150 s of each drive; prints the table
 """
+import concurrent.futures
 import json
 import math
 import pathlib
@@ -40,7 +41,7 @@ def true_mount(folder):
 
 def heading_and_way(loopstone, folder, name, flags):
     """Errors of the map's path: heading [deg], position [m]."""
-    out, _, _ = loopstone.map(folder, name, ["--threads", "1", *flags])
+    out, _, _ = loopstone.map(folder, name, flags)
     error = loopstone.evaluate(
         "--estimate", out / "trajectory.tum", "--reference", folder / "truth.tum", "--align", "se2"
     )
@@ -131,7 +132,10 @@ def main():
     for world in WORLDS:
         for effect in EFFECTS:
             logs = range(1, 1 + (2 if arguments.quick else SEEDS))
-            measured = [measure(loopstone, world, effect, seed, flags) for seed in logs]
+            with concurrent.futures.ThreadPoolExecutor(2) as pool:
+                measured = list(
+                    pool.map(lambda seed: measure(loopstone, world, effect, seed, flags), logs)
+                )
             rows.append(cells_of(world, effect, measured))
     text = text_of(when, rows)
     if arguments.quick:
