@@ -1,6 +1,8 @@
 #include "loopstone/odometry/scan_queue.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "loopstone/base/sound_state.hpp"
@@ -14,6 +16,8 @@ constexpr Duration kPatience = Duration::from_milliseconds(kScanQueue.patience_m
 constexpr Duration kSilentStart = Duration::from_milliseconds(kScanQueue.silent_start_ms);
 constexpr Duration kSilenceOfIncrements =
     Duration::from_milliseconds(kScanQueue.silence_of_increments_ms);
+constexpr Duration kShortSilenceOfIncrements =
+    Duration::from_milliseconds(kScanQueue.short_silence_of_increments_ms);
 constexpr Duration kSilenceOfSums = Duration::from_milliseconds(kScanQueue.silence_of_sums_ms);
 
 }  // namespace
@@ -43,11 +47,20 @@ void ScanQueue::follow_odometry() {
     const Pose2 step = own_.travel.odom_T_robot.inverse() * odom_T_robot;
     own_.travel.path_m += std::hypot(step.x, step.y);
     own_.travel.turned_rad += std::abs(step.yaw);
-    const Duration silence = own_.increments ? kSilenceOfIncrements : kSilenceOfSums;
-    if (*newest - *own_.travel.stamp > silence) own_.travel.silent_until = *newest;
+    if (*newest - *own_.travel.stamp > longest_step()) own_.travel.silent_until = *newest;
   }
   own_.travel.stamp = newest;
   own_.travel.odom_T_robot = odom_T_robot;
+}
+
+/// From one reading to the next; after more, motion is missing in between.
+Duration ScanQueue::longest_step() const {
+  if (!own_.increments) return kSilenceOfSums;
+  const std::int64_t readings = odometer_.turned_by_gyro() + odometer_.turned_by_wheels();
+  if (readings < kScanQueue.readings_to_know) return kSilenceOfIncrements;
+  const double usual_s = (own_.newest - *own_.first).seconds() / static_cast<double>(readings);
+  return std::clamp(Duration::from_seconds(kScanQueue.silence_steps * usual_s),
+                    kShortSilenceOfIncrements, kSilenceOfIncrements);
 }
 
 void ScanQueue::finish() {

@@ -84,9 +84,9 @@ std::vector<MotionGuess> MotionPredictor::guesses(
     return {{Pose2{}, information_of(kMotionPredictor.first_m, kMotionPredictor.first_rad), false}};
   const double blind_s = (stamp - *own_.last_stamp).seconds();
   const bool over = coast_is_over(stamp);
-  if (!comparable(odometry, own_.last_odometry)) {
+  if (!comparable(odometry, own_.last_odometry) || was_silent(*odometry)) {
     if (!over) return coast_guesses(stamp);
-    return {{own_.last_pose,
+    return {{own_.last_pose * gone_on(blind_s),
              information_of(kMotionPredictor.walking_m_s * blind_s,
                             kMotionPredictor.walking_rad_s * blind_s),
              false}};
@@ -122,6 +122,28 @@ std::vector<MotionGuess> MotionPredictor::guesses(
   return guesses;
 }
 
+/// Across a gap a robot more likely went on than stopped; a turn is soon over.
+Pose2 MotionPredictor::gone_on(double seconds) const {
+  double step_s = 0.0;
+  Tangent2 sum = Tangent2::Zero();
+  for (const Step& step : own_.steps) {
+    step_s += step.seconds;
+    sum += step.motion;
+  }
+  if (step_s <= 0.0) return {};
+  Tangent2 velocity = sum / step_s;
+  const double turning_s = std::min(seconds, kMotionPredictor.longest_coast_s);
+  const double straight_s = std::min(seconds, kMotionPredictor.longest_gone_on_s) - turning_s;
+  const Pose2 turned = exp(Tangent2(velocity * turning_s));
+  velocity.z() = 0.0;
+  return turned * exp(Tangent2(velocity * straight_s));
+}
+
+/// Since the last scan: what it says of the motion from there is hearsay.
+bool MotionPredictor::was_silent(const OdometryReading& odometry) const {
+  return own_.last_stamp && odometry.silent_until && *odometry.silent_until > *own_.last_stamp;
+}
+
 Pose2 MotionPredictor::scaled_motion(const OdometryReading& from, const OdometryReading& to) const {
   Pose2 said = from.odom_T_robot.inverse() * to.odom_T_robot;
   // Wheels that were too large wherever the laser could see it are so along a corridor too.
@@ -150,8 +172,10 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
                              const std::optional<OdometryReading>& odometry, Seen seen) {
   if (own_.last_stamp) {
     const Pose2 motion = own_.last_pose.inverse() * local_T_robot;
-    if (comparable(odometry, own_.last_odometry) && checks_)
+    const bool goes_on = odometry && !was_silent(*odometry);
+    if (goes_on && comparable(odometry, own_.last_odometry) && checks_)
       check_odometry(stamp, motion, *odometry, seen);
+    if (odometry && !goes_on) accuracy_.interrupt();
     if (odometry && odometry->has_translation && seen.translation) {
       accuracy_.add(odometry->odom_T_robot, local_T_robot, odometry->path_m);
     } else if (!seen.rotation) {

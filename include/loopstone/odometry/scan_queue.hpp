@@ -16,6 +16,9 @@ struct ScanQueueNumbers {
   int patience_ms = 250;
   int silent_start_ms = 1000;
   int silence_of_increments_ms = 2000;
+  int short_silence_of_increments_ms = 250;
+  double silence_steps = 4.0;
+  int readings_to_know = 40;
   int silence_of_sums_ms = 60000;
 };
 inline constexpr ScanQueueNumbers kScanQueue{};
@@ -29,7 +32,13 @@ void visit_numbers(const ScanQueueNumbers& n, Visitor&& visit) {
         "chosen: a stream that begins so long without odometry has none");
   visit("silence_of_increments_ms", n.silence_of_increments_ms,
         "chosen: counts since the last reading are lost with the readings between: after so long, "
-        "too many");
+        "too many, however rarely readings come");
+  visit("short_silence_of_increments_ms", n.short_silence_of_increments_ms,
+        "chosen: but not before: so late a single reading's stamp may be");
+  visit("silence_steps", n.silence_steps,
+        "chosen: nor before so many of the usual times between readings");
+  visit("readings_to_know", n.readings_to_know,
+        "chosen: so many tell what is usual; some seconds at ten a second");
   visit("silence_of_sums_ms", n.silence_of_sums_ms,
         "chosen: poses and counters go on, unless the robot was off, which takes longer");
 }
@@ -103,6 +112,7 @@ class ScanQueue {
  private:
   /// What odometry's newest pose adds to the path so far.
   void follow_odometry();
+  [[nodiscard]] Duration longest_step() const;
 
   bool counts_are_cumulative_;
   Odometer odometer_;

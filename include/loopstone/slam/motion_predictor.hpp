@@ -23,6 +23,7 @@ struct MotionPredictorNumbers {
   int steps = 3;
   double longest_coast_s = 1.0;
   double longest_coast_steps = 4.0;
+  double longest_gone_on_s = 3.0;
   double walking_m_s = 1.0;
   double walking_rad_s = 1.0;
   double same_m = 0.05;
@@ -58,6 +59,9 @@ void visit_numbers(const MotionPredictorNumbers& n, Visitor&& visit) {
         "chosen: after so long a velocity says nothing of what comes later");
   visit("longest_coast_steps", n.longest_coast_steps,
         "chosen: but not before so many of the usual times between scans");
+  visit("longest_gone_on_s", n.longest_gone_on_s,
+        "chosen: across a gap of which nothing is told a robot more likely drove on than stopped: "
+        "so long");
   visit(
       "walking_m_s", n.walking_m_s,
       "chosen: where nothing tells how far the robot went: as fast as a person walks, either way");
@@ -191,6 +195,8 @@ class MotionPredictor {
   void check_odometry(Stamp stamp, const Pose2& motion, const OdometryReading& odometry, Seen seen);
   void learn_coast(Stamp stamp, const Pose2& motion, Seen seen);
   void remember_step(Stamp stamp, const Pose2& motion);
+  [[nodiscard]] Pose2 gone_on(double seconds) const;
+  [[nodiscard]] bool was_silent(const OdometryReading& odometry) const;
   /// Odometry's motion between two readings at the scale that was learned.
   [[nodiscard]] Pose2 scaled_motion(const OdometryReading& from, const OdometryReading& to) const;
 

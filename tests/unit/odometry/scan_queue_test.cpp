@@ -98,5 +98,33 @@ TEST(ScanQueue, TellsThePathAndWhenOdometryWasSilent) {
   EXPECT_EQ(*after.silent_until, Stamp::from_seconds(200.0));
 }
 
+/// Of wheels that count since the last reading, 40 a second but for a silence after 3 s.
+std::optional<Stamp> silent_after(double silence_s, bool counts_are_cumulative) {
+  WheelModel wheels;
+  wheels.counts_are_cumulative = counts_are_cumulative;
+  ScanQueue queue(wheels);
+  std::int64_t sum = 0;
+  const auto count = [&](double seconds) {
+    sum += 8;
+    const std::int64_t counts = counts_are_cumulative ? sum : 8;
+    queue.add(WheelTicks{Stamp::from_seconds(seconds), {counts, counts, counts, counts}});
+  };
+  double seconds = 0.0;
+  for (; seconds < 3.0; seconds += 0.025) count(seconds);
+  seconds += silence_s;
+  const double end = seconds + 0.5;
+  for (; seconds < end; seconds += 0.025) count(seconds);
+  queue.add(scan_at(end - 0.05));
+  return queue.reading_at(queue.next().value().stamp).value().silent_until;
+}
+
+TEST(ScanQueue, CountsSinceTheLastReadingAreMissedSoonerThanCounters) {
+  EXPECT_FALSE(silent_after(0.15, false)) << "a stamp may be late";
+  const auto until = silent_after(0.5, false);
+  ASSERT_TRUE(until);
+  EXPECT_NEAR(until->seconds(), 3.5, 0.03);
+  EXPECT_FALSE(silent_after(0.5, true)) << "counters went on";
+}
+
 }  // namespace
 }  // namespace loopstone

@@ -143,5 +143,32 @@ TEST(MotionPredictor, UncertaintyIsLearnedFromHowTheRobotMoves) {
   EXPECT_GT(wild.coast_sigma_rad(), 0.2);
 }
 
+TEST(MotionPredictor, WhatOdometrySaysAcrossASilenceIsNotAsked) {
+  Driven driven = drive(true);
+  OdometryReading odometry{driven.local_T_robot};  // its counts of the last step were lost
+  odometry.silent_until = stamp_at(driven.seconds + 0.05);
+  const Stamp now = stamp_at(driven.seconds + 0.1);
+  const auto guesses = driven.predictor.guesses(now, odometry);
+  EXPECT_TRUE(pose_near(guesses.front().local_T_robot, driven.local_T_robot * kStep, 1e-9, 1e-9));
+  EXPECT_FALSE(guesses.front().measured);
+  // Nor is it held against odometry: afterwards it is believed as before.
+  driven.predictor.settle(now, driven.local_T_robot * kStep, odometry, {true, true});
+  OdometryReading next{driven.local_T_robot * kStep};
+  next.silent_until = odometry.silent_until;
+  const auto after = driven.predictor.guesses(stamp_at(driven.seconds + 0.2), next);
+  EXPECT_TRUE(after.front().measured);
+  EXPECT_EQ(driven.predictor.check().translation().jumps(), 0);
+}
+
+TEST(MotionPredictor, AcrossAGapTheRobotMostLikelyWentOn) {
+  const Driven driven = drive(false);
+  const auto guesses = driven.predictor.guesses(stamp_at(driven.seconds + 2.0), {});
+  ASSERT_EQ(guesses.size(), 1U);
+  const Pose2 gone = driven.local_T_robot.inverse() * guesses.front().local_T_robot;
+  EXPECT_NEAR(std::hypot(gone.x, gone.y), 1.0, 0.05) << "half a metre a second";
+  EXPECT_NEAR(gone.yaw, 0.2, 1e-6) << "turning for a second";
+  EXPECT_NEAR(1.0 / std::sqrt(guesses.front().information(0, 0)), 2.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace loopstone
