@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 
 #include "slam/run_clock.hpp"
 
@@ -16,8 +17,30 @@ constexpr std::size_t kTold = 8;
 /// A gap shorter than this, after which the place was recognised, is no news.
 constexpr double kBriefS = 2.0;
 
-std::string what_was_seen(const PathBreak& gap, const RunClock& clock) {
+/// How far the map puts the robot across a break from where odometry does [m].
+std::optional<double> carried_m(const PathBreak& gap, const MapResult& result) {
+  const auto across = [&](const Trajectory& path) -> std::optional<Pose2> {
+    const auto before = path.at(gap.from);
+    const auto after = path.at(gap.to);
+    if (!before || !after) return {};
+    return before->inverse() * *after;
+  };
+  const auto seen = across(result.trajectory);
+  const auto told = across(result.odometry);
+  if (!seen || !told) return {};
+  return (seen->translation() - told->translation()).norm();
+}
+
+std::string what_was_seen(const PathBreak& gap, const MapResult& result, const RunClock& clock) {
   const std::string when = clock.span(gap.from, gap.to);
+  if (gap.cause == BreakCause::kCarried) {
+    const bool is_found = gap.bridge == BreakBridge::kLaser || gap.closures > 0;
+    const auto far_m = is_found ? carried_m(gap, result) : std::nullopt;
+    return "the robot was carried " + (far_m ? "by about " + readable_metres(*far_m) + " " : "") +
+           when +
+           " while no scans came: what the laser sees then is not what it saw where odometry says "
+           "that the robot stood";
+  }
   if (gap.cause == BreakCause::kContradicted) {
     return "the scans " + when +
            " contradict what was seen before: the robot was carried or the laser moved, which "
@@ -63,7 +86,7 @@ void add_breaks(const MapResult& result, const RunClock& clock,
   weakest_first.resize(weakest_first.size() - left);
   std::sort(weakest_first.begin(), weakest_first.end());  // in time order again
   for (const PathBreak* gap : weakest_first)
-    warnings.push_back(what_was_seen(*gap, clock) + what_ties(*gap));
+    warnings.push_back(what_was_seen(*gap, result, clock) + what_ties(*gap));
   if (left > 0) warnings.push_back(fmt::format("{} more gaps, tied better than these", left));
   std::erase_if(recognised,
                 [](const PathBreak* gap) { return (gap->to - gap->from).seconds() < kBriefS; });
@@ -71,7 +94,7 @@ void add_breaks(const MapResult& result, const RunClock& clock,
   const PathBreak& longest = **std::max_element(
       recognised.begin(), recognised.end(),
       [](const PathBreak* a, const PathBreak* b) { return a->to - a->from < b->to - b->from; });
-  warnings.push_back(what_was_seen(longest, clock) +
+  warnings.push_back(what_was_seen(longest, result, clock) +
                      (recognised.size() == 1
                           ? std::string(": the place was recognised right after it")
                           : fmt::format(" and {} shorter gaps: the place was recognised right "

@@ -154,7 +154,8 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
     if (!motion.is_short()) return rejoin(sighting.matched(), motion, stamp, tracked);
   }
   const Seen seen = follow(sighting, tracked);
-  if (is_gap(stamp)) note_gap(blind(), stamp, tracked);  // also of one that had been lost
+  if (is_gap(stamp))
+    note_gap(blind(), BreakCause::kNoScans, stamp, tracked);  // also of one that had been lost
   return seen;
 }
 
@@ -185,8 +186,12 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
 /// Too many scans in a row contradict the map: what they show is a place of its own.
 void FrontEnd::give_up_place(const Sighting& sighting, TrackedScan& tracked) {
   const Stamp stamp = sighting.scan.stamp;
-  begin_piece(blind_motion(stamp, sighting.likeliest(), {}), BreakCause::kContradicted, stamp,
-              tracked);
+  // They came after a gap in which odometry says that the robot stood.
+  const double blind_s =
+      (stamp - own_.held->stamp).seconds() - own_.lost_in_a_row * own_.held->usual_seconds;
+  const BreakCause cause =
+      blind_s > longest_step_s() ? BreakCause::kCarried : BreakCause::kContradicted;
+  begin_piece(blind_motion(stamp, sighting.likeliest(), {}), cause, stamp, tracked);
 }
 
 /// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.

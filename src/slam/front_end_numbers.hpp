@@ -84,6 +84,9 @@ struct FrontEndRejoinNumbers {
   double elsewhere_rad = 0.35;
   double unknown_m = 10.0;
   double unknown_rad = 1.8;
+  double window_sigmas = 2.0;
+  double carried_m = 3.0;
+  double turned_rad = 0.35;
 };
 inline constexpr FrontEndRejoinNumbers kFrontEndRejoin{};
 
@@ -106,8 +109,7 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit("short_m", n.short_m,
         "chosen: after so little motion a scan shows what the one before showed");
   visit("short_rad", n.short_rad, "chosen: as short_m: most of what is seen is the same");
-  visit("around_m", n.around_m,
-        "chosen: how far a robot is looked for of which nothing is known: as far as loops are");
+  visit("around_m", n.around_m, "chosen: no robot is looked for farther away: as far as loops are");
   visit("ambiguous", n.ambiguous,
         "chosen: share of the best score that no second place may reach, as of loop closures");
   visit("elsewhere_m", n.elsewhere_m, "chosen: a second place is so far away, as of loop closures");
@@ -115,6 +117,13 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit("unknown_m", n.unknown_m,
         "chosen: one standard deviation where nothing tells how the robot moved: as around_m");
   visit("unknown_rad", n.unknown_rad, "derived: of a heading that may be any: pi / sqrt(3)");
+  visit("window_sigmas", n.window_sigmas,
+        "chosen: half of the window in which a robot is looked for: 95 % along one axis");
+  visit("carried_m", n.carried_m,
+        "chosen: a robot that somebody carried: no less, one standard deviation; across a room");
+  visit("turned_rad", n.turned_rad,
+        "derived: of a heading that was expected and explains the scan, when the robot turned by a "
+        "right angle once in twenty times: sqrt(0.05) pi / 2");
 }
 
 }  // namespace loopstone

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -18,11 +19,16 @@ namespace loopstone {
 
 namespace {
 
-PosePrior2 unknown_from(const Pose2& local_T_robot) {
+PosePrior2 unknown_about(const Pose2& local_T_robot, double sigma_m, double sigma_rad) {
   return {local_T_robot,
-          planar_covariance(kFrontEndRejoin.unknown_m, kFrontEndRejoin.unknown_rad).inverse(),
+          planar_covariance(std::min(sigma_m, kFrontEndRejoin.unknown_m),
+                            std::min(sigma_rad, kFrontEndRejoin.unknown_rad))
+              .inverse(),
           false};
 }
+
+/// Half of the window in which something is looked for.
+double window_of(double sigma) { return kFrontEndRejoin.window_sigmas * sigma; }
 
 }  // namespace
 
@@ -41,9 +47,11 @@ void FrontEnd::hold(Stamp stamp, const Pose2& local_T_robot,
 
 bool FrontEnd::is_gap(Stamp stamp) const {
   if (!own_.held || own_.lost_in_a_row > 0) return false;
-  const double seconds = (stamp - own_.held->stamp).seconds();
-  return seconds >
-         std::max(kFrontEndRejoin.blind_s, kFrontEndRejoin.blind_steps * own_.held->usual_seconds);
+  return (stamp - own_.held->stamp).seconds() > longest_step_s();
+}
+
+double FrontEnd::longest_step_s() const {
+  return std::max(kFrontEndRejoin.blind_s, kFrontEndRejoin.blind_steps * own_.held->usual_seconds);
 }
 
 bool FrontEnd::BlindMotion::is_short() const {
@@ -53,7 +61,10 @@ bool FrontEnd::BlindMotion::is_short() const {
 
 FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& guess,
                                              const std::optional<OdometryReading>& odometry) const {
-  BlindMotion blind{unknown_from(guess.local_T_robot)};
+  double gap_s = std::numeric_limits<double>::infinity();
+  if (own_.held && own_.lost_in_a_row == 0) gap_s = (stamp - own_.held->stamp).seconds();
+  BlindMotion blind{unknown_about(guess.local_T_robot, kMotionPredictor.walking_m_s * gap_s,
+                                  kMotionPredictor.walking_rad_s * gap_s)};
   if (!own_.held || stamp <= own_.held->stamp || !own_.held->odometry || !odometry) return blind;
   const auto told = predictor_.told(*own_.held->odometry, own_.held->stamp, *odometry);
   if (!told) return blind;
@@ -83,8 +94,12 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
   const PosePrior2 there = in_submap(prior);
   const auto points = search_points(surfaces);
   const FrozenSubmap frozen = active_.front().submap.freeze();
-  const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, kFrontEndRejoin.around_m);
-  const SearchWindow anywhere{there.target_T_source, kFrontEndRejoin.around_m, kPi};
+  const Eigen::Matrix3d covariance = there.information.inverse();
+  const SearchWindow anywhere{
+      there.target_T_source,
+      std::min(window_of(std::sqrt(position_variance_m2(covariance))), kFrontEndRejoin.around_m),
+      std::min(window_of(std::sqrt(covariance(2, 2))), kPi)};
+  const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, anywhere.half_xy_m);
   const SearchResult best = search_about_robot(points, pyramid, anywhere, kPoseSearch.min_score);
   if (!best.found) return {};
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
@@ -102,20 +117,61 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
 }
 
 /// With odometry, a scan that does not fit where it says shows a place that the submap does not
-/// know: one scan by itself is no reason to look for the robot elsewhere. A robot that was carried
-/// while it stood is noticed by the scans that contradict the map.
-FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
+/// know: one scan by itself is no reason to look for the robot elsewhere. Unless odometry says that
+/// the robot stayed where all that it sees had been seen.
+FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind,
                                 Stamp stamp, TrackedScan& tracked) {
-  const std::optional<MatchResult> match = blind.prior.holds_unobserved
-                                               ? recognise_near(surfaces, blind.prior)
-                                               : recognise_around(surfaces, blind.prior);
+  std::optional<MatchResult> match;
+  BreakCause cause = BreakCause::kNoScans;
+  if (blind.prior.holds_unobserved) {
+    match = recognise_near(surfaces, blind.prior);
+    if (!match && was_carried(surfaces, blind)) {
+      cause = BreakCause::kCarried;
+      const double gap_s = (stamp - own_.held->stamp).seconds();
+      blind.prior =
+          unknown_about(blind.prior.target_T_source,
+                        std::max(kFrontEndRejoin.carried_m, kMotionPredictor.walking_m_s * gap_s /
+                                                                kFrontEndRejoin.window_sigmas),
+                        kFrontEndRejoin.unknown_rad);
+    }
+  }
+  if (!match && !blind.prior.holds_unobserved) {
+    match = recognise_around(surfaces, blind.prior);
+    if (!match && cause == BreakCause::kNoScans) turn_to_match(surfaces, blind.prior);
+  }
   if (!match) {
-    begin_piece(blind, BreakCause::kNoScans, stamp, tracked);
+    begin_piece(blind, cause, stamp, tracked);
     return {};
   }
   const Seen seen = take_match(*match, true, tracked);
-  note_gap(blind, stamp, tracked);
+  note_gap(blind, cause, stamp, tracked);
   return seen;
+}
+
+/// The scan contradicts the submap where odometry says that the robot hardly moved.
+bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMotion& blind) const {
+  if (options_.odometry == OdometryUse::kTrust || blind.odometry_m > kFrontEndRejoin.short_m)
+    return false;
+  const PosePrior2 there = in_submap(blind.prior);
+  const Eigen::Matrix3d covariance = there.information.inverse();
+  const double cell_m = submap_options_.search_cell_m;
+  const SearchWindow window{there.target_T_source,
+                            window_of(std::sqrt(position_variance_m2(covariance))) + 0.5 * cell_m,
+                            window_of(std::sqrt(covariance(2, 2)))};
+  const MaxPyramid pyramid =
+      active_.front().submap.freeze().search_pyramid(submap_options_, window.half_xy_m);
+  return !search_about_robot(search_points(surfaces), pyramid, window, kPoseSearch.min_score).found;
+}
+
+/// A place that is like its neighbours, as a corridor is, still tells the heading: if what is
+/// expected explains the scan, the robot most likely went on as it came.
+void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, PosePrior2& prior) const {
+  const PosePrior2 there = in_submap(prior);
+  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
+                                          there.target_T_source, there, match_options_, 1);
+  if (!has_supported_pose(match.status) || match.score < least_score()) return;
+  const double sigma_m = std::sqrt(position_variance_m2(prior.information.inverse()));
+  prior = unknown_about(in_local(match).target_T_source, sigma_m, kFrontEndRejoin.turned_rad);
 }
 
 /// \param odometry_guides  the guess was odometry's
@@ -136,10 +192,12 @@ TrackingStatus FrontEnd::tracking_of(const TrackedScan& tracked, bool odometry_g
 }
 
 /// The laser holds the pose again, in the submap that it held it before.
-void FrontEnd::note_gap(const BlindMotion& blind, Stamp stamp, TrackedScan& tracked) const {
+void FrontEnd::note_gap(const BlindMotion& blind, BreakCause cause, Stamp stamp,
+                        TrackedScan& tracked) const {
   if (own_.lost_in_a_row > 0) return;
   tracked.path_break = PathBreak{.from = own_.held->stamp,
                                  .to = stamp,
+                                 .cause = cause,
                                  .bridge = BreakBridge::kLaser,
                                  .odometry_m = blind.odometry_m,
                                  .covariance = tracked.covariance};

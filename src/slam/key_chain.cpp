@@ -35,7 +35,10 @@ void KeyChain::add(const KeyScan& key) {
     submaps.back().across = compound(submaps.back().across, motion);
     length_m += std::hypot(motion.pose.x, motion.pose.y);
     if (key.across) {
-      const double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));
+      double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));
+      // What may face anywhere is found by appearance, which is asked where places may be far off.
+      if (std::sqrt((*key.across)(2, 2)) > kKeyChain.lost_rad)
+        sigma_m = std::max(sigma_m, kKeyChain.lost_m);
       breaks_m += kKeyChain.window_sigmas * sigma_m / std::max(drift_per_m_, kKeyChain.least_drift);
     }
   }

@@ -168,11 +168,13 @@ QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatis
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
     const bool tied = gap.closures > 1 || gap.bridge_sigma_m() <= kMapVerdict.break_tie_m.doubtful;
     if (!tied) ++untied;
+    // Where a robot was carried to, nothing but a likeness of places tells.
+    const bool sure = tied && gap.cause != BreakCause::kCarried;
     measure.value = std::max(measure.value, gap.tie_sigma_m);
     const Verdict alone =
         guessed ? Verdict::kBad : against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
     measure.verdict =
-        std::max({measure.verdict, alone, tied ? Verdict::kGood : Verdict::kDoubtful});
+        std::max({measure.verdict, alone, sure ? Verdict::kGood : Verdict::kDoubtful});
   }
   if (count == 0) {
     measure.sentence = "The laser saw every part of the path join the one before.";

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "loopstone/base/rng.hpp"
@@ -100,6 +101,46 @@ INSTANTIATE_TEST_SUITE_P(Scans, GapOf, testing::Values(1.0, 3.0, 5.0, 10.0, 20.0
                          [](const auto& named) {
                            return std::to_string(static_cast<int>(named.param)) + "s";
                          });
+
+TEST(BrokenRecording, CountsThatAreLostWithTheScansAreNotTakenForStandingStill) {
+  SimulationOptions options{.duration_s = small_scale() ? 120.0 : 200.0};
+  options.laser.beams = 181;
+  options.laser.fov_rad = kPi;
+  options.laser.rate_hz = 5.0;
+  options.drive.speed_m_s = 0.7;
+  SimulatedLog log = simulate_log("office", 31, options);
+  std::erase_if(log.messages, [&](const SensorMessage& message) {
+    const double time_s = time_in(log, stamp_of(message));
+    return (time_s > 30.0 && time_s < 31.5) || (time_s > 70.0 && time_s < 70.7);
+  });
+  const MapResult result = map_of(log);
+  for (const auto& [from_s, to_s] : {std::pair{29.6, 32.0}, std::pair{69.6, 71.2}})
+    EXPECT_LT(off_across_m(result.trajectory, log, from_s, to_s), 0.05) << all_of(result.warnings);
+  EXPECT_EQ(result.statistics.odometry_jumps, 0);
+}
+
+TEST(BrokenRecording, ARobotThatWasCarriedWhileNoScansCameIsNamed) {
+  SimulationOptions options{.duration_s = small_scale() ? 120.0 : 200.0};
+  options.laser.beams = 181;
+  options.laser.fov_rad = kPi;
+  options.laser.rate_hz = 5.0;
+  options.realism.carried_blind.on = true;
+  options.realism.carried_blind.at_s = 60.0;
+  const SimulatedLog log = simulate_log("warehouse", 1, options);
+  const MapResult result = map_of(log);
+  EXPECT_NE(warning_of(result, "the robot was carried"), "") << all_of(result.warnings);
+  const auto carried = std::ranges::find(result.breaks, BreakCause::kCarried, &PathBreak::cause);
+  ASSERT_NE(carried, result.breaks.end());
+  const bool is_found = carried->bridge == BreakBridge::kLaser || carried->closures > 0;
+  if (is_found) {
+    EXPECT_NE(warning_of(result, "was carried by about 3.0 m"), "") << all_of(result.warnings);
+    EXPECT_LT(off_across_m(result.trajectory, log, time_in(log, carried->from),
+                           time_in(log, carried->to)),
+              0.1);
+  } else {
+    EXPECT_EQ(result.verdict.overall, Verdict::kBad) << result.verdict.sentence;
+  }
+}
 
 TEST(BrokenRecording, AGapThatNothingTiesIsNotCalledGood) {
   // The drive ends before the robot has come back.

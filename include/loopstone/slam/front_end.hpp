@@ -271,22 +271,27 @@ class FrontEnd {
             const std::optional<OdometryReading>& odometry);
   /// The laser has not held the pose for long enough that the motion can't be followed.
   [[nodiscard]] bool is_gap(Stamp stamp) const;
+  [[nodiscard]] double longest_step_s() const;
   [[nodiscard]] BlindMotion blind_motion(Stamp stamp, const MotionGuess& guess,
                                          const std::optional<OdometryReading>& odometry) const;
   /// The scan on the active submap near where odometry says, if that can be told.
   [[nodiscard]] std::optional<MatchResult> recognise_near(std::span<const SurfacePoint> surfaces,
                                                           const PosePrior2& prior) const;
-  /// The same without odometry: anywhere around.
+  /// The same without odometry: as far around as the robot may be.
   [[nodiscard]] std::optional<MatchResult> recognise_around(std::span<const SurfacePoint> surfaces,
                                                             const PosePrior2& prior) const;
-  [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
-                            Stamp stamp, TrackedScan& tracked);
+  [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
+                            TrackedScan& tracked);
+  [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces,
+                                 const BlindMotion& blind) const;
+  void turn_to_match(std::span<const SurfacePoint> surfaces, PosePrior2& prior) const;
   [[nodiscard]] Seen take_match(const MatchResult& match, bool is_held, TrackedScan& tracked);
   /// The motion goes on as it was: where odometry may be doubted.
   [[nodiscard]] std::vector<MotionGuess> others_than_odometry(Stamp stamp) const;
   [[nodiscard]] TrackingStatus tracking_of(const TrackedScan& tracked, bool odometry_guides,
                                            Stamp stamp) const;
-  void note_gap(const BlindMotion& blind, Stamp stamp, TrackedScan& tracked) const;
+  void note_gap(const BlindMotion& blind, BreakCause cause, Stamp stamp,
+                TrackedScan& tracked) const;
   void begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp, TrackedScan& tracked);
   /// Ends the submaps that are open.
   [[nodiscard]] std::vector<FinishedSubmap> end_piece();

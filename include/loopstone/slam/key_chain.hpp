@@ -18,6 +18,8 @@ struct KeyChainNumbers {
   double turn_share = 0.004;
   double window_sigmas = 2.0;
   double least_drift = 1e-3;
+  double lost_rad = 0.4;
+  double lost_m = 10.0;
 };
 inline constexpr KeyChainNumbers kKeyChain{};
 
@@ -33,6 +35,10 @@ void visit_numbers(const KeyChainNumbers& n, Visitor&& visit) {
         "chosen: what loop closing searches across a break, in standard deviations");
   visit("least_drift", n.least_drift,
         "chosen: drift per metre that a break is compared with, at the least: no division by 0");
+  visit("lost_rad", n.lost_rad,
+        "derived: half of half_yaw_most_rad of the candidates: in no window of headings lies what "
+        "is less certain across a break");
+  visit("lost_m", n.lost_m, "chosen: for what such a break counts: a place nowhere near");
 }
 
 /// The path as key scans, cut into stretches: a stretch begins with the key scan that a submap

@@ -16,11 +16,14 @@ namespace loopstone {
 enum class BreakCause {
   kNoScans,       ///< there were none, or none that could be used
   kContradicted,  ///< scans contradict what was seen before, wherever the robot is looked for
+  kCarried,       ///< there were none, and the first one after contradicts what was seen before
+                  ///< where odometry says that the robot stood
 };
 
 constexpr auto words_of(BreakCause /*any*/) {
   using enum BreakCause;
-  return std::array{Word{kNoScans, "no_scans"}, Word{kContradicted, "contradicted"}};
+  return std::array{Word{kNoScans, "no_scans"}, Word{kContradicted, "contradicted"},
+                    Word{kCarried, "carried"}};
 }
 
 /// What carried the pose across.

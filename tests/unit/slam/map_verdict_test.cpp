@@ -118,6 +118,10 @@ TEST(MapVerdict, AMapIsNoBetterThanWhatTiesItsPieces) {
   EXPECT_EQ(judged(BreakBridge::kOdometry, 3, 0.05), Verdict::kGood);
   EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
   EXPECT_EQ(judged(BreakBridge::kNothing, 4, 0.05), Verdict::kGood);
+  gap.cause = BreakCause::kCarried;
+  EXPECT_EQ(judged(BreakBridge::kNothing, 4, 0.05), Verdict::kDoubtful) << "a likeness of places";
+  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
+  EXPECT_EQ(judged(BreakBridge::kLaser, 0, 0.0), Verdict::kGood) << "found again by the scan";
 }
 
 TEST(MapVerdict, AMapOfAPartOfTheLogIsNotGood) {
