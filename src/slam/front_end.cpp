@@ -64,7 +64,7 @@ FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T
                                      const std::optional<OdometryReading>& odometry) {
   std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
   const Pose2 local_T_robot = guesses.front().local_T_robot;
-  LaserCover cover = cover_of(scan, robot_T_lidar, local_T_robot);
+  LaserCover cover = cover_of(scan, robot_T_lidar, guesses.front());
   if (!cover.beams.empty()) {
     uncovered_ = scan;
     take_out(cover.beams, uncovered_);
@@ -80,11 +80,11 @@ FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T
 }
 
 LaserCover FrontEnd::cover_of(const LaserScan& scan, const Pose2& robot_T_lidar,
-                              const Pose2& local_T_robot) {
+                              const MotionGuess& guess) {
   if (active_.empty()) return {};
   const ActiveSubmap& known = active_.front();
-  const Pose2 submap_T_lidar = known.local_T_submap.inverse() * local_T_robot * robot_T_lidar;
-  return loopstone::cover_of(scan, submap_T_lidar, known.submap, beams_);
+  const Pose2 submap_T_lidar = known.local_T_submap.inverse() * guess.local_T_robot * robot_T_lidar;
+  return loopstone::cover_of(scan, submap_T_lidar, guess.measured, known.submap, beams_);
 }
 
 void FrontEnd::add_companions(Sighting& sighting) const {

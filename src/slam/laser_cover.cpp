@@ -127,16 +127,16 @@ void take_in_things(const LaserScan& scan, const Strangers& strangers, std::vect
 
 }  // namespace
 
-LaserCover cover_of(const LaserScan& scan, const Pose2& submap_T_lidar, const Submap& submap,
-                    BeamTable& beams) {
+LaserCover cover_of(const LaserScan& scan, const Pose2& submap_T_lidar, bool is_measured,
+                    const Submap& submap, BeamTable& beams) {
   const ScanInSubmap placed(scan, submap_T_lidar, submap, beams);
   const Strangers strangers = strangers_in(placed, scan);
   const auto is_more = [&](std::size_t count, double share) {
     return static_cast<double>(count) > share * static_cast<double>(placed.size());
   };
   const bool is_covered = is_more(strangers.near_count, kLaserCheck.cover_share);
-  const bool has_strangers =
-      is_more(strangers.count, kLaserCheck.stranger_share) && rest_agrees(placed, strangers);
+  const bool has_strangers = is_measured && is_more(strangers.count, kLaserCheck.stranger_share) &&
+                             rest_agrees(placed, strangers);
   LaserCover cover;
   if (!is_covered && !has_strangers) return cover;
   cover.is_fault = is_covered || is_more(strangers.count, kLaserCheck.crowd_share);

@@ -44,8 +44,9 @@ class LaserCoverOf : public testing::Test {
       }
     }
   }
-  [[nodiscard]] LaserCover cover(const LaserScan& scan, const Pose2& pose) {
-    return cover_of(scan, pose, submap_, beams_);
+  [[nodiscard]] LaserCover cover(const LaserScan& scan, const Pose2& pose,
+                                 bool is_measured = true) {
+    return cover_of(scan, pose, is_measured, submap_, beams_);
   }
   [[nodiscard]] bool covered(const LaserScan& scan, const Pose2& pose) {
     return !cover(scan, pose).beams.empty();
@@ -99,6 +100,7 @@ TEST_F(LaserCoverOf, PeopleAroundAreTakenOutWhole) {
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     EXPECT_EQ(found.beams[i], is_person(i)) << i;
   }
+  EXPECT_TRUE(cover(scan, pose, false).beams.empty()) << "a guess that is off looks like that";
 }
 
 TEST_F(LaserCoverOf, ARobotThatIsElsewhereSeesNoStrangers) {
