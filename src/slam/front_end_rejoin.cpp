@@ -62,9 +62,13 @@ bool FrontEnd::BlindMotion::is_short() const {
 FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& guess,
                                              const std::optional<OdometryReading>& odometry) const {
   double gap_s = std::numeric_limits<double>::infinity();
-  if (own_.held && own_.lost_in_a_row == 0) gap_s = (stamp - own_.held->stamp).seconds();
+  // Without odometry all along the speed is the laser's guess, and as good as none.
+  if (odometry && own_.held && own_.lost_in_a_row == 0) {
+    gap_s = (stamp - own_.held->stamp).seconds();
+  }
   BlindMotion blind{unknown_about(guess.local_T_robot, kMotionPredictor.walking_m_s * gap_s,
                                   kMotionPredictor.walking_rad_s * gap_s)};
+  blind.is_bounded = std::isfinite(gap_s);
   if (!own_.held || stamp <= own_.held->stamp || !own_.held->odometry || !odometry) return blind;
   const auto told = predictor_.told(*own_.held->odometry, own_.held->stamp, *odometry);
   if (!told) return blind;
@@ -137,7 +141,9 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
   }
   if (!match && !blind.prior.holds_unobserved) {
     match = recognise_around(surfaces, blind.prior);
-    if (!match && cause == BreakCause::kNoScans) turn_to_match(surfaces, blind.prior);
+    if (!match && cause == BreakCause::kNoScans && blind.is_bounded) {
+      turn_to_match(surfaces, blind.prior);
+    }
   }
   if (!match) {
     begin_piece(blind, cause, stamp, tracked);

@@ -86,7 +86,7 @@ std::vector<MotionGuess> MotionPredictor::guesses(
   const bool over = coast_is_over(stamp);
   if (!comparable(odometry, own_.last_odometry) || was_silent(*odometry)) {
     if (!over) return coast_guesses(stamp);
-    return {{own_.last_pose * gone_on(blind_s),
+    return {{own_.last_pose * (odometry ? gone_on(blind_s) : Pose2{}),
              information_of(kMotionPredictor.walking_m_s * blind_s,
                             kMotionPredictor.walking_rad_s * blind_s),
              false}};

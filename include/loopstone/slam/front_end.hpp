@@ -262,6 +262,7 @@ class FrontEnd {
     PosePrior2 prior{};       ///< local frame
     double odometry_m = 0.0;  ///< path that odometry tells, where it can be trusted
     double odometry_rad = 0.0;
+    bool is_bounded = false;  ///< by what a robot can do in the time, where odometry was silent
 
     /// Odometry says that the robot hardly moved: the scan is aligned as any other.
     [[nodiscard]] bool is_short() const;

@@ -162,12 +162,22 @@ TEST(MotionPredictor, WhatOdometrySaysAcrossASilenceIsNotAsked) {
 
 TEST(MotionPredictor, AcrossAGapTheRobotMostLikelyWentOn) {
   const Driven driven = drive(false);
-  const auto guesses = driven.predictor.guesses(stamp_at(driven.seconds + 2.0), {});
+  const Stamp later = stamp_at(driven.seconds + 2.0);
+  const OdometryReading silent{.silent_until = later};
+  const auto guesses = driven.predictor.guesses(later, silent);
   ASSERT_EQ(guesses.size(), 1U);
   const Pose2 gone = driven.local_T_robot.inverse() * guesses.front().local_T_robot;
   EXPECT_NEAR(std::hypot(gone.x, gone.y), 1.0, 0.05) << "half a metre a second";
   EXPECT_NEAR(gone.yaw, 0.2, 1e-6) << "turning for a second";
   EXPECT_NEAR(1.0 / std::sqrt(guesses.front().information(0, 0)), 2.0, 1e-6);
+}
+
+TEST(MotionPredictor, WithoutOdometryNothingIsGuessedAcrossAGap) {
+  const Driven driven = drive(false);
+  const auto guesses = driven.predictor.guesses(stamp_at(driven.seconds + 2.0), {});
+  ASSERT_EQ(guesses.size(), 1U);
+  const Pose2 gone = driven.local_T_robot.inverse() * guesses.front().local_T_robot;
+  EXPECT_NEAR(std::hypot(gone.x, gone.y), 0.0, 1e-9);
 }
 
 }  // namespace
