@@ -20,8 +20,8 @@ struct LaserCover {
 ///   - From right in front of the laser such returns are its cover; then all from there are.
 ///   - From a few metres around, they are strangers, if the rest of the scan agrees with the submap
 ///     where the robot is expected; whole things are taken out, so far as beams beside one another
-///     show them. Where the rest does not agree either, the robot is elsewhere, and nothing is said;
-///     nor where its motion was guessed, for then a guess that is off looks like strangers.
+///     show them. Where the rest does not agree either, the robot is elsewhere, and nothing is
+///     said; nor where its motion was guessed, for then a guess that is off looks like strangers.
 /// A wall that the robot comes near to is known before it is near.
 /// \param submap_T_lidar  as foretold, before the scan is aligned
 /// \param is_measured     odometry foretold it
