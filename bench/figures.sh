@@ -23,6 +23,11 @@ measure bench/ray_cast.py $quick
 measure bench/recordings.py $quick
 measure bench/file_readers.py $quick
 measure bench/texture.py $quick
+if [[ -x build/oracles/venv/bin/python && -d $data/rgbd ]]; then
+  measure bench/real_floor.py $quick
+else
+  echo "bench/real_floor.py: skipped, it needs scripts/install_oracles.sh and recorded frames" >&2
+fi
 measure bench/session.py $quick
 measure bench/localization.py $quick
 measure bench/confidence.py measure $quick
@@ -31,6 +36,7 @@ measure bench/loops.py $quick
 measure bench/gaps.py $quick
 measure bench/robustness.py $quick
 measure bench/realism.py $quick
+measure bench/calibration.py $quick
 measure bench/residuals.py $quick
 measure bench/quality.py $quick
 if [[ -z $quick ]]; then
