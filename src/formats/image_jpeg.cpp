@@ -1,12 +1,13 @@
-#include <jerror.h>
-#include <jpeglib.h>
-
 #include <csetjmp>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>  // jpeglib.h needs it, and does not include it
+#include <cstdio>
 #include <new>
 #include <string>
+// clang-format off: jpeglib.h needs what stands above, and does not include it
+#include <jerror.h>
+#include <jpeglib.h>
+// clang-format on
 
 #include "formats/picture_size.hpp"
 #include "loopstone/base/error.hpp"

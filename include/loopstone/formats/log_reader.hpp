@@ -121,6 +121,7 @@ class LogWriter {
   /// Messages come in time order.
   virtual void write(const SensorMessage& message) = 0;
   /// Before the first frame whose pictures are messages of a recording: what they are numbers of.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): writers keep it
   virtual void use_pictures(std::shared_ptr<const PictureStore> /*pictures*/) {}
   /// Completes the files and moves them to their final names. Without it the destructor removes
   /// what was written.
