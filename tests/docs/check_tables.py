@@ -55,6 +55,10 @@ class History:
     """Of the repository, as far as it is there."""
 
     def version_at(self, commit):
+        """None where HEAD does not descend from the commit: what else lies about here, left by
+        another branch, is in no clone."""
+        if git("merge-base", "--is-ancestor", commit, "HEAD") is None:
+            return None
         text = git("show", f"{commit}:{VERSION_FILE}")
         return VERSION.search(text).group(1) if text else None
 
