@@ -27,7 +27,7 @@
 #include "loopstone/sensor/robot_model.hpp"
 
 // Not its header, which costs seconds in every file that reads it (commands.hpp has it).
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own name
 class App;
 }
 

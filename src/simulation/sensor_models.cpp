@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "simulation/systematic.hpp"
 
@@ -37,7 +36,7 @@ double Clock::time_s(std::int64_t index) const {
 
 WheelSensor::WheelSensor(FaultyMotion motion, const WheelModel& model, const SimulatedWheels& noise,
                          Rng rng)
-    : motion_(std::move(motion)), model_(model), noise_(noise), rng_(rng) {
+    : motion_(motion), model_(model), noise_(noise), rng_(rng) {
   const double scale = systematic(noise.scale_error, rng_);
   const double imbalance = systematic(noise.imbalance, rng_);
   left_scale_ = (1.0 + scale) * (1.0 - 0.5 * imbalance);
@@ -90,7 +89,7 @@ std::array<std::int64_t, 4> WheelSensor::read(double time_s) {
 
 ImuSensor::ImuSensor(const Drive& drive, FaultyMotion motion, const SimulatedImu& noise, Rng rng)
     : drive_(drive),
-      motion_(std::move(motion)),
+      motion_(motion),
       noise_(noise),
       rng_(rng),
       bias_rad_s_(systematic(noise.bias_rad_s, rng_)) {
