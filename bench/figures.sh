@@ -38,6 +38,7 @@ measure bench/robustness.py $quick
 measure bench/realism.py $quick
 measure bench/calibration.py $quick
 measure bench/residuals.py $quick
+measure bench/covariances.py $quick
 measure bench/quality.py $quick
 if [[ -z $quick ]]; then
   measure scripts/matching_examples.py

@@ -33,11 +33,7 @@ class BlockCholesky {
   /// The same, b becoming x.
   void solve_in_place(std::span<Eigen::Vector3d> b);
 
-  /// Three rows that are zero but for the columns of one block.
-  struct RowsAt {
-    int block = 0;
-    Eigen::Matrix3d rows;
-  };
+  using RowsAt = BlockSolver::RowsAt;
   /// J A^-1 J^T. Only what lies between the blocks of J and the root of the elimination tree is
   /// read.
   [[nodiscard]] Eigen::Matrix3d through_inverse(std::span<const RowsAt> j);

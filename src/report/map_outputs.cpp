@@ -22,6 +22,7 @@
 #include "report/report_html.hpp"
 #include "report/texture_files.hpp"
 #include "report/texture_summary.hpp"
+#include "report/trajectory_csv.hpp"
 #include "report/with_peak_memory.hpp"
 #include "report/written_states.hpp"
 
@@ -35,7 +36,12 @@ constexpr int kQualitySidePx = 1200;
 void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, FileSet& files) {
   files.add("trajectory.tum", "optimised pose of every scan: t x y z qx qy qz qw",
             format_tum(result.trajectory));
-  files.add("odometry.tum", "the same from odometry alone", format_tum(result.odometry));
+  if (result.covariances.available()) {
+    files.add("trajectory.csv", "the same with covariances against the first pose",
+              format_trajectory_csv(result));
+  }
+  files.add("odometry.tum", "the pose of every scan from odometry alone",
+            format_tum(result.odometry));
   files.add("graph.g2o", "the final pose graph", format_g2o(result.graph));
   files.add("loop_closures.csv", "every place that was recognised or looked like it",
             format_closure_csv(result));

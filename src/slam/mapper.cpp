@@ -282,7 +282,10 @@ MapResult Mapper::Impl::result_of_back_end() const {
 
 /// Moves all key scans onto the surfaces that they share.
 void Mapper::Impl::adjust(MapResult& result) const {
-  if (!options_.adjustment.enabled) return;
+  if (!options_.adjustment.enabled) {
+    result.covariances = PoseCovariances(result.graph);
+    return;
+  }
   const Stopwatch watch;
   const SurfaceOptions surfaces{.range_max_m = options_.front_end.range_max_m,
                                 .points_max = options_.adjustment.points_max};
@@ -290,6 +293,7 @@ void Mapper::Impl::adjust(MapResult& result) const {
       adjust_to_surfaces(result.graph, key_surfaces(back_end_.back_end().submaps(), surfaces),
                          options_.adjustment, threads_);
   result.graph.poses = std::move(adjusted.poses);
+  result.covariances = std::move(adjusted.covariances);
   result.statistics.surface_spread_before_m = adjusted.spread_before_m;
   result.statistics.surface_spread_m = adjusted.spread_after_m;
   result.statistics.adjustment_s = watch.seconds();

@@ -34,7 +34,8 @@ class Adjustment {
  public:
   Adjustment(const PoseGraph& graph, std::span<const std::vector<SurfacePoint>> surfaces,
              const SurfaceAdjustmentOptions& options, Threads threads)
-      : surfaces_(surfaces),
+      : graph_(graph),
+        surfaces_(surfaces),
         options_(options),
         threads_(threads),
         // Closures are softened as the back end does.
@@ -54,6 +55,7 @@ class Adjustment {
     for (int round = 0; round < options_.rounds && !step_.empty(); ++round) {
       if (!improve()) break;
     }
+    result_.covariances = covariances();
     result_.poses = std::move(state_.poses);
     return std::move(result_);
   }
@@ -80,6 +82,19 @@ class Adjustment {
     result_.spread_after_m = spread_after_m;
     ++result_.rounds;
     return true;
+  }
+
+  /// Of the poses that were found.
+  [[nodiscard]] PoseCovariances covariances() {
+    graph_.poses = state_.poses;
+    if (step_.empty()) return PoseCovariances(graph_);
+    const auto keys = placed(state_.poses);
+    const SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
+    if (patches.patches.empty()) return PoseCovariances(graph_);
+    SurfaceSystem system(patches, places_, step_.size(), threads_);
+    system.linearise(keys, kSurfaceAdjustment.believed_noise *
+                               std::max(system.spread_m(keys), kSurfaceAdjustment.least_sigma_m));
+    return PoseCovariances(graph_, &system);
   }
 
   /// The preconditioner: poses hardly change, so that of the first round serves all.
@@ -129,6 +144,7 @@ class Adjustment {
     segments_->add_correction(residual_, conditioned_);
   }
 
+  PoseGraph graph_;
   std::span<const std::vector<SurfacePoint>> surfaces_;
   const SurfaceAdjustmentOptions& options_;
   Threads threads_;

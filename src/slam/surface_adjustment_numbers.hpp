@@ -5,6 +5,8 @@ namespace loopstone {
 /// What the adjustment to surfaces decides by, beside its options.
 struct SurfaceAdjustmentNumbers {
   double shared_noise = 2.0;
+  double believed_noise = 4.0;
+  double range_scale_sigma = 0.002;
   double least_sigma_m = 1e-4;
   double kernel_width = 2.0;
   double slope_sigma = 0.1;
@@ -20,6 +22,13 @@ void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
   visit("shared_noise", n.shared_noise,
         "chosen: neighbouring points of a scan err alike, so many of them do not average all noise "
         "away; sigma is so many times their spread");
+  visit("believed_noise", n.believed_noise,
+        "measured by bench/covariances.py: the same for covariances, which have to cover what errs "
+        "alike in all scans as well");
+  visit(
+      "range_scale_sigma", n.range_scale_sigma,
+      "chosen: ranges of lasers are as true as two parts in a thousand, and the map is as large as "
+      "they say; in covariances alone");
   visit("least_sigma_m", n.least_sigma_m, "derived: points are stored to better than this");
   visit("kernel_width", n.kernel_width,
         "chosen: standard deviations beyond which distances count less and less");

@@ -77,7 +77,15 @@ void SurfaceSegments::for_each_patch(const SurfaceSystem& surfaces, Visitor&& vi
   }
 }
 
-void SurfaceSegments::build_pattern(const SurfaceSystem& surfaces, const BlockMatrix& graph) {
+Eigen::Matrix3d SurfaceSegments::motion_at(int place, const Eigen::Vector2d& offset) const {
+  Member member = members_[static_cast<std::size_t>(place)];
+  member.x += offset.x();
+  member.y += offset.y();
+  return motion_of(member);
+}
+
+void SurfaceSegments::build_pattern(const SurfaceSystem* surfaces,
+                                    std::span<const std::pair<int, int>> linked) {
   const std::size_t count = centres_.size();
   std::vector<bool> joined(count * count, false);
   std::vector<std::pair<int, int>> pairs;
@@ -89,17 +97,14 @@ void SurfaceSegments::build_pattern(const SurfaceSystem& surfaces, const BlockMa
     joined[bit] = true;
     pairs.emplace_back(low, high);
   };
-  for_each_patch(surfaces, [&](std::size_t, const std::vector<Group>& groups) {
-    for (std::size_t a = 0; a < groups.size(); ++a) {
-      for (std::size_t b = 0; b < a; ++b) join(groups[a].segment, groups[b].segment);
-    }
-  });
-  for (std::size_t column = 0; column < graph.diagonal.size(); ++column) {
-    for (int k = graph.column_start[column]; k < graph.column_start[column + 1]; ++k) {
-      const auto row = static_cast<std::size_t>(graph.rows[static_cast<std::size_t>(k)]);
-      join(members_[row].segment, members_[column].segment);
-    }
+  if (surfaces != nullptr) {
+    for_each_patch(*surfaces, [&](std::size_t, const std::vector<Group>& groups) {
+      for (std::size_t a = 0; a < groups.size(); ++a) {
+        for (std::size_t b = 0; b < a; ++b) join(groups[a].segment, groups[b].segment);
+      }
+    });
   }
+  for (const auto& [a, b] : linked) join(segment_of(a), segment_of(b));
   const std::vector<int> order = fill_reducing_order(static_cast<int>(count), pairs);
   for (Member& member : members_) member.segment = order[static_cast<std::size_t>(member.segment)];
   for (auto& [a, b] : pairs) {
@@ -126,8 +131,7 @@ void SurfaceSegments::add(int row, int column, const Eigen::Matrix3d& value) {
   }
 }
 
-bool SurfaceSegments::factorise(const SurfaceSystem& surfaces, const BlockMatrix& graph) {
-  build_pattern(surfaces, graph);
+void SurfaceSegments::add_surfaces(const SurfaceSystem& surfaces) {
   for_each_patch(surfaces, [&](std::size_t index, const std::vector<Group>& groups) {
     const Eigen::Matrix2d inverse = surfaces.inverse(index);
     for (std::size_t a = 0; a < groups.size(); ++a) {
@@ -142,6 +146,16 @@ bool SurfaceSegments::factorise(const SurfaceSystem& surfaces, const BlockMatrix
       }
     }
   });
+}
+
+bool SurfaceSegments::factorise(const SurfaceSystem& surfaces, const BlockMatrix& graph) {
+  std::vector<std::pair<int, int>> linked;
+  for (std::size_t column = 0; column < graph.diagonal.size(); ++column) {
+    for (int k = graph.column_start[column]; k < graph.column_start[column + 1]; ++k)
+      linked.emplace_back(graph.rows[static_cast<std::size_t>(k)], static_cast<int>(column));
+  }
+  build_pattern(&surfaces, linked);
+  add_surfaces(surfaces);
   for (std::size_t column = 0; column < graph.diagonal.size(); ++column) {
     const Member& to = members_[column];
     const Eigen::Matrix3d right = motion_of(to);
@@ -153,6 +167,30 @@ bool SurfaceSegments::factorise(const SurfaceSystem& surfaces, const BlockMatrix
       add(from.segment, to.segment, value);
       if (from.segment == to.segment) add(to.segment, to.segment, value.transpose());
     }
+  }
+  solver_.emplace(matrix_);
+  return solver_->factorise(matrix_);
+}
+
+bool SurfaceSegments::factorise(const SurfaceSystem* surfaces, std::span<const Link> links) {
+  std::vector<std::pair<int, int>> linked;
+  for (const Link& link : links) {
+    if (link.from >= 0) linked.emplace_back(link.from, link.to);
+  }
+  build_pattern(surfaces, linked);
+  if (surfaces != nullptr) add_surfaces(*surfaces);
+  for (const Link& link : links) {
+    const int to = segment_of(link.to);
+    const Eigen::Matrix3d of_to = motion_at(link.to, link.to_T_point);
+    const Eigen::Matrix3d weighted = of_to.transpose() * link.information;
+    add(to, to, weighted * of_to);
+    if (link.from < 0) continue;
+    const int from = segment_of(link.from);
+    const Eigen::Matrix3d of_from = motion_at(link.from, link.from_T_point);
+    add(from, from, of_from.transpose() * link.information * of_from);
+    const Eigen::Matrix3d across = -weighted * of_from;
+    add(to, from, across);
+    if (to == from) add(to, to, across.transpose());
   }
   solver_.emplace(matrix_);
   return solver_->factorise(matrix_);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "loopstone/geometry/pose2.hpp"
@@ -21,12 +22,34 @@ class SurfaceSegments {
   /// \param places  of each key scan in vectors, -1 where it is held
   SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places);
 
+  /// What is measured between two key scans, or of one (from < 0) against those that are held.
+  struct Link {
+    int from = -1;  ///< place
+    int to = -1;
+    Eigen::Vector2d from_T_point = Eigen::Vector2d::Zero();  ///< where it is measured: from the key
+    Eigen::Vector2d to_T_point = Eigen::Vector2d::Zero();    ///< scans, axes of the map
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();   ///< of the relative motion there
+  };
+
   /// Factorises what the surfaces and the graph say of the segments' motions. False when that is
   /// not positive definite.
   [[nodiscard]] bool factorise(const SurfaceSystem& surfaces, const BlockMatrix& graph);
+  /// The same with links for the graph.
+  [[nodiscard]] bool factorise(const SurfaceSystem* surfaces, std::span<const Link> links);
 
   /// z += P (P^T S P)^-1 P^T r with P from segments' motions to those of key scans.
   void add_correction(std::span<const Eigen::Vector3d> r, std::span<Eigen::Vector3d> z);
+
+  [[nodiscard]] int segment_of(int place) const {
+    return members_[static_cast<std::size_t>(place)].segment;
+  }
+  /// Motion of a point fixed to a key scan's segment, `offset` from the key scan, from the
+  /// segment's motion.
+  [[nodiscard]] Eigen::Matrix3d motion_at(int place, const Eigen::Vector2d& offset) const;
+  /// J S^-1 J^T with rows J that stand at segments. After factorise() alone.
+  [[nodiscard]] Eigen::Matrix3d through_inverse(std::span<const BlockSolver::RowsAt> j) {
+    return solver_->through_inverse(j);
+  }
 
  private:
   /// Where a key scan lies in its segment.
@@ -40,7 +63,9 @@ class SurfaceSegments {
   [[nodiscard]] static Eigen::Matrix3d motion_of(const Member& member);
   template <typename Visitor>
   void for_each_patch(const SurfaceSystem& surfaces, Visitor&& visit) const;
-  void build_pattern(const SurfaceSystem& surfaces, const BlockMatrix& graph);
+  /// \param linked  pairs of places
+  void build_pattern(const SurfaceSystem* surfaces, std::span<const std::pair<int, int>> linked);
+  void add_surfaces(const SurfaceSystem& surfaces);
   /// Adds to the block (row, column), and so to (column, row).
   void add(int row, int column, const Eigen::Matrix3d& value);
 

@@ -50,6 +50,15 @@ class BlockSolver {
   /// b becomes x. Only after factorise() returned true. Cost: O(blocks of the factor).
   void solve_in_place(std::span<Eigen::Vector3d> b);
 
+  /// Three rows that are zero but for the columns of one block.
+  struct RowsAt {
+    int block = 0;
+    Eigen::Matrix3d rows;
+  };
+  /// J A^-1 J^T, J being the sum of the rows. Only after factorise() returned true. Reads what lies
+  /// between the blocks of J and the root of the elimination tree.
+  [[nodiscard]] Eigen::Matrix3d through_inverse(std::span<const RowsAt> j);
+
  private:
   struct Factor;
   std::unique_ptr<Factor> factor_;

@@ -15,6 +15,7 @@
 #include "loopstone/slam/loop_closure.hpp"
 #include "loopstone/slam/map_verdict.hpp"
 #include "loopstone/slam/path_break.hpp"
+#include "loopstone/slam/pose_covariances.hpp"
 
 namespace loopstone {
 
@@ -65,6 +66,7 @@ struct MapResult {
   Trajectory odometry;             ///< odom_T_robot at every scan, from dead reckoning alone
   std::vector<Stamp> node_stamps;  ///< of the graph's poses
   PoseGraph graph;
+  PoseCovariances covariances;  ///< of the graph's poses
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
   std::string map_failure;  ///< why there is none (too large); empty when there is
@@ -78,6 +80,10 @@ struct MapResult {
   MapVerdict verdict;                 ///< of both, in plain words
   std::vector<std::string> warnings;  ///< in plain words, for the user
   bool complete = true;               ///< false when it was interrupted
+
+  /// Covariance of map_T_robot at a stamp against the first pose: (x, y, yaw), axes of the map; in
+  /// between key scans that of both. Covariances must be available.
+  [[nodiscard]] Eigen::Matrix3d covariance_at(Stamp stamp) const;
 };
 
 }  // namespace loopstone

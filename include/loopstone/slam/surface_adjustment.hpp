@@ -7,6 +7,7 @@
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/sensor/scan_points.hpp"
+#include "loopstone/slam/pose_covariances.hpp"
 
 namespace loopstone {
 
@@ -34,8 +35,9 @@ struct SurfaceAdjustment {
   /// 1.48 times the median.
   double spread_before_m = 0.0;
   double spread_after_m = 0.0;
-  int rounds = 0;    ///< Gauss-Newton steps taken
-  int products = 0;  ///< matrix times vector, in all of their conjugate gradients
+  int rounds = 0;                 ///< Gauss-Newton steps taken
+  PoseCovariances covariances{};  ///< of the poses
+  int products = 0;               ///< matrix times vector, in all of their conjugate gradients
 };
 
 /// Bundle adjustment of a map of lines: all key-scan poses and all surface patches at once,
