@@ -7,6 +7,7 @@
 #include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
+#include "registration/lattice_search.hpp"
 #include "registration/observability.hpp"
 #include "registration/score_volume.hpp"
 
@@ -151,16 +152,18 @@ CorrelativeMatch match_correlative(std::span<const Eigen::Vector2d> source,
   CorrelativeMatch result;
   MatchResult& match = result.match;
   match.target_T_source = window.centre;
-  const SearchResult best = search_branch_and_bound(source, target, window, options.min_score);
+  if (source.empty()) return result;
+  LatticeSearch search(source, target, window);
+  const SearchResult best = search.best(options.min_score);
   match.iterations = static_cast<int>(best.evaluations);
   if (!best.found) return result;
 
   // Elsewhere: whatever scores half as much as the best.
   if (window.half_xy_m > 0.5 * options.distinct_m ||
       window.half_yaw_rad > 0.5 * options.distinct_rad) {
-    const SearchResult second = search_branch_and_bound(
-        source, target, window, 0.5 * best.score,
-        ExcludedPoses{best.target_T_source, options.distinct_m, options.distinct_rad});
+    const SearchResult second =
+        search.best(0.5 * best.score,
+                    ExcludedPoses{best.target_T_source, options.distinct_m, options.distinct_rad});
     match.iterations += static_cast<int>(second.evaluations);
     if (second.found) {
       result.second_score = second.score;

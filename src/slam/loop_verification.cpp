@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "loopstone/registration/correlative_search.hpp"
+#include "registration/lattice_search.hpp"
 #include "slam/loop_coverage.hpp"
 
 namespace loopstone {
@@ -26,17 +26,15 @@ Bar bar_for(const LoopCandidate& candidate, const LoopOptions& options) {
 }
 
 /// The score of a pose elsewhere in the window, if one comes near the best.
-std::optional<double> rival_score(std::span<const Eigen::Vector2d> probe, const MaxPyramid& pyramid,
-                                  const SearchWindow& window, const SearchResult& best,
-                                  double max_ambiguity) {
+std::optional<double> rival_score(LatticeSearch& search, const SearchWindow& window,
+                                  const SearchResult& best, double max_ambiguity) {
   // In a small window there is no elsewhere.
   const bool wide = window.half_xy_m > 0.5 * kLoopVerification.elsewhere_m ||
                     window.half_yaw_rad > 0.5 * kLoopVerification.elsewhere_rad;
   if (!wide) return {};
-  const SearchResult second =
-      search_branch_and_bound(probe, pyramid, window, max_ambiguity * best.score,
-                              ExcludedPoses{best.target_T_source, kLoopVerification.elsewhere_m,
-                                            kLoopVerification.elsewhere_rad});
+  const SearchResult second = search.best(
+      max_ambiguity * best.score, ExcludedPoses{best.target_T_source, kLoopVerification.elsewhere_m,
+                                                kLoopVerification.elsewhere_rad});
   if (!second.found) return {};
   return second.score;
 }
@@ -60,7 +58,8 @@ std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const Froz
   const Bar bar = bar_for(candidate, options);
   const MaxPyramid pyramid = older.search_pyramid(submap_options, candidate.half_xy_m);
   const SearchWindow window{candidate.older_T_newer, candidate.half_xy_m, candidate.half_yaw_rad};
-  const SearchResult best = search_branch_and_bound(probe, pyramid, window, bar.score);
+  LatticeSearch search(probe, pyramid, window);
+  const SearchResult best = search.best(bar.score);
   if (!best.found) return {};
   const MatchResult match = match_to_grid(newer.surfaces, older.surface_grid(submap_options),
                                           best.target_T_source, {}, match_options, 0);
@@ -79,7 +78,7 @@ std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const Froz
   closure.covariance.diagonal() += Eigen::Vector3d(bend_m2, bend_m2, bend_rad2);
   closure.by_appearance = candidate.by_appearance;
   closure.score = best.score;
-  closure.second_score = rival_score(probe, pyramid, window, best, options.max_ambiguity);
+  closure.second_score = rival_score(search, window, best, options.max_ambiguity);
   closure.overlap = share_of(verified.seen);
   closure.agreement = closure.overlap > 0.0 ? std::min(1.0, match.score / closure.overlap) : 0.0;
   closure.reason = judge(closure, match, bar);
