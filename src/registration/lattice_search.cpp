@@ -41,18 +41,39 @@ void move_into(const CellArea& area, CellList& cells) {
     row = std::clamp(row, area.first_row, area.first_row + area.rows - 1) - area.first_row;
 }
 
+/// From one heading to the next no point moves by more than a cell: so many cells more on every side
+/// of a block serve as many headings, less one for rounding.
+int margin_for(int top_level) { return top_level >= 4 ? (1 << top_level) / 4 : 0; }
+
 }  // namespace
 
 LatticeSearch::LatticeSearch(std::span<const Eigen::Vector2d> source, const MaxPyramid& target,
                              const SearchWindow& window)
     : lattice_(make_search_lattice(source, target.frame(), window)),
+      frame_(target.frame()),
       points_(source.size()),
       top_level_(top_level_for(target, lattice_.half_cells)),
-      cells_(cells_at_headings(dealt_out(source, kParts), target.frame(), lattice_)) {
-  const CellArea area = cell_area(target.frame(), lattice_.half_cells, 1 << top_level_);
-  for (CellList& cells : cells_) move_into(area, cells);
+      group_half_(std::max(margin_for(top_level_) - 1, 0)),
+      margin_(margin_for(top_level_)),
+      area_(cell_area(frame_, lattice_.half_cells + margin_, 1 << top_level_)),
+      arms_(arms_of(dealt_out(source, kParts), lattice_)),
+      cells_(lattice_.headings.size()) {
   for (int level = 0; level <= top_level_; level += kLevelsAtOnce)
-    levels_.emplace_back(target.level(level), area);
+    levels_.emplace_back(target.level(level), area_);
+}
+
+const CellList& LatticeSearch::cells_of(int heading) {
+  CellList& cells = cells_[static_cast<std::size_t>(heading)];
+  if (cells.size() == 0) {
+    cells = cells_at(arms_, frame_, lattice_, static_cast<std::size_t>(heading));
+    move_into(area_, cells);
+  }
+  return cells;
+}
+
+/// Of the headings that a block of the top level stands for.
+int LatticeSearch::last_of_group(int heading) const {
+  return std::min(heading + 2 * group_half_, static_cast<int>(cells_.size()) - 1);
 }
 
 SearchResult LatticeSearch::best(double min_score, const std::optional<ExcludedPoses>& excluded) {
@@ -84,14 +105,14 @@ void LatticeSearch::bound_window() {
   Block parent;
   for (std::size_t part = 0; part + 1 < kParts; ++part)
     parent.rest[part] = static_cast<std::int32_t>(points_ - part_end(part)) * kSurface;
-  for (std::size_t heading = 0; heading < cells_.size(); ++heading) {
-    parent.heading = static_cast<std::int32_t>(heading);
+  const int headings = static_cast<int>(cells_.size());
+  for (int heading = 0; heading < headings; heading = last_of_group(heading) + 1) {
+    parent.heading = heading;
     for (int line = 0; line < count; line += kTileSide) {
       for (int first = 0; first < count; first += kTileSide) {
         parent.column = first * side - lattice_.half_cells;
         parent.row = line * side - lattice_.half_cells;
-        add_children(levels_.back(), parent, std::min(kTileSide, count - first),
-                     std::min(kTileSide, count - line), side, top_blocks_);
+        bound_tile(parent, std::min(kTileSide, count - first), std::min(kTileSide, count - line));
       }
     }
   }
@@ -99,13 +120,34 @@ void LatticeSearch::bound_window() {
             [](const Block& a, const Block& b) { return is_more_promising(a, b); });
 }
 
+/// Of the blocks of a tile of the top level, for all headings of a group at once.
+void LatticeSearch::bound_tile(const Block& parent, int columns, int rows) {
+  const int side = 1 << top_level_;
+  if (group_half_ == 0) {
+    add_children(levels_.back(), parent, columns, rows, side, top_blocks_);
+    return;
+  }
+  const CellList& cells =
+      cells_of(std::min(parent.heading + group_half_, static_cast<int>(cells_.size()) - 1));
+  evaluations_ += static_cast<std::int64_t>(columns) * rows;
+  std::array<TileSums, kParts> sums{};
+  std::size_t begin = 0;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    if (part > 0) sums[part] = sums[part - 1];
+    levels_.back().add_widened(cells, begin, part_end(part), parent.column + area_.half_cells,
+                               parent.row + area_.half_cells, margin_, sums[part]);
+    begin = part_end(part);
+  }
+  add_winners(sums, parent, columns, rows, side, top_blocks_);
+}
+
 /// Of the blocks of a tile that begins where the parent does, those that may win. No part of the
 /// points has a larger sum in a block than in the parent.
 void LatticeSearch::add_children(TileReader& level, const Block& parent, int columns, int rows,
                                  int side, std::vector<Block>& children) {
-  const CellList& cells = cells_[static_cast<std::size_t>(parent.heading)];
-  const int column = parent.column + lattice_.half_cells;
-  const int row = parent.row + lattice_.half_cells;
+  const CellList& cells = cells_of(parent.heading);
+  const int column = parent.column + area_.half_cells;
+  const int row = parent.row + area_.half_cells;
   evaluations_ += static_cast<std::int64_t>(columns) * rows;
   std::array<TileSums, kParts> sums{};  // up to each part
   std::size_t begin = 0;
@@ -117,6 +159,12 @@ void LatticeSearch::add_children(TileReader& level, const Block& parent, int col
     const std::int32_t needed = best_.bound - parent.rest[part];
     if (*std::max_element(sums[part].begin(), sums[part].end()) < needed) return;
   }
+  add_winners(sums, parent, columns, rows, side, children);
+}
+
+void LatticeSearch::add_winners(const std::array<TileSums, kParts>& sums, const Block& parent,
+                                int columns, int rows, int side,
+                                std::vector<Block>& children) const {
   for (int line = 0; line < rows; ++line) {
     for (int lane = 0; lane < columns; ++lane) {
       const auto at = static_cast<std::size_t>(line * kTileSide + lane);
@@ -148,16 +196,27 @@ void LatticeSearch::descend(std::vector<Block>& blocks, int level) {
       found_ = true;
       continue;
     }
-    if (excluded_ && is_excluded(block, level)) continue;
     children.clear();
-    split(block, level, children);
+    if (level == top_level_) {
+      split_top(block, children);
+    } else {
+      split(block, level, children);
+    }
     std::sort(children.begin(), children.end(),
               [](const Block& a, const Block& b) { return is_more_promising(a, b); });
     descend(children, level - kLevelsAtOnce);
   }
 }
 
+/// Heading by heading.
+void LatticeSearch::split_top(const Block& block, std::vector<Block>& children) {
+  Block of_heading = block;
+  for (; of_heading.heading <= last_of_group(block.heading); ++of_heading.heading)
+    split(of_heading, top_level_, children);
+}
+
 void LatticeSearch::split(const Block& block, int level, std::vector<Block>& children) {
+  if (excluded_ && is_excluded(block, level)) return;
   const int below = level - kLevelsAtOnce;
   const int side = 1 << below;
   const auto inside = [&](int from) {

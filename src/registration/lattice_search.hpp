@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/registration/correlative_search.hpp"
 #include "registration/search_block.hpp"
 #include "registration/search_lattice.hpp"
@@ -39,9 +40,15 @@ class LatticeSearch {
   };
 
   void bound_window();
+  void bound_tile(const Block& parent, int columns, int rows);
   void add_children(TileReader& level, const Block& parent, int columns, int rows, int side,
                     std::vector<Block>& children);
+  void add_winners(const std::array<TileSums, kParts>& sums, const Block& parent, int columns,
+                   int rows, int side, std::vector<Block>& children) const;
+  [[nodiscard]] const CellList& cells_of(int heading);
+  [[nodiscard]] int last_of_group(int heading) const;
   void descend(std::vector<Block>& blocks, int level);
+  void split_top(const Block& block, std::vector<Block>& children);
   void split(const Block& block, int level, std::vector<Block>& children);
   [[nodiscard]] bool may_win(const Block& block) const;
   [[nodiscard]] bool is_excluded(int heading, int column, int row, double margin_m = 0.0) const;
@@ -51,11 +58,18 @@ class LatticeSearch {
   }
 
   SearchLattice lattice_;
+  GridFrame frame_;
   std::size_t points_;
   int top_level_;
-  std::vector<CellList> cells_;       ///< by heading, of the area
+  /// Blocks of the top level stand for so many headings before and behind the one that they are
+  /// summed at, and are wider by so many cells.
+  int group_half_;
+  int margin_;
+  CellArea area_;
+  std::vector<Eigen::Vector2d> arms_;
+  std::vector<CellList> cells_;       ///< by heading, of the area; once they were asked for
   std::vector<TileReader> levels_{};  ///< every other one, the finest first
-  std::vector<Block> top_blocks_{};   ///< that beat `top_floor_`
+  std::vector<Block> top_blocks_{};   ///< that beat `top_floor_`; with their first heading
   std::optional<std::int32_t> top_floor_{};
   std::optional<ExcludedPoses> excluded_{};
   Block best_{};

@@ -37,6 +37,7 @@ class Strips {
       : source_(source),
         frame_(target.frame()),
         lattice_(make_search_lattice(source, frame_, {peak, 0.0, 0.0})),
+        arms_(arms_of(source, lattice_)),
         peak_yaw_(peak.yaw),
         rows_(target.level(0), 1),
         scan_(target.level(0), rows_) {}
@@ -63,7 +64,7 @@ class Strips {
     const auto [at, is_new] = cells_.try_emplace(heading);
     if (is_new) {
       lattice_.headings = {peak_yaw_ + heading * heading_step()};
-      at->second = cells_at_headings(source_, frame_, lattice_).front();
+      at->second = cells_at(arms_, frame_, lattice_, 0);
     }
     return at->second;
   }
@@ -71,6 +72,7 @@ class Strips {
   std::span<const Eigen::Vector2d> source_;
   GridFrame frame_;
   SearchLattice lattice_;
+  std::vector<Eigen::Vector2d> arms_;
   double peak_yaw_;
   RowTable rows_;
   ScanOnLevel scan_;

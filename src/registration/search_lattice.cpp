@@ -34,26 +34,28 @@ SearchLattice make_search_lattice(std::span<const Eigen::Vector2d> source, const
   return lattice;
 }
 
-std::vector<CellList> cells_at_headings(std::span<const Eigen::Vector2d> source,
-                                        const GridFrame& frame, const SearchLattice& lattice) {
+std::vector<Eigen::Vector2d> arms_of(std::span<const Eigen::Vector2d> source,
+                                     const SearchLattice& lattice) {
   std::vector<Eigen::Vector2d> arms;
   arms.reserve(source.size());
   for (const auto& point : source) arms.emplace_back(point - lattice.pivot);
-  std::vector<CellList> lists(lattice.headings.size());
-  for (std::size_t h = 0; h < lists.size(); ++h) {
-    const double cosine = std::cos(lattice.headings[h]);
-    const double sine = std::sin(lattice.headings[h]);
-    CellList& list = lists[h];
-    list.columns.resize(source.size());
-    list.rows.resize(source.size());
-    for (std::size_t i = 0; i < arms.size(); ++i) {
-      const double x = lattice.pivot_in_target.x() + (cosine * arms[i].x() - sine * arms[i].y());
-      const double y = lattice.pivot_in_target.y() + (sine * arms[i].x() + cosine * arms[i].y());
-      list.columns[i] = floor_to_int((x - frame.origin.x()) / frame.resolution);
-      list.rows[i] = floor_to_int((y - frame.origin.y()) / frame.resolution);
-    }
+  return arms;
+}
+
+CellList cells_at(std::span<const Eigen::Vector2d> arms, const GridFrame& frame,
+                  const SearchLattice& lattice, std::size_t heading) {
+  const double cosine = std::cos(lattice.headings[heading]);
+  const double sine = std::sin(lattice.headings[heading]);
+  CellList list;
+  list.columns.resize(arms.size());
+  list.rows.resize(arms.size());
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    const double x = lattice.pivot_in_target.x() + (cosine * arms[i].x() - sine * arms[i].y());
+    const double y = lattice.pivot_in_target.y() + (sine * arms[i].x() + cosine * arms[i].y());
+    list.columns[i] = floor_to_int((x - frame.origin.x()) / frame.resolution);
+    list.rows[i] = floor_to_int((y - frame.origin.y()) / frame.resolution);
   }
-  return lists;
+  return list;
 }
 
 }  // namespace loopstone

@@ -26,9 +26,12 @@ struct SearchLattice {
 [[nodiscard]] SearchLattice make_search_lattice(std::span<const Eigen::Vector2d> source,
                                                 const GridFrame& frame, const SearchWindow& window);
 
-/// The cells that the scan's points fall in at each heading, without a shift.
-[[nodiscard]] std::vector<CellList> cells_at_headings(std::span<const Eigen::Vector2d> source,
-                                                      const GridFrame& frame,
-                                                      const SearchLattice& lattice);
+/// The points from the scan's centre of mass.
+[[nodiscard]] std::vector<Eigen::Vector2d> arms_of(std::span<const Eigen::Vector2d> source,
+                                                   const SearchLattice& lattice);
+
+/// The cells that the scan's points fall in at a heading, without a shift.
+[[nodiscard]] CellList cells_at(std::span<const Eigen::Vector2d> arms, const GridFrame& frame,
+                                const SearchLattice& lattice, std::size_t heading);
 
 }  // namespace loopstone

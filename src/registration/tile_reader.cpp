@@ -1,6 +1,7 @@
 #include "registration/tile_reader.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace loopstone {
 
@@ -55,8 +56,8 @@ TileReader::TileReader(const MaxPyramid::Level& level, const CellArea& area)
 
 void TileReader::add(const CellList& cells, std::size_t begin, std::size_t end, int column, int row,
                      TileSums& sums) {
-  // To lay a tile out costs about as much as to put one together.
-  if (tiles_.empty() && points_read_ > tile_count_ && tile_count_ < kMostTiles) lay_out();
+  // To lay a tile out costs a quarter of what it takes to put one together.
+  if (tiles_.empty() && 4 * points_read_ > tile_count_ && tile_count_ < kMostTiles) lay_out();
   points_read_ += end - begin;
   for (; begin < end; begin += kAtOnce) {
     const std::size_t stop = std::min(begin + kAtOnce, end);
@@ -65,6 +66,45 @@ void TileReader::add(const CellList& cells, std::size_t begin, std::size_t end, 
     } else {
       add_from_tiles(cells, begin, stop, column, row, sums);
     }
+  }
+}
+
+void TileReader::add_widened(const CellList& cells, std::size_t begin, std::size_t end, int column,
+                             int row, int margin, TileSums& sums) const {
+  assert(tiles_.empty());
+  for (; begin < end; begin += kAtOnce)
+    widened_from_level(cells, begin, std::min(begin + kAtOnce, end), column, row, margin, sums);
+}
+
+/// Four windows, moved by the margin into the corners, cover the wider one.
+void TileReader::widened_from_level(const CellList& cells, std::size_t begin, std::size_t end,
+                                    int column, int row, int margin, TileSums& sums) const {
+  std::array<std::uint16_t, 2 * kSide> lanes[kSide]{};
+  const std::uint8_t* const data = level_->data.data();
+  const std::uint32_t* const left = column_offsets_.data() + (column - margin);
+  const std::uint32_t* const right = column_offsets_.data() + (column + margin);
+  const std::uint32_t* const low = row_offsets_.data() + (row - margin);
+  const std::uint32_t* const high = row_offsets_.data() + (row + margin);
+  const std::int32_t* const columns = cells.columns.data();
+  const std::int32_t* const rows = cells.rows.data();
+  const std::size_t side = std::size_t{1} << static_cast<unsigned>(level_->level);
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint8_t* const at_left = data + left[columns[i]];
+    const std::uint8_t* const at_right = data + right[columns[i]];
+    for (std::size_t line = 0; line < kSide; ++line) {
+      const std::uint32_t low_row = low[static_cast<std::size_t>(rows[i]) + line * side];
+      const std::uint32_t high_row = high[static_cast<std::size_t>(rows[i]) + line * side];
+      std::uint8_t largest[2 * kSide];
+      for (std::size_t lane = 0; lane < 2 * kSide; ++lane) {
+        largest[lane] = std::max(std::max(at_left[low_row + lane], at_right[low_row + lane]),
+                                 std::max(at_left[high_row + lane], at_right[high_row + lane]));
+      }
+      for (std::size_t lane = 0; lane < 2 * kSide; ++lane)
+        lanes[line][lane] = static_cast<std::uint16_t>(lanes[line][lane] + largest[lane]);
+    }
+  }
+  for (std::size_t line = 0; line < kSide; ++line) {
+    for (std::size_t lane = 0; lane < kSide; ++lane) sums[line * kSide + lane] += lanes[line][lane];
   }
 }
 

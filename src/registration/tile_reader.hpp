@@ -39,9 +39,15 @@ class TileReader {
   /// \param cells  of the area
   void add(const CellList& cells, std::size_t begin, std::size_t end, int column, int row,
            TileSums& sums);
+  /// The same of blocks that reach `margin` cells farther on every side; no more than half of their
+  /// own side.
+  void add_widened(const CellList& cells, std::size_t begin, std::size_t end, int column, int row,
+                   int margin, TileSums& sums) const;
 
  private:
   void lay_out();
+  void widened_from_level(const CellList& cells, std::size_t begin, std::size_t end, int column,
+                          int row, int margin, TileSums& sums) const;
   void add_from_level(const CellList& cells, std::size_t begin, std::size_t end, int column,
                       int row, TileSums& sums) const;
   void add_from_tiles(const CellList& cells, std::size_t begin, std::size_t end, int column,
