@@ -188,27 +188,50 @@ def speed(loopstone, data, repeats):
 
 
 LAPS = [1, 10]
+# Title, world, flags of simulate: drives of two kilometres and of twenty.
+SPARSE = ["--format", "carmen", "--beams", 180, "--fov", 180, "--scan-rate", 5]
+LONG_DRIVES = [
+    ("campus", "campus", SPARSE),
+    (
+        "campus, far sight, usual effects",
+        "campus",
+        [*SPARSE, "--max-range", 80, "--realism", "usual"],
+    ),
+    (
+        "corridors, far sight, usual effects, 7 laps",
+        "loops",
+        [*SPARSE, "--max-range", 80, "--realism", "usual", "--laps", 7],
+    ),
+    ("campus, 12 laps", "campus", [*SPARSE, "--laps", 12]),
+]
 PACES = [(1.0, 30.0), (10.0, 600.0)]  # times the log's own, and how much of the log [s]
 
 
+def drive_row(loopstone, name, title, world, seed, flags):
+    sim = loopstone.simulate(world, seed, flags)
+    folder, summary, row = map_row(loopstone, sim / "log.clf", name, [])
+    errors = ate_of(loopstone, folder / "trajectory.tum", sim)
+    say(f"  {title}: {row['wall_s']:.1f} s, {row['peak_mb']:.0f} MB")
+    return {
+        **row,
+        "drive": title,
+        "path_m": summary["path_length_m"],
+        "ate_m": errors["ate_rmse_m"],
+        "thinned": summary["key_scans_thinned"],
+        "keys": summary["key_scans"],
+    }
+
+
 def laps(loopstone):
-    """The same way once and ten times: what the second to the tenth time cost."""
+    """The same way once and ten times: what the second to the tenth time cost; and long drives."""
     rows = []
     for count in LAPS:
-        sim = loopstone.simulate("office", 1, ["--laps", count, "--format", "carmen"])
-        folder, summary, row = map_row(loopstone, sim / "log.clf", f"laps-{count}", [])
-        errors = ate_of(loopstone, folder / "trajectory.tum", sim)
-        rows.append(
-            {
-                **row,
-                "laps": count,
-                "path_m": summary["path_length_m"],
-                "ate_m": errors["ate_rmse_m"],
-                "thinned": summary["key_scans_thinned"],
-                "keys": summary["key_scans"],
-            }
-        )
-        say(f"  {count} laps: {row['wall_s']:.1f} s, {row['peak_mb']:.0f} MB")
+        flags = ["--laps", count, "--format", "carmen"]
+        title = f"office, laps: {count}"
+        row = drive_row(loopstone, f"laps-{count}", title, "office", 1, flags)
+        rows.append({**row, "laps": count})
+    for i, (title, world, flags) in enumerate(LONG_DRIVES):
+        rows.append(drive_row(loopstone, f"drive-{i}", title, world, 2, flags))
     return rows
 
 

@@ -164,11 +164,12 @@ def speed_tables(section):
 def laps_table(section):
     rows = [
         [
-            f"{run['laps']}",
+            run["drive"],
             f"{run['path_m']:.0f}",
             f"{run['scans']}",
             f"{run['keys'] - run['thinned']} of {run['keys']}",
             f"{run['wall_s']:.1f}",
+            f"{run['cpu_s']:.1f}",
             f"{run['duration_s'] / run['wall_s']:.0f}",
             f"{run['peak_mb']:.0f}",
             f"{1e3 * run['ate_m']:.1f}",
@@ -181,11 +182,12 @@ def laps_table(section):
             "",
             table(
                 [
-                    "laps",
+                    "drive",
                     "path [m]>",
                     "scans>",
                     "key scans kept>",
                     "wall [s]>",
+                    "CPU [s]>",
                     "times real time>",
                     "peak memory [MB]>",
                     "ATE rmse [mm]>",

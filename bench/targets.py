@@ -9,6 +9,8 @@ FAST, FAST_TIMES = "office, 40 scans a second", 200.0
 
 
 LAPS_TIMES = 1.2  # the memory of one lap
+LONG_DRIVE_S = [(15000.0, 60.0), (1000.0, 3.0)]  # from so many metres on
+LONG_DRIVE_MB = 1000.0
 LATENCY_MS = 20.0
 
 
@@ -113,7 +115,7 @@ def of_speed(speed):
 
 
 def of_laps(rows):
-    one, many = rows[0], rows[-1]
+    one, *_, many = [row for row in rows if "laps" in row]
     times = many["peak_mb"] / one["peak_mb"]
     return [
         (
@@ -121,8 +123,28 @@ def of_laps(rows):
             f"<= {LAPS_TIMES:.1f}",
             f"{times:.2f}",
             times <= LAPS_TIMES,
-        )
+        ),
+        *(target for row in rows for target in of_long_drive(row)),
     ]
+
+
+def of_long_drive(row):
+    """By its length; nothing of a short one."""
+    for least_m, most_s in LONG_DRIVE_S:
+        if "laps" not in row and row["path_m"] >= least_m:
+            yield (
+                f"{row['drive']}: {row['path_m'] / 1000.0:.1f} km",
+                f"<= {most_s:.0f} s",
+                f"{row['wall_s']:.1f} s",
+                row["wall_s"] <= most_s,
+            )
+            yield (
+                f"{row['drive']}: peak memory",
+                f"<= {LONG_DRIVE_MB:.0f} MB",
+                f"{row['peak_mb']:.0f} MB",
+                row["peak_mb"] <= LONG_DRIVE_MB,
+            )
+            return
 
 
 def of_online(rows):
