@@ -41,8 +41,8 @@ void move_into(const CellArea& area, CellList& cells) {
     row = std::clamp(row, area.first_row, area.first_row + area.rows - 1) - area.first_row;
 }
 
-/// From one heading to the next no point moves by more than a cell: so many cells more on every side
-/// of a block serve as many headings, less one for rounding.
+/// From one heading to the next no point moves by more than a cell: so many cells more on every
+/// side of a block serve as many headings, less one for rounding.
 int margin_for(int top_level) { return top_level >= 4 ? (1 << top_level) / 4 : 0; }
 
 }  // namespace
