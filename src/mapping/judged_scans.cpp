@@ -73,8 +73,8 @@ void add_noise(const Eigen::Vector2d& before, const Eigen::Vector2d& at,
 }
 
 JudgedScan read(const PosedScan& posed, int stretch, BeamTable& table) {
-  JudgedScan judged{.stretch = stretch};
   const LaserScan& scan = *posed.scan;
+  JudgedScan judged{.stretch = stretch, .stamp = scan.stamp};
   const Tangent2 velocity = lidar_velocity(posed);
   const SurfaceOptions surface_options{.range_max_m = kJudgedScans.most_range_m,
                                        .points_max = kJudgedScans.most_points};

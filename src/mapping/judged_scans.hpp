@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
+#include "loopstone/base/stamp.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 
 namespace loopstone {
@@ -60,6 +61,7 @@ struct JudgedBeam {
 /// A scan that takes part in the judgement.
 struct JudgedScan {
   int stretch = 0;
+  Stamp stamp{};
   std::vector<WallReturn> returns{};
   std::vector<JudgedBeam> beams{};  ///< that ended on something
   std::vector<float> noise_m{};     ///< of single returns, from their neighbours

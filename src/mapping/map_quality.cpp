@@ -12,6 +12,7 @@
 #include "mapping/judged_scans.hpp"
 #include "mapping/map_entropy.hpp"
 #include "mapping/visit_agreement.hpp"
+#include "mapping/visit_contradictions.hpp"
 #include "mapping/wall_pieces.hpp"
 
 namespace loopstone {
@@ -177,6 +178,9 @@ MapQuality assess_map(std::span<const PosedScan> scans, Threads threads) {
   quality.entropy_gain_nats = entropy.mean_nats - entropy.stretch_nats;
 
   add_places(index.items(), offsets, meetings, quality);
+  const StretchTimes times = stretch_times(judged);
+  quality.contradictions = visit_contradictions(offsets, meetings, times);
+  quality.agreeing = agreeing_visits(offsets, meetings, times);
   return quality;
 }
 

@@ -47,12 +47,12 @@ class NearestByVisit {
     if (nearest == kNone) touched_.push_back(stretch);
     nearest = std::min(nearest, distance_m);
   }
-  /// Calls visit(distance) for each visit, and forgets them.
+  /// Calls visit(stretch, distance) for each visit, and forgets them.
   template <typename Visit>
   void finish(Visit&& visit) {
     for (const int stretch : touched_) {
       float& nearest = nearest_m_[static_cast<std::size_t>(stretch)];
-      visit(nearest);
+      visit(stretch, nearest);
       nearest = kNone;
     }
     touched_.clear();
@@ -89,23 +89,23 @@ void meet(const JudgedBeam& beam, int stretch, const PieceIndex& index, float ma
   const GridFrame frame{.origin = {0.0, 0.0}, .resolution = kWallPieces.piece_m};
   const Eigen::Vector2f last = beam.start + way * (walked / length);
   bool crossed = false;
-  walk_ray(
-      grid_point_of(frame, beam.start.cast<double>()), grid_point_of(frame, last.cast<double>()),
-      [&](Cell cell) {
-        if (crossed) return;
-        index.for_each_in(cell, [&](const WallPiece& piece) {
-          if (crossed || !are_apart(piece.stretch, stretch)) return;
-          if (!passes(beam, piece, margin_m)) return;
-          crossed = true;
-          meetings.push_back({piece.position, static_cast<std::int32_t>(index.index_of(piece))});
-        });
-      });
+  walk_ray(grid_point_of(frame, beam.start.cast<double>()),
+           grid_point_of(frame, last.cast<double>()), [&](Cell cell) {
+             if (crossed) return;
+             index.for_each_in(cell, [&](const WallPiece& piece) {
+               if (crossed || !are_apart(piece.stretch, stretch)) return;
+               if (!passes(beam, piece, margin_m)) return;
+               crossed = true;
+               meetings.push_back({piece.position, static_cast<std::int32_t>(index.index_of(piece)),
+                                   -across(piece, beam.end), stretch, piece.stretch});
+             });
+           });
   if (crossed || length > kMostBeamM) return;
   bool ended = false;
   index.for_each_around(index.cell_of(beam.end), 1, [&](const WallPiece& piece) {
     if (ended || !are_apart(piece.stretch, stretch) || !ends_on(beam, piece, margin_m)) return;
     ended = true;
-    meetings.push_back({beam.end});
+    meetings.push_back({beam.end, -1, 0.0F, stretch, piece.stretch});
   });
 }
 
@@ -132,8 +132,8 @@ std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches, Thr
         if (distance_m <= static_cast<float>(kMapQuality.most_offset_m))
           nearest.take(other.stretch, distance_m);
       });
-      nearest.finish([&](float distance_m) {
-        parts[task].push_back({piece.position, distance_m});
+      nearest.finish([&](int stretch, float distance_m) {
+        parts[task].push_back({piece.position, distance_m, piece.normal, piece.stretch, stretch});
       });
     }
   });

@@ -42,6 +42,9 @@ void visit_numbers(const VisitAgreementNumbers& n, Visitor&& visit) {
 struct WallOffset {
   Eigen::Vector2f where;
   float offset_m = 0.0F;
+  Eigen::Vector2f normal = Eigen::Vector2f::UnitX();
+  int stretch = 0;        ///< of the piece that looked for the other
+  int other_stretch = 0;  ///< of the visit that it was compared with
 };
 
 /// Pairs pieces of wall with the nearest one of every other visit that faces the same way and lies
@@ -54,6 +57,9 @@ struct WallOffset {
 struct BeamMeeting {
   Eigen::Vector2f where;
   std::int32_t crossed = -1;  ///< the piece it went through (PieceIndex::items); -1: it ended there
+  float behind_m = 0.0F;      ///< how far behind the piece that it went through it ended
+  int stretch = 0;            ///< of the beam
+  int wall_stretch = 0;       ///< of the wall
 };
 
 /// \param margin_m  a wall that the beam's end lies behind by less is the one that it ended on

@@ -24,11 +24,13 @@
 #include "mapping/judged_scans.hpp"
 #include "mapping/map_entropy.hpp"
 #include "mapping/visit_agreement.hpp"
+#include "mapping/visit_contradictions.hpp"
 #include "mapping/wall_pieces.hpp"
 #include "slam/front_end_numbers.hpp"
 #include "slam/graph_quality_numbers.hpp"
 #include "slam/loop_candidates.hpp"
 #include "slam/loop_verification.hpp"
+#include "slam/loose_parts_numbers.hpp"
 #include "slam/map_verdict_numbers.hpp"
 #include "slam/pairwise_consistency.hpp"
 #include "slam/pose_search.hpp"
@@ -86,9 +88,11 @@ std::vector<NumberGroup> decision_numbers() {
       group("judged_scans", kJudgedScans),
       group("wall_pieces", kWallPieces),
       group("visit_agreement", kVisitAgreement),
+      group("visit_contradictions", kVisitContradictions),
       group("map_entropy", kMapEntropy),
       group("map_quality", kMapQuality),
       group("graph_quality", kGraphQuality),
+      group("loose_parts", kLooseParts),
       group("sensor_faults", kSensorFaults),
       group("map_verdict", kMapVerdict),
   };

@@ -360,6 +360,8 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
   const Stopwatch judging;
   if (goes_on_to(4) && result.map_failure.empty()) {
     result.quality = assess_map(placed.on_map, threads_);
+    result.ties = find_ties_of(solved, result.node_stamps, result.quality.agreeing,
+                               result.graph_quality.loops, result.graph_quality.reduced_chi2);
     result.verdict = judge_map(result);
   }
   result.statistics.judging_s += judging.seconds();

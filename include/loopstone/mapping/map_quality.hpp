@@ -8,6 +8,7 @@
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/mapping/occupancy.hpp"
+#include "loopstone/mapping/visit_contradiction.hpp"
 
 namespace loopstone {
 
@@ -97,6 +98,9 @@ struct MapQuality {
   double held_out_agreement = 0.0;    ///< of them, share that the other visits' walls foretell
 
   std::vector<QualityPlace> places{};  ///< all that hold walls, by rows of blocks
+  /// Where two visits contradict each other over some metres of wall, the worst first.
+  std::vector<VisitContradiction> contradictions{};
+  std::vector<VisitTie> agreeing{};  ///< visits far apart along the path that agree, in time order
 
   [[nodiscard]] std::size_t places_revisited() const;
   /// Doubled or crossed.
@@ -113,7 +117,8 @@ struct MapQuality {
 ///      wall offsets.
 ///   4. Beams that pass a piece of another visit from front to back are violations of free space.
 ///   5. Every fourth scan is held out: do other visits have a wall where it has returns?
-///   6. Mean map entropy of the returns, of the whole map and of the stretch alone.
+///   6. Where two visits contradict each other: connected regions, with both times.
+///   7. Mean map entropy of the returns, of the whole map and of the stretch alone.
 ///
 /// \param scans  in time order, at final poses; those without a scan are left out
 /// Deterministic: the same bytes for any number of threads. Cost: about 0.1 ms a judged scan of 180

@@ -13,6 +13,7 @@
 #include "loopstone/slam/calibration.hpp"
 #include "loopstone/slam/laser_check.hpp"
 #include "loopstone/slam/loop_closure.hpp"
+#include "loopstone/slam/loose_parts.hpp"
 #include "loopstone/slam/map_verdict.hpp"
 #include "loopstone/slam/path_break.hpp"
 #include "loopstone/slam/pose_covariances.hpp"
@@ -77,6 +78,7 @@ struct MapResult {
   MapStatistics statistics;
   MapQuality quality;                 ///< what the scans say about each other
   GraphQuality graph_quality;         ///< what the pose graph says about itself
+  GraphTies ties;                     ///< what hangs loosely, and where a direction is open
   MapVerdict verdict;                 ///< of both, in plain words
   std::vector<std::string> warnings;  ///< in plain words, for the user
   bool complete = true;               ///< false when it was interrupted

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "loopstone/base/stamp.hpp"
+#include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/mapping/visit_contradiction.hpp"
+
+namespace loopstone {
+
+// What no second visit ties down. A map whose loop closures agree may still hold a part that hangs
+// on the path alone, or on a single closure, which may be wrong by itself: a copy of a building
+// beside itself contradicts nothing. So the graph is asked how far such parts may be off.
+
+/// A part of the path along which at most one closure joins what lies before and what lies after.
+struct LoosePart {
+  Stamp from{};
+  Stamp to{};
+  double path_m = 0.0;
+  int closures = 0;                                 ///< that lead across: 0 or 1
+  Eigen::Vector2d where = Eigen::Vector2d::Zero();  ///< its middle, map frame [m]
+  /// How far its ends may be off to one another by the path alone, one standard deviation.
+  double sigma_m = 0.0;  ///< along the worst direction
+  double sigma_rad = 0.0;
+};
+
+/// A part of the path along which the laser leaves a direction open: a bare corridor.
+struct OpenStretch {
+  Stamp from{};
+  Stamp to{};
+  double path_m = 0.0;
+  Eigen::Vector2d where = Eigen::Vector2d::Zero();  ///< its middle, map frame [m]
+  /// Of its ends to one another, with all closures, one standard deviation.
+  double sigma_m = 0.0;  ///< along the worst direction, the corridor's axis
+  double sigma_rad = 0.0;
+};
+
+/// How well a graph holds together.
+struct GraphTies {
+  std::vector<LoosePart> loose{};   ///< the least certain first
+  std::vector<OpenStretch> open{};  ///< the least certain first
+  double variance_factor = 1.0;     ///< by which the graph's covariances were scaled
+};
+
+/// \param solved        with all edges, closures that stand among them, at its own solution
+/// \param stamps        of its poses
+/// \param agreeing      visits that agree tie as closures do
+/// \param loops         independent ones, and
+/// \param reduced_chi2  how well they close: where there are some, what the covariances promise is
+///                      scaled to it, for edges are as wrong as their loops show
+/// Cost: two factorisations of the graph at most, and the path's length times the number of parts.
+[[nodiscard]] GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
+                                     std::span<const VisitTie> agreeing, int loops,
+                                     double reduced_chi2);
+
+}  // namespace loopstone

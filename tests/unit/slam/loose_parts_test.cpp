@@ -1,0 +1,110 @@
+#include "loopstone/slam/loose_parts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace loopstone {
+namespace {
+
+constexpr double kStepSigma = 0.02;
+
+/// A path of steps of 1 m, straight on, each as uncertain as the last.
+PoseGraph path(int nodes) {
+  PoseGraph graph;
+  const Eigen::Matrix3d information =
+      Eigen::Vector3d(1.0, 1.0, 1e6).asDiagonal() * (1.0 / (kStepSigma * kStepSigma));
+  for (int i = 0; i < nodes; ++i) {
+    graph.poses.push_back({static_cast<double>(i), 0.0, 0.0});
+    if (i > 0)
+      graph.edges.push_back(
+          {NodeId{i - 1}, NodeId{i}, Pose2{1.0, 0.0, 0.0}, information, EdgeKind::kOdometry});
+  }
+  return graph;
+}
+
+void close(PoseGraph& graph, int from, int to) {
+  graph.edges.push_back({NodeId{from}, NodeId{to}, Pose2{static_cast<double>(to - from), 0.0, 0.0},
+                         Eigen::Matrix3d::Identity() * 1e4, EdgeKind::kLoopClosure});
+}
+
+std::vector<Stamp> stamps_of(const PoseGraph& graph) {
+  std::vector<Stamp> stamps;
+  for (std::size_t i = 0; i < graph.poses.size(); ++i)
+    stamps.push_back(Stamp::from_seconds(static_cast<double>(i)));
+  return stamps;
+}
+
+GraphTies ties_of(const PoseGraph& graph, std::vector<VisitTie> agreeing = {}, int loops = 0,
+                  double reduced_chi2 = 1.0) {
+  return find_ties_of(graph, stamps_of(graph), agreeing, loops, reduced_chi2);
+}
+
+TEST(LooseParts, WithoutClosuresAllHangsOnThePath) {
+  const GraphTies ties = ties_of(path(101));
+  ASSERT_EQ(ties.loose.size(), 1U);
+  EXPECT_NEAR(ties.loose[0].path_m, 100.0, 1e-9);
+  EXPECT_EQ(ties.loose[0].closures, 0);
+  EXPECT_NEAR(ties.loose[0].sigma_m, kStepSigma * 10.0, 1e-3) << "a random walk of 100 steps";
+  EXPECT_NEAR(ties.loose[0].where.x(), 50.0, 1e-9);
+}
+
+TEST(LooseParts, WhatHangsOnOneRecognitionIsLooseAndOnTwoIsNot) {
+  PoseGraph graph = path(101);
+  close(graph, 10, 60);
+  close(graph, 11, 61);  // the same place, recognised again at once
+  EXPECT_EQ(ties_of(graph).loose.size(), 1U) << "right or wrong together";
+  close(graph, 20, 80);
+  const GraphTies ties = ties_of(graph);
+  ASSERT_EQ(ties.loose.size(), 2U);
+  // Both sides of where two lead across: from 20 to 61.
+  EXPECT_NEAR(ties.loose[0].path_m, 39.0, 1e-9);
+  EXPECT_EQ(ties.loose[0].from, Stamp::from_seconds(61.0));
+  EXPECT_EQ(ties.loose[0].to, Stamp::from_seconds(100.0));
+  EXPECT_NEAR(ties.loose[1].path_m, 20.0, 1e-9);
+}
+
+TEST(LooseParts, VisitsThatAgreeTieLikeClosures) {
+  const PoseGraph graph = path(101);
+  const auto at = [](double seconds) { return Stamp::from_seconds(seconds); };
+  const GraphTies ties = ties_of(graph, {{at(0.0), at(96.0)}, {at(4.0), at(100.0)}});
+  ASSERT_EQ(ties.loose.size(), 2U);
+  EXPECT_NEAR(ties.loose[0].path_m, 4.0, 1e-9);
+  EXPECT_NEAR(ties.loose[1].path_m, 4.0, 1e-9);
+}
+
+TEST(LooseParts, CovariancesAreScaledToWhatLoopsShow) {
+  const double promised_m = ties_of(path(101)).loose[0].sigma_m;
+  EXPECT_NEAR(ties_of(path(101), {}, 10, 4.0).loose[0].sigma_m, 2.0 * promised_m, 1e-9);
+  EXPECT_NEAR(ties_of(path(101), {}, 10, 0.25).loose[0].sigma_m, 0.5 * promised_m, 1e-9);
+  EXPECT_NEAR(ties_of(path(101), {}, 1, 4.0).loose[0].sigma_m, promised_m, 1e-9)
+      << "a single loop may close by chance";
+}
+
+TEST(OpenStretches, AreWhereEdgesAreOpenAlongOneDirectionAndShrinkWithClosures) {
+  PoseGraph graph = path(101);
+  const double along_m = 0.1;
+  for (int i = 30; i < 60; ++i)
+    graph.edges[static_cast<std::size_t>(i)].information(0, 0) = 1.0 / (along_m * along_m);
+  const GraphTies open = ties_of(graph);
+  ASSERT_EQ(open.open.size(), 1U);
+  EXPECT_NEAR(open.open[0].path_m, 30.0, 1e-9);
+  EXPECT_EQ(open.open[0].from, Stamp::from_seconds(30.0));
+  EXPECT_NEAR(open.open[0].sigma_m, along_m * std::sqrt(30.0), 1e-3);
+  close(graph, 30, 60);
+  EXPECT_LT(ties_of(graph).open[0].sigma_m, 0.02);
+  EXPECT_TRUE(ties_of(path(101)).open.empty());
+}
+
+TEST(LooseParts, NothingIsSaidOfAGraphWithoutAPath) {
+  EXPECT_TRUE(ties_of(PoseGraph{}).loose.empty());
+  PoseGraph torn = path(10);
+  torn.edges.erase(torn.edges.begin() + 4);
+  EXPECT_TRUE(ties_of(torn).loose.empty());
+}
+
+}  // namespace
+}  // namespace loopstone
