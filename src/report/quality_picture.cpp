@@ -39,6 +39,14 @@ void draw_cross(Point low, double side, double width, Canvas& canvas) {
   canvas.line({{low.x + side, low.y}, {low.x, low.y + side}}, width, kCrossed);
 }
 
+/// The box of a contradiction, framed.
+void draw_frame(const MapView& view, const VisitContradiction& region, double width,
+                Canvas& canvas) {
+  const Point low = view.pixel_of(region.low);
+  const Point high = view.pixel_of(region.high);
+  canvas.line({low, {high.x, low.y}, high, {low.x, high.y}, low}, width, kCrossed);
+}
+
 void add_legend(const PictureSizes& sizes, Footer& footer) {
   const double side = 0.9 * sizes.text;
   const auto swatch = [&](const Colour& colour, const std::string& words) {
@@ -78,6 +86,9 @@ Image draw_quality_picture(const MapResult& result, const MapPictureOptions& opt
       draw_cross({low.x + 0.15 * side, low.y + 0.15 * side}, 0.7 * side,
                  std::max(1.0, 0.3 * sizes.path), canvas);
     }
+  }
+  for (const VisitContradiction& region : result.quality.contradictions) {
+    if (is_contradiction(region)) draw_frame(view, region, std::max(2.0, sizes.path), canvas);
   }
   canvas.unclip();
   footer.draw(canvas, view.height_px);

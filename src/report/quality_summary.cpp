@@ -47,10 +47,52 @@ std::string reason_of(const MapVerdict& verdict) {
 std::string value_of(const QualityMeasure& measure) {
   if (measure.verdict == Verdict::kUnknown) return "–";
   if (measure.name == "sensor_faults") return fmt::format("{:.0f}", measure.value);
+  if (measure.name.ends_with("_m") && measure.value >= 1.0) return readable(measure.value) + " m";
   if (measure.name.ends_with("_m")) return readable(100.0 * measure.value) + " cm";
   if (measure.name == "entropy_gain_nats") return fmt::format("{:+.2f} nats", measure.value);
   if (measure.name == "reduced_chi2") return fmt::format("{:.2f}", measure.value);
   return fmt::format("{:.1f} %", 100.0 * measure.value);
+}
+
+nlohmann::ordered_json contradictions_json(const MapResult& result) {
+  auto list = nlohmann::ordered_json::array();
+  for (const VisitContradiction& one : result.quality.contradictions) {
+    list.push_back({{"x_m", one.centre().x()},
+                    {"y_m", one.centre().y()},
+                    {"width_m", one.high.x() - one.low.x()},
+                    {"height_m", one.high.y() - one.low.y()},
+                    {"first_from_s", one.first_from.seconds()},
+                    {"first_to_s", one.first_to.seconds()},
+                    {"second_from_s", one.second_from.seconds()},
+                    {"second_to_s", one.second_to.seconds()},
+                    {"wall_m", one.wall_m},
+                    {"share", one.share},
+                    {"apart_m", one.apart_m}});
+  }
+  return list;
+}
+
+/// What loose parts and open stretches have alike.
+template <typename Part>
+nlohmann::ordered_json part_json(const Part& part) {
+  return {{"from_s", part.from.seconds()}, {"to_s", part.to.seconds()}, {"path_m", part.path_m},
+          {"x_m", part.where.x()},         {"y_m", part.where.y()},     {"sigma_m", part.sigma_m},
+          {"sigma_rad", part.sigma_rad}};
+}
+
+nlohmann::ordered_json loose_json(const GraphTies& ties) {
+  auto list = nlohmann::ordered_json::array();
+  for (const LoosePart& part : ties.loose) {
+    list.push_back(part_json(part));
+    list.back()["closures"] = part.closures;
+  }
+  return list;
+}
+
+nlohmann::ordered_json open_json(const GraphTies& ties) {
+  auto list = nlohmann::ordered_json::array();
+  for (const OpenStretch& stretch : ties.open) list.push_back(part_json(stretch));
+  return list;
 }
 
 }  // namespace
@@ -85,6 +127,11 @@ nlohmann::ordered_json quality_json(const MapResult& result) {
       {"held_out_returns", q.held_out_returns},
       {"graph_loops", g.loops},
       {"closures_revoked", g.closures_revoked},
+      {"contradictions", contradictions_json(result)},
+      {"agreeing_visits", q.agreeing.size()},
+      {"variance_factor", result.ties.variance_factor},
+      {"loose_parts", loose_json(result.ties)},
+      {"open_stretches", open_json(result.ties)},
       {"certificate", g.certificate ? nlohmann::ordered_json(to_string(g.certificate->status))
                                     : nlohmann::ordered_json(nullptr)},
   };
@@ -115,7 +162,8 @@ std::string html_quality(const MapResult& result, std::string_view quality_png) 
     html += html_figure(
         html_picture(quality_png, "map", "Where visits to the same place agree and where not"),
         "Where: squares of 50 cm that hold walls. Blue: the visits put the wall in the same place; "
-        "amber: 5 to 10 cm apart; pink: farther apart, or beams went through it (crosses).");
+        "amber: 5 to 10 cm apart; pink: farther apart, or beams went through it (crosses). "
+        "Frames: where two visits contradict each other over metres of wall.");
   }
   return html;
 }

@@ -6,6 +6,7 @@
 #include "loopstone/sensor/scan_points.hpp"
 #include "slam/break_warnings.hpp"
 #include "slam/drift_correction.hpp"
+#include "slam/local_verdicts.hpp"
 #include "slam/mount_correction.hpp"
 #include "slam/odometry_warnings.hpp"
 #include "slam/posed_scan.hpp"
@@ -114,9 +115,9 @@ std::vector<LoopClosure> at_poses_of(const PoseGraph& graph, std::vector<LoopClo
 std::vector<std::string> warnings_of(const MapResult& result, const MapOptions& options,
                                      bool has_gyro) {
   std::vector<std::string> all;
-  for (auto& warnings :
-       {break_warnings(result), sensor_faults(result), calibration_warnings(result),
-        odometry_warnings(result), run_warnings(result, options, has_gyro)}) {
+  for (auto& warnings : {break_warnings(result), sensor_faults(result),
+                         calibration_warnings(result), odometry_warnings(result),
+                         local_warnings(result), run_warnings(result, options, has_gyro)}) {
     all.insert(all.end(), warnings.begin(), warnings.end());
   }
   return all;

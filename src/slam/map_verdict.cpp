@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "loopstone/slam/map_result.hpp"
+#include "slam/local_verdicts.hpp"
 #include "slam/map_verdict_numbers.hpp"
 #include "slam/run_clock.hpp"
 #include "slam/sensor_faults.hpp"
@@ -134,26 +135,6 @@ QualityMeasure certified(const GraphQuality& g) {
   return measure;
 }
 
-QualityMeasure degenerate(const MapStatistics& s) {
-  QualityMeasure measure{
-      .name = "degenerate_travel_share",
-      .title = "Degenerate travel",
-      // Travel is counted scan by scan, the path from key scan to key scan: the part may come out
-      // longer than the whole.
-      .value =
-          s.path_length_m > 0.0 ? std::min(s.degenerate_travel_m / s.path_length_m, 1.0) : 0.0};
-  if (!(s.path_length_m > kMapVerdict.short_travel_m))
-    return unknown(std::move(measure), kNoTravel);
-  measure.verdict = s.degenerate_travel_m <= kMapVerdict.short_travel_m
-                        ? Verdict::kGood
-                        : against(kMapVerdict.degenerate_share, measure.value);
-  measure.sentence =
-      number(s.degenerate_travel_m, 1) + " m of " + number(s.path_length_m, 0) +
-      " m ran where the laser leaves one direction open (bare corridors); there the map is as "
-      "long as odometry says.";
-  return measure;
-}
-
 QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatistics& s) {
   QualityMeasure measure{.name = "break_tie_m", .title = "Breaks of the path"};
   if (path_breaks.empty() && !(s.path_length_m > kMapVerdict.short_travel_m))
@@ -211,10 +192,18 @@ QualityMeasure sensors(const std::vector<std::string>& faults, const MapStatisti
   return measure;
 }
 
+/// Of the measures that name a place.
+bool names_a_place(const QualityMeasure& measure) {
+  return measure.name == "contradicted_wall_m" || measure.name == "loose_part_m";
+}
+
 std::string overall_sentence(Verdict overall, bool compared,
                              const std::vector<QualityMeasure>& measures) {
   std::string culprits;
+  std::string where;
   for (const QualityMeasure& measure : measures) {
+    const bool speaks = measure.verdict == overall || measure.verdict == Verdict::kDoubtful;
+    if (speaks && where.empty() && names_a_place(measure)) where = " " + measure.sentence;
     if (measure.verdict != overall) continue;
     std::string title = measure.title;
     title.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(title.front())));
@@ -224,9 +213,9 @@ std::string overall_sentence(Verdict overall, bool compared,
     case Verdict::kGood:
       return "Good: wherever places were seen in two visits, the visits agree.";
     case Verdict::kDoubtful:
-      return "Doubtful: look at " + culprits + ".";
+      return "Doubtful: look at " + culprits + "." + where;
     case Verdict::kBad:
-      return "Bad: look at " + culprits + ".";
+      return "Bad: look at " + culprits + "." + where;
     case Verdict::kUnknown:
       break;
   }
@@ -256,9 +245,11 @@ MapVerdict judge_map(const MapResult& result) {
                       entropy(quality),
                       violations(quality),
                       held_out(quality),
+                      judge_contradictions(result),
                       loops(result.graph_quality),
                       certified(result.graph_quality),
-                      degenerate(result.statistics),
+                      judge_loose_parts(result),
+                      judge_open_stretches(result),
                       breaks(result.breaks, result.statistics),
                       sensors(sensor_faults(result), result.statistics)};
   conclude(verdict);

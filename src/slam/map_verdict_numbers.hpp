@@ -10,14 +10,18 @@ struct VerdictLimits {
 
 /// What the verdict decides by.
 struct MapVerdictNumbers {
-  VerdictLimits doubled_share{0.03, 0.15};
+  VerdictLimits doubled_share{0.10, 0.15};
   VerdictLimits entropy_gain_nats{0.693, 1.099};
   VerdictLimits crossed_share{0.15, 0.30};
-  VerdictLimits missed_share{0.10, 0.25};
+  VerdictLimits missed_share{0.20, 0.30};
   VerdictLimits reduced_chi2{1.5, 4.0};
   VerdictLimits revoked_share{0.05, 0.30};
-  VerdictLimits degenerate_share{0.05, 0.50};
-  VerdictLimits break_tie_m{0.10, 2.0};
+  VerdictLimits contradicted_wall_m{2.5, 10.0};
+  double contradicted_share = 0.3;
+  double sure_sigmas = 3.0;
+  double right_m = 0.5;
+  double right_rad = 0.0227;
+  VerdictLimits break_tie_m{0.167, 2.0};
   VerdictLimits left_out_share{0.05, 0.5};
   double short_travel_m = 1.0;
   double certified_near_m = 0.10;
@@ -50,10 +54,20 @@ void visit_numbers(const MapVerdictNumbers& n, Visitor&& visit) {
         "chosen: one closure in twenty contradicted the others");
   visit("revoked_share_bad", n.revoked_share.bad,
         "chosen: so many contradicted that those that stand may be as wrong");
-  visit("degenerate_share_doubtful", n.degenerate_share.doubtful,
-        "chosen: the map's length rests on odometry there");
-  visit("degenerate_share_bad", n.degenerate_share.bad, "chosen: the map mostly rests on odometry");
-  visit("break_tie_doubtful_m", n.break_tie_m.doubtful, "chosen: two cells of a map of 5 cm");
+  visit("contradicted_wall_doubtful_m", n.contradicted_wall_m.doubtful,
+        "chosen: a door with its frame, or a person, is less");
+  visit("contradicted_wall_bad_m", n.contradicted_wall_m.bad, "chosen: a room is drawn twice");
+  visit("contradicted_share", n.contradicted_share,
+        "measured by bench/quality.py: what moves between visits is up to a quarter of what they "
+        "say about each other");
+  visit("sure_sigmas", n.sure_sigmas, "chosen: one in 300 lies beyond");
+  visit("right_m", n.right_m, "chosen: a map that is off by less is right");
+  visit(
+      "right_rad", n.right_rad,
+      "measured by bench/quality.py: 1.3 degrees; below, parts of maps that are right to a degree "
+      "are doubted");
+  visit("break_tie_doubtful_m", n.break_tie_m.doubtful,
+        "derived: three of these standard deviations are right_m");
   visit("break_tie_bad_m", n.break_tie_m.bad, "chosen: what doubles a corridor");
   visit("left_out_share_doubtful", n.left_out_share.doubtful,
         "chosen: one scan or record in twenty could not be used");

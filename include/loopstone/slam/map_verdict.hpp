@@ -8,6 +8,7 @@
 #include "loopstone/base/words.hpp"
 #include "loopstone/graph/certificate.hpp"
 #include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/mapping/visit_contradiction.hpp"
 #include "loopstone/slam/loop_closure.hpp"
 
 namespace loopstone {
@@ -74,6 +75,10 @@ struct MapVerdict {
 /// what the figures mean, and were checked on simulated runs that were spoiled on purpose
 /// (bench/quality.py, docs/quality.md). Overall: the worst of what is known.
 [[nodiscard]] MapVerdict judge_map(const MapResult& result);
+
+/// Whether a region is more than what moved between two visits (doors, chairs, people): so it
+/// counts in the verdict.
+[[nodiscard]] bool is_contradiction(const VisitContradiction& region);
 
 /// Adds what the map can't know: which share [0, 1] of the log, of its scans or of its records,
 /// could not be used. A map of the rest may be right and still not be the map of that drive. Does

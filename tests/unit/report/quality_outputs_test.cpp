@@ -56,7 +56,7 @@ TEST(QualityOutputs, SummaryHasEveryMeasureWithItsVerdict) {
   EXPECT_EQ(quality["places"], 4);
   EXPECT_EQ(quality["places_revisited"], 3);
   EXPECT_EQ(quality["places_in_trouble"], 1);
-  ASSERT_EQ(quality["measures"].size(), 9U);
+  ASSERT_EQ(quality["measures"].size(), 11U);
   for (const auto& [name, measure] : quality["measures"].items()) {
     EXPECT_TRUE(measure["verdict"].is_string()) << name;
     EXPECT_FALSE(measure["sentence"].get<std::string>().empty()) << name;

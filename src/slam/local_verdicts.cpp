@@ -1,0 +1,198 @@
+#include "slam/local_verdicts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "loopstone/geometry/angle.hpp"
+#include "slam/map_verdict_numbers.hpp"
+#include "slam/run_clock.hpp"
+
+namespace loopstone {
+namespace {
+
+/// So many of a kind are told one by one.
+constexpr std::size_t kTold = 3;
+constexpr const char* kNoTravel = "The robot did not travel.";
+
+RunClock clock_of(const MapResult& result) {
+  return RunClock(result.trajectory.empty() ? Stamp{} : result.trajectory.front().stamp);
+}
+
+bool travelled(const MapResult& result) {
+  return result.statistics.path_length_m > kMapVerdict.short_travel_m;
+}
+
+std::string place(const Eigen::Vector2d& at) {
+  return fmt::format("x {:.1f}, y {:.1f}", at.x(), at.y());
+}
+
+std::vector<VisitContradiction> contradictions_that_count(const MapResult& result) {
+  std::vector<VisitContradiction> all = result.quality.contradictions;
+  std::erase_if(all, [](const VisitContradiction& region) { return !is_contradiction(region); });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.wall_m > b.wall_m; });
+  return all;
+}
+
+std::string told(const VisitContradiction& region, const RunClock& clock) {
+  const Eigen::Vector2d size = region.high - region.low;
+  return fmt::format(
+      "about {} ({:.0f} x {:.0f} m) the visits {} and {} contradict each other: {:.0f} m of wall "
+      "that one of them saw lie about {} off in the other, {:.0f} % of what both saw",
+      place(region.centre()), size.x(), size.y(), clock.span(region.first_from, region.first_to),
+      clock.span(region.second_from, region.second_to), region.wall_m,
+      readable_metres(region.apart_m), 100.0 * region.share);
+}
+
+/// How far a part may be off, all but surely.
+template <typename Part>
+double most_m(const Part& part) {
+  return kMapVerdict.sure_sigmas * part.sigma_m;
+}
+template <typename Part>
+double most_rad(const Part& part) {
+  return kMapVerdict.sure_sigmas * part.sigma_rad;
+}
+template <typename Part>
+bool is_uncertain(const Part& part) {
+  return !(most_m(part) <= kMapVerdict.right_m && most_rad(part) <= kMapVerdict.right_rad);
+}
+
+template <typename Part>
+std::string span_of(const Part& part, const RunClock& clock) {
+  return fmt::format("{:.0f} m of the path {}, about {},", part.path_m,
+                     clock.span(part.from, part.to), place(part.where));
+}
+
+template <typename Part>
+std::string by_how_much(const Part& part) {
+  return fmt::format("{} and {:.1f} deg (three standard deviations)", readable_metres(most_m(part)),
+                     degrees(most_rad(part)));
+}
+
+std::string told(const LoosePart& part, const RunClock& clock) {
+  return span_of(part, clock) +
+         (part.closures == 0 ? " hang on no second visit" : " hang on a single closure") +
+         ": what lies beyond may be off by " + by_how_much(part);
+}
+
+std::string told(const OpenStretch& stretch, const RunClock& clock) {
+  return span_of(stretch, clock) +
+         " leave one direction open to the laser: there the map may be too long or too short by " +
+         by_how_much(stretch);
+}
+
+/// As a sentence.
+std::string sentence_of(std::string words) {
+  if (!words.empty() && words.front() >= 'a' && words.front() <= 'z')
+    words.front() = static_cast<char>(words.front() - 'a' + 'A');
+  return words + ".";
+}
+
+template <typename Part>
+std::vector<Part> uncertain(std::vector<Part> parts) {
+  std::erase_if(parts, [](const Part& part) { return !is_uncertain(part); });
+  return parts;
+}
+
+template <typename Part>
+void tell(const std::vector<Part>& parts, const RunClock& clock,
+          std::vector<std::string>& warnings) {
+  for (std::size_t i = 0; i < std::min(parts.size(), kTold); ++i)
+    warnings.push_back(told(parts[i], clock));
+}
+
+}  // namespace
+
+bool is_contradiction(const VisitContradiction& region) {
+  return region.share >= kMapVerdict.contradicted_share &&
+         region.wall_m > kMapVerdict.contradicted_wall_m.doubtful;
+}
+
+QualityMeasure judge_contradictions(const MapResult& result) {
+  QualityMeasure measure{.name = "contradicted_wall_m", .title = "Contradictions of visits"};
+  if (result.quality.beams_tested < kMapVerdict.least_beams &&
+      result.quality.walls_compared < kMapVerdict.least_walls) {
+    measure.sentence = "No place was seen in two visits, so there is nothing to compare.";
+    return measure;
+  }
+  measure.verdict = Verdict::kGood;
+  const auto regions = contradictions_that_count(result);
+  if (regions.empty()) {
+    measure.sentence = "Nowhere do two visits contradict each other over more than what moves.";
+    return measure;
+  }
+  measure.value = regions.front().wall_m;
+  measure.verdict = regions.front().wall_m > kMapVerdict.contradicted_wall_m.bad
+                        ? Verdict::kBad
+                        : Verdict::kDoubtful;
+  measure.sentence = sentence_of(told(regions.front(), clock_of(result)));
+  return measure;
+}
+
+QualityMeasure judge_loose_parts(const MapResult& result) {
+  QualityMeasure measure{.name = "loose_part_m", .title = "Loose parts"};
+  if (!travelled(result)) {
+    measure.sentence = kNoTravel;
+    return measure;
+  }
+  const bool compared = result.quality.walls_compared >= kMapVerdict.least_walls ||
+                        result.quality.beams_tested >= kMapVerdict.least_beams;
+  if (!compared && result.graph_quality.closures == result.graph_quality.closures_revoked) {
+    measure.sentence = "All of the path hangs on nothing but itself: no place was seen twice.";
+    return measure;
+  }
+  measure.verdict = Verdict::kGood;
+  const auto& parts = result.ties.loose;
+  for (const LoosePart& part : parts) measure.value = std::max(measure.value, most_m(part));
+  const auto loose = uncertain(parts);
+  if (!loose.empty()) {
+    measure.verdict = Verdict::kDoubtful;
+    measure.sentence = sentence_of(told(loose.front(), clock_of(result)));
+  } else if (parts.empty()) {
+    measure.sentence = "Two recognised places or more tie every part of the path to the rest.";
+  } else {
+    measure.sentence = "What hangs on a single closure or on none can't be off by more than " +
+                       by_how_much(parts.front()) + ".";
+  }
+  return measure;
+}
+
+QualityMeasure judge_open_stretches(const MapResult& result) {
+  const MapStatistics& s = result.statistics;
+  QualityMeasure measure{
+      .name = "degenerate_travel_share",
+      .title = "Degenerate travel",
+      // Travel is counted scan by scan, the path from key scan to key scan: the part may come out
+      // longer than the whole.
+      .value =
+          s.path_length_m > 0.0 ? std::min(s.degenerate_travel_m / s.path_length_m, 1.0) : 0.0};
+  if (!travelled(result)) {
+    measure.sentence = kNoTravel;
+    return measure;
+  }
+  measure.verdict = Verdict::kGood;
+  measure.sentence = fmt::format(
+      "{:.1f} m of {:.0f} m ran where the laser leaves one direction open (bare corridors); there "
+      "the map is as long as odometry says.",
+      s.degenerate_travel_m, s.path_length_m);
+  if (result.ties.open.empty()) return measure;
+  if (is_uncertain(result.ties.open.front())) measure.verdict = Verdict::kDoubtful;
+  measure.sentence += " " + sentence_of(told(result.ties.open.front(), clock_of(result)));
+  return measure;
+}
+
+std::vector<std::string> local_warnings(const MapResult& result) {
+  std::vector<std::string> warnings;
+  const RunClock clock = clock_of(result);
+  tell(contradictions_that_count(result), clock, warnings);
+  if (judge_loose_parts(result).verdict == Verdict::kDoubtful)
+    tell(uncertain(result.ties.loose), clock, warnings);
+  tell(uncertain(result.ties.open), clock, warnings);
+  return warnings;
+}
+
+}  // namespace loopstone
