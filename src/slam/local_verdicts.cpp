@@ -185,6 +185,19 @@ QualityMeasure judge_open_stretches(const MapResult& result) {
   return measure;
 }
 
+std::vector<std::string> unexplained_contradictions(const MapResult& result) {
+  std::vector<std::string> told_ones;
+  for (const OdometryEpisode& episode : result.odometry_episodes) {
+    const bool passing =
+        episode.over && (episode.to - episode.from).seconds() <= kMapVerdict.passing_s;
+    if (episode.fault != OdometryFault::kWrong || !passing) continue;
+    told_ones.push_back("odometry and the laser contradict each other " +
+                        clock_of(result).span(episode.from, episode.to) +
+                        ", and nothing tells which of them was wrong");
+  }
+  return told_ones;
+}
+
 std::vector<std::string> local_warnings(const MapResult& result) {
   std::vector<std::string> warnings;
   const RunClock clock = clock_of(result);

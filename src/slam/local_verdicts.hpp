@@ -18,6 +18,10 @@ namespace loopstone {
 /// be too long or too short there.
 [[nodiscard]] QualityMeasure judge_open_stretches(const MapResult& result);
 
+/// Times during which odometry and the laser contradicted each other for a while, in no way that an
+/// odometer fails in: either may have been wrong. In plain words.
+[[nodiscard]] std::vector<std::string> unexplained_contradictions(const MapResult& result);
+
 /// The worst of each, one by one, for the user.
 [[nodiscard]] std::vector<std::string> local_warnings(const MapResult& result);
 

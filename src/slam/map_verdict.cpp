@@ -170,6 +170,13 @@ QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatis
   return measure;
 }
 
+/// Faults of the laser, and what is either its or odometry's.
+std::vector<std::string> all_faults(const MapResult& result) {
+  std::vector<std::string> faults = sensor_faults(result);
+  for (std::string& fault : unexplained_contradictions(result)) faults.push_back(std::move(fault));
+  return faults;
+}
+
 QualityMeasure sensors(const std::vector<std::string>& faults, const MapStatistics& s) {
   QualityMeasure measure{.name = "sensor_faults",
                          .title = "Sensors",
@@ -251,7 +258,7 @@ MapVerdict judge_map(const MapResult& result) {
                       judge_loose_parts(result),
                       judge_open_stretches(result),
                       breaks(result.breaks, result.statistics),
-                      sensors(sensor_faults(result), result.statistics)};
+                      sensors(all_faults(result), result.statistics)};
   conclude(verdict);
   return verdict;
 }

@@ -169,7 +169,7 @@ TEST(MapVerdict, APartThatHangsLooselyIsToldWithWhatItCouldMove) {
     return judge_map(result);
   };
   EXPECT_EQ(judged(0.1, 0.002).overall, Verdict::kGood);
-  EXPECT_EQ(judged(0.1, 0.02).overall, Verdict::kDoubtful) << "turned";
+  EXPECT_EQ(judged(0.1, 0.03).overall, Verdict::kDoubtful) << "turned";
   const MapVerdict verdict = judged(0.4, 0.002);
   EXPECT_EQ(verdict_of(verdict, "loose_part_m"), Verdict::kDoubtful);
   for (const char* words : {"30 m of the path from 50.0 to 90.0 s", "x 3.0, y 4.0", "1.2 m"})
@@ -205,6 +205,18 @@ TEST(MapVerdict, AMapOfASuspectLaserIsNotGood) {
   EXPECT_EQ(verdict_of(judge_map(result), "sensor_faults"), Verdict::kGood);
   result.statistics.odometry_translation_scale = 0.91;
   EXPECT_EQ(verdict_of(judge_map(result), "sensor_faults"), Verdict::kDoubtful);
+}
+
+TEST(MapVerdict, WhenLaserAndOdometryContradictForAWhileEitherMayBeWrong) {
+  MapResult result = fine_map();
+  result.trajectory.append(Stamp{}, Pose2{});
+  result.odometry_episodes = {
+      {.from = Stamp::from_seconds(160.0), .to = Stamp::from_seconds(168.0), .over = true}};
+  EXPECT_EQ(verdict_of(judge_map(result), "sensor_faults"), Verdict::kDoubtful);
+  result.odometry_episodes[0].fault = OdometryFault::kStuck;
+  EXPECT_EQ(judge_map(result).overall, Verdict::kGood) << "odometry's own fault";
+  result.odometry_episodes[0] = {.to = Stamp::from_seconds(300.0), .over = true};
+  EXPECT_EQ(judge_map(result).overall, Verdict::kGood) << "an odometer that is broken stays so";
 }
 
 TEST(MapVerdict, WhatIsNotProvenIsDoubtfulNotBad) {
