@@ -11,6 +11,7 @@
 #include "loopstone/formats/decimal_stamp.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/odometry/scan_queue.hpp"
+#include "loopstone/sensor/mounted_scan.hpp"
 
 namespace loopstone {
 namespace {
@@ -116,7 +117,8 @@ LogScan read_log_scan(const ScanName& name, const RobotModel& robot, bool robot_
   std::optional<LogScan> before;
   const auto take = [&](LaserScan scan) {
     if (scan.lidar != 0) return false;
-    LogScan read{.scan = std::move(scan)};
+    const auto mounted = as_mounted(scan, robot_given ? robot : log->robot(robot));
+    LogScan read{.scan = mounted ? *mounted : std::move(scan)};
     if (robot_given) read.scan.robot_T_lidar.reset();
     read.robot_T_lidar = mount_of(read.scan, robot_given ? robot : log->robot(robot));
     if (const auto pose = queue.odometer().pose_at(read.scan.stamp)) read.odom_T_robot = pose->pose;

@@ -11,6 +11,7 @@
 
 #include "formats/atomic_file.hpp"
 #include "formats/toml_values.hpp"
+#include "loopstone/sensor/mounted_scan.hpp"
 
 namespace loopstone {
 
@@ -135,6 +136,11 @@ void visit_robot(RobotModel& robot, CameraAngles& angles, Visitor&& visit) {
     visit(prefix + "yaw_rad", lidar.robot_T_lidar.yaw, kAngle,
           "where its x axis points, counter-clockwise [rad]");
     visit(prefix + "height_m", lidar.height_m, kMount, "above the floor [m]");
+    visit(prefix + "upside_down", lidar.upside_down,
+          "its beams go round the other way than its scans say");
+    visit(prefix + "sweep_s", lidar.sweep_s, Range{-kLongestSweepS, kLongestSweepS},
+          "from the first beam to the last, where scans do not tell; negative: the last is first "
+          "[s]");
   }
   visit_camera(robot.camera, angles, visit);
 }

@@ -22,6 +22,7 @@
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/pose_belief.hpp"
 #include "loopstone/odometry/scan_queue.hpp"
+#include "loopstone/sensor/mounted_scan.hpp"
 
 namespace loopstone {
 
@@ -69,7 +70,8 @@ class Localizer::Impl {
         snapshots_(options.snapshot_distance_m) {}
 
   void add(const SensorMessage& message) {
-    queue_.add(message);
+    const auto mounted = as_mounted(message, robot_);
+    queue_.add(mounted ? *mounted : message);
     process_ready();
   }
 

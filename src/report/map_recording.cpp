@@ -14,6 +14,7 @@
 #include "formats/topic_names.hpp"
 #include "formats/topic_writer.hpp"
 #include "loopstone/base/thinned.hpp"
+#include "loopstone/sensor/mounted_scan.hpp"
 #include "loopstone/slam/live_map.hpp"
 #include "loopstone/slam/map_snapshot.hpp"
 #include "report/live_grid.hpp"
@@ -92,6 +93,7 @@ class MapRecording::Impl {
         live_(map, robot.footprint_radius_m),
         grid_(map.most_cells) {}
 
+  [[nodiscard]] const RobotModel& robot() const { return robot_; }
   void add(const LaserScan& scan);
   void add(const MapUpdate& update, const Mapper& mapper);
   void finish(const MapResult& result);
@@ -249,7 +251,10 @@ MapRecording::MapRecording(const std::string& path, const RobotModel& robot,
 MapRecording::~MapRecording() = default;
 
 void MapRecording::add(const SensorMessage& message) {
-  if (const auto* scan = std::get_if<LaserScan>(&message)) impl_->add(*scan);
+  const auto* const scan = std::get_if<LaserScan>(&message);
+  if (scan == nullptr) return;
+  const auto mounted = as_mounted(*scan, impl_->robot());
+  impl_->add(mounted ? *mounted : *scan);
 }
 void MapRecording::add(const MapUpdate& update, const Mapper& mapper) {
   impl_->add(update, mapper);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "loopstone/base/option_list.hpp"
+#include "loopstone/sensor/mounted_scan.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
@@ -58,7 +59,8 @@ ScanToScanMapper::ScanToScanMapper(const RobotModel& robot, const ScanToScanOpti
 }
 
 void ScanToScanMapper::add(const SensorMessage& message) {
-  scan_queue_.add(message);
+  const auto mounted = as_mounted(message, robot_);
+  scan_queue_.add(mounted ? *mounted : message);
   while (auto scan = scan_queue_.next()) take(std::move(*scan));
 }
 

@@ -25,6 +25,10 @@ struct LidarMount {
   std::string name = "front";
   Pose2 robot_T_lidar{0.14, 0.0, 0.0};
   double height_m = 0.51435;
+  bool upside_down = false;  ///< its beams go round the other way than its scans say
+  /// From the first beam to the last where its scans do not tell; 0: all at once; negative: the
+  /// last beam comes first.
+  double sweep_s = 0.0;
 };
 
 /// What is fixed about a robot. The defaults describe the UCSD differential-drive robot.

@@ -45,6 +45,8 @@ void expect_same(const RobotModel& a, const RobotModel& b) {
     EXPECT_EQ(a.lidars[i].name, b.lidars[i].name);
     EXPECT_EQ(a.lidars[i].robot_T_lidar, b.lidars[i].robot_T_lidar);
     EXPECT_EQ(a.lidars[i].height_m, b.lidars[i].height_m);
+    EXPECT_EQ(a.lidars[i].upside_down, b.lidars[i].upside_down);
+    EXPECT_EQ(a.lidars[i].sweep_s, b.lidars[i].sweep_s);
   }
   expect_same_pose(a.camera.robot_T_camera, b.camera.robot_T_camera);
   expect_same_pose(a.camera.camera_T_colour, b.camera.camera_T_colour);
@@ -71,7 +73,7 @@ TEST(RobotFile, WhatIsWrittenReadsBackTheSame) {
   robot.wheels.metres_per_count = 1.0 / 3.0;
   robot.wheels.counts_are_cumulative = true;
   robot.wheels.radius_m = 1.0 / 30.0;
-  robot.lidars = {{"front", {0.2, -0.1, 0.5}, 0.4}, {"rear", {-0.2, 0.0, 3.0}, 0.3}};
+  robot.lidars = {{"front", {0.2, -0.1, 0.5}, 0.4, true, -0.025}, {"rear", {-0.2, 0.0, 3.0}, 0.3}};
   robot.camera.robot_T_camera = Pose3::from_roll_pitch_yaw({1.0, 2.0, 3.0}, 0.1, -0.2, 2.5);
   robot.camera.camera_T_colour = Pose3::from_roll_pitch_yaw({0.01, -0.02, 0.03}, 0.3, 0.2, -0.1);
   robot.camera.depth = {501.25, 502.5, 310.1, 240.2, 320, 240, 0.1, -0.2, 0.003, -0.004, 0.05};
