@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "commands.hpp"
 #include "interrupt.hpp"
@@ -14,6 +15,7 @@
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/odometry/dead_reckoning.hpp"
+#include "loopstone/slam/beam_correction.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "output_path.hpp"
 #include "progress_display.hpp"
@@ -110,6 +112,9 @@ void print(const Calibration& c, const std::optional<WheelFindings>& wheels,
   add_value("lidar.yaw_rad", "laser looks left by", c.lidar_yaw_rad, degrees(1.0), "deg", 3,
             result);
   result.add("lidar.is_off", "laser's mount is wrong", c.mount_is_off());
+  result.add("lidar.is_mirrored", "laser's beams go the other way", c.laser_is_mirrored);
+  add_value("lidar.sweep_s", "sweep that is not told", c.sweep_s, 1e3, "ms", 1, result);
+  result.add("lidar.sweep_is_off", "sweep must be told", c.sweep_is_off);
   add_value("laser_delay_s", "scans later than stamped", c.laser_delay_s, 1e3, "ms", 1, result);
   add_value("odometry.translation_scale", "odometry's way / the laser's", c.translation_scale, 1.0,
             "", 4, result);
@@ -136,6 +141,41 @@ RobotModel corrected(RobotModel robot, const Calibration& calibration,
   return robot;
 }
 
+/// What one reading of the log tells.
+struct Findings {
+  MapResult map{};
+  DeadReckoningResult by_wheels{};
+  bool interrupted = false;
+};
+
+Findings find(CutLog& log, const RobotModel& robot, const MapOptions& options, Threads threads) {
+  Mapper mapper(robot, options, threads);
+  DeadReckoner by_wheels(robot.wheels, {.yaw = YawSource::kWheels});
+  while (const auto message = log.next()) {
+    by_wheels.add(*message);
+    mapper.add(*message);
+    while (mapper.next_update()) {
+    }
+  }
+  const HeldInterrupt held;
+  MapResult map = mapper.finish();
+  ProgressDisplay::clear_line();
+  return {std::move(map), by_wheels.finish(), log.interrupted()};
+}
+
+/// Once more with beams as they are, if the first reading finds them to be off. All else follows
+/// from them.
+void find_anew(const Arguments& arguments, const MapOptions& options, RobotModel& robot,
+               ProgressDisplay& display, Findings& findings, const AppContext& context) {
+  const Calibration first = findings.map.calibration;
+  if (!first.beams_are_off() || findings.interrupted) return;
+  robot = corrected_beams(std::move(robot), first);
+  const auto reader = open_log(arguments.log, log_options(arguments.reading, context));
+  CutLog log(*reader, arguments.cut, !context.robot_given(), "calibrating anew", display);
+  findings = find(log, robot, options, context.threads());
+  tell_of_beams(first, findings.map);
+}
+
 ExitCode run(const Arguments& arguments, const AppContext& context) {
   auto options = context.load_options<MapOptions>();
   options.calibration = true;
@@ -150,37 +190,27 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const auto reader =
       open_log(arguments.log, log_options(arguments.reading, context, &print_problem));
   tell_choices(*reader, context);
-  const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
+  RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
   outputs.prepare();
 
   ProgressDisplay display(context);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "calibrating", display);
-  Mapper mapper(robot, options, context.threads());
-  DeadReckoner by_wheels(robot.wheels, {.yaw = YawSource::kWheels});
-  while (const auto message = log.next()) {
-    by_wheels.add(*message);
-    mapper.add(*message);
-    while (mapper.next_update()) {
-    }
-  }
-  const HeldInterrupt held;
-  const MapResult map = mapper.finish();
-  const DeadReckoningResult reckoned = by_wheels.finish();
-  ProgressDisplay::clear_line();
+  Findings findings = find(log, robot, options, context.threads());
   (void)log.judge(arguments.log);
+  find_anew(arguments, options, robot, display, findings, context);
   for (const std::string& change : log_files.changes()) context.warn(change);
-  const Calibration& calibration = map.calibration;
+  const Calibration& calibration = findings.map.calibration;
   if (calibration.motions == 0) {
     throw DataError({arguments.log},
                     "too little to calibrate by: it takes odometry that agrees with the laser, and "
                     "half a minute of driving");
   }
-  const auto wheels = judge_wheels(reckoned, map, robot.wheels);
+  const auto wheels = judge_wheels(findings.by_wheels, findings.map, robot.wheels);
   if (!arguments.output.empty())
     write_text_file(arguments.output, robot_to_toml(corrected(robot, calibration, wheels)));
   print(calibration, wheels, robot, arguments.output, context);
-  if (log.interrupted()) context.warn("interrupted: the values are of what was read until then");
-  return log.interrupted() ? kExitInterrupted : kExitDone;
+  if (findings.interrupted) context.warn("interrupted: the values are of what was read until then");
+  return findings.interrupted ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace

@@ -193,6 +193,21 @@ std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppCont
   return reader;
 }
 
+/// A map whose beams are bent or mirrored is made anew from the beginning of the log.
+void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
+                   const RobotModel& robot, RunRecording& recording, ProgressDisplay& display,
+                   MapResult& result, const AppContext& context) {
+  const Calibration found = result.calibration;
+  if (!found.beams_are_off() || !result.complete) return;
+  result = {};  // its memory is needed
+  LogFlags flags = arguments.reading;
+  flags.pictures = false;
+  const auto reader = open_log(arguments.log, log_options(flags, context));
+  CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping anew", display);
+  result = pipeline.map_anew(log, recording, robot, found, context.threads());
+  ProgressDisplay::clear_line();
+}
+
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   MapPipeline pipeline(arguments, context);
@@ -232,6 +247,8 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                   robot, context.threads(), held);
   ProgressDisplay::clear_line();
   const LogSummary judged = log.judge(arguments.log);
+  if (!log.interrupted())
+    correct_beams(arguments, pipeline, robot, recording, display, result, context);
   camera.take_pictures(*reader);
   add_judgement(judged, log_files.changes(), log.interrupted(), result);
 

@@ -6,6 +6,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/sensor/messages.hpp"
+#include "loopstone/slam/beam_correction.hpp"
 #include "loopstone/slam/mapper.hpp"
 
 namespace loopstone::app {
@@ -117,6 +118,26 @@ MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Thread
   feed(source, mapper);
   MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
   while (const auto update = mapper.next_update()) source.recording.add(*update, mapper);
+  return result;
+}
+
+MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
+                                const Calibration& found, Threads threads) const {
+  const RobotModel corrected = corrected_beams(robot, found);
+  recording.begin_anew(corrected);
+  Mapper mapper(corrected, std::get<MapOptions>(options_), threads);
+  const auto record_updates = [&] {
+    while (const auto update = mapper.next_update()) recording.add(*update, mapper);
+  };
+  while (const auto message = log.next()) {
+    recording.add(*message);
+    mapper.add(*message);
+    record_updates();
+  }
+  MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
+  record_updates();
+  result.complete = result.complete && !log.interrupted();
+  tell_of_beams(found, result);
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include "loopstone/base/words.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/sensor/robot_model.hpp"
+#include "loopstone/slam/calibration.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
 #include "loopstone/slam/scan_to_scan.hpp"
@@ -71,6 +72,10 @@ class MapPipeline {
   /// \param held  set once there is something that Ctrl-C must not lose
   [[nodiscard]] MapResult map(const Source& source, const RobotModel& robot, Threads threads,
                               std::optional<HeldInterrupt>& held) const;
+  /// The same log once more, with the beams that the first map's calibration asks for.
+  /// \param robot  of the first map
+  [[nodiscard]] MapResult map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
+                                   const Calibration& found, Threads threads) const;
 
  private:
   const AppContext& context_;

@@ -14,8 +14,15 @@ class RunRecording {
  public:
   /// \param path  empty: none is wanted
   /// Throws DataError when no file can be made there.
-  RunRecording(const std::string& path, const RobotModel& robot, const OccupancyOptions& map) {
-    if (!path.empty()) recording_.emplace(path, robot, map);
+  RunRecording(const std::string& path, const RobotModel& robot, const OccupancyOptions& map)
+      : path_(path), map_(map) {
+    begin_anew(robot);
+  }
+
+  /// What was recorded is of no use: the run begins once more, with this robot.
+  void begin_anew(const RobotModel& robot) {
+    recording_.reset();
+    if (!path_.empty() && failure_.empty()) recording_.emplace(path_, robot, map_);
   }
 
   template <typename... What>
@@ -42,6 +49,8 @@ class RunRecording {
     }
   }
 
+  std::string path_;
+  OccupancyOptions map_;
   std::optional<MapRecording> recording_{};
   std::string failure_{};
 };

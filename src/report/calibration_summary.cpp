@@ -29,10 +29,15 @@ HtmlRow row(const char* name, const CalibratedValue& value, double unit, const c
 }  // namespace
 
 nlohmann::ordered_json calibration_json(const Calibration& calibration) {
-  if (calibration.motions == 0) return {{"motions", 0}};
+  const nlohmann::ordered_json beams = {{"laser_is_mirrored", calibration.laser_is_mirrored},
+                                        {"sweep_s", to_json(calibration.sweep_s)},
+                                        {"sweep_is_off", calibration.sweep_is_off},
+                                        {"corrected", calibration.beams_corrected}};
+  if (calibration.motions == 0) return {{"motions", 0}, {"beams", beams}};
   return {{"motions", calibration.motions},
           {"mount_corrected", calibration.is_corrected},
           {"several_mounts", calibration.several_mounts},
+          {"beams", beams},
           {"lidar",
            {{"index", calibration.lidar},
             {"x_m", to_json(calibration.lidar_x_m)},
@@ -54,11 +59,12 @@ std::string calibration_html(const Calibration& calibration) {
       calibration.is_corrected ? "Laser's mount, corrected on this map" : "Laser's mount";
   return "<h2>Calibration</h2>\n<p class=\"soft\">What the motions of laser and odometry tell of "
          "one another, each with one standard deviation.</p>\n<div class=\"figures\">\n" +
-         html_key_table(
-             mount, {row("ahead of the centre", calibration.lidar_x_m, 1e3, "mm", 1),
-                     row("left of it", calibration.lidar_y_m, 1e3, "mm", 1),
-                     row("looks left by", calibration.lidar_yaw_rad, degrees(1.0), "deg", 3),
-                     row("scans later than stamped", calibration.laser_delay_s, 1e3, "ms", 1)}) +
+         html_key_table(mount,
+                        {row("ahead of the centre", calibration.lidar_x_m, 1e3, "mm", 1),
+                         row("left of it", calibration.lidar_y_m, 1e3, "mm", 1),
+                         row("looks left by", calibration.lidar_yaw_rad, degrees(1.0), "deg", 3),
+                         row("scans later than stamped", calibration.laser_delay_s, 1e3, "ms", 1),
+                         row("sweep that is not told", calibration.sweep_s, 1e3, "ms", 1)}) +
          html_key_table(
              "Odometry",
              {row("its way / the laser's", calibration.translation_scale, 1.0, "", 4),

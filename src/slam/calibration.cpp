@@ -276,6 +276,28 @@ bool is_likely(double scale) {
   return scale > kCalibration.scale_least && scale < kCalibration.scale_most;
 }
 
+/// In each stretch of the log that turns enough to show it.
+bool all_turns_opposite(const std::vector<Motion>& motions) {
+  const auto blocks = static_cast<std::size_t>(kCalibration.blocks);
+  for (std::size_t block = 0; block < blocks; ++block) {
+    double both = 0.0;
+    double laser = 0.0;
+    double odometry = 0.0;
+    double turned_rad = 0.0;
+    const std::size_t end = (block + 1) * motions.size() / blocks;
+    for (std::size_t i = block * motions.size() / blocks; i < end; ++i) {
+      const Motion& motion = motions[i];
+      both += motion.laser.yaw * motion.odometry.yaw;
+      laser += motion.laser.yaw * motion.laser.yaw;
+      odometry += motion.odometry.yaw * motion.odometry.yaw;
+      turned_rad += std::abs(motion.laser.yaw);
+    }
+    if (turned_rad * kCalibration.blocks < kCalibration.enough_rad) continue;
+    if (both > -kCalibration.opposite * std::sqrt(laser * odometry)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Pose2 Calibration::robot_T_lidar() const {
@@ -299,6 +321,7 @@ Calibration calibrate(const std::deque<TrackedPose>& track, const Pose2& robot_T
   const LinearFit turned = robust_fit(turning);
   const LinearProblem problem = driving_problem(motions, shown, turned.x[3], 0.5);
   const Driving driving = driving_by(motions, shown, problem, turned.x[3]);
+  result.turns_opposite = shown.turns && is_likely(-turned.x[0]) && all_turns_opposite(motions);
   if ((shown.turns && !is_likely(turned.x[0])) || !is_likely(driving.value[1])) return result;
 
   result.motions = static_cast<std::int64_t>(motions.size());

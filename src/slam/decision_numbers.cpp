@@ -37,6 +37,7 @@
 #include "slam/scan_edges.hpp"
 #include "slam/sensor_faults.hpp"
 #include "slam/surface_adjustment_numbers.hpp"
+#include "slam/sweep_fit.hpp"
 
 namespace loopstone {
 
@@ -85,6 +86,7 @@ std::vector<NumberGroup> decision_numbers() {
       group("back_end", kBackEnd),
       group("surface_adjustment", kSurfaceAdjustment),
       group("calibration", kCalibration),
+      group("sweep", kSweep),
       group("judged_scans", kJudgedScans),
       group("wall_pieces", kWallPieces),
       group("visit_agreement", kVisitAgreement),

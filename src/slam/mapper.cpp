@@ -12,6 +12,7 @@
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
+#include "loopstone/sensor/mounted_scan.hpp"
 #include "loopstone/slam/laser_cover.hpp"
 #include "loopstone/slam/mapper_state.hpp"
 #include "loopstone/slam/surface_adjustment.hpp"
@@ -75,7 +76,8 @@ class Mapper::Impl {
         back_end_(options, threads, board_) {}
 
   void add(const SensorMessage& message) {
-    scan_queue_.add(message);
+    const auto mounted = as_mounted(message, robot_);
+    scan_queue_.add(mounted ? *mounted : message);
     while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
   }
 
@@ -304,12 +306,14 @@ PlacedScans Mapper::Impl::place(MapResult& result) const {
   const std::span<const SubmapRecord> submaps = back_end_.back_end().submaps();
   PlacedScans placed =
       place_scans(so_far_.track, back_end_.back_end().keys(), result.graph.poses, submaps);
-  if (options_.calibration && options_.front_end.odometry != OdometryUse::kIgnore) {
-    result.calibration = calibrate_run(so_far_.track, assumed_mounts(submaps), result);
-    const Calibration& found = result.calibration;
-    if (found.is_corrected)
-      correct_mount(found.robot_T_lidar_given, found.robot_T_lidar(), result, placed);
-  }
+  if (!options_.calibration) return placed;
+  const AssumedMounts mounts = assumed_mounts(submaps);
+  if (options_.front_end.odometry != OdometryUse::kIgnore)
+    result.calibration = calibrate_run(so_far_.track, mounts, result);
+  judge_beams(so_far_.track, mounts, submaps, result);
+  const Calibration& found = result.calibration;
+  if (found.is_corrected)
+    correct_mount(found.robot_T_lidar_given, found.robot_T_lidar(), result, placed);
   return placed;
 }
 

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
+#include "slam/sensor_faults.hpp"
+#include "slam/sweep_fit.hpp"
 
 namespace loopstone {
 
@@ -104,7 +106,8 @@ Calibration calibrate_run(const std::deque<TrackedPose>& track, const AssumedMou
 
 void correct_mount(const Pose2& given, const Pose2& corrected, MapResult& result,
                    PlacedScans& placed) {
-  const ByOtherCentre other(corrected * given.inverse());
+  const Pose2 new_T_old = corrected * given.inverse();
+  const ByOtherCentre other(new_T_old);
   // In the old map the origin is the old first pose, wherever the graph has moved it.
   for (Pose2& pose : result.graph.poses) pose = other.told(pose);
   for (RelativePoseEdge& edge : result.graph.edges) {
@@ -120,25 +123,64 @@ void correct_mount(const Pose2& given, const Pose2& corrected, MapResult& result
   for (const StampedPose2& pose : placed.trajectory.poses())
     trajectory.append(pose.stamp, other.told(pose.pose));
   placed.trajectory = std::move(trajectory);
-  const Pose2 new_map_T_map = corrected * given.inverse();
   const Pose2 lidar_T_robot = corrected.inverse();
   for (PosedScan& scan : placed.on_map) {
-    scan.map_T_lidar = new_map_T_map * scan.map_T_lidar;
-    scan.map_T_lidar_end = new_map_T_map * scan.map_T_lidar_end;
+    scan.map_T_lidar = new_T_old * scan.map_T_lidar;
+    scan.map_T_lidar_end = new_T_old * scan.map_T_lidar_end;
     scan.map_T_robot = scan.map_T_lidar * lidar_T_robot;
   }
 }
 
+void judge_beams(const std::deque<TrackedPose>& track, const AssumedMounts& mounts,
+                 std::span<const SubmapRecord> submaps, MapResult& result) {
+  if (!mounts.first || mounts.several) return;
+  Calibration& calibration = result.calibration;
+  calibration.lidar = mounts.lidar;
+  calibration.laser_is_mirrored =
+      calibration.turns_opposite &&
+      result.statistics.wheels_with_gyro.value_or(0.0) > kSensorFaults.same_correlation;
+  const auto fit = fit_sweep(untold_scans(submaps, track, mounts.lidar));
+  if (!fit) return;
+  calibration.sweep_s = {fit->sweep_s, fit->sigma_s, 0.0, fit->is_known()};
+  calibration.sweep_is_off = fit->is_off();
+}
+
+std::vector<std::string> beam_warnings(const Calibration& calibration) {
+  const std::string end = calibration.beams_corrected
+                              ? "the map was made anew with that; `loopstone calibrate` writes a "
+                                "robot file that says so"
+                              : "the map must be made anew with that";
+  std::vector<std::string> warnings;
+  if (calibration.laser_is_mirrored) {
+    warnings.push_back(
+        "the laser turns the other way than wheels and gyro, which agree with one another: it "
+        "hangs upside down, or its beams are listed in the wrong order; " +
+        end);
+  }
+  if (calibration.sweep_is_off) {
+    const CalibratedValue& sweep = calibration.sweep_s;
+    warnings.push_back(fmt::format(
+        "the beams of a scan leave over {:.1f} ms (+- {:.1f}){}, as the scans of a robot "
+        "that turns tell: the log says that they leave at once; {}",
+        1e3 * std::abs(sweep.value), 1e3 * sweep.sigma,
+        sweep.value > 0.0 ? "" : ", the last one first", end));
+  }
+  return warnings;
+}
+
 std::vector<std::string> calibration_warnings(const MapResult& result) {
   const Calibration& calibration = result.calibration;
-  if (!calibration.is_corrected) return {};
+  std::vector<std::string> warnings = beam_warnings(calibration);
+  if (!calibration.is_corrected) return warnings;
   std::string words = "the laser ";
   if (calibration.yaw_is_off) words += yaw_words(calibration);
   if (calibration.yaw_is_off && calibration.place_is_off) words += ", and ";
   if (calibration.place_is_off) words += place_words(calibration);
-  return {words +
-          ", as its motion beside odometry's tells: the path is corrected; `loopstone calibrate` "
-          "writes a robot file that says so"};
+  warnings.push_back(
+      words +
+      ", as its motion beside odometry's tells: the path is corrected; `loopstone calibrate` "
+      "writes a robot file that says so");
+  return warnings;
 }
 
 }  // namespace loopstone

@@ -35,7 +35,13 @@ struct AssumedMounts {
 void correct_mount(const Pose2& given, const Pose2& corrected, MapResult& result,
                    PlacedScans& placed);
 
-/// What the user should know of the mount.
+/// Whether the laser is mirrored, and its sweep: into the calibration of a run.
+void judge_beams(const std::deque<TrackedPose>& track, const AssumedMounts& mounts,
+                 std::span<const SubmapRecord> submaps, MapResult& result);
+
+/// What the user should know of the laser's beams.
+[[nodiscard]] std::vector<std::string> beam_warnings(const Calibration& calibration);
+/// What the user should know of the mount, and of the beams.
 [[nodiscard]] std::vector<std::string> calibration_warnings(const MapResult& result);
 
 }  // namespace loopstone

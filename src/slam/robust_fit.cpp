@@ -4,17 +4,15 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <vector>
 
+#include "loopstone/base/median.hpp"
 #include "loopstone/slam/calibration.hpp"
 
 namespace loopstone {
 
 namespace {
 
-/// Median of the absolute values of a normal variable, as a share of its standard deviation.
-constexpr double kMedianOfNormal = 0.6745;
 /// Fewer observations of a stretch say nothing of its own.
 constexpr Eigen::Index kFewestOfBlock = 15;
 
@@ -25,9 +23,7 @@ Eigen::VectorXd noise_of(const Eigen::VectorXd& residuals, Eigen::Index kinds) {
     std::vector<double> sizes;
     for (Eigen::Index i = kind; i < residuals.size(); i += kinds)
       sizes.push_back(std::abs(residuals[i]));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    noise[kind] = std::max(*middle / kMedianOfNormal, kCalibration.noise_floor);
+    noise[kind] = std::max(kSigmaPerMedian * median_of(sizes), kCalibration.noise_floor);
   }
   return noise;
 }

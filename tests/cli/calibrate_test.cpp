@@ -88,5 +88,36 @@ TEST_F(CalibrateCommand, MapSaysWhatItCorrected) {
   EXPECT_EQ(textbook.exit_code, 2);
 }
 
+TEST_F(CalibrateCommand, BeamsThatAreOffAreMappedAnew) {
+  const std::string log = *folder_ / "unkind";
+  const ProgramResult simulated =
+      run_program({"simulate", "office", "-o", log, "--seed", "2", "--duration", "120", "--beams",
+                   "181", "--scan-rate", "5", "--realism", "upside_down,sweep", "--quiet"});
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.error;
+  const std::string robot = *folder_ / "unkind.toml";
+  const ProgramResult found = run_program({"calibrate", log, "-o", robot, "--json", "--quiet"});
+  ASSERT_EQ(found.exit_code, 0) << found.error;
+  EXPECT_EQ(nlohmann::json::parse(found.out).at("lidar").at("is_mirrored"), true);
+  const RobotModel written = read_robot_file(robot);
+  EXPECT_TRUE(written.lidars.at(0).upside_down);
+  EXPECT_NEAR(written.lidars.at(0).sweep_s, 0.075, 0.004);
+
+  const ProgramResult map = run_program(
+      {"map", log, "-o", *folder_ / "anew", "--mcap", *folder_ / "anew.mcap", "--json"});
+  ASSERT_EQ(map.exit_code, 0) << map.error;
+  EXPECT_THAT(map.error, HasSubstr("upside down"));
+  const auto anew = nlohmann::json::parse(map.out);
+  EXPECT_EQ(anew.at("calibration").at("beams").at("corrected"), true);
+  EXPECT_TRUE(std::filesystem::exists(*folder_ / "anew.mcap"));
+
+  const ProgramResult again =
+      run_program({"map", log, "-o", *folder_ / "again", "--robot", robot, "--json"});
+  ASSERT_EQ(again.exit_code, 0) << again.error;
+  const auto at_once = nlohmann::json::parse(again.out);
+  EXPECT_EQ(at_once.at("calibration").at("beams").at("laser_is_mirrored"), false);
+  EXPECT_EQ(at_once.at("calibration").at("beams").at("corrected"), false);
+  EXPECT_EQ(at_once.at("scans"), anew.at("scans"));
+}
+
 }  // namespace
 }  // namespace loopstone::test

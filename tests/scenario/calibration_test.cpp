@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/slam/beam_correction.hpp"
 #include "mapped_drives.hpp"
 
 namespace loopstone::test {
@@ -75,6 +76,67 @@ TEST(CalibrationSimulated, ALogThatAsksForTheLasersPathGetsIt) {
   const MapResult result = map_of(log);
   EXPECT_TRUE(result.calibration.place_is_off);
   EXPECT_FALSE(result.calibration.is_corrected);
+}
+
+/// As the program does it: the log once more where the first map asks for it.
+MapResult map_with_corrected_beams(const SimulatedLog& log, const Calibration& found) {
+  Mapper mapper(corrected_beams(log.robot, found), {});
+  for (const auto& message : log.messages) mapper.add(message);
+  MapResult result = mapper.finish();
+  tell_of_beams(found, result);
+  return result;
+}
+
+TEST(CalibrationSimulated, ALaserUpsideDownIsNoticedAndTheMapMadeAnew) {
+  SimulationOptions options = office_options(false);
+  options.duration_s = 120.0;
+  options.realism.upside_down.on = true;
+  const SimulatedLog log = simulate_log("office", 2, options);
+  const MapResult first = map_of(log);
+  ASSERT_TRUE(first.calibration.laser_is_mirrored);
+  EXPECT_GT(ate_rmse_m(first.trajectory, log), 0.5) << "else this shows nothing";
+  const MapResult second = map_with_corrected_beams(log, first.calibration);
+  EXPECT_LT(ate_rmse_m(second.trajectory, log), 0.02);
+  EXPECT_FALSE(second.calibration.turns_opposite);
+  EXPECT_TRUE(second.calibration.beams_corrected);
+  ASSERT_FALSE(second.warnings.empty());
+  EXPECT_NE(second.warnings.front().find("upside down"), std::string::npos);
+}
+
+TEST(CalibrationSimulated, OdometryAloneThatTurnsTheOtherWayMayBeWrongItself) {
+  SimulationOptions options = office_options(false);
+  options.duration_s = 120.0;
+  options.realism.upside_down.on = true;
+  options.odometry_poses = true;
+  const SimulatedLog log = simulate_log("office", 2, options);
+  const MapResult result = map_of(log);
+  EXPECT_TRUE(result.calibration.turns_opposite);
+  EXPECT_FALSE(result.calibration.laser_is_mirrored);
+}
+
+TEST(CalibrationSimulated, ASweepThatNobodyToldIsFoundAndTheMapMadeAnew) {
+  SimulationOptions options = office_options(false);
+  options.duration_s = 150.0;
+  options.realism.sweep.on = true;
+  const SimulatedLog log = simulate_log("office", 3, options);
+  const MapResult first = map_of(log);
+  const Calibration& found = first.calibration;
+  ASSERT_TRUE(found.sweep_is_off);
+  EXPECT_NEAR(found.sweep_s.value, 0.075, 0.002);
+  const MapResult second = map_with_corrected_beams(log, found);
+  EXPECT_LT(ate_rmse_m(second.trajectory, log), 0.5 * ate_rmse_m(first.trajectory, log));
+  EXPECT_LT(heading_error_rad(second, log), 0.5 * heading_error_rad(first, log));
+  EXPECT_FALSE(second.calibration.mount_is_off());
+  EXPECT_NEAR(second.calibration.lidar_y_m.value, 0.0, 0.005);
+  EXPECT_NEAR(second.calibration.laser_delay_s.value, -options.laser.clock_offset_s, 0.002);
+}
+
+TEST(CalibrationSimulated, ASweepThatTheLogTellsIsNotTouched) {
+  SimulationOptions options = office_options(false);
+  options.duration_s = 120.0;
+  const MapResult result = map_of(simulate_log("office", 3, options));
+  EXPECT_FALSE(result.calibration.beams_are_off());
+  EXPECT_FALSE(result.calibration.sweep_s.observable);
 }
 
 }  // namespace

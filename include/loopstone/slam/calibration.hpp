@@ -40,6 +40,7 @@ struct CalibrationNumbers {
   double yaw_off_rad = 0.001745;
   double place_off_m = 0.005;
   double half_agrees = 0.5;
+  double opposite = 0.8;
 };
 inline constexpr CalibrationNumbers kCalibration{};
 
@@ -82,6 +83,9 @@ void visit_numbers(const CalibrationNumbers& n, Visitor&& visit) {
   visit("place_off_m", n.place_off_m, "chosen: less than half a centimetre harms nobody");
   visit("half_agrees", n.half_agrees,
         "chosen: each half of the log must ask for this share of the correction at least");
+  visit("opposite", n.opposite,
+        "chosen: correlation of turns, but for the sign, from which on they go opposite ways; each "
+        "stretch of the log must show it");
 }
 
 /// A value that a log tells.
@@ -107,6 +111,13 @@ struct Calibration {
   CalibratedValue turn_per_m_rad{};   ///< odometry turns so far a metre while the robot does not
   /// Scans show the robot so long after their stamp, by odometry's clock.
   CalibratedValue laser_delay_s{};
+  /// The laser turns the other way than odometry, all along; who of them is right is another matter.
+  bool turns_opposite = false;
+  /// It is the laser: wheels and gyro agree with one another. Its beams go round the other way.
+  bool laser_is_mirrored = false;
+  CalibratedValue sweep_s{};     ///< from the first beam to the last, where scans do not tell
+  bool sweep_is_off = false;     ///< significant, and both halves of the log say so
+  bool beams_corrected = false;  ///< the map was made anew with mirrored beams, or that sweep
   bool yaw_is_off = false;      ///< the mount's yaw: significant, and both halves of the log say so
   bool place_is_off = false;    ///< its x and y: likewise
   bool is_corrected = false;    ///< the map has the corrected mount
@@ -114,6 +125,8 @@ struct Calibration {
   bool several_mounts = false;  ///< lasers, or places of one; what is told is of the first
 
   [[nodiscard]] bool mount_is_off() const { return yaw_is_off || place_is_off; }
+  /// What no map can be put right for afterwards: it must be made anew, see beam_correction.hpp.
+  [[nodiscard]] bool beams_are_off() const { return laser_is_mirrored || sweep_is_off; }
   /// The mount with what is off put right, and all else as given.
   [[nodiscard]] Pose2 robot_T_lidar() const;
 };
