@@ -198,7 +198,7 @@ void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
                    const RobotModel& robot, RunRecording& recording, ProgressDisplay& display,
                    MapResult& result, const AppContext& context) {
   const Calibration found = result.calibration;
-  if (!found.beams_are_off() || !result.complete) return;
+  if (!found.beams_are_off() || !result.complete || interrupted()) return;
   result = {};  // its memory is needed
   LogFlags flags = arguments.reading;
   flags.pictures = false;
@@ -247,8 +247,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                   robot, context.threads(), held);
   ProgressDisplay::clear_line();
   const LogSummary judged = log.judge(arguments.log);
-  if (!log.interrupted())
-    correct_beams(arguments, pipeline, robot, recording, display, result, context);
+  correct_beams(arguments, pipeline, robot, recording, display, result, context);
   camera.take_pictures(*reader);
   add_judgement(judged, log_files.changes(), log.interrupted(), result);
 

@@ -73,7 +73,12 @@ void Odometer::add(const ImuSample& sample) {
   const double rate = sample.angular_velocity_rad_s.z();
   if (!std::isfinite(rate)) return;
   if (!own_.rates.empty() && sample.stamp <= own_.rates.back().stamp) return;
-  if (own_.source == Source::kPoses || options_.yaw == YawSource::kWheels) return;
+  if (options_.yaw == YawSource::kWheels) return;
+  if (own_.source == Source::kPoses) {  // which turn the robot; it is their witness
+    own_.rates.push_back({sample.stamp, rate});
+    forget_rates_before(sample.stamp - kLargestGyroGap);
+    return;
+  }
   if (!own_.started) own_.started = sample.stamp;
   own_.seen_until = std::max(own_.seen_until, sample.stamp);
   own_.rates.push_back({sample.stamp, rate});
@@ -89,6 +94,7 @@ void Odometer::add(const OdometryPose& pose) {
   if (restarted_before_first) {
     own_.odom_T_log_odom = own_.nodes.back().odom_T_robot.pose * pose.odom_T_robot.inverse();
   }
+  if (own_.last_pose) compare_with_gyro(*own_.last_pose, pose);
   own_.last_pose = pose;
   if (own_.counted_from && pose.stamp <= *own_.counted_from) return;
   const Pose2 odom_T_robot = own_.odom_T_log_odom * pose.odom_T_robot;
@@ -157,11 +163,22 @@ void Odometer::integrate(Interval interval) {
     integrate_along_gyro(interval);
     const double by_wheels = interval.motion.rotation_rad;
     const double by_gyro = wrap_angle(own_.nodes.back().odom_T_robot.pose.yaw - yaw_before);
-    own_.turns.ww += by_wheels * by_wheels;
-    own_.turns.wg += by_wheels * by_gyro;
-    own_.turns.gg += by_gyro * by_gyro;
+    add_turns(by_wheels, by_gyro);
   }
   forget_rates_before(interval.to - kLargestGyroGap);
+}
+
+void Odometer::add_turns(double by_odometry, double by_gyro) {
+  own_.turns.ww += by_odometry * by_odometry;
+  own_.turns.wg += by_odometry * by_gyro;
+  own_.turns.gg += by_gyro * by_gyro;
+}
+
+void Odometer::compare_with_gyro(const OdometryPose& from, const OdometryPose& to) {
+  if (to.stamp - from.stamp > kLargestGyroGap || !gyro_covers({from.stamp, to.stamp})) return;
+  const double rate = 0.5 * (rate_at(from.stamp) + rate_at(to.stamp));
+  add_turns(wrap_angle(to.odom_T_robot.yaw - from.odom_T_robot.yaw),
+            rate * seconds_between(from.stamp, to.stamp));
 }
 
 std::optional<double> Odometer::wheels_with_gyro() const {

@@ -153,7 +153,7 @@ std::vector<std::string> beam_warnings(const Calibration& calibration) {
   std::vector<std::string> warnings;
   if (calibration.laser_is_mirrored) {
     warnings.push_back(
-        "the laser turns the other way than wheels and gyro, which agree with one another: it "
+        "the laser turns the other way than odometry and gyro, which agree with one another: it "
         "hangs upside down, or its beams are listed in the wrong order; " +
         end);
   }

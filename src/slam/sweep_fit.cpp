@@ -294,8 +294,9 @@ std::optional<SweepFit> fit_sweep(std::span<const MovingScan> scans) {
     const LinearFit found = robust_fit(problem);
     const double correction_s = found.x[0];
     const double sweep_s = fit.sweep_s + correction_s;
+    const double scatter = scatter_of_blocks(problem, kCalibration.blocks)[0];
     fit.sigma_s =
-        std::sqrt(found.covariance(0, 0)) * scatter_of_blocks(problem, kCalibration.blocks)[0];
+        std::hypot(scatter * std::sqrt(found.covariance(0, 0)), kSweep.share_in_doubt * sweep_s);
     fit.pairs = static_cast<std::size_t>(problem.observations());
     fit.halves_agree = halves_agree(problem, fit.sweep_s, sweep_s);
     fit.sweep_s = std::clamp(sweep_s, -longest_s, longest_s);

@@ -35,6 +35,7 @@ struct SweepNumbers {
   double prior_rad = 0.1;
   int rounds = 6;
   double settled_s = 1e-4;
+  double share_in_doubt = 0.01;
   double known_s = 0.005;
   double sigmas = 5.0;
   double least_s = 0.01;
@@ -67,6 +68,9 @@ void visit_numbers(const SweepNumbers& n, Visitor&& visit) {
   visit("prior_rad", n.prior_rad, "chosen: likewise");
   visit("rounds", n.rounds, "chosen: of straightening anew; it settles within four");
   visit("settled_s", n.settled_s, "chosen: less is not worth another round");
+  visit("share_in_doubt", n.share_in_doubt,
+        "chosen: velocities are means over the time between scans, and their errors those of all "
+        "pairs");
   visit("known_s", n.known_s,
         "chosen: known to five milliseconds, it is observable; a robot that turns 30 degrees a "
         "second turns by 0.15 degrees meanwhile");

@@ -110,8 +110,8 @@ class Odometer {
   /// Wheel readings whose heading came from the gyro, and from the wheels.
   [[nodiscard]] std::int64_t turned_by_gyro() const { return own_.turned_by_gyro; }
   [[nodiscard]] std::int64_t turned_by_wheels() const { return own_.turned_by_wheels; }
-  /// Correlation [-1, 1] of the turns that wheels and gyro tell, -1 when one of them has the wrong
-  /// sign. Nothing before both turned by a radian or two.
+  /// Correlation [-1, 1] of the turns that wheels (or the log's poses) and gyro tell, -1 when one of
+  /// them has the wrong sign. Nothing before both turned by a radian or two.
   [[nodiscard]] std::optional<double> wheels_with_gyro() const;
 
   enum class Source { kNone, kWheels, kPoses };
@@ -201,6 +201,9 @@ class Odometer {
   void integrate_waiting(bool all);
   void integrate(Interval interval);
   void integrate_along_gyro(const Interval& interval);
+  /// Poses that the log tells, by the gyro's turn meanwhile.
+  void compare_with_gyro(const OdometryPose& from, const OdometryPose& to);
+  void add_turns(double by_odometry, double by_gyro);
   void step(Stamp to, const ArcMotion& motion, bool yaw_from_gyro);
   void append(Stamp stamp, const Pose2& odom_T_robot, const Eigen::Matrix3d& step_covariance);
   void learn_bias(const Interval& interval);

@@ -233,6 +233,28 @@ TEST(Odometer, PassesTheLogsOwnOdometryThrough) {
   EXPECT_EQ(*odometer.newest(), at(2.0));
 }
 
+TEST(Odometer, TheLogsOwnOdometryHasTheGyroAsAWitness) {
+  for (const double sign : {1.0, -1.0}) {
+    Odometer odometer(WheelModel{});
+    Odometer silent(WheelModel{});
+    double yaw_rad = 0.0;
+    for (int i = 0; i < 500; ++i) {
+      const double rate_rad_s = 0.8 * std::sin(0.02 * i);
+      yaw_rad += 0.02 * rate_rad_s;
+      ImuSample sample{.stamp = at(0.02 * i)};
+      sample.angular_velocity_rad_s.z() = sign * rate_rad_s + 0.02;
+      odometer.add(sample);
+      if (i % 5 != 0) continue;
+      odometer.add(OdometryPose{at(0.02 * i), Pose2{0.0, 0.0, yaw_rad}});
+      silent.add(OdometryPose{at(0.02 * i), Pose2{0.0, 0.0, yaw_rad}});
+    }
+    ASSERT_TRUE(odometer.wheels_with_gyro());
+    EXPECT_NEAR(*odometer.wheels_with_gyro(), sign, 0.05);
+    EXPECT_EQ(odometer.pose_at(at(5.0))->pose, silent.pose_at(at(5.0))->pose) << "a witness only";
+    EXPECT_FALSE(silent.wheels_with_gyro());
+  }
+}
+
 TEST(Odometer, ExtrapolatesALittleAndThenRefuses) {
   const Drive drive = fine_drive();
   const Odometer odometer = run(drive);
