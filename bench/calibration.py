@@ -3,7 +3,7 @@
 truth in world.json, maps the same logs with and without the correction, and writes the table of
 docs/calibration.md.
 
-  bench/calibration.py              office and warehouse, five seeds each (about six minutes)
+  bench/calibration.py              office and warehouse, five seeds each (about ten minutes)
   bench/calibration.py --quick      two seeds, 150 s of each drive; prints the table
 """
 import concurrent.futures
@@ -24,9 +24,10 @@ from provenance import circumstances, provenance  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/calibration.md", "calibration"
 WORLDS = ["office", "warehouse"]
-EFFECTS = ["mount", "mount,wheels,gyro", "usual", "none"]
+EFFECTS = ["mount", "mount,wheels,gyro", "sweep", "upside_down", "usual", "none"]
 SEEDS = 5
-SCANS = ["--beams", "361", "--scan-rate", "5"]
+BEAMS = 361
+SCANS = ["--beams", BEAMS, "--scan-rate", "5"]
 QUICK_S = 150
 
 
@@ -37,6 +38,13 @@ def true_mount(folder):
     if drawn:
         return {name: drawn[f"robot_T_lidar_{name}"] for name in ("x_m", "y_m", "yaw_rad")}
     return world["robot"]["robot_T_lidar"]
+
+
+def true_sweep(folder):
+    """From the first beam to where one more would follow; None where the log tells it."""
+    world = json.loads((folder / "world.json").read_text())
+    drawn = (world.get("realism") or {}).get("drawn", {}).get("sweep")
+    return drawn["sweep_s"] * BEAMS / (BEAMS - 1) if drawn else None
 
 
 def heading_and_way(loopstone, folder, name, flags):
@@ -63,6 +71,10 @@ def measure(loopstone, world, effect, seed, flags):
         error = value["value"] - truth[name]
         row["errors"][name] = math.remainder(error, math.tau) if name == "yaw_rad" else error
         row["sigmas"][name] = value["sigma"]
+    sweep, truly = found["lidar"]["sweep_s"], true_sweep(folder)
+    if truly is not None:
+        row["errors"]["sweep_s"] = sweep["value"] - truly
+        row["sigmas"]["sweep_s"] = sweep["sigma"]
     name = f"calibration-{world}-{effect.replace(',', '+')}-{seed}"
     row["told"] = heading_and_way(loopstone, folder, name, ["--no-calibration"])
     row["corrected"] = heading_and_way(loopstone, folder, name, [])
@@ -92,6 +104,7 @@ def cells_of(world, effect, rows):
         return f"{statistics.fmean(row[which][part] for row in rows):.{digits}f}"
 
     yaw = math.degrees(1.0)
+    has_sweep = all("sweep_s" in row["errors"] for row in rows)
     return [
         world,
         effect,
@@ -99,6 +112,7 @@ def cells_of(world, effect, rows):
         f"{error('x_m', 1e3, 1)} ({sigma('x_m', 1e3, 1)})",
         f"{error('y_m', 1e3, 1)} ({sigma('y_m', 1e3, 1)})",
         f"{error('yaw_rad', yaw, 3)} ({sigma('yaw_rad', yaw, 3)})",
+        f"{error('sweep_s', 1e3, 1)} ({sigma('sweep_s', 1e3, 1)})" if has_sweep else "",
         str(sum(row["off"] for row in rows)),
         path("told", 0, 2),
         path("corrected", 0, 2),
@@ -108,7 +122,8 @@ def cells_of(world, effect, rows):
 
 
 def text_of(when, rows):
-    header = ["world", "effects", "logs>", "x [mm]>", "y [mm]>", "yaw [deg]>", "said to be off>"]
+    header = ["world", "effects", "logs>", "x [mm]>", "y [mm]>", "yaw [deg]>", "sweep [ms]>"]
+    header += ["mount said to be off>"]
     header += ["heading as told [deg]>", "corrected [deg]>", "path as told [m]>", "corrected [m]>"]
     return "\n".join(
         [
