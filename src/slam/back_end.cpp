@@ -2,18 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/graph/solver.hpp"
+#include "slam/loop_candidates.hpp"
+#include "slam/loop_surroundings.hpp"
 #include "slam/pairwise_consistency.hpp"
+#include "slam/rival_places.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
 
 namespace loopstone {
 
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
 BackEnd::BackEnd(const MapOptions& options, Threads threads)
     : loop_closure_(options.loop_closure),
+      loop_options_(options.loop),
+      submap_options_(options.submap),
+      match_options_(options.match),
+      threads_(threads),
       loops_(options.loop, options.submap, options.match, threads),
       chain_(options.loop.drift_per_m) {}
 
@@ -88,12 +103,90 @@ void BackEnd::accept_lone() {
     const bool strong = !closure.by_appearance && !closure.second_score &&
                         closure.overlap >= kBackEnd.lone_overlap &&
                         closure.agreement >= kBackEnd.lone_agreement;
-    closure.state = strong ? ClosureState::kStanding : ClosureState::kRejected;
-    closure.reason = strong ? ClosureReason::kNone : ClosureReason::kNoSecond;
-    news = news || strong;
+    std::vector<LoopClosure> asked(strong ? 1 : 0, closure);
+    ask_around(asked);
+    if (strong) closure = asked.front();
+    const bool stands = strong && closure.state == ClosureState::kWaiting;
+    if (closure.state == ClosureState::kWaiting) {
+      closure.state = stands ? ClosureState::kStanding : ClosureState::kRejected;
+      closure.reason = stands                 ? ClosureReason::kNone
+                       : closure.second_score ? ClosureReason::kAmbiguousPose
+                                              : ClosureReason::kNoSecond;
+    }
+    news = news || stands;
     events_.emplace_back(ClosureChanged{closure});
   }
   if (news) solve_outline();
+}
+
+/// The graph of the submaps with the closures that stand.
+PoseGraph BackEnd::outline() const {
+  PoseGraph graph = chain_.outline();
+  for (const auto& closure : closures_) {
+    if (closure.stands()) graph.edges.push_back(edge_of(closure));
+  }
+  return graph;
+}
+
+/// What bends the map is asked about in its surroundings: they must hold it where it pulls, and
+/// across a break of the path no other place may do as well. What fails is rejected.
+void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
+  if (asked.empty()) return;
+  const auto submaps = chain_.submaps();
+  const std::vector<Eigen::Matrix3d> known = known_motions(outline(), asked);
+  parallel_for(asked.size(), threads_, [&](std::size_t i) {
+    LoopClosure& closure = asked[i];
+    const auto is_held = [&] {
+      return hold(surroundings_of(closure, submaps, submap_options_, match_options_),
+                  map_pull_of(closure, submaps), kPairwiseConsistency.harmless_m);
+    };
+    const auto leads_there = [&] {
+      const double travel_m =
+          travel_from(submaps, closure.from_submap, kInfinite)[closure.to_submap.index];
+      return known.empty() || is_likely(closure, known[i], travel_m, submaps);
+    };
+    if (!leads_there() || !is_held()) {
+      closure.reason = ClosureReason::kSurroundings;
+    } else if (!known.empty() && has_rival_place(closure, known[i], submaps, loop_options_,
+                                                 submap_options_, match_options_)) {
+      closure.reason = ClosureReason::kAmbiguousPlace;
+    } else {
+      return;
+    }
+    closure.state = ClosureState::kRejected;
+  });
+}
+
+/// Lets those closures stand that are consistent, once their surroundings were asked. Returns their
+/// places.
+std::vector<std::size_t> BackEnd::settle() {
+  const auto submaps = chain_.submaps();
+  std::set<std::size_t> passed;
+  while (true) {
+    const std::vector<std::size_t> consistent = consistent_ones(closures_, submaps);
+    std::vector<std::size_t> places;
+    std::vector<LoopClosure> asked;
+    for (const std::size_t i : consistent) {
+      if (bends_nothing(closures_[i], submaps) || !passed.insert(i).second) continue;
+      places.push_back(i);
+      asked.push_back(closures_[i]);
+    }
+    ask_around(asked);
+    bool rejected = false;
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      if (asked[k].state == ClosureState::kWaiting) continue;
+      rejected = true;
+      closures_[places[k]] = asked[k];
+      events_.emplace_back(ClosureChanged{asked[k]});
+    }
+    // What was rejected is no witness any more.
+    if (rejected) continue;
+    for (const std::size_t i : consistent) {
+      closures_[i].state = ClosureState::kStanding;
+      closures_[i].reason = ClosureReason::kNone;
+    }
+    return consistent;
+  }
 }
 
 void BackEnd::take(std::vector<LoopClosure> found) {
@@ -108,7 +201,6 @@ void BackEnd::take(std::vector<LoopClosure> found) {
   }
   // Each solution brings the map nearer to the truth, so that more of those that wait may agree
   // with it.
-  const auto settle = [this] { return accept_consistent(closures_, chain_.submaps()); };
   bool news = false;
   for (auto accepted = settle(); !accepted.empty(); accepted = settle()) {
     for (const std::size_t i : accepted) events_.emplace_back(ClosureChanged{closures_[i]});

@@ -29,11 +29,13 @@
 #include "slam/front_end_numbers.hpp"
 #include "slam/graph_quality_numbers.hpp"
 #include "slam/loop_candidates.hpp"
+#include "slam/loop_surroundings.hpp"
 #include "slam/loop_verification.hpp"
 #include "slam/loose_parts_numbers.hpp"
 #include "slam/map_verdict_numbers.hpp"
 #include "slam/pairwise_consistency.hpp"
 #include "slam/pose_search.hpp"
+#include "slam/rival_places.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/sensor_faults.hpp"
 #include "slam/surface_adjustment_numbers.hpp"
@@ -82,6 +84,8 @@ std::vector<NumberGroup> decision_numbers() {
       group("loop_candidates", kLoopCandidates),
       group("loop_closer", kLoopCloser),
       group("loop_verification", kLoopVerification),
+      group("loop_surroundings", kLoopSurroundings),
+      group("rival_places", kRivalPlaces),
       group("pairwise_consistency", kPairwiseConsistency),
       group("back_end", kBackEnd),
       group("surface_adjustment", kSurfaceAdjustment),

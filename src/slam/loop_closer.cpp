@@ -82,7 +82,9 @@ std::vector<LoopClosure> LoopCloser::close_newest(std::span<SubmapRecord> submap
   for (std::size_t first = 0; first < candidates.size(); first += kLoopCloser.beside) {
     const std::size_t count = std::min(kLoopCloser.beside, candidates.size() - first);
     for (LoopClosure& closure : compare(std::span(candidates).subspan(first, count), submaps)) {
-      if (closure.state == ClosureState::kWaiting) add_to(seen, state_.seen.at(pair_of(closure)));
+      // Of several poses perhaps another one is right.
+      if (closure.state == ClosureState::kWaiting && !closure.second_score)
+        add_to(seen, state_.seen.at(pair_of(closure)));
       closures.push_back(closure);
     }
     if (share_of(seen) >= kLoopCloser.covered) break;

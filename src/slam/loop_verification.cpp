@@ -41,7 +41,8 @@ std::optional<double> rival_score(LatticeSearch& search, const SearchWindow& win
 
 ClosureReason judge(const LoopClosure& closure, const MatchResult& match, const Bar& bar) {
   if (match.status == MatchStatus::kTooFewPairs) return ClosureReason::kTooFewPairs;
-  if (closure.second_score) return ClosureReason::kAmbiguousPose;
+  // Which of several poses is right the path may know, unless it led nowhere near.
+  if (closure.second_score && closure.by_appearance) return ClosureReason::kAmbiguousPose;
   if (closure.overlap < bar.overlap) return ClosureReason::kTooLittleOverlap;
   if (closure.agreement < bar.agreement) return ClosureReason::kSurfacesDisagree;
   return ClosureReason::kWaitsForSecond;

@@ -112,25 +112,33 @@ bool are_consistent(const LoopClosure& a, const LoopClosure& b, Submaps submaps)
          notices(pull_of(a, submaps), covariance);
 }
 
-std::vector<std::size_t> accept_consistent(std::vector<LoopClosure>& closures, Submaps submaps) {
+Eigen::Vector2d map_pull_of(const LoopClosure& closure, Submaps submaps) {
+  return submaps[closure.from_submap.index].map_T_submap.rotation() *
+         pull_of(closure, submaps).head<2>();
+}
+
+bool is_foretold(const LoopClosure& closure, Submaps submaps) {
+  const Eigen::Vector3d correction = correction_of(closure, submaps);
+  return !pulls_far(correction) && !turns_far(correction);
+}
+
+std::vector<std::size_t> consistent_ones(std::span<const LoopClosure> closures, Submaps submaps) {
   const auto waits = [](const LoopClosure& c) { return c.state == ClosureState::kWaiting; };
-  std::vector<std::size_t> accepted;
+  std::vector<std::size_t> consistent;
   for (std::size_t i = 0; i < closures.size(); ++i) {
     const LoopClosure& closure = closures[i];
     if (!waits(closure)) continue;
+    // What fits elsewhere as well may say nothing because it holds nothing.
+    const bool harmless = bends_nothing(closure, submaps);
+    if (harmless && closure.second_score && !is_foretold(closure, submaps)) continue;
     const bool stands =
-        bends_nothing(closure, submaps) ||
-        std::any_of(closures.begin(), closures.end(), [&](const LoopClosure& other) {
+        harmless || std::any_of(closures.begin(), closures.end(), [&](const LoopClosure& other) {
           return &other != &closure && (other.stands() || waits(other)) &&
                  are_consistent(closure, other, submaps);
         });
-    if (stands) accepted.push_back(i);
+    if (stands) consistent.push_back(i);
   }
-  for (const std::size_t i : accepted) {
-    closures[i].state = ClosureState::kStanding;
-    closures[i].reason = ClosureReason::kNone;
-  }
-  return accepted;
+  return consistent;
 }
 
 }  // namespace loopstone

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -52,6 +53,14 @@ void visit_numbers(const PairwiseConsistencyNumbers& n, Visitor&& visit) {
 /// on its own.
 [[nodiscard]] bool bends_nothing(const LoopClosure& closure, std::span<const SubmapRecord> submaps);
 
+/// Whether a closure is where the map puts it already, in every direction.
+[[nodiscard]] bool is_foretold(const LoopClosure& closure, std::span<const SubmapRecord> submaps);
+
+/// By how much a closure insists on moving its newer end [m], map frame: its correction, less what
+/// it does not hold.
+[[nodiscard]] Eigen::Vector2d map_pull_of(const LoopClosure& closure,
+                                          std::span<const SubmapRecord> submaps);
+
 /// Whether two closures between the same stretches of the path ask for the same correction: the
 /// loop of both and of the path between their ends closes, and would not without the correction.
 /// Two false closures seldom err alike, unless they are of the same scans: closures of submaps that
@@ -62,9 +71,10 @@ void visit_numbers(const PairwiseConsistencyNumbers& n, Visitor&& visit) {
 [[nodiscard]] bool are_consistent(const LoopClosure& a, const LoopClosure& b,
                                   std::span<const SubmapRecord> submaps);
 
-/// Settles which of the closures that wait may stand: those that bend nothing, and those with which
-/// another one, standing or waiting, is consistent. Returns their places among the closures.
-std::vector<std::size_t> accept_consistent(std::vector<LoopClosure>& closures,
-                                           std::span<const SubmapRecord> submaps);
+/// Which of the closures that wait may stand: those that bend nothing, and those with which
+/// another one, standing or waiting, is consistent. One that fits elsewhere as well and bends
+/// nothing stands only where the map foretells it. Returns their places among the closures.
+[[nodiscard]] std::vector<std::size_t> consistent_ones(std::span<const LoopClosure> closures,
+                                                       std::span<const SubmapRecord> submaps);
 
 }  // namespace loopstone

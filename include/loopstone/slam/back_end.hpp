@@ -100,6 +100,9 @@ class BackEnd {
  private:
   [[nodiscard]] std::span<SubmapRecord> full_submaps();
   void take(std::vector<LoopClosure> found);
+  void ask_around(std::vector<LoopClosure>& asked) const;
+  std::vector<std::size_t> settle();
+  [[nodiscard]] PoseGraph outline() const;
   void thin_covered();
   void accept_lone();
   [[nodiscard]] double unsolved_chi2() const;
@@ -107,6 +110,10 @@ class BackEnd {
   void solve_outline();
 
   bool loop_closure_;
+  LoopOptions loop_options_;
+  SubmapOptions submap_options_;
+  GridMatchOptions match_options_;
+  Threads threads_;
   LoopCloser loops_;
   KeyChain chain_;
   PoseGraph graph_{};  ///< in the end: of all key scans, and with closures

@@ -48,6 +48,7 @@ enum class ClosureReason {
   kWaitsForSecond,    ///< no second closure has asked for the same yet
   kNoSecond,          ///< and none came until the end
   kContradictsGraph,  ///< its residual is too large to be chance
+  kSurroundings,      ///< the submaps around both ends do not hold it where it bends the map
 };
 
 /// Without comma or quote.
@@ -61,7 +62,8 @@ constexpr auto words_of(ClosureReason /*any*/) {
                     Word{kSurfacesDisagree, "surfaces disagree"},
                     Word{kWaitsForSecond, "waits for a second closure that asks for the same"},
                     Word{kNoSecond, "no second closure asks for the same"},
-                    Word{kContradictsGraph, "revoked: contradicts the rest of the graph"}};
+                    Word{kContradictsGraph, "revoked: contradicts the rest of the graph"},
+                    Word{kSurroundings, "the places around do not bear it out"}};
 }
 
 /// A place that was recognised, or looked like it, with the evidence.

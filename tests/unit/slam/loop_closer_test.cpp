@@ -90,7 +90,7 @@ TEST(LoopCloser, FindsAPlaceSeenFromElsewhereDespiteDrift) {
   }
 }
 
-TEST(LoopCloser, RefusesAPlaceThatLooksTheSameElsewhere) {
+TEST(LoopCloser, SaysThatAPlaceLooksTheSameElsewhere) {
   // A hall with a column every 1.5 m: each looks like the next.
   Walls hall{{{-60.0, 0.0}, {60.0, 0.0}}, {{60.0, 4.0}, {-60.0, 4.0}}};
   for (double x = -60.0; x < 60.0; x += 1.5) {
@@ -107,9 +107,9 @@ TEST(LoopCloser, RefusesAPlaceThatLooksTheSameElsewhere) {
   poses.front() = there.front();
   const auto closures = closer.close_newest(poses);
   ASSERT_EQ(closures.size(), 1U);
-  EXPECT_EQ(closures.front().state, ClosureState::kRejected);
-  EXPECT_EQ(closures.front().reason, ClosureReason::kAmbiguousPose);
-  EXPECT_GT(closures.front().second_score.value(), 0.85 * closures.front().score);
+  EXPECT_EQ(closures.front().state, ClosureState::kWaiting) << "the path may know which it is";
+  ASSERT_TRUE(closures.front().second_score);
+  EXPECT_GT(*closures.front().second_score, 0.85 * closures.front().score);
 }
 
 TEST(LoopCloser, RefusesAnotherPlaceWhereTheFirstShouldBe) {

@@ -117,19 +117,18 @@ TEST(PairwiseConsistency, WhatTheMapSaysAlreadyStandsAlone) {
   EXPECT_TRUE(bends_nothing(open, laps.map()));
 }
 
-TEST(PairwiseConsistency, OnlyThoseThatAgreeAreAccepted) {
+using Places = std::vector<std::size_t>;
+
+TEST(PairwiseConsistency, OnlyThoseThatAgreeMayStand) {
   const Laps laps;
   std::vector<LoopClosure> closures{laps.closure(10, 110)};
-  EXPECT_TRUE(accept_consistent(closures, laps.map()).empty());
+  EXPECT_EQ(consistent_ones(closures, laps.map()), Places{});
   closures.push_back(laps.closure(30, 130, {4.0, 1.0, 0.0}));
-  EXPECT_TRUE(accept_consistent(closures, laps.map()).empty());
+  EXPECT_EQ(consistent_ones(closures, laps.map()), Places{});
   closures.push_back(laps.closure(18, 118));
-  EXPECT_FALSE(accept_consistent(closures, laps.map()).empty());
-  EXPECT_TRUE(closures[0].stands());
-  EXPECT_EQ(closures[0].reason, ClosureReason::kNone);
-  EXPECT_EQ(closures[1].state, ClosureState::kWaiting);
-  EXPECT_TRUE(closures[2].stands());
-  EXPECT_TRUE(accept_consistent(closures, laps.map()).empty());
+  EXPECT_EQ(consistent_ones(closures, laps.map()), (Places{0, 2}));
+  closures[2].state = ClosureState::kStanding;
+  EXPECT_EQ(consistent_ones(closures, laps.map()), Places{0}) << "what stands is a witness";
 }
 
 TEST(PairwiseConsistency, WhatWasRejectedForAReasonIsNeitherAcceptedNorHeard) {
@@ -137,8 +136,23 @@ TEST(PairwiseConsistency, WhatWasRejectedForAReasonIsNeitherAcceptedNorHeard) {
   std::vector<LoopClosure> closures{laps.closure(10, 110), laps.closure(18, 118)};
   closures[1].state = ClosureState::kRejected;
   closures[1].reason = ClosureReason::kSurfacesDisagree;
-  EXPECT_TRUE(accept_consistent(closures, laps.map()).empty());
-  EXPECT_EQ(closures[1].state, ClosureState::kRejected);
+  EXPECT_EQ(consistent_ones(closures, laps.map()), Places{});
+}
+
+TEST(PairwiseConsistency, WhatFitsElsewhereTooStandsAloneOnlyWhereTheMapHasIt) {
+  Laps laps;
+  laps.poses = laps.truth;
+  LoopClosure there = laps.closure(10, 110, {0.1, 0.0, 0.0});
+  there.second_score = 0.5;
+  EXPECT_EQ(consistent_ones(std::vector{there}, laps.map()), Places{0});
+  // Elsewhere along a direction that it does not hold: it bends nothing, and says nothing.
+  LoopClosure open = laps.closure(10, 110, {5.0, 0.0, 0.0});
+  const Pose2 now = laps.poses[10].inverse() * laps.poses[110];
+  const Eigen::Vector2d along = (open.from_T_to.translation() - now.translation()).normalized();
+  open.covariance.topLeftCorner<2, 2>() += 1e3 * along * along.transpose();
+  EXPECT_EQ(consistent_ones(std::vector{open}, laps.map()), Places{0});
+  open.second_score = 0.5;
+  EXPECT_EQ(consistent_ones(std::vector{open}, laps.map()), Places{});
 }
 
 }  // namespace

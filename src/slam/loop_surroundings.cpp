@@ -1,0 +1,138 @@
+#include "slam/loop_surroundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "loopstone/geometry/angle.hpp"
+#include "loopstone/registration/correlative_search.hpp"
+
+namespace loopstone {
+
+namespace {
+
+Eigen::Vector2d middle_of(std::size_t bin) {
+  const double angle = (static_cast<double>(bin) + 0.5) / SurfaceWitness::kBins * kPi;
+  return {std::cos(angle), std::sin(angle)};
+}
+
+std::size_t bin_of(const Eigen::Vector2d& direction) {
+  double angle = std::atan2(direction.y(), direction.x());
+  if (angle < 0.0) angle += kPi;
+  const auto bin = static_cast<std::size_t>(angle / kPi * SurfaceWitness::kBins);
+  return std::min(bin, SurfaceWitness::kBins - 1);
+}
+
+/// A submap's grids, built once for all that are laid over it.
+struct Target {
+  MaxPyramid cells;
+  SurfaceGrid surfaces;
+
+  Target(const FrozenSubmap& submap, const SubmapOptions& options, double half_xy_m)
+      : cells(submap.search_pyramid(options, half_xy_m)), surfaces(submap.surface_grid(options)) {}
+};
+
+/// \param to_map  turns directions of the target's frame into the map's
+SurfaceWitness told_by(const FrozenSubmap& source, const Target& target,
+                       const Pose2& target_T_source, const Eigen::Matrix2d& to_map) {
+  SurfaceWitness told;
+  const Eigen::Matrix2d turn = target_T_source.rotation();
+  for (const SurfacePoint& surface : source.surfaces) {
+    const Eigen::Vector2d point = target_T_source * surface.position.cast<double>().eval();
+    const Cell cell = target.cells.frame().cell_of(point);
+    const std::uint8_t value = target.cells.bound(0, cell.column, cell.row);
+    if (value == kUnknown) continue;
+    const Eigen::Vector2d normal = turn * surface.normal.cast<double>();
+    const auto line = target.surfaces.line_near(0, point, normal);
+    // Near a surface that faces elsewhere, such as the other side of a thin wall, nothing is told.
+    if (!line && value > kUnknown) continue;
+    const bool on =
+        line && std::abs(line->normal.dot(point - line->point)) <= kLoopSurroundings.on_surface_m;
+    const double weight = std::min(1.0, static_cast<double>(surface.weight));
+    const std::size_t bin = bin_of(to_map * normal);
+    told.seen[bin] += weight;
+    if (on) told.matched[bin] += weight;
+  }
+  return told;
+}
+
+/// The best pose near one that the path and a closure foretell.
+Pose2 settled(const FrozenSubmap& source, const Target& target, const Pose2& foretold,
+              const GridMatchOptions& options) {
+  const SearchWindow window{foretold, kLoopSurroundings.slack_m, kLoopSurroundings.slack_rad};
+  const SearchResult best = search_branch_and_bound(source.probe(kLoopSurroundings.probe_points),
+                                                    target.cells, window, -1.0);
+  const Pose2 start = best.found ? best.target_T_source : foretold;
+  const MatchResult fine = match_to_grid(source.surfaces, target.surfaces, start, {}, options, 0);
+  return fine.status == MatchStatus::kTooFewPairs ? start : fine.target_T_source;
+}
+
+}  // namespace
+
+void SurfaceWitness::add(const SurfaceWitness& other) {
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    seen[bin] += other.seen[bin];
+    matched[bin] += other.matched[bin];
+  }
+}
+
+double facing(const std::array<double, SurfaceWitness::kBins>& surfaces,
+              const Eigen::Vector2d& direction) {
+  double sum = 0.0;
+  for (std::size_t bin = 0; bin < SurfaceWitness::kBins; ++bin) {
+    if (std::abs(middle_of(bin).dot(direction)) > 0.5 * direction.norm()) sum += surfaces[bin];
+  }
+  return sum;
+}
+
+SurfaceWitness surroundings_of(const LoopClosure& closure, std::span<const SubmapRecord> submaps,
+                               const SubmapOptions& options, const GridMatchOptions& match) {
+  const Pose2 map_T_moved = submaps[closure.from_submap.index].map_T_submap * closure.from_T_to *
+                            submaps[closure.to_submap.index].map_T_submap.inverse();
+  const auto around = [&](std::size_t index, SubmapId end) {
+    const SubmapRecord& submap = submaps[index];
+    return submap.frozen && !submap.frozen->surfaces.empty() &&
+           submap.piece == submaps[end.index].piece;
+  };
+  const auto first = [](SubmapId end) {
+    return end.index - std::min(end.index, kLoopSurroundings.reach);
+  };
+  const auto last = [&](SubmapId end) {
+    return std::min(end.index + kLoopSurroundings.reach + 1, submaps.size());
+  };
+  SurfaceWitness sum;
+  for (std::size_t a = first(closure.from_submap); a < last(closure.from_submap); ++a) {
+    if (!around(a, closure.from_submap)) continue;
+    const SubmapRecord& older = submaps[a];
+    std::optional<Target> on_older;
+    const std::size_t begin = std::max(first(closure.to_submap), a + kLoopSurroundings.beside + 1);
+    for (std::size_t b = begin; b < last(closure.to_submap); ++b) {
+      if (!around(b, closure.to_submap)) continue;
+      const SubmapRecord& newer = submaps[b];
+      const Pose2 map_T_newer = map_T_moved * newer.map_T_submap;
+      const Eigen::Vector2d apart = map_T_newer * newer.centre - older.map_T_submap * older.centre;
+      if (apart.norm() > kLoopSurroundings.near_radii * (older.radius_m + newer.radius_m)) continue;
+      if (!on_older) on_older.emplace(*older.frozen, options, kLoopSurroundings.slack_m);
+      const Pose2 pose =
+          settled(*newer.frozen, *on_older, older.map_T_submap.inverse() * map_T_newer, match);
+      sum.add(told_by(*newer.frozen, *on_older, pose, older.map_T_submap.rotation()));
+      sum.add(told_by(*older.frozen, Target(*newer.frozen, options, 0.0), pose.inverse(),
+                      map_T_newer.rotation()));
+    }
+  }
+  return sum;
+}
+
+bool hold(const SurfaceWitness& surroundings, const Eigen::Vector2d& map_pull, double harmless_m) {
+  for (std::size_t bin = 0; bin < SurfaceWitness::kBins; ++bin) {
+    const Eigen::Vector2d direction = middle_of(bin);
+    if (std::abs(direction.dot(map_pull)) <= harmless_m) continue;
+    const double matched = facing(surroundings.matched, direction);
+    if (matched < kLoopSurroundings.least_surfaces ||
+        matched < kLoopSurroundings.least_share * facing(surroundings.seen, direction))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace loopstone

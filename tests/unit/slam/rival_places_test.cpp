@@ -1,0 +1,75 @@
+#include "slam/rival_places.hpp"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "loop_scene.hpp"
+#include "slam/scan_edges.hpp"
+
+namespace loopstone {
+namespace {
+
+const std::vector<Pose2> kVisit{
+    {4.0, 3.0, 0.0}, {4.6, 3.2, 0.8}, {5.2, 3.8, 2.0}, {3.2, 2.5, -2.0}};
+const std::vector<Pose2> kReturn{
+    {3.4, 2.2, 1.7}, {3.3, 3.0, 2.6}, {2.6, 2.4, -1.0}, {4.6, 2.8, 0.2}};
+
+/// Rooms that are alike, side by side along x, and after a break a visit of the first one.
+struct Rooms {
+  std::vector<SubmapRecord> submaps{};
+  LoopClosure closure{};
+
+  explicit Rooms(int rooms) {
+    const auto add = [&](const std::vector<Pose2>& visit, double x, std::size_t piece) {
+      FinishedSubmap seen = test::submap_seen_from(test::furnished_room(), visit, 0);
+      seen.piece = piece;
+      SubmapRecord& record = submaps.emplace_back();
+      record.freeze(std::move(seen));
+      record.map_T_submap = Pose2{x, 0.0, 0.0} * visit.front();
+    };
+    for (int room = 0; room < rooms; ++room) add(kVisit, 9.0 * room, 0);
+    add(kReturn, 0.0, 1);
+    closure.from_submap = {0};
+    closure.to_submap = {submaps.size() - 1};
+    closure.from_T_to = kVisit.front().inverse() * kReturn.front();
+    closure.score = 0.8;
+    closure.agreement = 0.95;
+  }
+  [[nodiscard]] bool has_rival(double sigma_m) const {
+    return has_rival_place(closure, planar_covariance(sigma_m, 0.2), submaps, {}, {}, {});
+  }
+};
+
+TEST(RivalPlaces, ARoomThatIsThereOnceHasNoRival) { EXPECT_FALSE(Rooms(1).has_rival(4.0)); }
+
+TEST(RivalPlaces, AlikeRoomsAreRivalsAsFarAsThePathMayBeOff) {
+  const Rooms rooms(2);
+  EXPECT_TRUE(rooms.has_rival(5.0));
+  EXPECT_FALSE(rooms.has_rival(1.5)) << "nine metres are six standard deviations";
+  EXPECT_FALSE(rooms.has_rival(0.2)) << "the path knows";
+}
+
+TEST(RivalPlaces, WithinOnePieceOfThePathNobodyIsAsked) {
+  Rooms rooms(2);
+  rooms.submaps.back().piece = 0;
+  EXPECT_FALSE(rooms.has_rival(5.0));
+}
+
+TEST(RivalPlaces, FarFromWhereThePathLeadsIsUnlikely) {
+  Rooms rooms(1);
+  const Eigen::Matrix3d known = planar_covariance(0.3, 0.02);
+  EXPECT_TRUE(is_likely(rooms.closure, known, 20.0, rooms.submaps));
+  rooms.submaps.back().map_T_submap.x += 2.0;
+  EXPECT_TRUE(is_likely(rooms.closure, known, 20.0, rooms.submaps));
+  rooms.closure.second_score = 0.75;
+  EXPECT_FALSE(is_likely(rooms.closure, known, 20.0, rooms.submaps)) << "it fits elsewhere too";
+  EXPECT_TRUE(is_likely(rooms.closure, known, 200.0, rooms.submaps)) << "after a longer way";
+  rooms.closure.second_score.reset();
+  rooms.submaps.back().map_T_submap.x += 5.0;
+  EXPECT_FALSE(is_likely(rooms.closure, known, 20.0, rooms.submaps));
+}
+
+}  // namespace
+}  // namespace loopstone
