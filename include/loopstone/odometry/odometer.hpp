@@ -110,8 +110,8 @@ class Odometer {
   /// Wheel readings whose heading came from the gyro, and from the wheels.
   [[nodiscard]] std::int64_t turned_by_gyro() const { return own_.turned_by_gyro; }
   [[nodiscard]] std::int64_t turned_by_wheels() const { return own_.turned_by_wheels; }
-  /// Correlation [-1, 1] of the turns that wheels (or the log's poses) and gyro tell, -1 when one of
-  /// them has the wrong sign. Nothing before both turned by a radian or two.
+  /// Correlation [-1, 1] of the turns that wheels (or the log's poses) and gyro tell, -1 when one
+  /// of them has the wrong sign. Nothing before both turned by a radian or two.
   [[nodiscard]] std::optional<double> wheels_with_gyro() const;
 
   enum class Source { kNone, kWheels, kPoses };

@@ -111,9 +111,9 @@ struct Calibration {
   CalibratedValue turn_per_m_rad{};   ///< odometry turns so far a metre while the robot does not
   /// Scans show the robot so long after their stamp, by odometry's clock.
   CalibratedValue laser_delay_s{};
-  /// The laser turns the other way than odometry, all along; who of them is right is another matter.
+  /// The laser turns the other way than odometry, all along; who is right is another matter.
   bool turns_opposite = false;
-  /// It is the laser: wheels and gyro agree with one another. Its beams go round the other way.
+  /// It is the laser: odometry and gyro agree with one another. Its beams go round the other way.
   bool laser_is_mirrored = false;
   CalibratedValue sweep_s{};     ///< from the first beam to the last, where scans do not tell
   bool sweep_is_off = false;     ///< significant, and both halves of the log say so
