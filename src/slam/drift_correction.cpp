@@ -20,6 +20,8 @@ Pose2 DriftCorrection::at(std::size_t scan, Stamp stamp, const Pose2& local_T_ro
   const auto next = static_cast<std::size_t>(after - keys_.begin());
   const std::size_t last = next > 0 ? next - 1 : 0;
   if (next == keys_.size() || next == 0 || stamp <= keys_[last].stamp) return map_T_local_[last];
+  // Stamps may repeat, or go back.
+  if (stamp >= keys_[next].stamp) return map_T_local_[next];
   const double ratio =
       (stamp - keys_[last].stamp).seconds() / (keys_[next].stamp - keys_[last].stamp).seconds();
   const Pose2 first = map_T_local_[last] * local_T_robot;
