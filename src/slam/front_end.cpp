@@ -56,6 +56,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   tracked.tracking = tracking_of(tracked, sighting.likeliest().measured, scan.stamp);
   if (tracked.used && !tracked.left_out) keep(sighting, tracked);
   remember(sighting, tracked);
+  remember_ground(scan, sighting, tracked);
   return tracked;
 }
 
@@ -63,17 +64,12 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
 FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
                                      const std::optional<OdometryReading>& odometry) {
   std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
-  const Pose2 local_T_robot = guesses.front().local_T_robot;
   LaserCover cover = cover_of(scan, robot_T_lidar, guesses.front());
-  if (!cover.beams.empty()) {
-    uncovered_ = scan;
-    take_out(cover.beams, uncovered_);
-  }
-  const LaserScan& shown = cover.beams.empty() ? scan : uncovered_;
-  Sighting sighting{shown, robot_T_lidar, odometry, std::move(guesses)};
+  Sighting sighting{&scan, robot_T_lidar, odometry, std::move(guesses)};
   sighting.believed = laser_check_.add(scan, odometry, cover.is_fault);
   sighting.cover = std::move(cover);
-  sighting.surfaces = surfaces_of(shown, robot_T_lidar, velocity_to(local_T_robot, shown));
+  show_rest(scan, sighting);
+  take_out_travelling(scan, sighting);
   sighting.own_count = sighting.surfaces.size();
   add_companions(sighting);
   return sighting;
@@ -87,13 +83,85 @@ LaserCover FrontEnd::cover_of(const LaserScan& scan, const Pose2& robot_T_lidar,
   return loopstone::cover_of(scan, submap_T_lidar, guess.measured, known.submap, beams_);
 }
 
+/// What is left of a scan without the beams that do not show the surroundings.
+void FrontEnd::show_rest(const LaserScan& scan, Sighting& sighting) {
+  const LaserScan* shown = &scan;
+  if (!sighting.cover.beams.empty()) {
+    uncovered_ = scan;
+    take_out(sighting.cover.beams, uncovered_);
+    shown = &uncovered_;
+  }
+  sighting.scan = shown;
+  sighting.surfaces = surfaces_of(*shown, sighting.robot_T_lidar,
+                                  velocity_to(sighting.likeliest().local_T_robot, *shown));
+}
+
+/// Odometry says what moves once it has proved itself, or where the laser never found it wrong.
+bool FrontEnd::odometry_may_lead() const {
+  if (options_.odometry == OdometryUse::kTrust) return true;
+  const MotionAgreement& agreement = predictor_.check().translation();
+  return agreement.scale().has_value() ||
+         std::ranges::none_of(agreement.state().pieces,
+                              [](const MotionAgreement::Piece& piece) { return piece.wrong; });
+}
+
+/// What moves against the ground, where the robot could be held by little else.
+void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
+  const MotionGuess& guess = sighting.likeliest();
+  const bool is_likely = sighting.guesses.size() == 1;  // it may have jumped
+  if (!guess.measured || !is_likely || !sighting.odometry || !odometry_may_lead()) return;
+  sighting.is_led = sighting.cover.is_fault && leave_open(sighting.surfaces);
+  Pose2 ground_T_robot = guess.local_T_robot;
+  ground_T_robot.x += own_.local_to_ground_m.x();
+  ground_T_robot.y += own_.local_to_ground_m.y();
+  const std::vector<bool> found =
+      travelling_.find(scan, ground_T_robot * sighting.robot_T_lidar, sighting.odometry->path_m,
+                       sighting.cover.beams, beams_);
+  if (found.empty()) return;
+  const std::vector<bool> covered = sighting.cover.beams;
+  sighting.cover.beams.resize(found.size(), false);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i]) sighting.cover.beams[i] = true;
+  }
+  show_rest(scan, sighting);
+  if (leave_open(sighting.surfaces)) {
+    sighting.is_led = true;
+    return;
+  }
+  sighting.cover.beams = covered;
+  show_rest(scan, sighting);
+}
+
+/// By the laser's heading, which is the better one, and odometry's motion.
+void FrontEnd::remember_ground(const LaserScan& scan, const Sighting& sighting,
+                               const TrackedScan& tracked) {
+  const auto jumped = [&](const MotionAgreement& agreement) {
+    return agreement.state().last_jump == scan.stamp;
+  };
+  const OdometryCheck& check = predictor_.check();
+  const bool goes_on = sighting.likeliest().measured && sighting.odometry && sighting.believed &&
+                       !tracked.left_out && !tracked.path_break && !jumped(check.translation()) &&
+                       !jumped(check.rotation());
+  if (!goes_on) {
+    travelling_.forget();
+    own_.local_to_ground_m.setZero();
+    return;
+  }
+  own_.local_to_ground_m +=
+      sighting.likeliest().local_T_robot.translation() - tracked.local_T_robot.translation();
+  Pose2 ground_T_robot = tracked.local_T_robot;
+  ground_T_robot.x += own_.local_to_ground_m.x();
+  ground_T_robot.y += own_.local_to_ground_m.y();
+  travelling_.remember(scan, ground_T_robot * sighting.robot_T_lidar, sighting.odometry->path_m);
+}
+
 void FrontEnd::add_companions(Sighting& sighting) const {
-  const LaserView* const own = view_of(sighting.scan.lidar);
+  const LaserView* const own = view_of(sighting.scan->lidar);
   const bool is_mapped = own != nullptr && own->piece == own_.piece;
   const float trust = sighting.likeliest().measured ? 1.0F : kFrontEnd.companion_guess;
   for (const LaserView& view : views_) {
-    const double age_s = (sighting.scan.stamp - view.stamp).seconds();
-    if (view.lidar == sighting.scan.lidar || std::abs(age_s) > kFrontEnd.companion_s) continue;
+    const double age_s = (sighting.scan->stamp - view.stamp).seconds();
+    if (view.lidar == sighting.scan->lidar || std::abs(age_s) > kFrontEnd.companion_s) continue;
     const Pose2 now_T_then = sighting.likeliest().local_T_robot.inverse() * view.local_T_robot;
     const Eigen::Matrix2f rotation = now_T_then.rotation().cast<float>();
     const Eigen::Vector2f translation = now_T_then.translation().cast<float>();
@@ -107,12 +175,12 @@ void FrontEnd::add_companions(Sighting& sighting) const {
 
 /// What this laser saw helps the others.
 void FrontEnd::remember(const Sighting& sighting, const TrackedScan& tracked) {
-  const int lidar = sighting.scan.lidar;
+  const int lidar = sighting.scan->lidar;
   auto view = std::ranges::find(views_, lidar, &LaserView::lidar);
   const bool is_known = view != views_.end();
   if (!is_known && !tracked.key) return;
   if (!is_known) view = views_.insert(views_.end(), {.lidar = lidar});
-  view->stamp = sighting.scan.stamp;
+  view->stamp = sighting.scan->stamp;
   view->local_T_robot = tracked.local_T_robot;
   const bool helps = tracked.used && !tracked.left_out;
   view->surfaces.assign(sighting.own().begin(),
@@ -147,7 +215,7 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
     tracked.score = 1.0;
     return {true, true};
   }
-  const Stamp stamp = sighting.scan.stamp;
+  const Stamp stamp = sighting.scan->stamp;
   const auto blind = [&] { return blind_motion(stamp, sighting.likeliest(), sighting.odometry); };
   if (is_gap(stamp)) {
     const BlindMotion motion = blind();
@@ -161,10 +229,12 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
 
 /// The scan of a robot that was seen a moment ago.
 FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
-  const LaserScan& scan = sighting.scan;
+  const LaserScan& scan = *sighting.scan;
   const MotionGuess& guess = sighting.likeliest();
   Alignment alignment =
-      align(sighting.matched(), sighting.guesses, others_than_odometry(scan.stamp));
+      sighting.is_led
+          ? align(sighting.matched(), std::span(sighting.guesses).first(1), {}, false)
+          : align(sighting.matched(), sighting.guesses, others_than_odometry(scan.stamp), true);
   Tangent2 velocity = velocity_to(guess.local_T_robot, scan);
   for (int pass = 0; pass < kFrontEnd.straightenings && !alignment.lost; ++pass) {
     // A scan that was straightened by a wrong velocity is straightened anew.
@@ -176,16 +246,17 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
     MotionGuess again = guess;
     again.local_T_robot = alignment.match.target_T_source;
     again.information *= kFrontEnd.outvoted;
-    alignment.match = align(sighting.matched(), std::span(&again, 1), {}).match;
+    alignment.match = align(sighting.matched(), std::span(&again, 1), {}, !sighting.is_led).match;
   }
   tracked.searched = alignment.searched;
   own_.lost_in_a_row = alignment.lost ? own_.lost_in_a_row + 1 : 0;
-  return take_match(alignment.match, !alignment.lost, tracked);
+  const Seen seen = take_match(alignment.match, !alignment.lost, tracked);
+  return sighting.is_led ? Seen{} : seen;  // it is no witness against what leads it
 }
 
 /// Too many scans in a row contradict the map: what they show is a place of its own.
 void FrontEnd::give_up_place(const Sighting& sighting, TrackedScan& tracked) {
-  const Stamp stamp = sighting.scan.stamp;
+  const Stamp stamp = sighting.scan->stamp;
   // They came after a gap in which odometry says that the robot stood.
   const double blind_s =
       (stamp - own_.held->stamp).seconds() - own_.lost_in_a_row * own_.held->usual_seconds;
@@ -196,8 +267,8 @@ void FrontEnd::give_up_place(const Sighting& sighting, TrackedScan& tracked) {
 
 /// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.
 void FrontEnd::keep(const Sighting& sighting, TrackedScan& tracked) {
-  hold(sighting.scan.stamp, tracked.local_T_robot, sighting.odometry);
-  if (active_.empty() || moved_enough(sighting.scan.lidar, tracked.local_T_robot)) {
+  hold(sighting.scan->stamp, tracked.local_T_robot, sighting.odometry);
+  if (active_.empty() || moved_enough(sighting.scan->lidar, tracked.local_T_robot)) {
     insert(sighting, tracked);
   }
 }
@@ -216,7 +287,8 @@ FrontEnd::Seen FrontEnd::take_match(const MatchResult& match, bool is_held, Trac
 
 /// Its own beams, by a better velocity.
 void FrontEnd::straighten(Sighting& sighting, const Tangent2& velocity) {
-  std::vector<SurfacePoint> surfaces = surfaces_of(sighting.scan, sighting.robot_T_lidar, velocity);
+  std::vector<SurfacePoint> surfaces =
+      surfaces_of(*sighting.scan, sighting.robot_T_lidar, velocity);
   const std::size_t own_count = surfaces.size();
   const auto others = std::span(sighting.surfaces).subspan(sighting.own_count);
   surfaces.insert(surfaces.end(), others.begin(), others.end());
@@ -241,7 +313,7 @@ std::vector<SurfacePoint> FrontEnd::surfaces_of(const LaserScan& scan, const Pos
 
 FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
                                     std::span<const MotionGuess> guesses,
-                                    std::span<const MotionGuess> others) const {
+                                    std::span<const MotionGuess> others, bool may_outvote) const {
   const auto& grid = active_.front().submap.surfaces();
   std::vector<PosePrior2> priors;
   MatchResult best;
@@ -261,7 +333,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
     for (const MotionGuess& guess : others) try_guess(guess);
   }
   // Where the laser pulls far away from the guess, the guess was wrong and must not pull back.
-  if (has_supported_pose(best.status) &&
+  if (may_outvote && has_supported_pose(best.status) &&
       chi2_from(priors[best_prior], best) > kFrontEnd.most_guess_chi2) {
     PosePrior2 loose = priors[best_prior];
     loose.information *= kFrontEnd.outvoted;
@@ -365,7 +437,7 @@ void FrontEnd::insert(const Sighting& sighting, TrackedScan& tracked) {
     active_.push_back({Submap(submap_options_), tracked.local_T_robot, own_.key_count, 0.0});
   }
   for (auto& active : active_) {
-    active.submap.insert(sighting.own(), sighting.scan, sighting.robot_T_lidar,
+    active.submap.insert(sighting.own(), *sighting.scan, sighting.robot_T_lidar,
                          active.local_T_submap.inverse() * tracked.local_T_robot, beams_);
   }
   own_.last_key = tracked.local_T_robot;
@@ -385,7 +457,7 @@ std::vector<FinishedSubmap> FrontEnd::end_piece() {
 std::vector<FinishedSubmap> FrontEnd::finish() { return end_piece(); }
 
 FrontEnd::State FrontEnd::state() const {
-  State state{{}, predictor_.state(), laser_check_.state(), views_, own_};
+  State state{{}, predictor_.state(), laser_check_.state(), travelling_.state(), views_, own_};
   for (const ActiveSubmap& active : active_) {
     state.active.push_back(
         {active.submap.state(), active.local_T_submap, active.first_key, active.travelled_m});
@@ -424,6 +496,7 @@ void FrontEnd::restore(State state) {
   }
   predictor_.restore(std::move(state.predictor));
   laser_check_.restore(std::move(state.laser_check));
+  travelling_.restore(std::move(state.travelling));
   views_ = std::move(state.views);
   own_ = state.own;
 }

@@ -17,6 +17,7 @@
 #include "loopstone/slam/motion_predictor.hpp"
 #include "loopstone/slam/path_break.hpp"
 #include "loopstone/slam/tracking_status.hpp"
+#include "loopstone/slam/travelling_things.hpp"
 
 namespace loopstone {
 
@@ -165,21 +166,24 @@ class FrontEnd {
       double usual_score = 1.0;  ///< of the scans so far, mean over some tens
       std::optional<HeldScan> held{};
       std::size_t piece = 0;
+      /// From where scans were settled to where odometry alone would have them, headings apart.
+      Eigen::Vector2d local_to_ground_m = Eigen::Vector2d::Zero();
 
       template <typename Archive>
       void archive(Archive& a) {
-        a(key_count, last_key, lost_in_a_row, usual_score, held, piece);
+        a(key_count, last_key, lost_in_a_row, usual_score, held, piece, local_to_ground_m);
       }
     };
     std::vector<Active> active{};  ///< oldest first
     MotionPredictor::State predictor{};
     LaserCheck::State laser_check{};
+    TravellingThings::State travelling{};
     std::vector<LaserView> views{};  ///< one a laser
     Own own{};
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(active, predictor, laser_check, views, own);
+      a(active, predictor, laser_check, travelling, views, own);
     }
   };
 
@@ -205,12 +209,13 @@ class FrontEnd {
   using Seen = MotionPredictor::Seen;
   /// A scan, and what is known of it before it is aligned.
   struct Sighting {
-    const LaserScan& scan;
+    const LaserScan* scan;  ///< without the beams that were taken out
     const Pose2& robot_T_lidar;
     const std::optional<OdometryReading>& odometry;
-    std::vector<MotionGuess> guesses;      ///< at least one
-    bool believed = false;                 ///< the laser shows its surroundings
-    LaserCover cover{};                    ///< was taken out of `scan`
+    std::vector<MotionGuess> guesses;  ///< at least one
+    bool believed = false;             ///< the laser shows its surroundings
+    LaserCover cover{};                ///< was taken out of `scan`
+    bool is_led = false;  ///< what travels was taken out, too: odometry holds the robot
     std::vector<SurfacePoint> surfaces{};  ///< its own, then those of other lasers
     std::size_t own_count = 0;
     bool is_new_laser = false;  ///< nothing that it saw is mapped yet, but what others see is
@@ -238,18 +243,24 @@ class FrontEnd {
   void keep(const Sighting& sighting, TrackedScan& tracked);
   void insert(const Sighting& sighting, TrackedScan& tracked);
 
+  void show_rest(const LaserScan& scan, Sighting& sighting);
+  [[nodiscard]] bool odometry_may_lead() const;
+  void take_out_travelling(const LaserScan& scan, Sighting& sighting);
   void straighten(Sighting& sighting, const Tangent2& velocity);
   /// Adds what other lasers saw a moment before.
   void add_companions(Sighting& sighting) const;
   void remember(const Sighting& sighting, const TrackedScan& tracked);
+  void remember_ground(const LaserScan& scan, const Sighting& sighting, const TrackedScan& tracked);
   [[nodiscard]] const LaserView* view_of(int lidar) const;
   [[nodiscard]] std::vector<SurfacePoint> surfaces_of(const LaserScan& scan,
                                                       const Pose2& robot_T_lidar,
                                                       const Tangent2& velocity);
-  /// \param others  guesses that are tried when none of the first explains what scans usually do
+  /// \param others       guesses that are tried when none of the first explains what scans usually
+  ///                     do
+  /// \param may_outvote  a match far from its guess shows that the guess was wrong
   [[nodiscard]] Alignment align(std::span<const SurfacePoint> surfaces,
                                 std::span<const MotionGuess> guesses,
-                                std::span<const MotionGuess> others) const;
+                                std::span<const MotionGuess> others, bool may_outvote) const;
   struct Searched {
     MatchResult match;  ///< submap frame
     bool lost = false;
@@ -314,6 +325,7 @@ class FrontEnd {
   std::vector<ActiveSubmap> active_{};  ///< oldest first; the oldest is what scans are aligned to
   MotionPredictor predictor_;
   LaserCheck laser_check_{};
+  TravellingThings travelling_{};
   LaserScan uncovered_{};  ///< of a scan that was covered in part, the rest
   std::vector<LaserView> views_{};
   State::Own own_{};
