@@ -255,7 +255,8 @@ TEST(MapOutputs, WhereOnlyTheMapDoesNotFitTrajectoryAndGraphAreLeft) {
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
   rlimit small = before;
-  small.rlim_cur = 32000;  // decisions.toml takes 25 kB, the page with the picture more than this
+  // The page with its pictures takes more than this.
+  small.rlim_cur = format_decisions(decision_numbers()).size() + 2000;
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
   EXPECT_THROW(write_map_outputs(small_result(), small_info(), dir / "out"), std::runtime_error);
   ::setrlimit(RLIMIT_FSIZE, &before);
