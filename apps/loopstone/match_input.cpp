@@ -53,7 +53,7 @@ std::vector<Eigen::Vector2d> MatchInput::points2() const {
   if (map) return wall_points(*map);
   std::vector<Eigen::Vector2d> points;
   for (const Eigen::Vector3d& point : cloud->points) {
-    if (is_usable_point(point)) points.push_back(point.head<2>());
+    if (is_usable_point(point)) points.emplace_back(point.head<2>());
   }
   return points;
 }
