@@ -115,10 +115,10 @@ LogScan read_log_scan(const ScanName& name, const RobotModel& robot, bool robot_
   ScanQueue queue(log->wheels(robot.wheels));
   ScanPicker picker(name);
   std::optional<LogScan> before;
-  const auto take = [&](LaserScan scan) {
+  const auto take = [&](const LaserScan& scan) {
     if (scan.lidar != 0) return false;
     const auto mounted = as_mounted(scan, robot_given ? robot : log->robot(robot));
-    LogScan read{.scan = mounted ? *mounted : std::move(scan)};
+    LogScan read{.scan = mounted ? *mounted : scan};
     if (robot_given) read.scan.robot_T_lidar.reset();
     read.robot_T_lidar = mount_of(read.scan, robot_given ? robot : log->robot(robot));
     if (const auto pose = queue.odometer().pose_at(read.scan.stamp)) read.odom_T_robot = pose->pose;
@@ -141,7 +141,7 @@ LogScan read_log_scan(const ScanName& name, const RobotModel& robot, bool robot_
     while (!done) {
       auto scan = queue.next();
       if (!scan) break;
-      done = take(std::move(*scan));
+      done = take(*scan);
     }
     if (!message) break;
   }
