@@ -149,8 +149,10 @@ QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatis
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
     const bool tied = gap.closures > 1 || gap.bridge_sigma_m() <= kMapVerdict.break_tie_m.doubtful;
     if (!tied) ++untied;
-    // Where a robot was carried to, nothing but a likeness of places tells.
-    const bool sure = tied && gap.cause != BreakCause::kCarried;
+    // Where a robot was carried to, or went with nothing to tell how, a likeness of places is all
+    // that ties the sides, and closures between places that are alike agree with one another.
+    const bool sure =
+        tied && gap.cause != BreakCause::kCarried && gap.bridge != BreakBridge::kNothing;
     measure.value = std::max(measure.value, gap.tie_sigma_m);
     const Verdict alone =
         guessed ? Verdict::kBad : against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
