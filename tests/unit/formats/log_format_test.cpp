@@ -56,9 +56,7 @@ std::vector<std::string> write_log(const LogTarget& target,
   return writer->notes();
 }
 
-/// A drive with all that the simulator tells (poses or wheels), by a clock that counts from 1970,
-/// and one frame of the floor.
-std::vector<SensorMessage> drive(bool poses, const TempDir& folder) {
+std::vector<SensorMessage> make_drive(bool poses) {
   SimulationOptions options;
   options.duration_s = 3.0;
   options.start_s = 1.7e9;
@@ -66,6 +64,7 @@ std::vector<SensorMessage> drive(bool poses, const TempDir& folder) {
   options.laser.fov_rad = kPi;
   options.odometry_poses = poses;
   std::vector<SensorMessage> messages = test::simulate_log("office", 1, options).messages;
+  static const TempDir folder;
   const CameraModel camera;
   const std::string colour = folder / "colour.png";
   const std::string depth = folder / "depth.png";
@@ -75,6 +74,14 @@ std::vector<SensorMessage> drive(bool poses, const TempDir& folder) {
   messages.emplace_back(
       RgbdFrame{.stamp = end, .colour_stamp = end, .colour_path = colour, .depth_path = depth});
   return messages;
+}
+
+/// A drive with all that the simulator tells (poses or wheels), by a clock that counts from 1970,
+/// and one frame of the floor. It is simulated once: that takes longer than writing and reading it.
+const std::vector<SensorMessage>& drive(bool poses) {
+  static const std::vector<SensorMessage> with_poses = make_drive(true);
+  static const std::vector<SensorMessage> with_wheels = make_drive(false);
+  return poses ? with_poses : with_wheels;
 }
 
 std::vector<SensorMessage> held_of(const std::vector<SensorMessage>& messages,
@@ -190,7 +197,7 @@ TEST_P(EachLogFormat, BringsBackWhatItHoldsAndTellsWhatItDoesNot) {
   for (const bool poses : {true, false}) {
     const TempDir folder;
     const std::string path = path_in(folder, format());
-    const auto messages = drive(poses, folder);
+    const auto& messages = drive(poses);
     const auto wanted = held_of(messages, format());
     const auto notes = write_log(target_at(path, format()), messages);
     const LogContent log = test::read_log(path);
@@ -218,7 +225,7 @@ TEST_P(EachLogFormat, BringsBackWhatItHoldsAndTellsWhatItDoesNot) {
 TEST_P(EachLogFormat, IsRecognisedByItsContentUnderAnyName) {
   if (!format().can_be_written()) GTEST_SKIP() << "is only read";
   const TempDir folder;
-  write_log({&format(), folder / "any_name"}, drive(true, folder));
+  write_log({&format(), folder / "any_name"}, drive(true));
   EXPECT_EQ(&recognise_log(look_at_log(folder / "any_name")), &format());
   EXPECT_EQ(open_log(folder / "any_name")->format(), format().name);
 }
@@ -227,7 +234,7 @@ TEST_P(EachLogFormat, RefusesTheOthersFiles) {
   for (const LogFormat& other : log_formats()) {
     if (!other.can_be_written() || &other == &format()) continue;
     const TempDir folder;
-    write_log({&other, folder / "any_name"}, drive(true, folder));
+    write_log({&other, folder / "any_name"}, drive(true));
     std::vector<std::string> files = log_parts({&other, folder / "any_name"}).files;
     files.push_back(folder / "any_name");
     for (const std::string& file : files) {
@@ -250,9 +257,8 @@ TEST_P(EachLogFormat, RefusesNoiseAndNothing) {
 TEST_P(EachLogFormat, WritesOnlyThePartsThatItNames) {
   if (!format().can_be_written()) GTEST_SKIP() << "is only read";
   const TempDir folder;
-  const TempDir source;
   const LogTarget target = target_at(path_in(folder, format()), format());
-  write_log(target, drive(true, source));
+  write_log(target, drive(true));
   const LogParts parts = log_parts(target);
   std::set<fs::path> named(parts.files.begin(), parts.files.end());
   const std::set<fs::path> folders(parts.folders.begin(), parts.folders.end());
@@ -291,7 +297,7 @@ TEST_P(EachLogFormat, TellsTheLasersThatItSaysApartAndRefusesMore) {
   if (!format().can_be_written()) GTEST_SKIP() << "is only read";
   for (const int lidars : {format().holds.lidars, format().holds.lidars + 1}) {
     const TempDir folder;
-    std::vector<SensorMessage> messages = drive(true, folder);
+    std::vector<SensorMessage> messages = drive(true);
     std::vector<SensorMessage> all;
     for (const SensorMessage& message : messages) {
       const auto* const scan = std::get_if<LaserScan>(&message);
@@ -319,7 +325,7 @@ TEST_P(EachLogFormat, TellsTheLasersThatItSaysApartAndRefusesMore) {
 TEST_P(EachLogFormat, KeepsOrRefusesBeamsThatChangeAsItSays) {
   if (!format().can_be_written()) GTEST_SKIP() << "is only read";
   const TempDir folder;
-  std::vector<SensorMessage> messages = drive(true, folder);
+  std::vector<SensorMessage> messages = drive(true);
   std::vector<std::size_t> beams;
   for (SensorMessage& message : messages) {
     auto* const scan = std::get_if<LaserScan>(&message);
@@ -344,7 +350,7 @@ TEST_P(EachLogFormat, TakesEveryOther) {
   if (!format().can_be_written()) GTEST_SKIP() << "is only read";
   for (const bool poses : {true, false}) {
     const TempDir folder;
-    const auto messages = drive(poses, folder);
+    const auto& messages = drive(poses);
     test::MemoryLog log(messages);
     const LogTarget target = target_at(path_in(folder, format()), format());
     const auto writer = create_log(target, RobotModel{});
