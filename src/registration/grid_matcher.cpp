@@ -6,6 +6,7 @@
 #include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "registration/line_equations.hpp"
+#include "registration/open_translation.hpp"
 
 namespace loopstone {
 
@@ -18,15 +19,6 @@ constexpr double kStepM = 1e-3;
 constexpr double kStepRad = 2e-4;
 /// On coarser levels so many times as long a step does.
 constexpr double kCoarseSteps = 10.0;
-/// Translation counts as unobserved along a direction that has less than this share of the best
-/// direction's information.
-constexpr double kDegenerateShare = 0.01;
-/// ... or less than so many points facing along it give. Observability, by which the other matchers
-/// judge, has no such floor: of 26,209 matches while mapping ACES, Intel and MIT CSAIL this rule
-/// calls 898 degenerate, that one 304 of these and 2 others; it never found a heading open. Without
-/// the floor maps are as accurate (35 and 15 mm), with 3.6 m of degenerate travel in ACES, not 28
-/// m.
-constexpr double kDegeneratePoints = 2.0;
 /// Information [1/m^2, 1/rad^2] that stands in for none, so that matrices can be inverted.
 constexpr double kDamping = 1e-3;
 /// What no number of points averages away: the grid's own error.
@@ -82,31 +74,13 @@ Eigen::Vector3d difference(const Pose2& pose, const Pose2& from) {
 }
 
 /// Takes out of the normal equations the direction of translation that the points leave open, if
-/// there is one: what little they say along it is noise of the normals. Then only a prior holds the
-/// pose there.
-/// Source: Zhang, Kaess and Singh 2016, "On degeneracy of optimization-based state estimation
-/// problems".
+/// there is one. Then only a prior holds the pose there.
 bool remove_unobserved(Linearisation& sum) {
-  // Information on the translation once the heading is free too: the Schur complement.
-  const double heading = sum.hessian(2, 2);
-  if (!(heading > 0.0)) return true;
-  const Eigen::Vector2d coupling = sum.hessian.topRightCorner<2, 1>();
-  const Eigen::Matrix2d translation =
-      sum.hessian.topLeftCorner<2, 2>() - coupling * coupling.transpose() / heading;
-  const double middle = 0.5 * (translation(0, 0) + translation(1, 1));
-  const double spread =
-      std::hypot(0.5 * (translation(0, 0) - translation(1, 1)), translation(0, 1));
-  if (middle - spread >= std::max(kDegenerateShare * (middle + spread), kDegeneratePoints))
-    return false;
-  const double strong =
-      0.5 * std::atan2(2.0 * translation(0, 1), translation(0, 0) - translation(1, 1));
-  Eigen::Vector3d open(-std::sin(strong), std::cos(strong), 0.0);
-  open.z() = -coupling.dot(open.head<2>()) / heading;
-  const Eigen::Vector3d along = sum.hessian * open;
-  const double information = open.dot(along);
-  if (!(information > 0.0)) return true;
-  sum.gradient -= along * (open.dot(sum.gradient) / information);
-  sum.hessian -= along * along.transpose() / information;
+  const auto open = open_translation(sum.hessian);
+  if (!open) return false;
+  if (!(open->information > 0.0)) return true;
+  sum.gradient -= open->along * (open->motion.dot(sum.gradient) / open->information);
+  sum.hessian -= open->along * open->along.transpose() / open->information;
   return true;
 }
 

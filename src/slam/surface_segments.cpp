@@ -66,8 +66,8 @@ void SurfaceSegments::for_each_patch(const SurfaceSystem& surfaces, Visitor&& vi
       if (groups.empty() || groups.back().segment != member.segment)
         groups.push_back({.segment = member.segment});
       Group& group = groups.back();
-      const double turn = row.turn + patch.normal.y() * member.x - patch.normal.x() * member.y;
-      const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), turn);
+      const Eigen::Vector3d jacobian =
+          motion_of(member).transpose() * surfaces.jacobian(patch.normal, row);
       const Eigen::Vector3d weighted = static_cast<double>(row.weight) * jacobian;
       group.a += weighted * jacobian.transpose();
       group.b.col(0) += weighted;

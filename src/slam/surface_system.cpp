@@ -5,6 +5,7 @@
 
 #include "loopstone/base/median.hpp"
 #include "loopstone/base/robust_kernel.hpp"
+#include "registration/open_translation.hpp"
 #include "slam/surface_adjustment_numbers.hpp"
 
 namespace loopstone {
@@ -74,6 +75,7 @@ SurfaceSystem::SurfaceSystem(const SurfacePatches& patches, std::span<const int>
       places_(places),
       threads_(threads),
       rows_(patches.sights.size()),
+      open_(size),
       inverses_(patches.patches.size()),
       chunks_(kChunks),
       gradient_(size),
@@ -131,7 +133,7 @@ void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey
                       .cost;
     if (row.place < 0) continue;
     const auto place = static_cast<std::size_t>(row.place);
-    const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), row.turn);
+    const Eigen::Vector3d jacobian = this->jacobian(patch.normal, row);
     const double weight = row.weight;
     chunk.vector[place] += weight * off * jacobian;
     const double along = row.along;
@@ -141,7 +143,31 @@ void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey
   }
 }
 
+/// What little walls seem to say along a corridor is noise of their normals. All that pass along
+/// it together would pull it longer or shorter by centimetres.
+void SurfaceSystem::find_open(std::span<const PlacedKey> map_T_key) {
+  std::vector<Eigen::Matrix3d> hessians(open_.size(), Eigen::Matrix3d::Zero());
+  for (const SharedSurface& patch : patches_.patches) {
+    for (std::size_t i = patch.first; i < patch.last; ++i) {
+      const PatchSight& sight = patches_.sights[i];
+      const int place = places_[static_cast<std::size_t>(sight.key)];
+      if (place < 0) continue;
+      const double turn = offset_of(sight, patch, map_T_key).turn;
+      const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), turn);
+      hessians[static_cast<std::size_t>(place)] +=
+          sight.weight / kGrids * jacobian * jacobian.transpose();
+    }
+  }
+  for (std::size_t place = 0; place < open_.size(); ++place) {
+    const auto open = open_translation(hessians[place]);
+    open_[place] = {};
+    if (open && open->information > 0.0)
+      open_[place] = {open->motion, open->along / open->information};
+  }
+}
+
 double SurfaceSystem::linearise(std::span<const PlacedKey> map_T_key, double sigma_m) {
+  find_open(map_T_key);
   parallel_for(chunks_.size(), threads_, [&](std::size_t i) {
     Chunk& chunk = chunks_[i];
     chunk.cost = 0.0;
@@ -170,8 +196,6 @@ void SurfaceSystem::multiply_add(std::span<const Eigen::Vector3d> x, std::span<E
     std::fill(chunk.vector.begin(), chunk.vector.end(), Eigen::Vector3d::Zero());
     for (std::size_t p = chunk.first; p < chunk.last; ++p) {
       const SharedSurface& patch = patches_.patches[p];
-      const double nx = patch.normal.x();
-      const double ny = patch.normal.y();
       chunk.distances.resize(patch.last - patch.first);
       double* const moved = chunk.distances.data();
       double u = 0.0;
@@ -181,7 +205,7 @@ void SurfaceSystem::multiply_add(std::span<const Eigen::Vector3d> x, std::span<E
         double off = 0.0;
         if (row.place >= 0) {
           const Eigen::Vector3d& step = x[static_cast<std::size_t>(row.place)];
-          off = nx * step.x() + ny * step.y() + row.turn * step.z();
+          off = jacobian(patch.normal, row).dot(step);
         }
         moved[i - patch.first] = off;
         u += row.weight * off;
@@ -194,10 +218,7 @@ void SurfaceSystem::multiply_add(std::span<const Eigen::Vector3d> x, std::span<E
         const Row& row = rows_[i];
         if (row.place < 0) continue;
         const double pull = row.weight * (moved[i - patch.first] - offset - slope * row.along);
-        Eigen::Vector3d& out = chunk.vector[static_cast<std::size_t>(row.place)];
-        out.x() += pull * nx;
-        out.y() += pull * ny;
-        out.z() += pull * row.turn;
+        chunk.vector[static_cast<std::size_t>(row.place)] += pull * jacobian(patch.normal, row);
       }
     }
   });

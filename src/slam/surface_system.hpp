@@ -15,7 +15,8 @@ namespace loopstone {
 ///
 ///   y = (A - B C^-1 B^T) x, A = sum w J^T J, B = sum w J^T (1, t), C = sum w (1, t)^T (1, t)
 ///
-/// It couples all key scans that see a patch, so it is never formed, only multiplied with.
+/// It couples all key scans that see a patch, so it is never formed, only multiplied with. A
+/// translation that all of a key scan's surfaces leave open is taken out of its J.
 class SurfaceSystem {
  public:
   /// A sight at the present poses: its distance from the patch depends on its pose as (n, turn) *
@@ -41,6 +42,12 @@ class SurfaceSystem {
 
   [[nodiscard]] const SurfacePatches& patches() const { return patches_; }
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+  /// d residual / d pose of a row with a place, without what its key scan's surfaces leave open.
+  [[nodiscard]] Eigen::Vector3d jacobian(const Eigen::Vector2d& normal, const Row& row) const {
+    const Eigen::Vector3d all(normal.x(), normal.y(), row.turn);
+    const Open& open = open_[static_cast<std::size_t>(row.place)];
+    return all - all.dot(open.motion) * open.share;
+  }
   /// C^-1 of a patch.
   [[nodiscard]] Eigen::Matrix2d inverse(std::size_t patch) const {
     const Inverse& c = inverses_[patch];
@@ -60,6 +67,11 @@ class SurfaceSystem {
     double b = 0.0;
     double c = 0.0;
   };
+  /// Of a key scan whose surfaces leave a translation open: J - (J motion) share has none of it.
+  struct Open {
+    Eigen::Vector3d motion = Eigen::Vector3d::Zero();
+    Eigen::Vector3d share = Eigen::Vector3d::Zero();
+  };
   struct Chunk {
     std::size_t first = 0;
     std::size_t last = 0;
@@ -68,6 +80,7 @@ class SurfaceSystem {
     std::vector<Eigen::Matrix3d> diagonal{};
     double cost = 0.0;
   };
+  void find_open(std::span<const PlacedKey> map_T_key);
   void linearise_patch(std::size_t index, std::span<const PlacedKey> map_T_key, double sigma_m,
                        Chunk& chunk);
 
@@ -75,6 +88,7 @@ class SurfaceSystem {
   std::span<const int> places_;
   Threads threads_;
   std::vector<Row> rows_;
+  std::vector<Open> open_;  ///< by place
   std::vector<Inverse> inverses_;
   std::vector<Chunk> chunks_;
   std::vector<Eigen::Vector3d> gradient_;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -141,6 +142,18 @@ TEST(SurfaceAdjustment, TheGraphHoldsACorridorsAxis) {
   }
 }
 
+TEST(SurfaceAdjustment, NoiseOfNormalsPullsNobodyAlongACorridor) {
+  const test::Walls corridor{{{-60.0, 0.0}, {80.0, 0.0}}, {{-60.0, 2.0}, {80.0, 2.0}}};
+  const auto truth = test::drive_through({{0.0, 0.9}, {24.0, 1.1}, {1.0, 1.0}}, 0.4, 0.5);
+  const Recording r = record(corridor, truth, 0.003, 0.001, 4, 0.02);
+  const auto adjusted = adjust_to_surfaces(r.graph, r.surfaces);
+  ASSERT_GT(adjusted.rounds, 0);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_NEAR(adjusted.poses[i].x, r.graph.poses[i].x, 0.006);
+    EXPECT_NEAR(adjusted.poses[i].y, truth[i].y, 0.02);
+  }
+}
+
 TEST(SurfaceAdjustment, GoesAlongWithACommonMotion) {
   const Recording r = record(test::furnished_room(), round_of_the_room(), 0.004, 0.001, 5, 0.005);
   const Pose2 motion{13.0, -7.0, 0.9};
@@ -234,6 +247,28 @@ TEST(SurfaceSystem, EliminatesEachPatchAsTheDenseSchurComplementDoes) {
   for (std::size_t i = 0; i < count; ++i) {
     const auto at = 3 * static_cast<Eigen::Index>(i);
     EXPECT_LT((system.diagonal()[i] - naive.block<3, 3>(at, at)).norm(), 1e-5 * naive.norm());
+  }
+}
+
+TEST(SurfaceSystem, SaysNothingOfAScanThatACorridorLeavesOpen) {
+  const test::Walls corridor{{{-60.0, 0.0}, {80.0, 0.0}}, {{-60.0, 2.0}, {80.0, 2.0}}};
+  const auto truth = test::drive_through({{0.0, 0.9}, {12.0, 1.1}}, 0.4, 0.5);
+  const Recording r = record(corridor, truth, 0.001, 0.0005, 13, 0.02);
+  const std::size_t count = truth.size() - 1;
+  const auto places = places_after_first(truth.size());
+  const auto keys = placed(truth);
+  const SurfacePatches patches = find_patches(keys, r.surfaces, 0.3);
+  SurfaceSystem system(patches, places, count, {1});
+  (void)system.linearise(keys, 0.02);
+  const Eigen::MatrixXd found = dense(system, count);
+  for (std::size_t key = 0; key < count; ++key) {
+    const auto at = 3 * static_cast<Eigen::Index>(key);
+    const Eigen::Matrix3d own = found.block<3, 3>(at, at);
+    EXPECT_GT(own(1, 1), 1e3) << key;  // across
+    // The open motion turns with the corridor: in the basis of the block it has no information.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(own);
+    EXPECT_LT(axes.eigenvalues()(0), 1e-6 * axes.eigenvalues()(2)) << key;
+    EXPECT_GT(std::abs(axes.eigenvectors()(0, 0)), 0.9) << key;
   }
 }
 
