@@ -116,7 +116,15 @@ MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Thread
     resume_from(source.out, source.checkpoint, mapper, source.log, source.camera, context_);
   held.emplace();
   feed(source, mapper);
-  MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
+  Calibration found;
+  if (!source.log.interrupted() && !interrupted()) found = mapper.judge_beams();
+  MapResult result;
+  // Who interrupts a run wants what there is.
+  if (found.beams_are_off() && !interrupted()) {
+    result.calibration = found;
+  } else {
+    result = mapper.finish([](const Progress&) { return !interrupted(); });
+  }
   while (const auto update = mapper.next_update()) source.recording.add(*update, mapper);
   return result;
 }

@@ -33,10 +33,12 @@ class BackEndWorker {
   /// From a sound state; puts the map so far on the board.
   void restore(BackEnd::State state, std::vector<WaitingScan> waiting);
 
+  /// Until all that was handed over is worked on; scans that no submap followed wait on.
+  void wait() { queue_.wait(); }
   /// Waits for all that was handed over and ends the back end.
   /// \param goes_on  asked from the worker's thread
   void finish(const std::function<bool()>& goes_on);
-  /// After finish().
+  /// After finish() or wait().
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
  private:

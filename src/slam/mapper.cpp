@@ -94,6 +94,7 @@ class Mapper::Impl {
     return static_cast<std::int64_t>(so_far_.track.size());
   }
 
+  [[nodiscard]] Calibration judge_beams();
   [[nodiscard]] MapResult finish(const ProgressCallback& progress, const std::stop_token& cancel);
   [[nodiscard]] std::future<MapperState> save_state();
   void restore_state(MapperState state);
@@ -105,9 +106,11 @@ class Mapper::Impl {
   [[nodiscard]] std::vector<MapEvent> events_of(const TrackedScan& tracked);
   void put_up_faults();
   void hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan tracked);
+  void end_log();
   [[nodiscard]] Pose2 end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const;
   [[nodiscard]] MapResult result_of_back_end() const;
   void adjust(MapResult& result) const;
+  void find_calibration(MapResult& result) const;
   [[nodiscard]] PlacedScans place(MapResult& result) const;
 
   RobotModel robot_;
@@ -122,6 +125,7 @@ class Mapper::Impl {
   FaultEvents fault_events_{};
   std::deque<MapUpdate> updates_{};
   std::int64_t updates_missed_ = 0;
+  bool log_ended_ = false;
 };
 
 void Mapper::Impl::add_scan(LaserScan scan) {
@@ -256,6 +260,24 @@ void Mapper::Impl::restore_state(MapperState state) {
   if (!so_far_.track.empty()) put_up_faults();
 }
 
+/// Works on the scans that still wait for odometry, and closes the open submaps.
+void Mapper::Impl::end_log() {
+  if (std::exchange(log_ended_, true)) return;
+  scan_queue_.finish();
+  while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
+  back_end_.add_submaps(front_end_.finish());
+}
+
+Calibration Mapper::Impl::judge_beams() {
+  end_log();
+  back_end_.wait();
+  MapResult so_far;
+  so_far.breaks = so_far_.breaks;
+  report_sensors(front_end_, scan_queue_, so_far);
+  find_calibration(so_far);
+  return so_far.calibration;
+}
+
 /// What the back end has, and what was counted on the way.
 MapResult Mapper::Impl::result_of_back_end() const {
   const BackEnd& back_end = back_end_.back_end();
@@ -301,16 +323,22 @@ void Mapper::Impl::adjust(MapResult& result) const {
   result.statistics.adjustment_s = watch.seconds();
 }
 
+/// How the sensors sit, from the path as the front end knows it.
+void Mapper::Impl::find_calibration(MapResult& result) const {
+  if (!options_.calibration) return;
+  const std::span<const SubmapRecord> submaps = back_end_.back_end().submaps();
+  const AssumedMounts mounts = assumed_mounts(submaps);
+  if (options_.front_end.odometry != OdometryUse::kIgnore)
+    result.calibration = calibrate_run(so_far_.track, mounts, result);
+  loopstone::judge_beams(so_far_.track, mounts, submaps, result);
+}
+
 /// All scans on the map, by the mount that the drive tells.
 PlacedScans Mapper::Impl::place(MapResult& result) const {
   const std::span<const SubmapRecord> submaps = back_end_.back_end().submaps();
   PlacedScans placed =
       place_scans(so_far_.track, back_end_.back_end().keys(), result.graph.poses, submaps);
-  if (!options_.calibration) return placed;
-  const AssumedMounts mounts = assumed_mounts(submaps);
-  if (options_.front_end.odometry != OdometryUse::kIgnore)
-    result.calibration = calibrate_run(so_far_.track, mounts, result);
-  judge_beams(so_far_.track, mounts, submaps, result);
+  find_calibration(result);
   const Calibration& found = result.calibration;
   if (found.is_corrected)
     correct_mount(found.robot_T_lidar_given, found.robot_T_lidar(), result, placed);
@@ -326,9 +354,7 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
       complete = false;
     return complete;
   };
-  scan_queue_.finish();
-  while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
-  back_end_.add_submaps(front_end_.finish());
+  end_log();
   back_end_.finish([&] { return goes_on_to(0); });
   MapResult result = result_of_back_end();
 
@@ -380,6 +406,7 @@ Mapper::~Mapper() = default;
 
 void Mapper::add(const SensorMessage& message) { impl_->add(message); }
 std::optional<MapUpdate> Mapper::next_update() { return impl_->next_update(); }
+Calibration Mapper::judge_beams() { return impl_->judge_beams(); }
 MapSnapshot Mapper::snapshot() const { return impl_->snapshot(); }
 MapResult Mapper::finish(const ProgressCallback& progress, const std::stop_token& cancel) {
   return impl_->finish(progress, cancel);

@@ -131,6 +131,36 @@ TEST(CalibrationSimulated, ASweepThatNobodyToldIsFoundAndTheMapMadeAnew) {
   EXPECT_NEAR(second.calibration.laser_delay_s.value, -options.laser.clock_offset_s, 0.002);
 }
 
+void expect_same(const Calibration& judged, const Calibration& finished) {
+  EXPECT_EQ(judged.beams_are_off(), finished.beams_are_off());
+  EXPECT_EQ(judged.laser_is_mirrored, finished.laser_is_mirrored);
+  EXPECT_EQ(judged.sweep_s.value, finished.sweep_s.value);
+  EXPECT_EQ(judged.sweep_s.sigma, finished.sweep_s.sigma);
+  EXPECT_EQ(judged.lidar_yaw_rad.value, finished.lidar_yaw_rad.value);
+  EXPECT_EQ(judged.motions, finished.motions);
+}
+
+TEST(CalibrationSimulated, BeamsAreJudgedBeforeTheMapIsFinished) {
+  for (const bool sweeps : {false, true}) {
+    SCOPED_TRACE(sweeps);
+    SimulationOptions options = office_options(false);
+    options.duration_s = 120.0;
+    options.realism.sweep.on = sweeps;
+    const SimulatedLog log = simulate_log("office", 3, options);
+    Mapper mapper(log.robot, {}, {});
+    for (const auto& message : log.messages) mapper.add(message);
+    const Calibration judged = mapper.judge_beams();
+    EXPECT_EQ(judged.beams_are_off(), sweeps);
+    const MapResult asked = mapper.finish();
+    expect_same(judged, asked.calibration);
+
+    const MapResult unasked = map_of(log);
+    ASSERT_EQ(asked.trajectory.size(), unasked.trajectory.size());
+    for (std::size_t i = 0; i < asked.trajectory.size(); ++i)
+      ASSERT_EQ(asked.trajectory.poses()[i].pose, unasked.trajectory.poses()[i].pose) << i;
+  }
+}
+
 TEST(CalibrationSimulated, ASweepThatTheLogTellsIsNotTouched) {
   SimulationOptions options = office_options(false);
   options.duration_s = 120.0;

@@ -6,16 +6,14 @@
 
 namespace loopstone {
 
-// A laser that hangs upside down, and a sweep that no log tells, bend the map itself. When a run
-// is over and its calibration says so, the log is mapped once more:
+// A laser that hangs upside down, and a sweep that no log tells, bend the map itself. When a log
+// is over and the drive says so, it is mapped once more:
 //
-//   MapResult result = first.finish();
-//   if (result.calibration.beams_are_off()) {
-//     const Calibration found = result.calibration;
-//     Mapper second(corrected_beams(robot, found), options, threads);  // the log, from its start
-//     result = second.finish();
-//     tell_of_beams(found, result);
-//   }
+//   const Calibration found = first.judge_beams();
+//   if (!found.beams_are_off()) return first.finish();
+//   Mapper second(corrected_beams(robot, found), options, threads);  // the log, from its start
+//   MapResult result = second.finish();
+//   tell_of_beams(found, result);
 
 /// The robot with beams as the drive tells them.
 [[nodiscard]] RobotModel corrected_beams(RobotModel robot, const Calibration& found);
