@@ -17,6 +17,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -26,7 +27,9 @@
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/slam/mapper.hpp"
+#include "loopstone/slam/robot_correction.hpp"
 
 using namespace loopstone;
 
@@ -37,6 +40,8 @@ constexpr double kMedianChi2 = 2.366;  ///< of three degrees of freedom
 constexpr double kInsideChi2 = 7.815;
 constexpr double kRevisitM = 1.0;
 constexpr double kAwayM = 20.0;
+constexpr double kNoiseM = 0.003;  ///< of a match by itself
+constexpr double kNoiseRad = 0.001;
 
 /// A key scan where map and truth know it.
 struct Key {
@@ -86,7 +91,7 @@ double ratio(double part, double whole) { return whole > 0.0 ? part / whole : 0.
 
 nlohmann::json judged(const std::string& kind, const std::vector<Key>& keys,
                       std::vector<std::pair<std::size_t, std::size_t>> pairs,
-                      const PoseCovariances& covariances) {
+                      const std::function<Eigen::Matrix3d(const Key&, const Key&)>& between) {
   Rng rng(1);
   while (pairs.size() > kPairs) {
     std::swap(pairs[rng.below(pairs.size())], pairs.back());
@@ -101,7 +106,7 @@ nlohmann::json judged(const std::string& kind, const std::vector<Key>& keys,
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const Key& from = keys[pairs[p].first];
     const Key& to = keys[pairs[p].second];
-    const Eigen::Matrix3d covariance = covariances.between(from.node, to.node);
+    const Eigen::Matrix3d covariance = between(from, to);
     const Pose2 told = from.map_T_robot.inverse() * to.map_T_robot;
     const Pose2 real = from.world_T_robot.inverse() * to.world_T_robot;
     const Eigen::Vector3d error(told.x - real.x, told.y - real.y, wrap_angle(told.yaw - real.yaw));
@@ -130,6 +135,68 @@ nlohmann::json judged(const std::string& kind, const std::vector<Key>& keys,
           {"sigma_rad", std::sqrt(ratio(variances.z(), count))}};
 }
 
+/// As `loopstone map` does it: once more where beams are off.
+MapResult map_of(const char* path, const MapOptions& options, Threads threads) {
+  const RobotModel robot = open_log(path)->robot(RobotModel{});
+  const auto feed = [&](Mapper& mapper) {
+    const auto log = open_log(path);
+    while (const auto message = log->next()) mapper.add(*message);
+  };
+  Mapper mapper(robot, options, threads);
+  feed(mapper);
+  const Calibration found = mapper.judge_robot();
+  if (!found.map_is_bent()) return mapper.finish();
+  Mapper again(corrected_robot(robot, found), options, threads);
+  feed(again);
+  return again.finish();
+}
+
+std::string on_the_way(double way_m) {
+  return way_m == 0.0 ? "consecutive" : std::to_string(std::lround(way_m)) + " m on the way";
+}
+
+/// The path as it is delivered.
+void add_path(const char* log, const Trajectory& truth, Threads threads, nlohmann::json& kinds) {
+  const MapResult result = map_of(log, {}, threads);
+  const std::vector<Key> keys = keys_of(result, truth);
+  const auto between = [&](const Key& from, const Key& to) {
+    return result.covariances.between(from.node, to.node);
+  };
+  const auto add = [&](nlohmann::json kind) {
+    if (!kind.is_null()) kinds.push_back(std::move(kind));
+  };
+  for (const double way_m : {0.0, 1.0, 5.0, 20.0, 80.0})
+    add(judged(on_the_way(way_m), keys, apart(keys, way_m), between));
+  add(judged("revisits", keys, revisits(keys), between));
+}
+
+/// What of it is the path's alone: no loop is closed, no surface shared.
+void add_drift(const char* log, const Trajectory& truth, Threads threads, nlohmann::json& kinds) {
+  MapOptions options{.loop_closure = false};
+  options.adjustment.enabled = false;
+  const MapResult result = map_of(log, options, threads);
+  const std::vector<Key> keys = keys_of(result, truth);
+  const auto between = [&](const Key& from, const Key& to) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (int node = from.node.index + 1; node <= to.node.index; ++node) {
+      const Pose2& pose = result.graph.poses[static_cast<std::size_t>(node)];
+      const Eigen::Vector2d arm = to.map_T_robot.translation() - pose.translation();
+      Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
+      lever(0, 2) = -arm.y();
+      lever(1, 2) = arm.x();
+      const auto& drift = result.drifts[static_cast<std::size_t>(node) - 1];
+      sum += lever * rotated(drift.covariance, pose.rotation()) * lever.transpose();
+    }
+    // The noise of the matches at both ends, which does not add up.
+    sum.diagonal() += 2.0 * Eigen::Vector3d(kNoiseM, kNoiseM, kNoiseRad).cwiseAbs2();
+    return Eigen::Matrix3d(rotated(sum, from.map_T_robot.rotation().transpose()));
+  };
+  for (const double way_m : {5.0, 20.0, 80.0, 200.0}) {
+    auto kind = judged("drift, " + on_the_way(way_m), keys, apart(keys, way_m), between);
+    if (!kind.is_null()) kinds.push_back(std::move(kind));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -137,20 +204,11 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "measure_covariances LOG TRUTH.tum [THREADS]\n");
     return 2;
   }
-  const auto log = open_log(argv[1]);
-  Mapper mapper(log->robot(RobotModel{}), MapOptions{}, Threads{argc > 3 ? std::atoi(argv[3]) : 0});
-  while (const auto message = log->next()) mapper.add(*message);
-  const MapResult result = mapper.finish();
-  const std::vector<Key> keys = keys_of(result, read_tum(argv[2]));
+  const Threads threads{argc > 3 ? std::atoi(argv[3]) : 0};
+  const Trajectory truth = read_tum(argv[2]);
   nlohmann::json kinds = nlohmann::json::array();
-  for (const double way_m : {0.0, 1.0, 5.0, 20.0, 80.0}) {
-    const std::string kind =
-        way_m == 0.0 ? "consecutive" : std::to_string(std::lround(way_m)) + " m on the way";
-    const auto of_kind = judged(kind, keys, apart(keys, way_m), result.covariances);
-    if (!of_kind.is_null()) kinds.push_back(of_kind);
-  }
-  const auto of_revisits = judged("revisits", keys, revisits(keys), result.covariances);
-  if (!of_revisits.is_null()) kinds.push_back(of_revisits);
+  add_path(argv[1], truth, threads, kinds);
+  add_drift(argv[1], truth, threads, kinds);
   std::printf("%s\n", kinds.dump().c_str());
   return 0;
 }

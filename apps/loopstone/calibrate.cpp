@@ -15,8 +15,8 @@
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/odometry/dead_reckoning.hpp"
-#include "loopstone/slam/beam_correction.hpp"
 #include "loopstone/slam/mapper.hpp"
+#include "loopstone/slam/robot_correction.hpp"
 #include "output_path.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
@@ -48,9 +48,10 @@ struct WheelFindings {
   WheelModel wheels{};  ///< with what is certainly wrong put right
 };
 
+constexpr double kHarmless = 0.001;
+
 /// What a robot file may be changed for.
 bool is_wrong(const CalibratedValue& value) {
-  constexpr double kHarmless = 0.001;
   return value.observable &&
          std::abs(value.value - value.given) > std::max(3.0 * value.sigma, kHarmless);
 }
@@ -138,6 +139,10 @@ RobotModel corrected(RobotModel robot, const Calibration& calibration,
     robot.lidars[index].robot_T_lidar = calibration.robot_T_lidar();
   }
   if (wheels) robot.wheels = wheels->wheels;
+  // Wheels that count right need no scale.
+  const double scale = calibration.odometry_scale;
+  const bool is_off = scale > 0.0 && std::abs(scale - 1.0) > kHarmless;
+  robot.odometry_scale = is_off && !wheels ? scale : 1.0;
   return robot;
 }
 
@@ -168,12 +173,12 @@ Findings find(CutLog& log, const RobotModel& robot, const MapOptions& options, T
 void find_anew(const Arguments& arguments, const MapOptions& options, RobotModel& robot,
                ProgressDisplay& display, Findings& findings, const AppContext& context) {
   const Calibration first = findings.map.calibration;
-  if (!first.beams_are_off() || findings.interrupted) return;
-  robot = corrected_beams(std::move(robot), first);
+  if (!first.map_is_bent() || findings.interrupted) return;
+  robot = corrected_robot(std::move(robot), first);
   const auto reader = open_log(arguments.log, log_options(arguments.reading, context));
   CutLog log(*reader, arguments.cut, !context.robot_given(), "calibrating anew", display);
   findings = find(log, robot, options, context.threads());
-  tell_of_beams(first, findings.map);
+  tell_of_correction(first, findings.map);
 }
 
 ExitCode run(const Arguments& arguments, const AppContext& context) {

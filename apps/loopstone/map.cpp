@@ -198,7 +198,7 @@ void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
                    const RobotModel& robot, RunRecording& recording, ProgressDisplay& display,
                    MapResult& result, const AppContext& context) {
   const Calibration found = result.calibration;
-  if (!found.beams_are_off() || !result.complete) return;
+  if (!found.map_is_bent() || !result.complete) return;
   result = {};  // its memory is needed
   LogFlags flags = arguments.reading;
   flags.pictures = false;

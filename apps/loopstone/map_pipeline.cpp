@@ -6,8 +6,8 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/sensor/messages.hpp"
-#include "loopstone/slam/beam_correction.hpp"
 #include "loopstone/slam/mapper.hpp"
+#include "loopstone/slam/robot_correction.hpp"
 
 namespace loopstone::app {
 
@@ -117,10 +117,10 @@ MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Thread
   held.emplace();
   feed(source, mapper);
   Calibration found;
-  if (!source.log.interrupted() && !interrupted()) found = mapper.judge_beams();
+  if (!source.log.interrupted() && !interrupted()) found = mapper.judge_robot();
   MapResult result;
   // Who interrupts a run wants what there is.
-  if (found.beams_are_off() && !interrupted()) {
+  if (found.map_is_bent() && !interrupted()) {
     result.calibration = found;
   } else {
     result = mapper.finish([](const Progress&) { return !interrupted(); });
@@ -131,7 +131,7 @@ MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Thread
 
 MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
                                 const Calibration& found, Threads threads) const {
-  const RobotModel corrected = corrected_beams(robot, found);
+  const RobotModel corrected = corrected_robot(robot, found);
   recording.begin_anew(corrected);
   Mapper mapper(corrected, std::get<MapOptions>(options_), threads);
   const auto record_updates = [&] {
@@ -145,7 +145,7 @@ MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const Robo
   MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
   record_updates();
   result.complete = result.complete && !log.interrupted();
-  tell_of_beams(found, result);
+  tell_of_correction(found, result);
   return result;
 }
 

@@ -69,7 +69,7 @@ class MapPipeline {
     bool resumes = false;
   };
   /// Reads the log to its end, or until the user interrupts.
-  /// A result whose calibration says that beams are off has nothing else: see map_anew().
+  /// A result whose calibration says that the map is bent has nothing else: see map_anew().
   /// \param held  set once there is something that Ctrl-C must not lose
   [[nodiscard]] MapResult map(const Source& source, const RobotModel& robot, Threads threads,
                               std::optional<HeldInterrupt>& held) const;

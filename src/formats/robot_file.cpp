@@ -116,6 +116,9 @@ void visit_robot(RobotModel& robot, CameraAngles& angles, Visitor&& visit) {
   visit("footprint_radius_m", robot.footprint_radius_m, Range{0.0, 10.0},
         "cells this near to the robot's path are free [m]");
 
+  visit("odometry_scale", robot.odometry_scale, Range{0.2, 5.0},
+        "odometry's way / the real one, as another drive told it; 1: learned while driving");
+
   visit("wheels.metres_per_count", robot.wheels.metres_per_count, Range{1e-9, 10.0},
         "how far a wheel rolls for each encoder count [m]");
   visit("wheels.track_width_m", robot.wheels.track_width_m, Range{0.001, 20.0},

@@ -109,6 +109,12 @@ Stamp MotionAgreement::wrong_since() const {
   return {};
 }
 
+void MotionAgreement::assume_scale(double scale) {
+  const double ll = kOdometryCheck.pieces_assumed * piece_ * piece_;
+  state_.right = {scale * scale * ll, scale * ll, ll};
+  state_.right_count = kOdometryCheck.pieces_assumed;
+}
+
 std::optional<double> MotionAgreement::scale() const {
   if (state_.right_count < kOdometryCheck.pieces_for_scale) return {};
   return state_.right.ol / state_.right.ll;

@@ -33,11 +33,17 @@ nlohmann::ordered_json calibration_json(const Calibration& calibration) {
                                         {"sweep_s", to_json(calibration.sweep_s)},
                                         {"sweep_is_off", calibration.sweep_is_off},
                                         {"corrected", calibration.beams_corrected}};
-  if (calibration.motions == 0) return {{"motions", 0}, {"beams", beams}};
+  const nlohmann::ordered_json open_travel = {{"odometry_scale", calibration.odometry_scale},
+                                              {"error_m", calibration.open_travel_error_m},
+                                              {"scale_is_off", calibration.scale_is_off},
+                                              {"corrected", calibration.scale_corrected}};
+  if (calibration.motions == 0)
+    return {{"motions", 0}, {"beams", beams}, {"open_travel", open_travel}};
   return {{"motions", calibration.motions},
           {"mount_corrected", calibration.is_corrected},
           {"several_mounts", calibration.several_mounts},
           {"beams", beams},
+          {"open_travel", open_travel},
           {"lidar",
            {{"index", calibration.lidar},
             {"x_m", to_json(calibration.lidar_x_m)},

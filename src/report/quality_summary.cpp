@@ -76,14 +76,14 @@ nlohmann::ordered_json contradictions_json(const MapResult& result) {
 template <typename Part>
 nlohmann::ordered_json part_json(const Part& part) {
   return {{"from_s", part.from.seconds()}, {"to_s", part.to.seconds()}, {"path_m", part.path_m},
-          {"x_m", part.where.x()},         {"y_m", part.where.y()},     {"sigma_m", part.sigma_m},
-          {"sigma_rad", part.sigma_rad}};
+          {"x_m", part.where.x()},         {"y_m", part.where.y()},     {"sigma_m", part.sigma_m}};
 }
 
 nlohmann::ordered_json loose_json(const GraphTies& ties) {
   auto list = nlohmann::ordered_json::array();
   for (const LoosePart& part : ties.loose) {
     list.push_back(part_json(part));
+    list.back()["sigma_rad"] = part.sigma_rad;
     list.back()["closures"] = part.closures;
   }
   return list;

@@ -35,6 +35,7 @@
 #include "slam/loose_parts_numbers.hpp"
 #include "slam/map_verdict_numbers.hpp"
 #include "slam/pairwise_consistency.hpp"
+#include "slam/path_drift.hpp"
 #include "slam/pose_search.hpp"
 #include "slam/rival_places.hpp"
 #include "slam/scan_edges.hpp"
@@ -83,6 +84,7 @@ std::vector<NumberGroup> decision_numbers() {
       group("odom_frame", kOdomFrame),
       group("scan_edges", kScanEdges),
       group("key_chain", kKeyChain),
+      group("path_drift", kPathDrift),
       group("loop_candidates", kLoopCandidates),
       group("loop_closer", kLoopCloser),
       group("loop_verification", kLoopVerification),

@@ -37,11 +37,11 @@ bool bends(const LaserScan& scan, const Tangent2& velocity_error) {
 }  // namespace
 
 FrontEnd::FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match,
-                   const SubmapOptions& submap)
+                   const SubmapOptions& submap, double odometry_scale)
     : options_(options),
       match_options_(match),
       submap_options_(submap),
-      predictor_(options.odometry != OdometryUse::kTrust) {}
+      predictor_(options.odometry != OdometryUse::kTrust, odometry_scale) {}
 
 TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
                           std::optional<OdometryReading> odometry) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "loopstone/geometry/covariance.hpp"
+#include "slam/path_drift.hpp"
 #include "slam/scan_edges.hpp"
 
 namespace loopstone {
@@ -76,6 +77,26 @@ std::vector<NodeId> KeyChain::first_nodes() const {
     next += static_cast<int>(submap.keys.size());
   }
   return nodes;
+}
+
+std::vector<StepDrift> KeyChain::drifts(const std::deque<TrackedPose>& track, double scale) const {
+  std::vector<StepDrift> drifts;
+  const auto add = [&](const KeyScan& previous, const KeyScan& next) {
+    drifts.push_back(drift_between(previous, next, told_between(previous, next, track, scale)));
+  };
+  for (std::size_t s = 0; s < submaps().size(); ++s) {
+    const auto& keys = submaps()[s].keys;
+    for (std::size_t k = 1; k < keys.size(); ++k) add(keys[k - 1], keys[k]);
+    if (s + 1 == submaps().size()) break;
+    const PoseWithCovariance2& across = submaps()[s].across;
+    if (keys.size() == 1) {  // what was thinned lies where the robot was many times
+      drifts.push_back(
+          {.covariance = rotated(across.covariance, across.pose.rotation().transpose())});
+    } else {
+      add(keys.back(), submaps()[s + 1].keys.front());
+    }
+  }
+  return drifts;
 }
 
 PoseGraph KeyChain::outline() const {

@@ -52,14 +52,11 @@ template <typename Part>
 double most_m(const Part& part) {
   return kMapVerdict.sure_sigmas * part.sigma_m;
 }
-template <typename Part>
-double most_rad(const Part& part) {
-  return kMapVerdict.sure_sigmas * part.sigma_rad;
-}
-template <typename Part>
-bool is_uncertain(const Part& part) {
+double most_rad(const LoosePart& part) { return kMapVerdict.sure_sigmas * part.sigma_rad; }
+bool is_uncertain(const LoosePart& part) {
   return !(most_m(part) <= kMapVerdict.right_m && most_rad(part) <= kMapVerdict.right_rad);
 }
+bool is_uncertain(const OpenStretch& stretch) { return !(most_m(stretch) <= kMapVerdict.right_m); }
 
 template <typename Part>
 std::string span_of(const Part& part, const RunClock& clock) {
@@ -67,8 +64,7 @@ std::string span_of(const Part& part, const RunClock& clock) {
                      clock.span(part.from, part.to), place(part.where));
 }
 
-template <typename Part>
-std::string by_how_much(const Part& part) {
+std::string by_how_much(const LoosePart& part) {
   return fmt::format("{} and {:.1f} deg (three standard deviations)", readable_metres(most_m(part)),
                      degrees(most_rad(part)));
 }
@@ -82,7 +78,7 @@ std::string told(const LoosePart& part, const RunClock& clock) {
 std::string told(const OpenStretch& stretch, const RunClock& clock) {
   return span_of(stretch, clock) +
          " leave one direction open to the laser: there the map may be too long or too short by " +
-         by_how_much(stretch);
+         readable_metres(most_m(stretch)) + " (three standard deviations)";
 }
 
 /// As a sentence.

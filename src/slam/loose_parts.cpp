@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
-#include "loopstone/graph/marginals.hpp"
 #include "slam/loose_parts_numbers.hpp"
 
 namespace loopstone {
@@ -17,24 +17,39 @@ namespace {
 
 /// The path from node to node.
 struct Chain {
-  std::vector<double> travelled_m{};         ///< at each node
-  std::vector<Eigen::Matrix3d> variances{};  ///< of each edge, map axes
+  std::vector<double> travelled_m{};      ///< at each node
+  std::vector<Eigen::Matrix3d> drifts{};  ///< of each edge, map axes
+  std::vector<bool> open{};               ///< edges that leave a direction to odometry
+  std::vector<Eigen::Vector2d> off{};     ///< each edge from what odometry says, map axes
+  double factor = 1.0;                    ///< drifts are wrong by that
+  double scale_sigma = 0.0;               ///< so is what is open, all in the same sense
 };
 
+/// Of an edge that tells no more than its covariance.
+bool is_open(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
+  return axes.eigenvalues()(1) >
+         kLooseParts.open_ratio * kLooseParts.open_ratio * std::max(axes.eigenvalues()(0), 0.0);
+}
+
 /// Nothing where the path has a hole.
-std::optional<Chain> chain_of(const PoseGraph& graph) {
+std::optional<Chain> chain_of(const PoseGraph& graph, std::span<const StepDrift> drifts) {
   Chain chain;
   if (graph.poses.size() < 2) return {};
-  chain.variances.assign(graph.poses.size() - 1, Eigen::Matrix3d::Constant(-1.0));
+  std::vector<Eigen::Matrix3d> variances(graph.poses.size() - 1, Eigen::Matrix3d::Constant(-1.0));
   for (const RelativePoseEdge& edge : graph.edges) {
     if (edge.kind == EdgeKind::kLoopClosure || edge.to.index != edge.from.index + 1) continue;
     const auto at = static_cast<std::size_t>(edge.from.index);
-    if (chain.variances[at](0, 0) >= 0.0) continue;
-    chain.variances[at] = rotated(edge.information.inverse(), graph.poses[at + 1].rotation());
+    if (variances[at](0, 0) < 0.0) variances[at] = edge.information.inverse();
   }
   chain.travelled_m.push_back(0.0);
   for (std::size_t i = 0; i + 1 < graph.poses.size(); ++i) {
-    if (chain.variances[i](0, 0) < 0.0) return {};
+    if (variances[i](0, 0) < 0.0) return {};
+    const Eigen::Matrix3d& drift = drifts.empty() ? variances[i] : drifts[i].covariance;
+    chain.drifts.push_back(rotated(drift, graph.poses[i + 1].rotation()));
+    chain.open.push_back(drifts.empty() ? is_open(drift) : drifts[i].open);
+    chain.off.emplace_back(Eigen::Vector2d::Zero());
+    if (!drifts.empty()) chain.off.back() = graph.poses[i + 1].rotation() * drifts[i].off;
     const double step_m = (graph.poses[i + 1].translation() - graph.poses[i].translation()).norm();
     chain.travelled_m.push_back(chain.travelled_m.back() + step_m);
   }
@@ -47,17 +62,22 @@ double largest_sigma_m(const Eigen::Matrix3d& covariance) {
   return std::sqrt(std::max(axes.eigenvalues()(1), 0.0));
 }
 
-/// Of the motion between two nodes by the path alone, map axes.
+/// Of the motion between two nodes by the path alone, map axes. What is open is too long or too
+/// short by the same factor all along.
 Eigen::Matrix3d by_path(const PoseGraph& graph, const Chain& chain, std::size_t first,
                         std::size_t last) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  Eigen::Vector2d open = Eigen::Vector2d::Zero();
   for (std::size_t i = first; i < last; ++i) {
     const Eigen::Vector2d arm = graph.poses[last].translation() - graph.poses[i + 1].translation();
     Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
     lever(0, 2) = -arm.y();
     lever(1, 2) = arm.x();
-    sum += lever * chain.variances[i] * lever.transpose();
+    sum += chain.factor * lever * chain.drifts[i] * lever.transpose();
+    if (chain.open[i]) open += graph.poses[i + 1].translation() - graph.poses[i].translation();
   }
+  open *= chain.scale_sigma;
+  sum.topLeftCorner<2, 2>() += open * open.transpose();
   return sum;
 }
 
@@ -128,8 +148,7 @@ Eigen::Vector2d middle_of(const PoseGraph& graph, std::size_t first, std::size_t
 }
 
 std::vector<LoosePart> loose_parts(const PoseGraph& graph, const Chain& chain,
-                                   std::span<const Stamp> stamps, std::vector<Tie> agreeing,
-                                   double factor) {
+                                   std::span<const Stamp> stamps, std::vector<Tie> agreeing) {
   const std::vector<int> across = ties_across(graph, chain, std::move(agreeing));
   std::vector<LoosePart> parts;
   for (std::size_t first = 0; first < across.size();) {
@@ -139,7 +158,7 @@ std::vector<LoosePart> loose_parts(const PoseGraph& graph, const Chain& chain,
     }
     std::size_t last = first;
     while (last < across.size() && across[last] <= 1) ++last;
-    const Eigen::Matrix3d covariance = factor * by_path(graph, chain, first, last);
+    const Eigen::Matrix3d covariance = by_path(graph, chain, first, last);
     const auto begin = across.begin() + static_cast<std::ptrdiff_t>(first);
     const auto end = across.begin() + static_cast<std::ptrdiff_t>(last);
     parts.push_back({.from = stamps[first],
@@ -157,19 +176,17 @@ std::vector<LoosePart> loose_parts(const PoseGraph& graph, const Chain& chain,
 /// First and last node.
 using Nodes = std::pair<std::size_t, std::size_t>;
 
-/// Runs of edges that are open along one direction, the longest first.
-std::vector<Nodes> open_runs(const Chain& chain) {
+/// Runs of edges that are open along one direction and lead the same way, the longest first.
+std::vector<Nodes> open_runs(const PoseGraph& graph, const Chain& chain) {
   std::vector<Nodes> runs;
-  for (std::size_t i = 0; i < chain.variances.size(); ++i) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-        chain.variances[i].topLeftCorner<2, 2>());
-    const double across_m = std::sqrt(std::max(axes.eigenvalues()(0), 0.0));
-    const double along_m = std::sqrt(std::max(axes.eigenvalues()(1), 0.0));
-    const double step_m = chain.travelled_m[i + 1] - chain.travelled_m[i];
-    if (along_m < kLooseParts.open_ratio * across_m || along_m < kLooseParts.open_share * step_m)
-      continue;
-    if (!runs.empty() &&
-        chain.travelled_m[i] - chain.travelled_m[runs.back().second] <= kLooseParts.open_gap_m) {
+  for (std::size_t i = 0; i < chain.open.size(); ++i) {
+    if (!chain.open[i]) continue;
+    const auto goes_on = [&](const Nodes& run) {
+      const double turned = wrap_angle(graph.poses[i].yaw - graph.poses[run.first].yaw);
+      return chain.travelled_m[i] - chain.travelled_m[run.second] <= kLooseParts.open_gap_m &&
+             std::abs(turned) < kLooseParts.open_turn_rad;
+    };
+    if (!runs.empty() && goes_on(runs.back())) {
       runs.back().second = i + 1;
     } else {
       runs.emplace_back(i, i + 1);
@@ -186,27 +203,31 @@ std::vector<Nodes> open_runs(const Chain& chain) {
   return runs;
 }
 
+/// Of the way from first to last, without what its heading swings. Where it is not as long as
+/// odometry says, something that moves with the robot held it back.
+double sigma_along(const PoseGraph& graph, const Chain& chain, const Nodes& run) {
+  Eigen::Matrix2d walk = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d off = Eigen::Vector2d::Zero();
+  for (std::size_t i = run.first; i < run.second; ++i) {
+    walk += chain.factor * chain.drifts[i].topLeftCorner<2, 2>();
+    off += chain.off[i];
+  }
+  const Eigen::Vector2d way =
+      graph.poses[run.second].translation() - graph.poses[run.first].translation();
+  const Eigen::Vector2d along = way.normalized();
+  return std::sqrt(along.dot(walk * along) + std::pow(chain.scale_sigma * way.norm(), 2) +
+                   std::pow(along.dot(off), 2));
+}
+
 std::vector<OpenStretch> open_stretches(const PoseGraph& graph, const Chain& chain,
-                                        std::span<const Stamp> stamps, double factor) {
-  const std::vector<Nodes> runs = open_runs(chain);
-  std::vector<std::pair<NodeId, NodeId>> pairs;
-  for (const auto& [first, last] : runs)
-    pairs.emplace_back(NodeId{static_cast<int>(first)}, NodeId{static_cast<int>(last)});
+                                        std::span<const Stamp> stamps) {
   std::vector<OpenStretch> stretches;
-  if (runs.empty()) return stretches;
-  const PairMarginals known = joint_covariances(graph, pairs);
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const auto& [first, last] = runs[i];
-    const Eigen::Matrix3d covariance =
-        known.available
-            ? relative_covariance(graph.poses[first], graph.poses[last], known.covariances[i])
-            : by_path(graph, chain, first, last);
-    stretches.push_back({.from = stamps[first],
-                         .to = stamps[last],
-                         .path_m = chain.travelled_m[last] - chain.travelled_m[first],
-                         .where = middle_of(graph, first, last),
-                         .sigma_m = std::sqrt(factor) * largest_sigma_m(covariance),
-                         .sigma_rad = std::sqrt(factor * std::max(covariance(2, 2), 0.0))});
+  for (const Nodes& run : open_runs(graph, chain)) {
+    stretches.push_back({.from = stamps[run.first],
+                         .to = stamps[run.second],
+                         .path_m = chain.travelled_m[run.second] - chain.travelled_m[run.first],
+                         .where = middle_of(graph, run.first, run.second),
+                         .sigma_m = sigma_along(graph, chain, run)});
   }
   return stretches;
 }
@@ -221,16 +242,21 @@ void least_certain_first(std::vector<Part>& parts, std::size_t most) {
 }  // namespace
 
 GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
+                       std::span<const StepDrift> drifts, double scale_sigma,
                        std::span<const VisitTie> agreeing, int loops, double reduced_chi2) {
   GraphTies ties;
   if (stamps.size() != solved.poses.size()) return ties;
-  const auto chain = chain_of(solved);
+  if (!drifts.empty() && drifts.size() + 1 != solved.poses.size()) return ties;
+  auto chain = chain_of(solved, drifts);
   if (!chain) return ties;
-  if (loops >= kLooseParts.least_loops)
-    ties.variance_factor =
-        std::clamp(reduced_chi2, kLooseParts.least_factor, kLooseParts.most_factor);
-  ties.loose = loose_parts(solved, *chain, stamps, ties_of(agreeing, stamps), ties.variance_factor);
-  ties.open = open_stretches(solved, *chain, stamps, ties.variance_factor);
+  if (loops >= kLooseParts.least_loops) {
+    const double least = drifts.empty() ? kLooseParts.least_factor : 1.0;
+    ties.variance_factor = std::clamp(reduced_chi2, least, kLooseParts.most_factor);
+  }
+  chain->factor = ties.variance_factor;
+  chain->scale_sigma = scale_sigma;
+  ties.loose = loose_parts(solved, *chain, stamps, ties_of(agreeing, stamps));
+  ties.open = open_stretches(solved, *chain, stamps);
   least_certain_first(ties.loose, static_cast<std::size_t>(kLooseParts.most_loose));
   least_certain_first(ties.open, static_cast<std::size_t>(kLooseParts.most_open));
   return ties;

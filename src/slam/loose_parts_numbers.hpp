@@ -6,8 +6,8 @@ namespace loopstone {
 struct LoosePartsNumbers {
   double same_place_m = 3.0;
   double open_ratio = 3.0;
-  double open_share = 0.08;
   double open_gap_m = 2.0;
+  double open_turn_rad = 0.5;
   double open_least_m = 1.0;
   int most_open = 12;
   int most_loose = 12;
@@ -23,18 +23,18 @@ void visit_numbers(const LoosePartsNumbers& n, Visitor&& visit) {
         "chosen: closures whose ends lie so near along the path are one recognition, right or "
         "wrong together");
   visit("open_ratio", n.open_ratio,
-        "measured by bench/quality.py: where the laser leaves a direction open, an edge is three "
-        "times as uncertain along it as across");
-  visit("open_share", n.open_share,
-        "measured by bench/quality.py: and by more than this share of its length");
+        "chosen: an edge that tells no more than its covariance is open where it is three times as "
+        "uncertain along one direction as across");
   visit("open_gap_m", n.open_gap_m, "chosen: a door post within a corridor does not divide it");
+  visit("open_turn_rad", n.open_turn_rad, "chosen: round a corner another direction is open");
   visit("open_least_m", n.open_least_m, "chosen: shorter ones tell nothing");
   visit("most_open", n.most_open, "chosen: bounds the cost; the longest are asked for");
   visit("most_loose", n.most_loose, "chosen: so many are told, the least certain");
   visit("least_loops", n.least_loops,
         "chosen: with fewer the chi-square of loops is chance, and covariances count as they are");
   visit("least_factor", n.least_factor,
-        "measured by bench/quality.py: in clean worlds covariances are seven times too wide");
+        "measured by bench/quality.py: of edges that tell no drift; in clean worlds they are seven "
+        "times too wide");
   visit("most_factor", n.most_factor, "chosen: five times as wrong as promised says enough");
 }
 

@@ -72,7 +72,7 @@ class Mapper::Impl {
         options_(options),
         threads_(threads),
         scan_queue_(robot.wheels),
-        front_end_(options.front_end, options.match, options.submap),
+        front_end_(options.front_end, options.match, options.submap, robot.odometry_scale),
         back_end_(options, threads, board_) {}
 
   void add(const SensorMessage& message) {
@@ -94,7 +94,7 @@ class Mapper::Impl {
     return static_cast<std::int64_t>(so_far_.track.size());
   }
 
-  [[nodiscard]] Calibration judge_beams();
+  [[nodiscard]] Calibration judge_robot();
   [[nodiscard]] MapResult finish(const ProgressCallback& progress, const std::stop_token& cancel);
   [[nodiscard]] std::future<MapperState> save_state();
   void restore_state(MapperState state);
@@ -268,7 +268,7 @@ void Mapper::Impl::end_log() {
   back_end_.add_submaps(front_end_.finish());
 }
 
-Calibration Mapper::Impl::judge_beams() {
+Calibration Mapper::Impl::judge_robot() {
   end_log();
   back_end_.wait();
   MapResult so_far;
@@ -330,7 +330,8 @@ void Mapper::Impl::find_calibration(MapResult& result) const {
   const AssumedMounts mounts = assumed_mounts(submaps);
   if (options_.front_end.odometry != OdometryUse::kIgnore)
     result.calibration = calibrate_run(so_far_.track, mounts, result);
-  loopstone::judge_beams(so_far_.track, mounts, submaps, result);
+  judge_scale(back_end_.back_end().keys(), so_far_.track, robot_.odometry_scale, result);
+  judge_beams(so_far_.track, mounts, submaps, result);
 }
 
 /// All scans on the map, by the mount that the drive tells.
@@ -370,6 +371,8 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
   result.loop_closures = at_poses_of(result.graph, std::move(result.loop_closures));
 
   PlacedScans placed = place(result);
+  result.drifts = back_end_.back_end().drifts(
+      so_far_.track, scale_is_known(result.calibration) ? result.calibration.odometry_scale : 0.0);
   result.trajectory = std::move(placed.trajectory);
   result.odometry = std::move(placed.odometry);
   so_far_.track = {};  // it is in the trajectories now
@@ -390,7 +393,8 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
   const Stopwatch judging;
   if (goes_on_to(4) && result.map_failure.empty()) {
     result.quality = assess_map(placed.on_map, threads_);
-    result.ties = find_ties_of(solved, result.node_stamps, result.quality.agreeing,
+    result.ties = find_ties_of(solved, result.node_stamps, result.drifts,
+                               scale_sigma(result.calibration), result.quality.agreeing,
                                result.graph_quality.loops, result.graph_quality.reduced_chi2);
     result.verdict = judge_map(result);
   }
@@ -406,7 +410,7 @@ Mapper::~Mapper() = default;
 
 void Mapper::add(const SensorMessage& message) { impl_->add(message); }
 std::optional<MapUpdate> Mapper::next_update() { return impl_->next_update(); }
-Calibration Mapper::judge_beams() { return impl_->judge_beams(); }
+Calibration Mapper::judge_robot() { return impl_->judge_robot(); }
 MapSnapshot Mapper::snapshot() const { return impl_->snapshot(); }
 MapResult Mapper::finish(const ProgressCallback& progress, const std::stop_token& cancel) {
   return impl_->finish(progress, cancel);

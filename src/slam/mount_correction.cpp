@@ -7,6 +7,9 @@
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/odometry/odometry_accuracy.hpp"
+#include "slam/path_drift.hpp"
+#include "slam/run_clock.hpp"
 #include "slam/sensor_faults.hpp"
 #include "slam/sweep_fit.hpp"
 
@@ -145,17 +148,56 @@ void judge_beams(const std::deque<TrackedPose>& track, const AssumedMounts& moun
   calibration.sweep_is_off = fit->is_off();
 }
 
-std::vector<std::string> beam_warnings(const Calibration& calibration) {
-  const std::string end = calibration.beams_corrected
-                              ? "the map was made anew with that; `loopstone calibrate` writes a "
-                                "robot file that says so"
-                              : "the map must be made anew with that";
+void judge_scale(std::span<const KeyScan> keys, const std::deque<TrackedPose>& track,
+                 double assumed_scale, MapResult& result) {
+  const double scale = result.statistics.odometry_translation_scale;
+  if (!(scale > 0.0)) return;
+  Calibration& calibration = result.calibration;
+  calibration.odometry_scale = scale;
+  calibration.open_travel_error_m = open_travel_error_m(keys, track, scale);
+  const bool is_new = assumed_scale == 1.0 && std::abs(scale - 1.0) > kCalibration.scale_sigma;
+  calibration.scale_is_off =
+      is_new && std::abs(calibration.open_travel_error_m) > kCalibration.open_travel_harmless_m;
+}
+
+bool scale_is_known(const Calibration& calibration) {
+  return calibration.odometry_scale > 0.0 &&
+         (!calibration.scale_is_off || calibration.scale_corrected);
+}
+
+double scale_sigma(const Calibration& calibration) {
+  return scale_is_known(calibration) ? kCalibration.scale_sigma : kOdometryAccuracy.least_share;
+}
+
+namespace {
+
+std::string end_of(bool corrected) {
+  return corrected
+             ? "the map was made anew with that; `loopstone calibrate` writes a robot file that "
+               "says so"
+             : "the map must be made anew with that";
+}
+
+}  // namespace
+
+std::vector<std::string> correction_warnings(const Calibration& calibration) {
+  const std::string end = end_of(calibration.beams_corrected);
   std::vector<std::string> warnings;
   if (calibration.laser_is_mirrored) {
     warnings.push_back(
         "the laser turns the other way than odometry and gyro, which agree with one another: it "
         "hangs upside down, or its beams are listed in the wrong order; " +
         end);
+  }
+  if (calibration.scale_is_off) {
+    warnings.push_back(fmt::format(
+        "odometry's way is {:.1f} % too {}, as the laser tells where it can: bare corridors that "
+        "were driven before that was known are {} too {}; {}",
+        100.0 * std::abs(calibration.odometry_scale - 1.0),
+        calibration.odometry_scale > 1.0 ? "long" : "short",
+        readable_metres(std::abs(calibration.open_travel_error_m)),
+        calibration.open_travel_error_m > 0.0 ? "long" : "short",
+        end_of(calibration.scale_corrected)));
   }
   if (calibration.sweep_is_off) {
     const CalibratedValue& sweep = calibration.sweep_s;
@@ -170,7 +212,7 @@ std::vector<std::string> beam_warnings(const Calibration& calibration) {
 
 std::vector<std::string> calibration_warnings(const MapResult& result) {
   const Calibration& calibration = result.calibration;
-  std::vector<std::string> warnings = beam_warnings(calibration);
+  std::vector<std::string> warnings = correction_warnings(calibration);
   if (!calibration.is_corrected) return warnings;
   std::string words = "the laser ";
   if (calibration.yaw_is_off) words += yaw_words(calibration);

@@ -8,6 +8,7 @@
 
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/slam/calibration.hpp"
+#include "loopstone/slam/key_scan.hpp"
 #include "loopstone/slam/map_result.hpp"
 #include "loopstone/slam/submap_record.hpp"
 #include "loopstone/slam/tracked_pose.hpp"
@@ -39,8 +40,19 @@ void correct_mount(const Pose2& given, const Pose2& corrected, MapResult& result
 void judge_beams(const std::deque<TrackedPose>& track, const AssumedMounts& mounts,
                  std::span<const SubmapRecord> submaps, MapResult& result);
 
-/// What the user should know of the laser's beams.
-[[nodiscard]] std::vector<std::string> beam_warnings(const Calibration& calibration);
+/// Whether odometry's way is too long by a factor that was learned too late: into the calibration
+/// of a run.
+/// \param assumed_scale  of the robot; 1: none
+void judge_scale(std::span<const KeyScan> keys, const std::deque<TrackedPose>& track,
+                 double assumed_scale, MapResult& result);
+
+/// Whether bare corridors are as long as odometry says once its scale was learned.
+[[nodiscard]] bool scale_is_known(const Calibration& calibration);
+/// How wrong the scale of odometry may be where the laser left a direction to it.
+[[nodiscard]] double scale_sigma(const Calibration& calibration);
+
+/// What the user should know of the laser's beams and of odometry's scale.
+[[nodiscard]] std::vector<std::string> correction_warnings(const Calibration& calibration);
 /// What the user should know of the mount, and of the beams.
 [[nodiscard]] std::vector<std::string> calibration_warnings(const MapResult& result);
 

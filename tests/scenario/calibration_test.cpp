@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/slam/beam_correction.hpp"
+#include "loopstone/slam/robot_correction.hpp"
 #include "mapped_drives.hpp"
 
 namespace loopstone::test {
@@ -79,11 +79,11 @@ TEST(CalibrationSimulated, ALogThatAsksForTheLasersPathGetsIt) {
 }
 
 /// As the program does it: the log once more where the first map asks for it.
-MapResult map_with_corrected_beams(const SimulatedLog& log, const Calibration& found) {
-  Mapper mapper(corrected_beams(log.robot, found), {});
+MapResult map_with_corrected_robot(const SimulatedLog& log, const Calibration& found) {
+  Mapper mapper(corrected_robot(log.robot, found), {});
   for (const auto& message : log.messages) mapper.add(message);
   MapResult result = mapper.finish();
-  tell_of_beams(found, result);
+  tell_of_correction(found, result);
   return result;
 }
 
@@ -95,7 +95,7 @@ TEST(CalibrationSimulated, ALaserUpsideDownIsNoticedAndTheMapMadeAnew) {
   const MapResult first = map_of(log);
   ASSERT_TRUE(first.calibration.laser_is_mirrored);
   EXPECT_GT(ate_rmse_m(first.trajectory, log), 0.5) << "else this shows nothing";
-  const MapResult second = map_with_corrected_beams(log, first.calibration);
+  const MapResult second = map_with_corrected_robot(log, first.calibration);
   EXPECT_LT(ate_rmse_m(second.trajectory, log), 0.02);
   EXPECT_FALSE(second.calibration.turns_opposite);
   EXPECT_TRUE(second.calibration.beams_corrected);
@@ -123,7 +123,7 @@ TEST(CalibrationSimulated, ASweepThatNobodyToldIsFoundAndTheMapMadeAnew) {
   const Calibration& found = first.calibration;
   ASSERT_TRUE(found.sweep_is_off);
   EXPECT_NEAR(found.sweep_s.value, 0.075, 0.002);
-  const MapResult second = map_with_corrected_beams(log, found);
+  const MapResult second = map_with_corrected_robot(log, found);
   EXPECT_LT(ate_rmse_m(second.trajectory, log), 0.5 * ate_rmse_m(first.trajectory, log));
   EXPECT_LT(heading_error_rad(second, log), 0.5 * heading_error_rad(first, log));
   EXPECT_FALSE(second.calibration.mount_is_off());
@@ -149,7 +149,7 @@ TEST(CalibrationSimulated, BeamsAreJudgedBeforeTheMapIsFinished) {
     const SimulatedLog log = simulate_log("office", 3, options);
     Mapper mapper(log.robot, {}, {});
     for (const auto& message : log.messages) mapper.add(message);
-    const Calibration judged = mapper.judge_beams();
+    const Calibration judged = mapper.judge_robot();
     EXPECT_EQ(judged.beams_are_off(), sweeps);
     const MapResult asked = mapper.finish();
     expect_same(judged, asked.calibration);

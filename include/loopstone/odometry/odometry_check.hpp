@@ -32,6 +32,7 @@ struct OdometryCheckNumbers {
   double stands = 0.1;
   double explained = 0.25;
   int pieces_for_scale = 20;
+  int pieces_assumed = 200;
   double straight_rad_per_m = 0.2;
   double straight_m = 0.01;
   double enough_straight_m = 10.0;
@@ -77,6 +78,9 @@ void visit_numbers(const OdometryCheckNumbers& n, Visitor&& visit) {
       "chosen: a factor explains the disagreement when no larger share is left (root mean square)");
   visit("pieces_for_scale", n.pieces_for_scale,
         "chosen: some metres; before, the ratio says more of single pieces than of the wheels");
+  visit(
+      "pieces_assumed", n.pieces_assumed,
+      "chosen: a factor that another drive told counts as so many pieces: tyres and floors change");
   visit("straight_rad_per_m", n.straight_rad_per_m,
         "chosen: a motion that turns less is straight: on a circle of 5 m or more");
   visit("straight_m", n.straight_m,
@@ -155,6 +159,9 @@ class MotionAgreement {
   void add(Stamp from, Stamp to, const Eigen::Vector2d& odometry, const Eigen::Vector2d& laser,
            double slack);
 
+  /// What another drive told of scale(), before the first motion.
+  void assume_scale(double scale);
+
   [[nodiscard]] bool trusted() const { return state_.trusted; }
   /// What the pieces that are wrong look like.
   [[nodiscard]] OdometryFault fault() const;
@@ -231,6 +238,8 @@ class MotionAgreement {
 /// Cost: some microseconds a scan. Memory: bounded. Deterministic.
 class OdometryCheck {
  public:
+  /// Odometry's way / the real one, as another drive told it; before the first motion.
+  void assume_scale(double scale) { translation_.assume_scale(scale); }
   void add(const MotionPair& pair);
 
   [[nodiscard]] bool trusts_translation() const { return translation_.trusted() && !lag_.lag_s(); }

@@ -36,6 +36,8 @@ struct RobotModel {
   std::string name = "ucsd";
   double footprint_radius_m = 0.25;  ///< cells this near to the robot's path are free
   WheelModel wheels{};
+  /// Odometry's way / the real one, as another drive told it; 1: learned while driving.
+  double odometry_scale = 1.0;
   std::vector<LidarMount> lidars{LidarMount{}};
   CameraModel camera{};
 };

@@ -128,8 +128,9 @@ struct LaserView {
 /// it isn't found, nothing but loop closures can tie the new piece.
 class FrontEnd {
  public:
+  /// \param odometry_scale  RobotModel::odometry_scale
   FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match,
-           const SubmapOptions& submap);
+           const SubmapOptions& submap, double odometry_scale = 1.0);
 
   /// \param odometry  dead reckoning at the scan's stamp, if there is any
   [[nodiscard]] TrackedScan add(const LaserScan& scan, const Pose2& robot_T_lidar,

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <deque>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/slam/key_scan.hpp"
+#include "loopstone/slam/step_drift.hpp"
 #include "loopstone/slam/submap_record.hpp"
+#include "loopstone/slam/tracked_pose.hpp"
 
 namespace loopstone {
 
@@ -78,6 +81,11 @@ class KeyChain {
 
   /// The key scans that are kept, in order.
   [[nodiscard]] std::vector<KeyScan> keys() const;
+  /// How far the path may drift from each of them to the next.
+  /// \param scale  odometry's way / the real one; 0: not known. Odometry tells the way where the
+  ///               laser leaves it open
+  [[nodiscard]] std::vector<StepDrift> drifts(const std::deque<TrackedPose>& track,
+                                              double scale) const;
   /// Of each stretch, the place of its first key scan among them.
   [[nodiscard]] std::vector<NodeId> first_nodes() const;
   /// The graph of the stretches' first key scans, edges along the path only.

@@ -7,6 +7,7 @@
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/mapping/visit_contradiction.hpp"
+#include "loopstone/slam/step_drift.hpp"
 
 namespace loopstone {
 
@@ -32,9 +33,10 @@ struct OpenStretch {
   Stamp to{};
   double path_m = 0.0;
   Eigen::Vector2d where = Eigen::Vector2d::Zero();  ///< its middle, map frame [m]
-  /// Of its ends to one another, with all closures, one standard deviation.
-  double sigma_m = 0.0;  ///< along the worst direction, the corridor's axis
-  double sigma_rad = 0.0;
+  /// How far it may be too long or too short, one standard deviation: what odometry loses on the
+  /// way and by its scale. No closure tells: all of a corridor's visits are as long as odometry
+  /// says.
+  double sigma_m = 0.0;
 };
 
 /// How well a graph holds together.
@@ -46,12 +48,17 @@ struct GraphTies {
 
 /// \param solved        with all edges, closures that stand among them, at its own solution
 /// \param stamps        of its poses
+/// \param drifts        of the path from each node to the next; where there are none, the path
+///                      drifts by what its edges say
+/// \param scale_sigma   how wrong the scale of odometry may be, by which open stretches are as long
+///                      as they are
 /// \param agreeing      visits that agree tie as closures do
 /// \param loops         independent ones, and
 /// \param reduced_chi2  how well they close: where there are some, what the covariances promise is
 ///                      scaled to it, for edges are as wrong as their loops show
 /// Cost: two factorisations of the graph at most, and the path's length times the number of parts.
 [[nodiscard]] GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
+                                     std::span<const StepDrift> drifts, double scale_sigma,
                                      std::span<const VisitTie> agreeing, int loops,
                                      double reduced_chi2);
 

@@ -17,6 +17,7 @@
 #include "loopstone/slam/map_verdict.hpp"
 #include "loopstone/slam/path_break.hpp"
 #include "loopstone/slam/pose_covariances.hpp"
+#include "loopstone/slam/step_drift.hpp"
 
 namespace loopstone {
 
@@ -67,7 +68,8 @@ struct MapResult {
   Trajectory odometry;             ///< odom_T_robot at every scan, from dead reckoning alone
   std::vector<Stamp> node_stamps;  ///< of the graph's poses
   PoseGraph graph;
-  PoseCovariances covariances;  ///< of the graph's poses
+  PoseCovariances covariances;    ///< of the graph's poses
+  std::vector<StepDrift> drifts;  ///< of the path alone, from each node to the next
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
   std::string map_failure;  ///< why there is none (too large); empty when there is

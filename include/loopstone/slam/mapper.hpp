@@ -88,11 +88,12 @@ class Mapper {
   /// Consistent: all of it is of one moment. Cost: microseconds a submap; the scans are shared.
   [[nodiscard]] MapSnapshot snapshot() const;
 
-  /// What the drive tells of sensors and beams, once the last message was added; nothing with
-  /// MapOptions::calibration off. When beams are off, the map is to be made anew: to finish() this
-  /// one, its last closures, drawing and judgement, is not worth the time (beam_correction.hpp).
+  /// What the drive tells of the robot's sensors, once the last message was added; nothing with
+  /// MapOptions::calibration off. When the map is bent by them, it is to be made anew: to finish()
+  /// this one, its last closures, drawing and judgement, is not worth the time
+  /// (robot_correction.hpp).
   /// Nothing but finish() may follow. Cost: the back end's rest, and some 0.1 s.
-  [[nodiscard]] Calibration judge_beams();
+  [[nodiscard]] Calibration judge_robot();
 
   /// Ends the recording: last closures, last solution, the final map of all scans. Call once. A map
   /// that is too large leaves all else and says so in `map_failure`.

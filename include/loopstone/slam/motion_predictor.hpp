@@ -111,7 +111,10 @@ struct ToldMotion {
 class MotionPredictor {
  public:
   /// \param check  false: odometry is trusted whatever the laser says
-  explicit MotionPredictor(bool check = true) : checks_(check) {}
+  /// \param scale  odometry's way / the real one, as another drive told it; 1: nothing is known
+  explicit MotionPredictor(bool check = true, double scale = 1.0) : checks_(check) {
+    if (scale != 1.0) check_.assume_scale(scale);
+  }
 
   /// At least one guess, the likeliest first. More than one where odometry says what the motion so
   /// far makes unlikely, or where the stamps leave in doubt how far a motion goes on.

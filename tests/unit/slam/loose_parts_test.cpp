@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/geometry/angle.hpp"
+
 namespace loopstone {
 namespace {
 
@@ -40,7 +42,7 @@ std::vector<Stamp> stamps_of(const PoseGraph& graph) {
 
 GraphTies ties_of(const PoseGraph& graph, std::vector<VisitTie> agreeing = {}, int loops = 0,
                   double reduced_chi2 = 1.0) {
-  return find_ties_of(graph, stamps_of(graph), agreeing, loops, reduced_chi2);
+  return find_ties_of(graph, stamps_of(graph), {}, 0.0, agreeing, loops, reduced_chi2);
 }
 
 TEST(LooseParts, WithoutClosuresAllHangsOnThePath) {
@@ -95,8 +97,41 @@ TEST(OpenStretches, AreWhereEdgesAreOpenAlongOneDirectionAndShrinkWithClosures) 
   EXPECT_EQ(open.open[0].from, Stamp::from_seconds(30.0));
   EXPECT_NEAR(open.open[0].sigma_m, along_m * std::sqrt(30.0), 1e-3);
   close(graph, 30, 60);
-  EXPECT_LT(ties_of(graph).open[0].sigma_m, 0.02);
+  EXPECT_EQ(ties_of(graph).open[0].sigma_m, open.open[0].sigma_m)
+      << "both visits of a corridor are as long as odometry says";
   EXPECT_TRUE(ties_of(path(101)).open.empty());
+}
+
+TEST(LooseParts, ThePathDriftsByWhatItsStepsSay) {
+  const PoseGraph graph = path(101);
+  const std::vector<StepDrift> drifts(
+      100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal().toDenseMatrix()});
+  const auto ties = [&](int loops, double chi2) {
+    return find_ties_of(graph, stamps_of(graph), drifts, 0.0, {}, loops, chi2);
+  };
+  EXPECT_NEAR(ties(0, 1.0).loose.at(0).sigma_m, 0.1, 1e-9);
+  EXPECT_NEAR(ties(9, 4.0).loose.at(0).sigma_m, 0.2, 1e-9);
+  EXPECT_NEAR(ties(9, 0.1).loose.at(0).sigma_m, 0.1, 1e-9) << "drift is no noise of edges";
+  EXPECT_TRUE(find_ties_of(graph, stamps_of(graph), std::vector<StepDrift>(7), 0.0, {}, 0, 1.0)
+                  .loose.empty());
+}
+
+TEST(LooseParts, AnOpenStretchIsAsLongAsOdometrysScaleSays) {
+  PoseGraph graph = path(101);
+  std::vector<StepDrift> drifts(
+      100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal().toDenseMatrix()});
+  for (std::size_t i = 20; i < 60; ++i) drifts[i].open = true;
+  const auto ties = [&] { return find_ties_of(graph, stamps_of(graph), drifts, 0.01, {}, 0, 1.0); };
+  ASSERT_EQ(ties().open.size(), 1U);
+  EXPECT_NEAR(ties().open[0].path_m, 40.0, 1e-9);
+  EXPECT_NEAR(ties().open[0].sigma_m, std::hypot(0.01 * std::sqrt(40.0), 0.01 * 40.0), 1e-9);
+  // Something held the robot back: odometry says 20 cm more.
+  drifts[30].off = {-0.2, 0.3};
+  EXPECT_NEAR(ties().open[0].sigma_m, std::sqrt(1e-4 * 40.0 + 0.16 + 0.04), 1e-9);
+  // Round a corner another stretch begins.
+  for (std::size_t i = 40; i < graph.poses.size(); ++i)
+    graph.poses[i] = graph.poses[39] * Pose2{0.0, static_cast<double>(i - 39), kPi / 2};
+  EXPECT_EQ(ties().open.size(), 2U);
 }
 
 TEST(LooseParts, NothingIsSaidOfAGraphWithoutAPath) {

@@ -179,7 +179,7 @@ TEST(MapVerdict, APartThatHangsLooselyIsToldWithWhatItCouldMove) {
 TEST(MapVerdict, ABareCorridorIsDoubtfulOnlyWhereItsLengthIs) {
   MapResult result = fine_map();
   result.statistics.degenerate_travel_m = 150.0;
-  result.ties.open = {{.path_m = 60.0, .sigma_m = 0.1, .sigma_rad = 0.001}};
+  result.ties.open = {{.path_m = 60.0, .sigma_m = 0.1}};
   EXPECT_EQ(judge_map(result).overall, Verdict::kGood);
   result.ties.open.front().sigma_m = 0.3;
   EXPECT_EQ(verdict_of(judge_map(result), "degenerate_travel_share"), Verdict::kDoubtful);

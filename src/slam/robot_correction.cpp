@@ -1,4 +1,4 @@
-#include "loopstone/slam/beam_correction.hpp"
+#include "loopstone/slam/robot_correction.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,9 @@
 
 namespace loopstone {
 
-RobotModel corrected_beams(RobotModel robot, const Calibration& found) {
+RobotModel corrected_robot(RobotModel robot, const Calibration& found) {
+  if (found.scale_is_off && !found.laser_is_mirrored) robot.odometry_scale = found.odometry_scale;
+  if (!found.beams_are_off()) return robot;
   const auto index = static_cast<std::size_t>(std::max(found.lidar, 0));
   // A laser that the robot does not have sits in its centre: see mount_of().
   while (robot.lidars.size() <= index)
@@ -24,13 +26,16 @@ RobotModel corrected_beams(RobotModel robot, const Calibration& found) {
   return robot;
 }
 
-void tell_of_beams(const Calibration& found, MapResult& result) {
+void tell_of_correction(const Calibration& found, MapResult& result) {
   Calibration& calibration = result.calibration;
   calibration.laser_is_mirrored = found.laser_is_mirrored;
   calibration.sweep_s = found.sweep_s;
   calibration.sweep_is_off = found.sweep_is_off;
-  calibration.beams_corrected = true;
-  const std::vector<std::string> words = beam_warnings(calibration);
+  calibration.beams_corrected = found.beams_are_off();
+  calibration.scale_is_off = found.scale_is_off;
+  calibration.open_travel_error_m = found.open_travel_error_m;
+  calibration.scale_corrected = found.scale_is_off && !found.laser_is_mirrored;
+  const std::vector<std::string> words = correction_warnings(calibration);
   result.warnings.insert(result.warnings.begin(), words.begin(), words.end());
 }
 
