@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <variant>
@@ -79,7 +81,7 @@ TEST(CalibrationSimulated, ALogThatAsksForTheLasersPathGetsIt) {
 }
 
 /// As the program does it: the log once more where the first map asks for it.
-MapResult map_with_corrected_robot(const SimulatedLog& log, const Calibration& found) {
+MapResult map_of_corrected(const SimulatedLog& log, const Calibration& found) {
   Mapper mapper(corrected_robot(log.robot, found), {});
   for (const auto& message : log.messages) mapper.add(message);
   MapResult result = mapper.finish();
@@ -95,12 +97,42 @@ TEST(CalibrationSimulated, ALaserUpsideDownIsNoticedAndTheMapMadeAnew) {
   const MapResult first = map_of(log);
   ASSERT_TRUE(first.calibration.laser_is_mirrored);
   EXPECT_GT(ate_rmse_m(first.trajectory, log), 0.5) << "else this shows nothing";
-  const MapResult second = map_with_corrected_robot(log, first.calibration);
+  const MapResult second = map_of_corrected(log, first.calibration);
   EXPECT_LT(ate_rmse_m(second.trajectory, log), 0.02);
   EXPECT_FALSE(second.calibration.turns_opposite);
   EXPECT_TRUE(second.calibration.beams_corrected);
   ASSERT_FALSE(second.warnings.empty());
   EXPECT_NE(second.warnings.front().find("upside down"), std::string::npos);
+}
+
+/// Largest distance from the first pose, too long in the map by.
+double too_long_m(const Trajectory& path, const Trajectory& truth) {
+  const auto reach = [](const Trajectory& of) {
+    double most = 0.0;
+    for (const StampedPose2& pose : of.poses()) {
+      const Eigen::Vector2d way = pose.pose.translation() - of.front().pose.translation();
+      most = std::max(most, way.norm());
+    }
+    return most;
+  };
+  return reach(path) - reach(truth);
+}
+
+TEST(CalibrationSimulated, ACorridorThatWasDrivenFirstIsAsLongAsTheScaleThatIsLearnedLater) {
+  SimulationOptions options;
+  options.laser.rate_hz = 5.0;
+  options.laser.beams = 181;
+  const SimulatedLog log = simulate_log("corridor", 1, options);
+  const MapResult first = map_of(log);
+  const Calibration& found = first.calibration;
+  ASSERT_TRUE(found.scale_is_off);
+  EXPECT_GT(too_long_m(first.trajectory, log.truth), 0.5) << "else this shows nothing";
+  EXPECT_NEAR(found.open_travel_error_m, too_long_m(first.trajectory, log.truth), 1.0);
+  EXPECT_NE(first.verdict.overall, Verdict::kGood);
+  const MapResult second = map_of_corrected(log, found);
+  EXPECT_LT(std::abs(too_long_m(second.trajectory, log.truth)), 0.15);
+  EXPECT_TRUE(second.calibration.scale_corrected);
+  EXPECT_NE(second.warnings.front().find("odometry's way is"), std::string::npos);
 }
 
 TEST(CalibrationSimulated, OdometryAloneThatTurnsTheOtherWayMayBeWrongItself) {
@@ -123,7 +155,7 @@ TEST(CalibrationSimulated, ASweepThatNobodyToldIsFoundAndTheMapMadeAnew) {
   const Calibration& found = first.calibration;
   ASSERT_TRUE(found.sweep_is_off);
   EXPECT_NEAR(found.sweep_s.value, 0.075, 0.002);
-  const MapResult second = map_with_corrected_robot(log, found);
+  const MapResult second = map_of_corrected(log, found);
   EXPECT_LT(ate_rmse_m(second.trajectory, log), 0.5 * ate_rmse_m(first.trajectory, log));
   EXPECT_LT(heading_error_rad(second, log), 0.5 * heading_error_rad(first, log));
   EXPECT_FALSE(second.calibration.mount_is_off());

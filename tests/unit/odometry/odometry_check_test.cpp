@@ -166,6 +166,24 @@ TEST(OdometryCheck, IsTrustedAgainWhenItHasBecomeRight) {
   EXPECT_EQ(check.episodes().size(), 2u);
 }
 
+TEST(OdometryCheck, WhatAnotherDriveToldOfTheScaleCountsFromTheBeginning) {
+  OdometryCheck check;
+  EXPECT_FALSE(check.translation().scale());
+  check.assume_scale(1.03);
+  EXPECT_NEAR(check.translation().scale().value(), 1.03, 1e-12);
+  // A drive that tells another one wins in the end.
+  for (int scan = 0; scan < 40000; ++scan) {
+    check.add({.from = stamp_at(scan),
+               .to = stamp_at(scan + 1),
+               .odometry = Pose2{0.05 * 1.01, 0.0, 0.0},
+               .laser = Pose2{0.05, 0.0, 0.0},
+               .sees_translation = true,
+               .sees_rotation = true,
+               .odometry_has_translation = true});
+  }
+  EXPECT_NEAR(check.translation().scale().value(), 1.01, 0.002);
+}
+
 TEST(OdometryCheck, JumpsAreCountedAndNothingElse) {
   const OdometryCheck check =
       check_drive(motions(1000, 6), [](const std::vector<Pose2>& truth, std::size_t i) {
