@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
 
 namespace loopstone {
@@ -25,7 +26,7 @@ Eigen::Matrix3d beyond_noise(const Eigen::Matrix3d& covariance) {
 /// \param off  of the motion from what odometry says of it, local frame; nothing where that does
 ///             not count
 Eigen::Matrix3d lasting(const Eigen::Matrix3d& covariance, double distance,
-                        const std::optional<Eigen::Vector2d>& off) {
+                        const std::optional<Eigen::Vector3d>& off) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(beyond_noise(covariance));
   Eigen::Vector3d kept;
   for (int i = 0; i < 3; ++i) {
@@ -33,9 +34,9 @@ Eigen::Matrix3d lasting(const Eigen::Matrix3d& covariance, double distance,
     const double lag = 1.0 + kPathDrift.memory * (1.0 - std::min(open, 1.0));
     kept(i) = kUnit * open / (lag * lag);
     const Eigen::Vector3d axis = axes.eigenvectors().col(i);
-    if (!off || open < kPathDrift.open_share || std::abs(axis.z()) > 0.5) continue;
-    kept(i) = std::min(kept(i), std::pow(axis.head<2>().dot(*off), 2) +
-                                    kPathDrift.walk_m * kPathDrift.walk_m * distance);
+    if (!off || open < kPathDrift.open_share) continue;
+    kept(i) = std::min(
+        kept(i), std::pow(axis.dot(*off), 2) + kPathDrift.walk_m * kPathDrift.walk_m * distance);
   }
   return axes.eigenvectors() * kept.asDiagonal() * axes.eigenvectors().transpose();
 }
@@ -48,8 +49,12 @@ StepDrift drift_between(const KeyScan& previous, const KeyScan& next,
                         const std::optional<Pose2>& told) {
   const Pose2 motion = previous.local_T_robot.inverse() * next.local_T_robot;
   const double distance = next.across ? 0.0 : length(motion);
-  std::optional<Eigen::Vector2d> off;
-  if (told) off = previous.local_T_robot.rotation() * (motion.translation() - told->translation());
+  std::optional<Eigen::Vector3d> off;
+  if (told) {
+    off.emplace();
+    *off << previous.local_T_robot.rotation() * (motion.translation() - told->translation()),
+        wrap_angle(motion.yaw - told->yaw);
+  }
   const double sigma = kPathDrift.rest_m + kPathDrift.travel_share * distance;
   const double sigma_yaw = kPathDrift.rest_rad + kPathDrift.turn_share * std::abs(motion.yaw);
   Eigen::Matrix3d covariance = lasting(next.covariance, distance, off);
@@ -57,7 +62,7 @@ StepDrift drift_between(const KeyScan& previous, const KeyScan& next,
   covariance = rotated(covariance, next.local_T_robot.rotation().transpose());
   covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, sigma_yaw * sigma_yaw);
   StepDrift drift{.covariance = covariance, .open = rests_on_odometry(next.covariance)};
-  if (off && !next.across) drift.off = next.local_T_robot.rotation().transpose() * *off;
+  if (off && !next.across) drift.off = next.local_T_robot.rotation().transpose() * off->head<2>();
   return drift;
 }
 

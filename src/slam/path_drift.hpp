@@ -16,11 +16,11 @@ struct PathDriftNumbers {
   double rest_m = 0.0005;
   double travel_share = 0.003;
   double rest_rad = 0.0002;
-  double turn_share = 0.004;
+  double turn_share = 0.003;
   double floor_m = 0.004;
   double floor_rad = 0.0012;
   double prior = 0.01;
-  double memory = 4.5;
+  double memory = 8.0;
   double open_share = 1.0;
   double walk_m = 0.005;
 };
