@@ -113,12 +113,13 @@ def main():
     when = circumstances(loopstone.version())
     rows = measured(arguments)
     kept.write_text(json.dumps({**when, "figures": rows}, indent=1))
+    of_maps = [row for row in rows if not row["kind"].startswith("drift")]
     text = "\n\n".join(
         [
             provenance(when),
             grouped(rows, "kind"),
-            grouped(rows, "world", "effects"),
-            grouped(rows, "robot", "effects"),
+            grouped(of_maps, "world", "effects"),
+            grouped(of_maps, "robot", "effects"),
         ]
     )
     print(text)

@@ -11,6 +11,8 @@
 //   nees_median      median of e^T C^-1 e over that of chi squared
 //   inside_share     in the 95 % ellipsoid
 //   error_m, error_rad, sigma_m, sigma_rad          root mean squares; sigma_m of both directions
+// Kinds that begin with "drift" are of the path alone, mapped without loop closing and adjustment,
+// against what adds up along it.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
