@@ -222,8 +222,10 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
     if (!motion.is_short()) return rejoin(sighting.matched(), motion, stamp, tracked);
   }
   const Seen seen = follow(sighting, tracked);
-  if (is_gap(stamp))
-    note_gap(blind(), BreakCause::kNoScans, stamp, tracked);  // also of one that had been lost
+  if (!is_gap(stamp)) return seen;
+  const BlindMotion motion = blind();  // also of one that had been lost
+  if (may_be_carried(motion, stamp, tracked)) return begin_along(motion, stamp, tracked);
+  note_gap(motion, BreakCause::kNoScans, stamp, tracked);
   return seen;
 }
 

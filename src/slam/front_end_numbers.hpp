@@ -86,6 +86,8 @@ struct FrontEndRejoinNumbers {
   double unknown_rad = 1.8;
   double window_sigmas = 2.0;
   double carried_m = 3.0;
+  double carried_s = 3.0;
+  double carried_along_m = 1.5;
   double turned_rad = 0.35;
 };
 inline constexpr FrontEndRejoinNumbers kFrontEndRejoin{};
@@ -121,6 +123,10 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
         "chosen: half of the window in which a robot is looked for: 95 % along one axis");
   visit("carried_m", n.carried_m,
         "chosen: a robot that somebody carried: no less, one standard deviation; across a room");
+  visit("carried_s", n.carried_s, "chosen: nobody lifts a robot, walks and puts it down in less");
+  visit("carried_along_m", n.carried_along_m,
+        "chosen: half of carried_m: so far, in two standard deviations, a robot may be off along a "
+        "corridor that it may have been carried along");
   visit("turned_rad", n.turned_rad,
         "derived: of a heading that was expected and explains the scan, when the robot turned by a "
         "right angle once in twenty times: sqrt(0.05) pi / 2");

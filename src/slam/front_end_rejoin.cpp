@@ -1,5 +1,6 @@
 // How the front end goes on after the laser has not held the pose for a while.
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include "loopstone/registration/correlative_search.hpp"
 #include "loopstone/slam/front_end.hpp"
 #include "slam/front_end_numbers.hpp"
+#include "slam/path_drift.hpp"
 #include "slam/pose_search.hpp"
 #include "slam/scan_edges.hpp"
 
@@ -198,6 +200,26 @@ TrackingStatus FrontEnd::tracking_of(const TrackedScan& tracked, bool odometry_g
 }
 
 /// The laser holds the pose again, in the submap that it held it before.
+bool FrontEnd::may_be_carried(const BlindMotion& blind, Stamp stamp,
+                              const TrackedScan& tracked) const {
+  return options_.odometry != OdometryUse::kTrust && blind.prior.holds_unobserved &&
+         blind.odometry_m <= kFrontEndRejoin.short_m &&
+         (stamp - own_.held->stamp).seconds() >= kFrontEndRejoin.carried_s &&
+         rests_on_odometry(tracked.covariance);
+}
+
+FrontEnd::Seen FrontEnd::begin_along(BlindMotion blind, Stamp stamp, TrackedScan& tracked) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
+      tracked.covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d way = kFrontEndRejoin.carried_along_m * axes.eigenvectors().col(1);
+  Eigen::Matrix3d covariance = tracked.covariance;
+  covariance.topLeftCorner<2, 2>() += way * way.transpose();
+  blind.prior.target_T_source = tracked.local_T_robot;
+  blind.prior.information = covariance.inverse();
+  begin_piece(blind, BreakCause::kNoScans, stamp, tracked);
+  return {};
+}
+
 void FrontEnd::note_gap(const BlindMotion& blind, BreakCause cause, Stamp stamp,
                         TrackedScan& tracked) const {
   if (own_.lost_in_a_row > 0) return;

@@ -89,9 +89,10 @@ std::vector<StepDrift> KeyChain::drifts(const std::deque<TrackedPose>& track, do
     for (std::size_t k = 1; k < keys.size(); ++k) add(keys[k - 1], keys[k]);
     if (s + 1 == submaps().size()) break;
     const PoseWithCovariance2& across = submaps()[s].across;
-    if (keys.size() == 1) {  // what was thinned lies where the robot was many times
+    if (keys.size() == 1) {  // thinned: the robot was there many times
       drifts.push_back(
-          {.covariance = rotated(across.covariance, across.pose.rotation().transpose())});
+          {.covariance = kPathDrift.thinned_share *
+                         rotated(across.covariance, across.pose.rotation().transpose())});
     } else {
       add(keys.back(), submaps()[s + 1].keys.front());
     }

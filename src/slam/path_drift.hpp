@@ -23,6 +23,7 @@ struct PathDriftNumbers {
   double memory = 8.0;
   double open_share = 1.0;
   double walk_m = 0.005;
+  double thinned_share = 0.03;
 };
 inline constexpr PathDriftNumbers kPathDrift{};
 
@@ -53,6 +54,9 @@ void visit_numbers(const PathDriftNumbers& n, Visitor&& visit) {
       "walk_m", n.walk_m,
       "measured by bench/covariances.py: what odometry, once its scale is known, loses there in a "
       "metre, growing as the square root of the way");
+  visit("thinned_share", n.thinned_share,
+        "measured by bench/covariances.py: of the noise of edges whose key scans were thinned out, "
+        "so much adds up");
 }
 
 /// How far the path may drift from one key scan to the next. Most of a match's uncertainty is noise that the next match to the same submap takes

@@ -148,6 +148,27 @@ TEST(BrokenRecording, ARobotThatWasCarriedWhileNoScansCameIsNamed) {
   }
 }
 
+TEST(BrokenRecording, ARobotThatMayHaveBeenCarriedAlongACorridorIsNotCalledTied) {
+  SimulationOptions options{.duration_s = 160.0};
+  options.laser.beams = 181;
+  options.laser.fov_rad = kPi;
+  options.laser.rate_hz = 5.0;
+  options.odometry_poses = true;
+  options.realism.carried_blind.on = true;
+  const SimulatedLog log = simulate_log("loops", 2, options);
+  const MapResult result = map_of(log);
+  const auto gap = std::ranges::find_if(
+      result.breaks, [](const PathBreak& each) { return (each.to - each.from).seconds() > 3.0; });
+  ASSERT_NE(gap, result.breaks.end());
+  EXPECT_EQ(gap->bridge, BreakBridge::kOdometry) << "what the laser saw fits all along";
+  const double off_m =
+      off_across_m(result.trajectory, log, time_in(log, gap->from), time_in(log, gap->to));
+  EXPECT_GT(off_m, 1.0) << "else this shows nothing";
+  EXPECT_LT(off_m, 3.0 * gap->bridge_sigma_m());
+  EXPECT_NE(warning_of(result, "the robot may have been carried"), "") << all_of(result.warnings);
+  EXPECT_NE(result.verdict.overall, Verdict::kGood);
+}
+
 TEST(BrokenRecording, AGapThatNothingTiesIsNotCalledGood) {
   // The drive ends before the robot has come back.
   SimulatedLog log =

@@ -35,7 +35,7 @@ struct CalibrationNumbers {
   double place_known_m = 0.02;
   double scale_known = 0.02;
   double open_travel_harmless_m = 0.1;
-  double scale_sigma = 0.002;
+  double scale_sigma = 0.0015;
   double bias_known_rad_s = 0.01;
   double delay_known_s = 0.02;
   double sigmas = 3.0;

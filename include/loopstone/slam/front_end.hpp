@@ -303,6 +303,13 @@ class FrontEnd {
   [[nodiscard]] std::vector<MotionGuess> others_than_odometry(Stamp stamp) const;
   [[nodiscard]] TrackingStatus tracking_of(const TrackedScan& tracked, bool odometry_guides,
                                            Stamp stamp) const;
+  /// Nobody saw it for a while, odometry says that it stood, and what the laser sees after leaves
+  /// open how far along it is.
+  [[nodiscard]] bool may_be_carried(const BlindMotion& blind, Stamp stamp,
+                                    const TrackedScan& tracked) const;
+  /// A piece that begins where the scan was matched, which may be anywhere along what it leaves
+  /// open.
+  Seen begin_along(BlindMotion blind, Stamp stamp, TrackedScan& tracked);
   void note_gap(const BlindMotion& blind, BreakCause cause, Stamp stamp,
                 TrackedScan& tracked) const;
   void begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp, TrackedScan& tracked);
