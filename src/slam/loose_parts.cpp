@@ -216,7 +216,7 @@ double sigma_along(const PoseGraph& graph, const Chain& chain, const Nodes& run)
       graph.poses[run.second].translation() - graph.poses[run.first].translation();
   const Eigen::Vector2d along = way.normalized();
   return std::sqrt(along.dot(walk * along) + std::pow(chain.scale_sigma * way.norm(), 2) +
-                   std::pow(along.dot(off), 2));
+                   std::pow(kLooseParts.off_share * along.dot(off), 2));
 }
 
 std::vector<OpenStretch> open_stretches(const PoseGraph& graph, const Chain& chain,

@@ -8,6 +8,7 @@ struct LoosePartsNumbers {
   double open_ratio = 3.0;
   double open_gap_m = 2.0;
   double open_turn_rad = 0.5;
+  double off_share = 0.5;
   double open_least_m = 1.0;
   int most_open = 12;
   int most_loose = 12;
@@ -27,6 +28,8 @@ void visit_numbers(const LoosePartsNumbers& n, Visitor&& visit) {
         "uncertain along one direction as across");
   visit("open_gap_m", n.open_gap_m, "chosen: a door post within a corridor does not divide it");
   visit("open_turn_rad", n.open_turn_rad, "chosen: round a corner another direction is open");
+  visit("off_share", n.off_share,
+        "chosen: the truth lies between map and odometry, in two standard deviations");
   visit("open_least_m", n.open_least_m, "chosen: shorter ones tell nothing");
   visit("most_open", n.most_open, "chosen: bounds the cost; the longest are asked for");
   visit("most_loose", n.most_loose, "chosen: so many are told, the least certain");

@@ -36,6 +36,7 @@ struct CalibrationNumbers {
   double scale_known = 0.02;
   double open_travel_harmless_m = 0.1;
   double scale_sigma = 0.0015;
+  double scale_least_off = 0.005;
   double bias_known_rad_s = 0.01;
   double delay_known_s = 0.02;
   double sigmas = 3.0;
@@ -81,6 +82,8 @@ void visit_numbers(const CalibrationNumbers& n, Visitor&& visit) {
   visit("scale_sigma", n.scale_sigma,
         "measured by bench/quality.py: so wrong is odometry's scale once it was learned, slip and "
         "all");
+  visit("scale_least_off", n.scale_least_off,
+        "chosen: half a per cent: a log is not mapped anew for less, ten centimetres in 20 m");
   visit("open_travel_harmless_m", n.open_travel_harmless_m,
         "chosen: two cells: corridors that are off by less in sum are not mapped anew");
   visit("bias_known_rad_s", n.bias_known_rad_s, "chosen: likewise");
