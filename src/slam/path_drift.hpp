@@ -59,9 +59,10 @@ void visit_numbers(const PathDriftNumbers& n, Visitor&& visit) {
         "so much adds up");
 }
 
-/// How far the path may drift from one key scan to the next. Most of a match's uncertainty is noise that the next match to the same submap takes
-/// back; what is left adds up along the path. Where the scan leaves a direction open, that is all
-/// it was granted, or how far it is off what odometry says, and odometry's own errors.
+/// How far the path may drift from one key scan to the next. Most of a match's uncertainty is noise
+/// that the next match to the same submap takes back; what is left adds up along the path. Where
+/// the scan leaves a direction open, that is all it was granted, or how far it is off what odometry
+/// says, and odometry's own errors.
 /// \param told  by odometry, with its scale; nothing where that is not known
 [[nodiscard]] StepDrift drift_between(const KeyScan& previous, const KeyScan& next,
                                       const std::optional<Pose2>& told);

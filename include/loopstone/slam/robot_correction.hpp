@@ -6,9 +6,9 @@
 
 namespace loopstone {
 
-// A laser that hangs upside down, a sweep that no log tells, and odometry that counts too long a way
-// along bare corridors bend the map itself. When a log is over and the drive says so, it is mapped
-// once more:
+// A laser that hangs upside down, a sweep that no log tells, and odometry that counts too long a
+// way along bare corridors bend the map itself. When a log is over and the drive says so, it is
+// mapped once more:
 //
 //   const Calibration found = first.judge_robot();
 //   if (!found.map_is_bent()) return first.finish();
