@@ -264,7 +264,11 @@ void FrontEnd::give_up_place(const Sighting& sighting, TrackedScan& tracked) {
       (stamp - own_.held->stamp).seconds() - own_.lost_in_a_row * own_.held->usual_seconds;
   const BreakCause cause =
       blind_s > longest_step_s() ? BreakCause::kCarried : BreakCause::kContradicted;
-  begin_piece(blind_motion(stamp, sighting.likeliest(), {}), cause, stamp, tracked);
+  // Nobody carries a robot whose wheels turn: then it is the laser or the map that is wrong.
+  BlindMotion blind = blind_motion(stamp, sighting.likeliest(), sighting.odometry);
+  if (!blind.prior.holds_unobserved || blind.odometry_m < kFrontEndRejoin.drove_m)
+    blind = blind_motion(stamp, sighting.likeliest(), {});
+  begin_piece(blind, cause, stamp, tracked);
 }
 
 /// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.
@@ -401,6 +405,10 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
             agreement_at(points, pyramid, result.match.target_T_source) < kPoseSearch.min_score);
   };
   if (!is_lost()) return result;
+  if (is_unfamiliar(points, pyramid, likeliest)) {
+    result.match.status = MatchStatus::kTooFewPairs;
+    return result;
+  }
   // It contradicts what was seen before: scans are missing, or the robot was carried. It may face
   // anywhere; among so many poses only one that explains what scans usually explain is no chance.
   const SearchWindow anywhere{likeliest.target_T_source,
@@ -409,6 +417,23 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
                          anywhere, least_score());
   result.lost = is_lost();
   return result;
+}
+
+bool FrontEnd::is_unfamiliar(std::span<const Eigen::Vector2d> points, const MaxPyramid& known,
+                             const PosePrior2& prior) const {
+  if (!prior.holds_unobserved) return false;
+  const Pose2 motion =
+      predictor_.last_pose().inverse() * active_.front().local_T_submap * prior.target_T_source;
+  // A robot that was carried stands, as odometry has it.
+  if (motion.translation().norm() < kFrontEnd.drives_m &&
+      std::abs(motion.yaw) < kFrontEnd.turns_rad)
+    return false;
+  const auto contradicts = [&](const Eigen::Vector2d& point) {
+    const Cell cell = known.frame().cell_of(prior.target_T_source * point);
+    return known.bound(0, cell.column, cell.row) < kUnknown;
+  };
+  return static_cast<double>(std::ranges::count_if(points, contradicts)) <=
+         kFrontEnd.contradicted_share * static_cast<double>(points.size());
 }
 
 double FrontEnd::least_score() const {

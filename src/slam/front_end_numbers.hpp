@@ -9,6 +9,9 @@ struct FrontEndNumbers {
   int min_points = 20;
   int most_lost = 5;
   double lost_m = 2.0;
+  double drives_m = 0.02;
+  double turns_rad = 0.02;
+  double contradicted_share = 0.25;
   double score_per_chi2 = 0.004;
   double most_chi2 = 25.0;
   double most_guess_chi2 = 7.8;
@@ -34,6 +37,12 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
         "second at ten scans a second, the place itself must have changed");
   visit("lost_m", n.lost_m,
         "chosen: how far a robot is looked for that was lost: it was seen a few scans ago");
+  visit("drives_m", n.drives_m,
+        "chosen: a robot whose odometry goes so far from scan to scan drives: a fifth of a metre a "
+        "second");
+  visit("turns_rad", n.turns_rad, "chosen: or turns by so much");
+  visit("contradicted_share", n.contradicted_share,
+        "chosen: of a scan of which no more lies where free space was seen, most is new");
   visit("score_per_chi2", n.score_per_chi2,
         "derived: a scan is worth 50 independent points, and that one is explained speaks for a "
         "match by ln(0.93 / 0.07) when one in fourteen never is: 0.5 / (50 * 2.6)");
@@ -76,9 +85,13 @@ struct FrontEndRejoinNumbers {
   double usual_memory = 20.0;
   double fits_chi2 = 11.3;
   double tight_m = 0.15;
+  double drove_m = 0.1;
   double short_m = 0.5;
   double short_rad = 0.5;
   double around_m = 10.0;
+  double partly_score = 0.5;
+  double partly_known = 0.6;
+  double partly_agreement = 0.65;
   double ambiguous = 0.85;
   double elsewhere_m = 1.0;
   double elsewhere_rad = 0.35;
@@ -108,10 +121,18 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit(
       "tight_m", n.tight_m,
       "derived: a cell and a half of a submap: a pose less certain does not go on in the same one");
+  visit("drove_m", n.drove_m,
+        "chosen: wheels that went so far while scans contradicted the map were on the ground");
   visit("short_m", n.short_m,
         "chosen: after so little motion a scan shows what the one before showed");
   visit("short_rad", n.short_rad, "chosen: as short_m: most of what is seen is the same");
   visit("around_m", n.around_m, "chosen: no robot is looked for farther away: as far as loops are");
+  visit(
+      "partly_score", n.partly_score,
+      "chosen: twice min_score of a search: of what is found although part of the scan shows what "
+      "nobody saw before");
+  visit("partly_known", n.partly_known, "chosen: the part that was seen before, no less");
+  visit("partly_agreement", n.partly_agreement, "chosen: and how much of it lies on what was seen");
   visit("ambiguous", n.ambiguous,
         "chosen: share of the best score that no second place may reach, as of loop closures");
   visit("elsewhere_m", n.elsewhere_m, "chosen: a second place is so far away, as of loop closures");

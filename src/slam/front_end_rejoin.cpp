@@ -13,6 +13,7 @@
 #include "loopstone/registration/correlative_search.hpp"
 #include "loopstone/slam/front_end.hpp"
 #include "slam/front_end_numbers.hpp"
+#include "slam/loop_coverage.hpp"
 #include "slam/path_drift.hpp"
 #include "slam/pose_search.hpp"
 #include "slam/scan_edges.hpp"
@@ -68,8 +69,9 @@ FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& gue
   if (odometry && own_.held && own_.lost_in_a_row == 0) {
     gap_s = (stamp - own_.held->stamp).seconds();
   }
-  BlindMotion blind{unknown_about(guess.local_T_robot, kMotionPredictor.walking_m_s * gap_s,
-                                  kMotionPredictor.walking_rad_s * gap_s)};
+  BlindMotion blind{unknown_about(
+      guess.local_T_robot, predictor_.fastest_m_s() * gap_s / kFrontEndRejoin.window_sigmas,
+      predictor_.fastest_rad_s() * gap_s / kFrontEndRejoin.window_sigmas)};
   blind.is_bounded = std::isfinite(gap_s);
   if (!own_.held || stamp <= own_.held->stamp || !own_.held->odometry || !odometry) return blind;
   const auto told = predictor_.told(*own_.held->odometry, own_.held->stamp, *odometry);
@@ -95,8 +97,10 @@ std::optional<MatchResult> FrontEnd::recognise_near(std::span<const SurfacePoint
   return in_local(match);
 }
 
-std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoint> surfaces,
-                                                      const PosePrior2& prior) const {
+/// Where the robot can't have gone far, the scan may also show what nobody saw before: it fits when
+/// what it shows of the known does.
+FrontEnd::Around FrontEnd::look_around(std::span<const SurfacePoint> surfaces,
+                                       const PosePrior2& prior, bool may_see_new) const {
   const PosePrior2 there = in_submap(prior);
   const auto points = search_points(surfaces);
   const FrozenSubmap frozen = active_.front().submap.freeze();
@@ -110,16 +114,23 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
   if (!best.found) return {};
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           best.target_T_source, there, match_options_, 0);
-  if (!has_supported_pose(match.status) || match.score < least_score() ||
+  if (!has_supported_pose(match.status)) return {};
+  Around found{in_local(match)};
+  const double known = share_of(seen_by(pyramid, match.target_T_source, surfaces));
+  found.explains =
+      match.score >= least_score() || (may_see_new && best.score >= kFrontEndRejoin.partly_score &&
+                                       known >= kFrontEndRejoin.partly_known &&
+                                       match.score >= kFrontEndRejoin.partly_agreement * known);
+  if (!found.explains ||
       std::sqrt(position_variance_m2(match.covariance)) > kFrontEndRejoin.tight_m) {
-    return {};
+    return found;
   }
   const SearchResult second =
       search_branch_and_bound(points, pyramid, anywhere, kFrontEndRejoin.ambiguous * best.score,
                               ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
                                             kFrontEndRejoin.elsewhere_rad});
-  if (second.found) return {};
-  return in_local(match);
+  found.is_certain = !second.found;
+  return found;
 }
 
 /// With odometry, a scan that does not fit where it says shows a place that the submap does not
@@ -142,9 +153,12 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
     }
   }
   if (!match && !blind.prior.holds_unobserved) {
-    match = recognise_around(surfaces, blind.prior);
-    if (!match && cause == BreakCause::kNoScans && blind.is_bounded) {
-      turn_to_match(surfaces, blind.prior);
+    const bool drove_on = cause == BreakCause::kNoScans && blind.is_bounded;
+    const Around around = look_around(surfaces, blind.prior, drove_on);
+    if (around.is_certain) {
+      match = around.match;
+    } else if (drove_on) {
+      turn_to_match(surfaces, around, blind.prior);
     }
   }
   if (!match) {
@@ -171,15 +185,22 @@ bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMo
   return !search_about_robot(search_points(surfaces), pyramid, window, kPoseSearch.min_score).found;
 }
 
-/// A place that is like its neighbours, as a corridor is, still tells the heading: if what is
-/// expected explains the scan, the robot most likely went on as it came.
-void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, PosePrior2& prior) const {
+/// A place that is like its neighbours, as a corridor is, still tells the heading. If what is
+/// expected explains the scan, the robot most likely went on as it came; else it is most likely
+/// where the scan fits best.
+void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Around& around,
+                             PosePrior2& prior) const {
   const PosePrior2 there = in_submap(prior);
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           there.target_T_source, there, match_options_, 1);
-  if (!has_supported_pose(match.status) || match.score < least_score()) return;
   const double sigma_m = std::sqrt(position_variance_m2(prior.information.inverse()));
-  prior = unknown_about(in_local(match).target_T_source, sigma_m, kFrontEndRejoin.turned_rad);
+  if (has_supported_pose(match.status) && match.score >= least_score()) {
+    prior = unknown_about(in_local(match).target_T_source, sigma_m, kFrontEndRejoin.turned_rad);
+  } else if (around.match) {
+    const double sigma_rad = std::sqrt(prior.information.inverse()(2, 2));
+    prior = unknown_about(around.match->target_T_source, sigma_m,
+                          around.explains ? kFrontEndRejoin.turned_rad : sigma_rad);
+  }
 }
 
 /// \param odometry_guides  the guess was odometry's

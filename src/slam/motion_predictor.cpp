@@ -87,9 +87,7 @@ std::vector<MotionGuess> MotionPredictor::guesses(
   if (!comparable(odometry, own_.last_odometry) || was_silent(*odometry)) {
     if (!over) return coast_guesses(stamp);
     return {{own_.last_pose * (odometry ? gone_on(blind_s) : Pose2{}),
-             information_of(kMotionPredictor.walking_m_s * blind_s,
-                            kMotionPredictor.walking_rad_s * blind_s),
-             false}};
+             information_of(fastest_m_s() * blind_s, fastest_rad_s() * blind_s), false}};
   }
   const std::vector<Pose2> going_on = over ? std::vector<Pose2>{Pose2{}} : coasts(stamp);
   std::vector<MotionGuess> guesses;
@@ -97,8 +95,8 @@ std::vector<MotionGuess> MotionPredictor::guesses(
   const bool translates = odometry->has_translation && (!checks_ || check_.trusts_translation());
   const bool turns = !checks_ || check_.trusts_rotation();
   const ToldMotion reach = reach_of(said, *own_.last_odometry, *odometry);
-  const double coast_m = over ? kMotionPredictor.walking_m_s * blind_s : coast_sigma_m();
-  const double coast_rad = over ? kMotionPredictor.walking_rad_s * blind_s : coast_sigma_rad();
+  const double coast_m = over ? fastest_m_s() * blind_s : coast_sigma_m();
+  const double coast_rad = over ? fastest_rad_s() * blind_s : coast_sigma_rad();
   const Eigen::Matrix3d information =
       information_of(translates ? reach.sigma_m : coast_m, turns ? reach.sigma_rad : coast_rad);
   if (translates && turns) {
@@ -182,6 +180,7 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
       accuracy_.interrupt();
     }
     if (seen.rotation && !own_.steps.empty()) learn_coast(stamp, motion, seen);
+    measure_speed((stamp - *own_.last_stamp).seconds(), motion, seen);
     remember_step(stamp, motion);
   }
   own_.last_stamp = stamp;
@@ -221,6 +220,42 @@ void MotionPredictor::learn_coast(Stamp stamp, const Pose2& motion, Seen seen) {
   }
   learn(own_.coast_variance_rad2, off_yaw, kMotionPredictor.coast_least_rad,
         kMotionPredictor.coast_most_rad);
+}
+
+/// A speed that was seen once may be a mistake of the laser, and counts half.
+void MotionPredictor::measure_speed(double seconds, const Pose2& motion, Seen seen) {
+  Speeds& speeds = own_.speeds;
+  if (!seen.translation || !seen.rotation || seconds > kMotionPredictor.longest_coast_s) {
+    speeds.window_s = speeds.window_m = speeds.window_rad = 0.0;
+    return;
+  }
+  speeds.window_s += std::max(0.0, seconds);
+  speeds.window_m += std::hypot(motion.x, motion.y);
+  speeds.window_rad += std::abs(motion.yaw);
+  if (speeds.window_s < kMotionPredictor.speed_window_s) return;
+  const auto raise = [&](double& top, double way) {
+    top = std::max(top, 0.5 * (top + way / speeds.window_s));
+  };
+  raise(speeds.top_m_s, speeds.window_m);
+  raise(speeds.top_rad_s, speeds.window_rad);
+  if (speeds.window_m > kMotionPredictor.moves_m || speeds.window_rad > kMotionPredictor.moves_rad)
+    ++speeds.windows;
+  speeds.window_s = speeds.window_m = speeds.window_rad = 0.0;
+}
+
+double MotionPredictor::fastest_m_s() const {
+  const Speeds& speeds = own_.speeds;
+  const double shown = kMotionPredictor.speed_margin * speeds.top_m_s;
+  const bool is_known = speeds.windows >= kMotionPredictor.speed_windows;
+  return std::max(shown, is_known ? kMotionPredictor.slowest_m_s : kMotionPredictor.walking_m_s);
+}
+
+double MotionPredictor::fastest_rad_s() const {
+  const Speeds& speeds = own_.speeds;
+  const double shown = kMotionPredictor.speed_margin * speeds.top_rad_s;
+  const bool is_known = speeds.windows >= kMotionPredictor.speed_windows;
+  return std::max(shown,
+                  is_known ? kMotionPredictor.slowest_rad_s : kMotionPredictor.walking_rad_s);
 }
 
 /// A motion across a gap does not go on.

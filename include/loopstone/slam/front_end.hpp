@@ -266,6 +266,9 @@ class FrontEnd {
     MatchResult match;  ///< submap frame
     bool lost = false;
   };
+  /// Odometry drives into what nobody saw before: that contradicts nothing.
+  [[nodiscard]] bool is_unfamiliar(std::span<const Eigen::Vector2d> points, const MaxPyramid& known,
+                                   const PosePrior2& prior) const;
   [[nodiscard]] Searched search(std::span<const SurfacePoint> surfaces,
                                 std::span<const PosePrior2> priors,
                                 const MatchResult& matched) const;
@@ -290,14 +293,22 @@ class FrontEnd {
   /// The scan on the active submap near where odometry says, if that can be told.
   [[nodiscard]] std::optional<MatchResult> recognise_near(std::span<const SurfacePoint> surfaces,
                                                           const PosePrior2& prior) const;
+  /// What a search all around finds.
+  struct Around {
+    std::optional<MatchResult> match{};  ///< where the scan fits best
+    bool explains = false;               ///< it does fit there
+    bool is_certain = false;             ///< and nowhere else
+  };
   /// The same without odometry: as far around as the robot may be.
-  [[nodiscard]] std::optional<MatchResult> recognise_around(std::span<const SurfacePoint> surfaces,
-                                                            const PosePrior2& prior) const;
+  /// \param may_see_new  it drove, by itself: part of what it sees may be new
+  [[nodiscard]] Around look_around(std::span<const SurfacePoint> surfaces, const PosePrior2& prior,
+                                   bool may_see_new) const;
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
                             TrackedScan& tracked);
   [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces,
                                  const BlindMotion& blind) const;
-  void turn_to_match(std::span<const SurfacePoint> surfaces, PosePrior2& prior) const;
+  void turn_to_match(std::span<const SurfacePoint> surfaces, const Around& around,
+                     PosePrior2& prior) const;
   [[nodiscard]] Seen take_match(const MatchResult& match, bool is_held, TrackedScan& tracked);
   /// The motion goes on as it was: where odometry may be doubted.
   [[nodiscard]] std::vector<MotionGuess> others_than_odometry(Stamp stamp) const;

@@ -26,6 +26,13 @@ struct MotionPredictorNumbers {
   double longest_gone_on_s = 3.0;
   double walking_m_s = 1.0;
   double walking_rad_s = 1.0;
+  double speed_window_s = 1.0;
+  double moves_m = 0.1;
+  double moves_rad = 0.1;
+  int speed_windows = 10;
+  double speed_margin = 1.2;
+  double slowest_m_s = 0.3;
+  double slowest_rad_s = 0.6;
   double same_m = 0.05;
   double same_rad = 0.03;
   double coast_least_m = 0.05;
@@ -66,6 +73,16 @@ void visit_numbers(const MotionPredictorNumbers& n, Visitor&& visit) {
       "walking_m_s", n.walking_m_s,
       "chosen: where nothing tells how far the robot went: as fast as a person walks, either way");
   visit("walking_rad_s", n.walking_rad_s, "chosen: and turns as a person does");
+  visit("speed_window_s", n.speed_window_s,
+        "chosen: speeds are measured over so long: stamps that jitter say little of shorter times");
+  visit("moves_m", n.moves_m, "chosen: in such a time a robot that went less far stood");
+  visit("moves_rad", n.moves_rad, "chosen: and turned less");
+  visit("speed_windows", n.speed_windows,
+        "chosen: a robot that moved in so many of them has shown how fast it is");
+  visit("speed_margin", n.speed_margin,
+        "chosen: no robot is faster than it was by more than a fifth");
+  visit("slowest_m_s", n.slowest_m_s, "chosen: every robot may become as fast as this");
+  visit("slowest_rad_s", n.slowest_rad_s, "chosen: as slowest_m_s");
   visit("same_m", n.same_m,
         "chosen: half a cell of the grid that scans are aligned to: motions that differ by less "
         "start the same alignment");
@@ -143,6 +160,10 @@ class MotionPredictor {
   void settle(Stamp stamp, const Pose2& local_T_robot,
               const std::optional<OdometryReading>& odometry, Seen seen);
 
+  /// As fast as the robot may be by what it has shown [m/s], [rad/s]; before that, as a person is.
+  [[nodiscard]] double fastest_m_s() const;
+  [[nodiscard]] double fastest_rad_s() const;
+
   /// Standard deviations of a motion that goes on [m], [rad].
   [[nodiscard]] double coast_sigma_m() const;
   [[nodiscard]] double coast_sigma_rad() const;
@@ -160,6 +181,21 @@ class MotionPredictor {
       a(seconds, motion);
     }
   };
+  /// How fast the robot was, where the laser held it.
+  struct Speeds {
+    double window_s = 0.0;  ///< of the window that is being measured
+    double window_m = 0.0;
+    double window_rad = 0.0;
+    int windows = 0;  ///< in which it moved
+    double top_m_s = 0.0;
+    double top_rad_s = 0.0;
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(window_s, window_m, window_rad, windows, top_m_s, top_rad_s);
+    }
+  };
+
   struct State {
     /// What the parts do not have.
     struct Own {
@@ -170,11 +206,12 @@ class MotionPredictor {
       std::deque<Step> steps{};  ///< the last few
       double coast_variance_m2 = kMotionPredictor.coast_first_m2;
       double coast_variance_rad2 = kMotionPredictor.coast_first_rad2;
+      Speeds speeds{};
 
       template <typename Archive>
       void archive(Archive& a) {
         a(last_stamp, last_pose, last_odometry, last_seen, steps, coast_variance_m2,
-          coast_variance_rad2);
+          coast_variance_rad2, speeds);
       }
     };
     OdometryCheck::State check{};
@@ -198,6 +235,7 @@ class MotionPredictor {
   void check_odometry(Stamp stamp, const Pose2& motion, const OdometryReading& odometry, Seen seen);
   void learn_coast(Stamp stamp, const Pose2& motion, Seen seen);
   void remember_step(Stamp stamp, const Pose2& motion);
+  void measure_speed(double seconds, const Pose2& motion, Seen seen);
   [[nodiscard]] Pose2 gone_on(double seconds) const;
   [[nodiscard]] bool was_silent(const OdometryReading& odometry) const;
   /// Odometry's motion between two readings at the scale that was learned.
