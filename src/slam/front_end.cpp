@@ -49,7 +49,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   Sighting sighting = prepare(scan, robot_T_lidar, odometry);
   TrackedScan tracked = predicted(sighting);
   const Seen seen = place(sighting, tracked);
-  if (own_.lost_in_a_row > kFrontEnd.most_lost) give_up_place(sighting, tracked);
+  if (own_.lost_in_a_row > kFrontEnd.most_lost) give_up_or_ride(sighting, tracked);
 
   predictor_.settle(scan.stamp, tracked.local_T_robot, odometry, seen);
   tracked.left_out = own_.lost_in_a_row > 0;
@@ -256,19 +256,23 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
   return sighting.is_led ? Seen{} : seen;  // it is no witness against what leads it
 }
 
-/// Too many scans in a row contradict the map: what they show is a place of its own.
-void FrontEnd::give_up_place(const Sighting& sighting, TrackedScan& tracked) {
+/// Too many scans in a row contradict the map. While wheels turn nobody carries the robot, so it is
+/// the laser that shows something else (the floor, where the robot leans): odometry goes on in the
+/// same map. What is still contradicted after some way is a place of its own.
+void FrontEnd::give_up_or_ride(const Sighting& sighting, TrackedScan& tracked) {
   const Stamp stamp = sighting.scan->stamp;
+  const BlindMotion told = blind_motion(stamp, sighting.likeliest(), sighting.odometry);
+  const bool drove = told.prior.holds_unobserved && told.odometry_m >= kFrontEndRejoin.drove_m;
+  if (drove && told.odometry_m <= kFrontEndRejoin.ride_m) {
+    own_.lost_in_a_row = kFrontEnd.most_lost;  // one more will ask again
+    return;
+  }
   // They came after a gap in which odometry says that the robot stood.
   const double blind_s =
       (stamp - own_.held->stamp).seconds() - own_.lost_in_a_row * own_.held->usual_seconds;
   const BreakCause cause =
-      blind_s > longest_step_s() ? BreakCause::kCarried : BreakCause::kContradicted;
-  // Nobody carries a robot whose wheels turn: then it is the laser or the map that is wrong.
-  BlindMotion blind = blind_motion(stamp, sighting.likeliest(), sighting.odometry);
-  if (!blind.prior.holds_unobserved || blind.odometry_m < kFrontEndRejoin.drove_m)
-    blind = blind_motion(stamp, sighting.likeliest(), {});
-  begin_piece(blind, cause, stamp, tracked);
+      !drove && blind_s > longest_step_s() ? BreakCause::kCarried : BreakCause::kContradicted;
+  begin_piece(drove ? told : blind_motion(stamp, sighting.likeliest(), {}), cause, stamp, tracked);
 }
 
 /// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.

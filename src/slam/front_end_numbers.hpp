@@ -86,6 +86,7 @@ struct FrontEndRejoinNumbers {
   double fits_chi2 = 11.3;
   double tight_m = 0.15;
   double drove_m = 0.1;
+  double ride_m = 10.0;
   double short_m = 0.5;
   double short_rad = 0.5;
   double around_m = 10.0;
@@ -123,6 +124,9 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
       "derived: a cell and a half of a submap: a pose less certain does not go on in the same one");
   visit("drove_m", n.drove_m,
         "chosen: wheels that went so far while scans contradicted the map were on the ground");
+  visit("ride_m", n.ride_m,
+        "chosen: how far odometry alone leads on in a map that scans contradict: as far as a robot "
+        "is looked for");
   visit("short_m", n.short_m,
         "chosen: after so little motion a scan shows what the one before showed");
   visit("short_rad", n.short_rad, "chosen: as short_m: most of what is seen is the same");

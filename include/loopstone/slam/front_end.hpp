@@ -240,7 +240,7 @@ class FrontEnd {
   [[nodiscard]] static TrackedScan predicted(const Sighting& sighting);
   [[nodiscard]] Seen place(Sighting& sighting, TrackedScan& tracked);
   [[nodiscard]] Seen follow(Sighting& sighting, TrackedScan& tracked);
-  void give_up_place(const Sighting& sighting, TrackedScan& tracked);
+  void give_up_or_ride(const Sighting& sighting, TrackedScan& tracked);
   void keep(const Sighting& sighting, TrackedScan& tracked);
   void insert(const Sighting& sighting, TrackedScan& tracked);
 
