@@ -24,7 +24,7 @@ from sections import plain_parser  # noqa: E402
 
 PAGE = ROOT / "docs/accuracy.md"
 WORLDS = ["office", "rooms", "warehouse", "loops", "wings", "aisles", "outdoors"]
-# As in bench/realism.py.
+# As in bench/unkind.py.
 ROBOTS = {
     "gyro, 541 beams": ["--beams", "541"],
     "poses, 181 beams": "--format carmen --beams 181 --fov 180".split(),
