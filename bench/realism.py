@@ -126,16 +126,13 @@ def realism_tables(runs):
 
 
 def drives_of(loopstone, options):
-    if options.duration is None:
-        options.duration = unkind.QUICK_S if options.quick else unkind.DURATION_S
     effects = options.effects or [*unkind.effects_of(loopstone), USUAL]
-    first = options.first_seed or 1
     return [
         Drive(robot, world, effect, seed)
-        for robot in options.robots or (["gyro"] if options.quick else ["gyro", "around"])
-        for world in options.worlds or WORLDS
+        for robot in options.robots
+        for world in options.worlds
         for effect in dict.fromkeys([CLEAN, *effects])
-        for seed in range(first, first + (options.seeds or 1))
+        for seed in range(options.first_seed, options.first_seed + options.seeds)
     ]
 
 
@@ -145,6 +142,8 @@ def main():
     options.work.mkdir(parents=True, exist_ok=True)
     is_whole = not unkind.is_part(options)
     path = options.work / f"realism{'' if is_whole else '-some'}.json"
+    robots = ["gyro"] if options.quick else ["gyro", "around"]
+    unkind.set_defaults(options, worlds=WORLDS, robots=robots, seeds=1, first_seed=1)
     if options.write:
         kept = json.loads(path.read_text())
     else:

@@ -55,10 +55,11 @@ def effects_of(loopstone):
     return re.findall(r"\w+", listed.group(1))
 
 
-def simulate(loopstone, drive, folder, options):
-    words = [loopstone.program, "simulate", drive.world, "-o", folder, "--seed", drive.seed]
-    words += ["--realism", drive.effect.replace("+", ","), "--duration", options.duration]
-    run([*words, *ROBOTS[drive.robot], *shlex.split(options.sim), "--force", "--quiet"])
+def simulation(drive, duration):
+    """The words that ask for it, without the program and the folder."""
+    words = ["simulate", drive.world, "--seed", str(drive.seed)]
+    words += ["--realism", drive.effect.replace("+", ",")]
+    return [*words, "--duration", f"{duration:g}", *ROBOTS[drive.robot]]
 
 
 def map_and_judge(loopstone, sim, name, options, flags=()):
@@ -83,14 +84,16 @@ def map_and_judge(loopstone, sim, name, options, flags=()):
 
 
 def measured(loopstone, drive, options, more):
-    """Figures of a drive; `more(sim, name, folder)` gives those that only one script asks for."""
+    """Figures of a drive; `more(drive, sim, folder)`, from the simulation and the map of it, gives
+    those that only one script asks for."""
     name = drive.key().replace("/", "-")
     sim = loopstone.work / f"sim-{name}"
     figures = drive._asdict()
     try:
-        simulate(loopstone, drive, sim, options)
+        words = [loopstone.program, *simulation(drive, options.duration), *shlex.split(options.sim)]
+        run([*words, "-o", sim, "--force", "--quiet"])
         folder, found = map_and_judge(loopstone, sim, name, options)
-        figures |= {**found, **more(sim, name, folder)}
+        figures |= {**found, **more(drive, sim, folder)}
         if not options.keep:
             shutil.rmtree(folder)
     except (Failed, OSError, subprocess.SubprocessError, KeyError, ValueError) as failure:
@@ -185,3 +188,11 @@ def is_part(options):
     """Whether less, or something else, is asked for than what the tables of docs/ are made of."""
     names = "quick worlds effects robots seeds first_seed duration sim map".split()
     return any(getattr(options, name) not in (None, False, "") for name in names)
+
+
+def set_defaults(options, **defaults):
+    """Of what was not asked for."""
+    defaults["duration"] = QUICK_S if options.quick else DURATION_S
+    for name, value in defaults.items():
+        if getattr(options, name) is None:
+            setattr(options, name, value)
