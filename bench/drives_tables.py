@@ -12,6 +12,10 @@ from unkind import CLEAN, USUAL, Drive, is_good, is_wrong, simulation, worst_of
 VERDICTS = ["good", "doubtful", "bad", "unknown"]
 # What the clean form of a drive may be exceeded by.
 CLEAN_TIMES = 3.0
+FAULTS = (
+    "Drives with a false loop closure, with a wrong map that is called good, or with a map that is"
+    " worse for closing loops:"
+)
 # Worse for closing loops: by so much, and not by hundredths of what was wrong before.
 WORSE_M, WORSE_TIMES = 0.01, 1.1
 
@@ -139,6 +143,7 @@ def row_of(name, runs):
 
 
 def grouped(runs, name):
+    last = [row_of("all", runs)] if name == "effect" else []
     groups = {}
     for run in runs:
         groups.setdefault(run[name], []).append(run)
@@ -160,10 +165,7 @@ def grouped(runs, name):
             "metres of revisits>",
             "recognised>",
         ],
-        [
-            *(row_of(group, some) for group, some in groups.items()),
-            *([row_of("all", runs)] if len(groups) > 1 else []),
-        ],
+        [row_of(group, some) for group, some in groups.items()] + last,
     )
 
 
@@ -208,7 +210,7 @@ def faults_of(run):
     if is_wrong(run) and is_good(run):
         yield "wrong and called good"
     if run["closures"]["false"]:
-        yield f"{run['closures']['false']} false loop closures"
+        yield f"false loop closures: {run['closures']['false']}"
     if "without" in run and is_worse(run):
         yield f"ATE {run['ate_m']:.2f} m, without closing loops {run['without']['ate_m']:.2f} m"
 
@@ -218,7 +220,7 @@ def faults_table(runs, duration):
         [
             ", ".join(faults),
             worst_of(run) if is_mapped(run) else "",
-            f"`loopstone {' '.join(simulation(drive_of(run), duration))}`",
+            f"`loopstone {' '.join(simulation(drive_of(run), duration))} -o sim`",
         ]
         for run in runs
         if (faults := list(faults_of(run)))
@@ -243,11 +245,11 @@ def text_of(kept):
         sentence,
         confusion(runs),
         tables.targets_table(targets_of(runs)),
-        "Median / nine of ten keep to / most:",
+        "Three figures are the median, what nine of ten keep to, and the most.",
         *(grouped(runs, name) for name in ("effect", "world", "robot")),
     ]
     if with_without(runs):
         parts += [f"Loop closing and none, on drives that are `{USUAL}`:", without_table(runs)]
     if any(True for run in runs for _ in faults_of(run)):
-        parts += ["Drives with faults of mapping itself:", faults_table(runs, duration)]
+        parts += [FAULTS, faults_table(runs, duration)]
     return "\n\n".join(parts)
