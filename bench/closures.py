@@ -83,10 +83,10 @@ def chi2(error, covariance):
 
 
 def judge(folder, sim):
-    """Counts of one run."""
+    """Counts of one run, and how far the worst false closure is off."""
     truth = Truth(sim / "truth.tum")
     counts = {"accepted": 0, "false": 0, "rejected": 0, "revoked": 0, "wrongly_rejected": 0}
-    ends = []
+    ends, false_m, false_deg = [], [0.0], [0.0]
     with open(folder / "loop_closures.csv", encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
             first, second = truth.index(float(row["from_t_s"])), truth.index(float(row["to_t_s"]))
@@ -101,6 +101,9 @@ def judge(folder, sim):
                 counts["false"] += 0 if good else 1
                 if good:
                     ends.append(truth.travel[second])
+                else:
+                    false_m.append(off_m)
+                    false_deg.append(abs(math.degrees(off_rad)))
             else:
                 counts["rejected"] += 1
                 counts["revoked"] += 1 if row["reason"].startswith("revoked") else 0
@@ -113,7 +116,7 @@ def judge(folder, sim):
         for travel in revisits
         if bisect.bisect_right(ends, travel) > bisect.bisect_left(ends, travel - SUBMAP_M)
     )
-    return counts
+    return {**counts, "false_m": max(false_m), "false_deg": max(false_deg)}
 
 
 def total(runs, key):

@@ -209,8 +209,10 @@ def faults_of(run):
         return
     if is_wrong(run) and is_good(run):
         yield "wrong and called good"
-    if run["closures"]["false"]:
-        yield f"false loop closures: {run['closures']['false']}"
+    closures = run["closures"]
+    if closures["false"]:
+        most = f"{closures['false_m']:.2f} m, {closures['false_deg']:.1f} deg"
+        yield f"false loop closures: {closures['false']}, up to {most} off"
     if "without" in run and is_worse(run):
         yield f"ATE {run['ate_m']:.2f} m, without closing loops {run['without']['ate_m']:.2f} m"
 
@@ -218,14 +220,14 @@ def faults_of(run):
 def faults_table(runs, duration):
     rows = [
         [
-            ", ".join(faults),
+            "; ".join(faults),
             worst_of(run) if is_mapped(run) else "",
             f"`loopstone {' '.join(simulation(drive_of(run), duration))} -o sim`",
         ]
         for run in runs
         if (faults := list(faults_of(run)))
     ]
-    return table(["what is wrong", "off by", "the drive"], rows)
+    return table(["what is wrong", "map off by", "the drive"], rows)
 
 
 def text_of(kept):

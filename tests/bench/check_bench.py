@@ -172,6 +172,7 @@ def check_drives_tables():
     right |= {"without": {"ate_m": 0.2, "worst_m": 0.3, "worst_deg": 0.9}}
     wrong = {"ate_m": 0.1, "worst_m": 0.2, "worst_deg": 1.1, "verdict": "good"}
     wrong |= {"closures": {"accepted": 1, "false": 1, "revisits": 0, "recognised": 0}}
+    wrong["closures"] |= {"false_m": 2.0, "false_deg": 3.0}
     found = [right, wrong, {"failed": ["why"]}, {"ate_m": 0.05}]
     figures = {}
     for seed, effect in [(1, "usual"), (2, "usual"), (3, "usual"), (1, unkind.CLEAN)]:
@@ -188,7 +189,7 @@ def check_drives_tables():
     assert row[1:7] == ["3", "1", "0", "2", "1", "5.0"] and row[-4:] == ["4", "1", "4", "75.0 %"]
     assert [list(drives_tables.faults_of(run)) for run in runs] == [
         ["ATE 0.30 m, without closing loops 0.20 m"],
-        ["wrong and called good", "false loop closures: 1"],
+        ["wrong and called good", "false loop closures: 1, up to 2.00 m, 3.0 deg off"],
         ["not mapped"],
     ]
 
