@@ -18,13 +18,13 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import table, write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
-from program import Failed, Loopstone, run, say  # noqa: E402
+from program import Failed, Loopstone, log_of, run, say  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
 from sections import plain_parser  # noqa: E402
 
 PAGE = ROOT / "docs/accuracy.md"
 WORLDS = ["office", "rooms", "warehouse", "loops", "wings", "aisles", "outdoors"]
-# As in bench/realism.py.
+# As in bench/unkind.py.
 ROBOTS = {
     "gyro, 541 beams": ["--beams", "541"],
     "poses, 181 beams": "--format carmen --beams 181 --fov 180".split(),
@@ -47,11 +47,10 @@ def measured(arguments):
                     [*simulate, "--seed", SEED, "--duration", 60 if arguments.quick else 240]
                     + [*words, *flags, "--force", "--quiet"]
                 )
-                log = folder / "log.clf" if (folder / "log.clf").exists() else folder
                 name = f"{world}, {robot}, {effects}"
                 program = arguments.programs / "measure_covariances"
                 try:
-                    kinds = json.loads(run([program, log, folder / "truth.tum", 1])[0])
+                    kinds = json.loads(run([program, log_of(folder), folder / "truth.tum", 1])[0])
                 except Failed as failure:
                     say(f"  {name}: {failure}")
                     continue

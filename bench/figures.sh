@@ -35,6 +35,7 @@ measure bench/outliers.py $quick
 measure bench/loops.py $quick
 measure bench/gaps.py $quick
 measure bench/robustness.py $quick
+measure bench/drives.py $quick
 measure bench/realism.py $quick
 measure bench/calibration.py $quick
 measure bench/residuals.py $quick

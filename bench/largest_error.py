@@ -3,6 +3,8 @@
 import bisect
 import math
 
+# A map is right that is off by no more than this anywhere, best aligned.
+RIGHT_M, RIGHT_DEG = 0.5, 1.0
 # A scan by itself may be off without the map being so; half of some seconds may not.
 SECONDS = 5.0
 # While the robot turns, the time that a sweep takes turns every pose of a laser whose log does not
@@ -101,3 +103,7 @@ def largest_error(estimate_path, truth_path):
             still.append(pose[0])
             off_rad.append(wrap(pose[3] + turn - truth[i][3]))
     return running_median(stamps, off_m), math.degrees(running_median(still, off_rad))
+
+
+def is_right(worst_m, worst_deg):
+    return worst_m <= RIGHT_M and worst_deg <= RIGHT_DEG

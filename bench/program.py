@@ -79,15 +79,15 @@ class Loopstone:
         run([self.program, "odometry", log, "-o", path, "--force", "--quiet"])
         return path
 
-    def map(self, log, name, flags=()):
+    def map(self, log, name, flags=(), pinned=True):
         """Maps a log; returns the output folder, the figures of summary.json and what the process
         took.
 
-        With one thread everything is on one processor: the search for loops has a thread of its own
-        in any case."""
+        With one thread everything is on one processor, and always the same: the search for loops
+        has a thread of its own in any case. Runs side by side are not to be pinned."""
         folder = self.work / ("map-" + name)
         words = [str(flag) for flag in flags]
-        one = "--threads" in words and words[words.index("--threads") + 1] == "1"
+        one = pinned and "--threads" in words and words[words.index("--threads") + 1] == "1"
         _, cost = run(
             [
                 *(ONE_PROCESSOR if one else []),
@@ -105,6 +105,12 @@ class Loopstone:
 
     def evaluate(self, *flags):
         return json.loads(run([self.program, "evaluate", *flags, "--json", "--quiet"])[0])
+
+
+def log_of(folder):
+    """What is to be mapped of a simulation, in the format that it was asked for."""
+    log = pathlib.Path(folder) / "log.clf"
+    return log if log.exists() else folder
 
 
 def median(values):

@@ -26,7 +26,7 @@ import measure  # noqa: E402
 import quality_tables  # noqa: E402
 from largest_error import largest_error  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
-from program import Failed, Loopstone, say  # noqa: E402
+from program import Failed, Loopstone, log_of, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
 
 CHOSEN_ON, CHECKED_ON = [1, 2], [31, 32, 33]
@@ -121,10 +121,6 @@ SPOILS = [
         ],
     ),
 ]
-
-
-def log_of(folder):
-    return folder / "log.clf" if (folder / "log.clf").exists() else folder
 
 
 def run_of(loopstone, case, seed, spoil):

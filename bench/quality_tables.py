@@ -1,10 +1,9 @@
 """The tables of docs/quality.md: what the verdict said against how wrong the map was."""
 from doc_blocks import table
+from largest_error import RIGHT_DEG, RIGHT_M, is_right
 from program import median
 from provenance import provenance
 
-# A map is right that is off by no more than this anywhere, best aligned.
-RIGHT_M, RIGHT_DEG = 0.5, 1.0
 VERDICTS = ["good", "doubtful", "bad", "unknown"]
 MEASURES = [
     ("wall_thickness_m", "wall thickness"),
@@ -22,7 +21,7 @@ MEASURES = [
 
 
 def truth(run):
-    return "right" if run["max_m"] <= RIGHT_M and run["max_deg"] <= RIGHT_DEG else "wrong"
+    return "right" if is_right(run["max_m"], run["max_deg"]) else "wrong"
 
 
 def of_seeds(record, seeds):

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The measuring scripts of bench/ are held to the truth where that is known:
 tests/bench/check_bench.py"""
+import argparse
 import pathlib
 import re
 import subprocess
@@ -11,9 +12,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "bench")]
 
 import compare_speed  # noqa: E402
+import drives  # noqa: E402
+import drives_tables  # noqa: E402
 import program  # noqa: E402
 import provenance  # noqa: E402
 import skipped_tests  # noqa: E402
+import unkind  # noqa: E402
 
 MB = 1_000_000
 
@@ -144,7 +148,55 @@ def check_comparison():
     assert not compare_speed.judge(base, [0.5 * seconds for seconds in base])[3]
 
 
+def check_drives():
+    """Every spoil as often, with each robot too; a part of the drives is the same drives."""
+    whole = argparse.Namespace(
+        drives=None, worlds=drives.WORLDS, robots=list(unkind.ROBOTS), effects=None
+    )
+    whole.seeds, whole.first_seed = drives.DRIVES, drives.FIRST_SEED
+    all_drives = drives.drives_of(whole)
+    assert len(all_drives) == len({drive.seed for drive in all_drives}) == 200
+    spoils = [(drive.robot, drive.effect) for drive in all_drives if drive.effect != unkind.USUAL]
+    assert len(set(spoils)) == len(unkind.ROBOTS) * len(drives.SPOILS)
+    assert {spoils.count(each) for each in spoils} == {3}
+    part = argparse.Namespace(**{**vars(whole), "worlds": ["hall"], "robots": ["small"]})
+    assert len(drives.drives_of(part)) == 5 and set(drives.drives_of(part)) < set(all_drives)
+    part.drives = [all_drives[-1].key()]
+    assert drives.drives_of(part) == [all_drives[-1]]
+
+
+def check_drives_tables():
+    """What is counted of three drives: one right, one wrong and called good, one not mapped."""
+    right = {"ate_m": 0.3, "worst_m": 0.4, "worst_deg": 0.9, "verdict": "doubtful"}
+    right |= {"closures": {"accepted": 3, "false": 0, "revisits": 4, "recognised": 3}}
+    right |= {"without": {"ate_m": 0.2, "worst_m": 0.3, "worst_deg": 0.9}}
+    wrong = {"ate_m": 0.1, "worst_m": 0.2, "worst_deg": 1.1, "verdict": "good"}
+    wrong |= {"closures": {"accepted": 1, "false": 1, "revisits": 0, "recognised": 0}}
+    wrong["closures"] |= {"false_m": 2.0, "false_deg": 3.0}
+    found = [right, wrong, {"failed": ["why"]}, {"ate_m": 0.05}]
+    figures = {}
+    for seed, effect in [(1, "usual"), (2, "usual"), (3, "usual"), (1, unkind.CLEAN)]:
+        drive = unkind.Drive("gyro", "office", effect, seed)
+        figures[drive.key()] = {**drive._asdict(), **found.pop(0)}
+    runs = drives_tables.join_clean(figures)
+    assert [measured for _, _, measured, _ in drives_tables.targets_of(runs)] == [
+        "1",
+        "1 of 1",
+        "75.00 %",
+        "1 of 1",
+    ], drives_tables.targets_of(runs)
+    row = drives_tables.row_of("all", runs)
+    assert row[1:7] == ["3", "1", "0", "2", "1", "5.0"] and row[-4:] == ["4", "1", "4", "75.0 %"]
+    assert [list(drives_tables.faults_of(run)) for run in runs] == [
+        ["ATE 0.30 m, without closing loops 0.20 m"],
+        ["wrong and called good", "false loop closures: 1, up to 2.00 m, 3.0 deg off"],
+        ["not mapped"],
+    ]
+
+
 def main():
+    check_drives()
+    check_drives_tables()
     check_skipped_tests()
     check_comparison()
     check_peak_memory()
