@@ -425,7 +425,8 @@ FrontEnd::Searched FrontEnd::search(std::span<const SurfacePoint> surfaces,
 
 bool FrontEnd::is_unfamiliar(std::span<const Eigen::Vector2d> points, const MaxPyramid& known,
                              const PosePrior2& prior) const {
-  if (!prior.holds_unobserved) return false;
+  // What comes after much that contradicts belongs to it.
+  if (!prior.holds_unobserved || own_.lost_in_a_row >= kFrontEnd.most_lost) return false;
   const Pose2 motion =
       predictor_.last_pose().inverse() * active_.front().local_T_submap * prior.target_T_source;
   // A robot that was carried stands, as odometry has it.
