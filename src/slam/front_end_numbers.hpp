@@ -103,6 +103,7 @@ struct FrontEndRejoinNumbers {
   double carried_s = 3.0;
   double carried_along_m = 1.5;
   double turned_rad = 0.35;
+  double usual_turn_rad = 0.8;
 };
 inline constexpr FrontEndRejoinNumbers kFrontEndRejoin{};
 
@@ -152,6 +153,8 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit("carried_along_m", n.carried_along_m,
         "chosen: half of carried_m: so far, in two standard deviations, a robot may be off along a "
         "corridor that it may have been carried along");
+  visit("usual_turn_rad", n.usual_turn_rad,
+        "chosen: more than a robot turns while nobody sees it, mostly: half of a right angle");
   visit("turned_rad", n.turned_rad,
         "derived: of a heading that was expected and explains the scan, when the robot turned by a "
         "right angle once in twenty times: sqrt(0.05) pi / 2");

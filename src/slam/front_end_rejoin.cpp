@@ -85,51 +85,75 @@ FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& gue
   return blind;
 }
 
+/// Where the robot can't have gone far, the scan may also show what nobody saw before: it fits when
+/// what it shows of the known does.
+bool FrontEnd::explains(const MatchResult& match, std::span<const SurfacePoint> surfaces,
+                        const MaxPyramid& known) const {
+  if (match.score >= least_score()) return true;
+  const double share = share_of(seen_by(known, match.target_T_source, surfaces));
+  return share >= kFrontEndRejoin.partly_known &&
+         match.score >= kFrontEndRejoin.partly_agreement * share;
+}
+
 std::optional<MatchResult> FrontEnd::recognise_near(std::span<const SurfacePoint> surfaces,
                                                     const PosePrior2& prior) const {
   const PosePrior2 there = in_submap(prior);
-  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
-                                          there.target_T_source, there, match_options_, 1);
-  const bool fits = has_supported_pose(match.status) && match.score >= least_score() &&
+  const Submap& submap = active_.front().submap;
+  const MatchResult match =
+      match_to_grid(surfaces, submap.surfaces(), there.target_T_source, there, match_options_, 1);
+  const bool fits = has_supported_pose(match.status) &&
                     chi2_from(there, match) <= kFrontEndRejoin.fits_chi2 &&
-                    std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m;
+                    std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m &&
+                    explains(match, surfaces, submap.freeze().search_pyramid(submap_options_, 0.0));
   if (!fits) return {};
   return in_local(match);
 }
 
-/// Where the robot can't have gone far, the scan may also show what nobody saw before: it fits when
-/// what it shows of the known does.
 FrontEnd::Around FrontEnd::look_around(std::span<const SurfacePoint> surfaces,
-                                       const PosePrior2& prior, bool may_see_new) const {
+                                       const PosePrior2& prior, bool drove_on) const {
   const PosePrior2 there = in_submap(prior);
   const auto points = search_points(surfaces);
-  const FrozenSubmap frozen = active_.front().submap.freeze();
+  const SurfaceGrid& grid = active_.front().submap.surfaces();
   const Eigen::Matrix3d covariance = there.information.inverse();
   const SearchWindow anywhere{
       there.target_T_source,
       std::min(window_of(std::sqrt(position_variance_m2(covariance))), kFrontEndRejoin.around_m),
       std::min(window_of(std::sqrt(covariance(2, 2))), kPi)};
-  const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, anywhere.half_xy_m);
+  const MaxPyramid pyramid =
+      active_.front().submap.freeze().search_pyramid(submap_options_, anywhere.half_xy_m);
   const SearchResult best = search_about_robot(points, pyramid, anywhere, kPoseSearch.min_score);
   if (!best.found) return {};
-  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
-                                          best.target_T_source, there, match_options_, 0);
-  if (!has_supported_pose(match.status)) return {};
-  Around found{in_local(match)};
-  const double known = share_of(seen_by(pyramid, match.target_T_source, surfaces));
-  found.explains =
-      match.score >= least_score() || (may_see_new && best.score >= kFrontEndRejoin.partly_score &&
-                                       known >= kFrontEndRejoin.partly_known &&
-                                       match.score >= kFrontEndRejoin.partly_agreement * known);
-  if (!found.explains ||
-      std::sqrt(position_variance_m2(match.covariance)) > kFrontEndRejoin.tight_m) {
-    return found;
+  const auto refined = [&](const SearchResult& pose) {
+    return match_to_grid(surfaces, grid, pose.target_T_source, there, match_options_, 0);
+  };
+  const auto is_good = [&](const MatchResult& match, double score) {
+    if (!has_supported_pose(match.status)) return false;
+    return match.score >= least_score() || (drove_on && score >= kFrontEndRejoin.partly_score &&
+                                            explains(match, surfaces, pyramid));
+  };
+  const MatchResult match = refined(best);
+  Around found{has_supported_pose(match.status) ? std::optional(in_local(match)) : std::nullopt,
+               is_good(match, best.score)};
+  if (found.explains &&
+      std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m) {
+    const SearchResult second =
+        search_branch_and_bound(points, pyramid, anywhere, kFrontEndRejoin.ambiguous * best.score,
+                                ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
+                                              kFrontEndRejoin.elsewhere_rad});
+    found.is_certain =
+        !second.found || (drove_on && refined(second).score < match.score - kFrontEnd.score_drop);
   }
-  const SearchResult second =
-      search_branch_and_bound(points, pyramid, anywhere, kFrontEndRejoin.ambiguous * best.score,
-                              ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
-                                            kFrontEndRejoin.elsewhere_rad});
-  found.is_certain = !second.found;
+  if (found.is_certain || !drove_on) return found;
+  // Few robots turn far in so short a time.
+  SearchWindow ahead = anywhere;
+  ahead.half_yaw_rad = std::min(ahead.half_yaw_rad, kFrontEndRejoin.usual_turn_rad);
+  const double least =
+      found.explains ? kFrontEndRejoin.ambiguous * best.score : kPoseSearch.min_score;
+  const SearchResult usual = search_about_robot(points, pyramid, ahead, least);
+  if (!usual.found) return found;
+  const MatchResult there_too = refined(usual);
+  if (has_supported_pose(there_too.status))
+    found = {in_local(there_too), is_good(there_too, usual.score)};
   return found;
 }
 
@@ -186,21 +210,20 @@ bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMo
 }
 
 /// A place that is like its neighbours, as a corridor is, still tells the heading. If what is
-/// expected explains the scan, the robot most likely went on as it came; else it is most likely
-/// where the scan fits best.
+/// expected explains the scan, the robot most likely went on as it came; else it may be where the
+/// scan fits.
 void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Around& around,
                              PosePrior2& prior) const {
   const PosePrior2 there = in_submap(prior);
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           there.target_T_source, there, match_options_, 1);
-  const double sigma_m = std::sqrt(position_variance_m2(prior.information.inverse()));
-  if (has_supported_pose(match.status) && match.score >= least_score()) {
-    prior = unknown_about(in_local(match).target_T_source, sigma_m, kFrontEndRejoin.turned_rad);
-  } else if (around.match) {
-    const double sigma_rad = std::sqrt(prior.information.inverse()(2, 2));
-    prior = unknown_about(around.match->target_T_source, sigma_m,
-                          around.explains ? kFrontEndRejoin.turned_rad : sigma_rad);
-  }
+  const bool goes_on = has_supported_pose(match.status) && match.score >= least_score();
+  if (!goes_on && !around.match) return;
+  const Eigen::Matrix3d covariance = prior.information.inverse();
+  const Pose2 likeliest = goes_on ? in_local(match).target_T_source : around.match->target_T_source;
+  prior = unknown_about(
+      likeliest, std::sqrt(position_variance_m2(covariance)),
+      goes_on || around.explains ? kFrontEndRejoin.turned_rad : std::sqrt(covariance(2, 2)));
 }
 
 /// \param odometry_guides  the guess was odometry's

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <queue>
 #include <utility>
+
+#include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
 
@@ -15,6 +18,44 @@ double enough_travel_m(const LoopOptions& options) {
   if (options.places_max > 0) return std::numeric_limits<double>::infinity();
   return std::max(options.max_half_xy_m / std::max(options.drift_per_m, 1e-9),
                   kLoopCandidates.half_yaw_most_rad / std::max(options.drift_rad_per_m, 1e-9));
+}
+
+/// How far a place lies from the break by which a piece of the path began, and what is known of the
+/// motion across.
+struct NearBreak {
+  double travel_m = 0.0;  ///< from either place to the break, together
+  double sigma_m = 0.0;
+  double sigma_rad = 0.0;
+};
+
+/// Of a pair in two pieces that follow one another.
+std::optional<NearBreak> break_between(std::span<const SubmapRecord> submaps, std::size_t older,
+                                       std::size_t newer) {
+  if (submaps[older].piece + 1 != submaps[newer].piece) return {};
+  std::size_t first = newer;
+  while (first > 0 && submaps[first - 1].piece == submaps[newer].piece) --first;
+  const auto& across = submaps[first].keys.front().across;
+  if (first == 0 || !across) return {};
+  return NearBreak{submaps[newer].travelled_m - submaps[first].travelled_m +
+                       submaps[first - 1].travelled_m - submaps[older].travelled_m,
+                   std::sqrt(std::max((*across)(0, 0), (*across)(1, 1))),
+                   std::sqrt((*across)(2, 2))};
+}
+
+/// Across a break after which the robot may face anywhere, but can't be far: all of it is searched.
+/// \return whether both places lie right at the break, and have something in common in any case
+bool widen_across_break(const NearBreak& gap, const LoopOptions& options,
+                        LoopCandidate& candidate) {
+  const double half_xy_m = kLoopCandidates.rest_m + options.drift_per_m * gap.travel_m +
+                           kLoopCandidates.break_sigmas * gap.sigma_m;
+  const double half_yaw_rad = kLoopCandidates.rest_rad + options.drift_rad_per_m * gap.travel_m +
+                              kLoopCandidates.break_sigmas * gap.sigma_rad;
+  if (gap.travel_m > kLoopCandidates.near_break_m || half_xy_m > options.max_half_xy_m ||
+      half_yaw_rad < candidate.half_yaw_rad)
+    return false;
+  candidate.half_xy_m = half_xy_m;
+  candidate.half_yaw_rad = std::min(half_yaw_rad, kPi);
+  return gap.travel_m <= kLoopCandidates.at_break_m;
 }
 
 }  // namespace
@@ -59,18 +100,21 @@ LoopCandidates candidates_for(std::span<const SubmapRecord> submaps, SubmapId ne
     const Pose2 map_T_older = target.map_T_submap;
     const double uncertain_m = kLoopCandidates.rest_m + options.drift_per_m * travel[older];
     const double uncertain_rad = kLoopCandidates.rest_rad + options.drift_rad_per_m * travel[older];
-    const LoopCandidate candidate{
+    LoopCandidate candidate{
         .older = {older},
         .newer = newer,
         .older_T_newer = map_T_older.inverse() * map_T_newer,
         .half_xy_m = std::min(uncertain_m, options.max_half_xy_m),
         .half_yaw_rad = std::min(uncertain_rad, kLoopCandidates.half_yaw_most_rad),
         .distance_m = (centre - map_T_older * target.centre).norm()};
+    const auto gap = break_between(submaps, older, newer.index);
+    const bool at_break = gap && widen_across_break(*gap, options, candidate);
     if (uncertain_m > options.max_half_xy_m &&
         candidate.distance_m <= uncertain_m + kLoopCandidates.place_half_m)
       candidates.far.push_back(candidate);
-    if (candidate.distance_m <=
-        kLoopCandidates.near_radii * (query.radius_m + target.radius_m) + candidate.half_xy_m)
+    if (at_break ||
+        candidate.distance_m <=
+            kLoopCandidates.near_radii * (query.radius_m + target.radius_m) + candidate.half_xy_m)
       candidates.near.push_back(candidate);
   }
   std::ranges::stable_sort(candidates.near, {}, &LoopCandidate::distance_m);

@@ -25,6 +25,9 @@ struct LoopCandidatesNumbers {
   double near_radii = 0.7;
   double place_half_m = 5.0;
   double unlike = 0.8;
+  double break_sigmas = 2.0;
+  double near_break_m = 20.0;
+  double at_break_m = 10.0;
 };
 inline constexpr LoopCandidatesNumbers kLoopCandidates{};
 
@@ -47,6 +50,12 @@ void visit_numbers(const LoopCandidatesNumbers& n, Visitor&& visit) {
   visit("unlike", n.unlike,
         "chosen: less alike than this share of the middle one of all that come into question is "
         "another place; of true pairs 19 in 20 were more alike");
+  visit("break_sigmas", n.break_sigmas,
+        "chosen: half of the window in which a place is looked for across a break: 95 % along one "
+        "axis");
+  visit("near_break_m", n.near_break_m,
+        "chosen: so near to a break, before and after, what was seen may be the same in part");
+  visit("at_break_m", n.at_break_m, "chosen: so near it is, wherever the submaps' centres lie");
 }
 
 /// Two submaps that may show one place, and where to look.

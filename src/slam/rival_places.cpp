@@ -102,8 +102,10 @@ bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known,
   const Pose2 present = map_T_older.inverse() * newer.map_T_submap;
   const double most_chi2 = chi2_of(closure.from_T_to, present, known) + kRivalPlaces.lead_chi2;
   const double half_m = std::min(options.max_half_xy_m, kRivalPlaces.window_sigmas * wide_m);
-  // What repeats itself stands side by side mostly, and faces the same way.
-  const double half_rad = kRivalPlaces.half_rad;
+  // What repeats itself stands side by side mostly, and faces the same way; but where the path does
+  // not know the heading, a room may be its own mirror.
+  const double half_rad =
+      std::clamp(kRivalPlaces.window_sigmas * std::sqrt(known(2, 2)), kRivalPlaces.half_rad, kPi);
   const Bar as_found{std::max(options.min_score, kRivalPlaces.score_share * closure.score),
                      options.min_overlap, options.min_agreement};
   const Bar as_again{std::max(options.min_score, kRivalPlaces.again_share * closure.score),

@@ -293,16 +293,19 @@ class FrontEnd {
   /// The scan on the active submap near where odometry says, if that can be told.
   [[nodiscard]] std::optional<MatchResult> recognise_near(std::span<const SurfacePoint> surfaces,
                                                           const PosePrior2& prior) const;
+  /// Whether the scan shows what scans usually do, or as much of what is known there.
+  [[nodiscard]] bool explains(const MatchResult& match, std::span<const SurfacePoint> surfaces,
+                              const MaxPyramid& known) const;
   /// What a search all around finds.
   struct Around {
-    std::optional<MatchResult> match{};  ///< where the scan fits best
+    std::optional<MatchResult> match{};  ///< where the scan most likely fits
     bool explains = false;               ///< it does fit there
     bool is_certain = false;             ///< and nowhere else
   };
   /// The same without odometry: as far around as the robot may be.
-  /// \param may_see_new  it drove, by itself: part of what it sees may be new
+  /// \param drove_on  it went by itself: part of what it sees may be new, and it hardly turned back
   [[nodiscard]] Around look_around(std::span<const SurfacePoint> surfaces, const PosePrior2& prior,
-                                   bool may_see_new) const;
+                                   bool drove_on) const;
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
                             TrackedScan& tracked);
   [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces,
