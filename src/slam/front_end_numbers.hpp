@@ -103,7 +103,12 @@ struct FrontEndRejoinNumbers {
   double carried_s = 3.0;
   double carried_along_m = 1.5;
   double turned_rad = 0.35;
+  double new_counts = 0.85;
+  double rival = 0.6;
+  double alike = 0.05;
   double usual_turn_rad = 0.8;
+  double reach_rest_m = 0.3;
+  double reach_rest_rad = 0.1;
 };
 inline constexpr FrontEndRejoinNumbers kFrontEndRejoin{};
 
@@ -153,6 +158,15 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit("carried_along_m", n.carried_along_m,
         "chosen: half of carried_m: so far, in two standard deviations, a robot may be off along a "
         "corridor that it may have been carried along");
+  visit("reach_rest_m", n.reach_rest_m,
+        "chosen: how much farther than it can have driven a robot is looked for");
+  visit("reach_rest_rad", n.reach_rest_rad, "chosen: as reach_rest_m");
+  visit("new_counts", n.new_counts,
+        "chosen: what of a scan shows places that nobody saw counts as what is explained usually; "
+        "else a place seen before would win that only looks like a new one");
+  visit("rival", n.rival,
+        "chosen: share of the best score of a search that another place must reach to be asked");
+  visit("alike", n.alike, "chosen: places that explain a scan so nearly alike do so equally well");
   visit("usual_turn_rad", n.usual_turn_rad,
         "chosen: more than a robot turns while nobody sees it, mostly: half of a right angle");
   visit("turned_rad", n.turned_rad,

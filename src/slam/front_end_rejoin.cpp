@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
@@ -72,7 +73,14 @@ FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& gue
   BlindMotion blind{unknown_about(
       guess.local_T_robot, predictor_.fastest_m_s() * gap_s / kFrontEndRejoin.window_sigmas,
       predictor_.fastest_rad_s() * gap_s / kFrontEndRejoin.window_sigmas)};
-  blind.is_bounded = std::isfinite(gap_s);
+  if (std::isfinite(gap_s)) {
+    const double ahead_m = predictor_.fastest_m_s() * gap_s;
+    const double back_m = predictor_.fastest_back_m_s() * gap_s;
+    const Pose2& from = own_.held->local_T_robot;
+    blind.reach = Reach{from * Pose2{0.5 * (ahead_m - back_m), 0.0, 0.0},
+                        0.5 * (ahead_m + back_m) + kFrontEndRejoin.reach_rest_m,
+                        predictor_.fastest_rad_s() * gap_s + kFrontEndRejoin.reach_rest_rad};
+  }
   if (!own_.held || stamp <= own_.held->stamp || !own_.held->odometry || !odometry) return blind;
   const auto told = predictor_.told(*own_.held->odometry, own_.held->stamp, *odometry);
   if (!told) return blind;
@@ -109,51 +117,103 @@ std::optional<MatchResult> FrontEnd::recognise_near(std::span<const SurfacePoint
   return in_local(match);
 }
 
-FrontEnd::Around FrontEnd::look_around(std::span<const SurfacePoint> surfaces,
-                                       const PosePrior2& prior, bool drove_on) const {
+std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoint> surfaces,
+                                                      const PosePrior2& prior) const {
   const PosePrior2 there = in_submap(prior);
   const auto points = search_points(surfaces);
-  const SurfaceGrid& grid = active_.front().submap.surfaces();
+  const FrozenSubmap frozen = active_.front().submap.freeze();
   const Eigen::Matrix3d covariance = there.information.inverse();
   const SearchWindow anywhere{
       there.target_T_source,
       std::min(window_of(std::sqrt(position_variance_m2(covariance))), kFrontEndRejoin.around_m),
       std::min(window_of(std::sqrt(covariance(2, 2))), kPi)};
-  const MaxPyramid pyramid =
-      active_.front().submap.freeze().search_pyramid(submap_options_, anywhere.half_xy_m);
+  const MaxPyramid pyramid = frozen.search_pyramid(submap_options_, anywhere.half_xy_m);
   const SearchResult best = search_about_robot(points, pyramid, anywhere, kPoseSearch.min_score);
   if (!best.found) return {};
-  const auto refined = [&](const SearchResult& pose) {
-    return match_to_grid(surfaces, grid, pose.target_T_source, there, match_options_, 0);
-  };
-  const auto is_good = [&](const MatchResult& match, double score) {
-    if (!has_supported_pose(match.status)) return false;
-    return match.score >= least_score() || (drove_on && score >= kFrontEndRejoin.partly_score &&
-                                            explains(match, surfaces, pyramid));
-  };
-  const MatchResult match = refined(best);
-  Around found{has_supported_pose(match.status) ? std::optional(in_local(match)) : std::nullopt,
-               is_good(match, best.score)};
-  if (found.explains &&
-      std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m) {
-    const SearchResult second =
-        search_branch_and_bound(points, pyramid, anywhere, kFrontEndRejoin.ambiguous * best.score,
-                                ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
-                                              kFrontEndRejoin.elsewhere_rad});
-    found.is_certain =
-        !second.found || (drove_on && refined(second).score < match.score - kFrontEnd.score_drop);
+  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
+                                          best.target_T_source, there, match_options_, 0);
+  if (!has_supported_pose(match.status) || match.score < least_score() ||
+      std::sqrt(position_variance_m2(match.covariance)) > kFrontEndRejoin.tight_m) {
+    return {};
   }
-  if (found.is_certain || !drove_on) return found;
-  // Few robots turn far in so short a time.
-  SearchWindow ahead = anywhere;
-  ahead.half_yaw_rad = std::min(ahead.half_yaw_rad, kFrontEndRejoin.usual_turn_rad);
-  const double least =
-      found.explains ? kFrontEndRejoin.ambiguous * best.score : kPoseSearch.min_score;
-  const SearchResult usual = search_about_robot(points, pyramid, ahead, least);
-  if (!usual.found) return found;
-  const MatchResult there_too = refined(usual);
-  if (has_supported_pose(there_too.status))
-    found = {in_local(there_too), is_good(there_too, usual.score)};
+  const SearchResult second =
+      search_branch_and_bound(points, pyramid, anywhere, kFrontEndRejoin.ambiguous * best.score,
+                              ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
+                                            kFrontEndRejoin.elsewhere_rad});
+  if (second.found) return {};
+  return in_local(match);
+}
+
+/// Among places that are alike the one wins that explains most of what the scan shows of the known,
+/// and of those that do nearly as well the one that a usual turn leads to.
+FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
+                                     const Reach& reach) const {
+  const ActiveSubmap& target = active_.front();
+  const Pose2 submap_T_local = target.local_T_submap.inverse();
+  const Pose2 submap_T_centre = submap_T_local * reach.local_T_centre;
+  const auto points = search_points(surfaces);
+  const SearchWindow window{submap_T_centre, std::min(reach.half_xy_m, kFrontEndRejoin.around_m),
+                            std::min(reach.half_yaw_rad, kPi)};
+  const MaxPyramid known = target.submap.freeze().search_pyramid(submap_options_, window.half_xy_m);
+  const double turned_least = std::min(window.half_yaw_rad, kFrontEndRejoin.usual_turn_rad);
+
+  struct Place {
+    MatchResult match;
+    double score = 0.0;  ///< of the search
+    double value = 0.0;
+    double turn_rad = 0.0;
+  };
+  std::vector<Place> places;
+  const auto turn_of = [&](const Pose2& pose) {
+    return std::abs(wrap_angle(pose.yaw - submap_T_centre.yaw));
+  };
+  const auto consider = [&](const SearchResult& found) {
+    if (!found.found) return;
+    const MatchResult match = match_to_grid(surfaces, target.submap.surfaces(),
+                                            found.target_T_source, {}, match_options_, 0);
+    const Pose2& pose = match.target_T_source;
+    const Pose2 off = submap_T_centre.inverse() * pose;
+    const auto is_there = [&](const Place& place) {
+      const Pose2 apart = place.match.target_T_source.inverse() * pose;
+      return apart.translation().norm() < kFrontEndRejoin.elsewhere_m &&
+             std::abs(apart.yaw) < kFrontEndRejoin.elsewhere_rad;
+    };
+    if (!has_supported_pose(match.status) ||
+        std::max(std::abs(off.x), std::abs(off.y)) > window.half_xy_m ||
+        std::ranges::any_of(places, is_there))
+      return;
+    const double seen = share_of(seen_by(known, pose, surfaces));
+    places.push_back({match, found.score, match.score + kFrontEndRejoin.new_counts * (1.0 - seen),
+                      turn_of(pose)});
+  };
+  const SearchResult best = search_about_robot(points, known, window, kPoseSearch.min_score);
+  consider(best);
+  if (!best.found) return {};
+  const double least = std::max(kPoseSearch.min_score, kFrontEndRejoin.rival * best.score);
+  consider(search_branch_and_bound(points, known, window, least,
+                                   ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
+                                                 kFrontEndRejoin.elsewhere_rad}));
+  consider(
+      search_about_robot(points, known, {submap_T_centre, window.half_xy_m, turned_least}, least));
+  if (places.empty()) return {};
+
+  const double most = std::ranges::max_element(places, {}, &Place::value)->value;
+  const Place* likeliest = nullptr;
+  for (const Place& place : places) {
+    if (place.value < most - kFrontEndRejoin.alike) continue;
+    if (likeliest == nullptr || place.turn_rad < likeliest->turn_rad) likeliest = &place;
+  }
+  const MatchResult& match = likeliest->match;
+  Ahead found{in_local(match)};
+  found.explains =
+      match.score >= least_score() ||
+      (likeliest->score >= kFrontEndRejoin.partly_score && explains(match, surfaces, known));
+  const auto is_rival = [&](const Place& place) {
+    return &place != likeliest && place.value > likeliest->value - kFrontEnd.score_drop;
+  };
+  found.is_certain = found.explains &&
+                     std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m &&
+                     std::ranges::none_of(places, is_rival);
   return found;
 }
 
@@ -177,12 +237,15 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
     }
   }
   if (!match && !blind.prior.holds_unobserved) {
-    const bool drove_on = cause == BreakCause::kNoScans && blind.is_bounded;
-    const Around around = look_around(surfaces, blind.prior, drove_on);
-    if (around.is_certain) {
-      match = around.match;
-    } else if (drove_on) {
-      turn_to_match(surfaces, around, blind.prior);
+    if (cause == BreakCause::kNoScans && blind.reach) {
+      const Ahead ahead = look_ahead(surfaces, *blind.reach);
+      if (ahead.is_certain) {
+        match = ahead.match;
+      } else {
+        turn_to_match(surfaces, ahead, blind.prior);
+      }
+    } else {
+      match = recognise_around(surfaces, blind.prior);
     }
   }
   if (!match) {
@@ -212,18 +275,18 @@ bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMo
 /// A place that is like its neighbours, as a corridor is, still tells the heading. If what is
 /// expected explains the scan, the robot most likely went on as it came; else it may be where the
 /// scan fits.
-void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Around& around,
+void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,
                              PosePrior2& prior) const {
   const PosePrior2 there = in_submap(prior);
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           there.target_T_source, there, match_options_, 1);
   const bool goes_on = has_supported_pose(match.status) && match.score >= least_score();
-  if (!goes_on && !around.match) return;
+  if (!goes_on && !ahead.match) return;
   const Eigen::Matrix3d covariance = prior.information.inverse();
-  const Pose2 likeliest = goes_on ? in_local(match).target_T_source : around.match->target_T_source;
+  const Pose2 likeliest = goes_on ? in_local(match).target_T_source : ahead.match->target_T_source;
   prior = unknown_about(
       likeliest, std::sqrt(position_variance_m2(covariance)),
-      goes_on || around.explains ? kFrontEndRejoin.turned_rad : std::sqrt(covariance(2, 2)));
+      goes_on || ahead.explains ? kFrontEndRejoin.turned_rad : std::sqrt(covariance(2, 2)));
 }
 
 /// \param odometry_guides  the guess was odometry's

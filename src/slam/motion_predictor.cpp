@@ -226,36 +226,42 @@ void MotionPredictor::learn_coast(Stamp stamp, const Pose2& motion, Seen seen) {
 void MotionPredictor::measure_speed(double seconds, const Pose2& motion, Seen seen) {
   Speeds& speeds = own_.speeds;
   if (!seen.translation || !seen.rotation || seconds > kMotionPredictor.longest_coast_s) {
-    speeds.window_s = speeds.window_m = speeds.window_rad = 0.0;
+    speeds.window_s = speeds.window_m = speeds.window_back_m = speeds.window_rad = 0.0;
     return;
   }
   speeds.window_s += std::max(0.0, seconds);
   speeds.window_m += std::hypot(motion.x, motion.y);
+  speeds.window_back_m += std::max(0.0, -motion.x);
   speeds.window_rad += std::abs(motion.yaw);
   if (speeds.window_s < kMotionPredictor.speed_window_s) return;
   const auto raise = [&](double& top, double way) {
     top = std::max(top, 0.5 * (top + way / speeds.window_s));
   };
   raise(speeds.top_m_s, speeds.window_m);
+  raise(speeds.top_back_m_s, speeds.window_back_m);
   raise(speeds.top_rad_s, speeds.window_rad);
   if (speeds.window_m > kMotionPredictor.moves_m || speeds.window_rad > kMotionPredictor.moves_rad)
     ++speeds.windows;
-  speeds.window_s = speeds.window_m = speeds.window_rad = 0.0;
+  speeds.window_s = speeds.window_m = speeds.window_back_m = speeds.window_rad = 0.0;
+}
+
+bool MotionPredictor::knows_speeds() const {
+  return own_.speeds.windows >= kMotionPredictor.speed_windows;
 }
 
 double MotionPredictor::fastest_m_s() const {
-  const Speeds& speeds = own_.speeds;
-  const double shown = kMotionPredictor.speed_margin * speeds.top_m_s;
-  const bool is_known = speeds.windows >= kMotionPredictor.speed_windows;
-  return std::max(shown, is_known ? kMotionPredictor.slowest_m_s : kMotionPredictor.walking_m_s);
+  return std::max(kMotionPredictor.speed_margin * own_.speeds.top_m_s,
+                  knows_speeds() ? kMotionPredictor.slowest_m_s : kMotionPredictor.walking_m_s);
+}
+
+double MotionPredictor::fastest_back_m_s() const {
+  return knows_speeds() ? kMotionPredictor.speed_margin * own_.speeds.top_back_m_s
+                        : kMotionPredictor.walking_m_s;
 }
 
 double MotionPredictor::fastest_rad_s() const {
-  const Speeds& speeds = own_.speeds;
-  const double shown = kMotionPredictor.speed_margin * speeds.top_rad_s;
-  const bool is_known = speeds.windows >= kMotionPredictor.speed_windows;
-  return std::max(shown,
-                  is_known ? kMotionPredictor.slowest_rad_s : kMotionPredictor.walking_rad_s);
+  return std::max(kMotionPredictor.speed_margin * own_.speeds.top_rad_s,
+                  knows_speeds() ? kMotionPredictor.slowest_rad_s : kMotionPredictor.walking_rad_s);
 }
 
 /// A motion across a gap does not go on.

@@ -272,12 +272,18 @@ class FrontEnd {
   [[nodiscard]] Searched search(std::span<const SurfacePoint> surfaces,
                                 std::span<const PosePrior2> priors,
                                 const MatchResult& matched) const;
+  /// Where a robot may be that drove for some time, by what it has shown.
+  struct Reach {
+    Pose2 local_T_centre{};
+    double half_xy_m = 0.0;
+    double half_yaw_rad = 0.0;
+  };
   /// The motion since the laser last held the pose.
   struct BlindMotion {
     PosePrior2 prior{};       ///< local frame
     double odometry_m = 0.0;  ///< path that odometry tells, where it can be trusted
     double odometry_rad = 0.0;
-    bool is_bounded = false;  ///< by what a robot can do in the time, where odometry was silent
+    std::optional<Reach> reach{};  ///< where odometry was silent
 
     /// Odometry says that the robot hardly moved: the scan is aligned as any other.
     [[nodiscard]] bool is_short() const;
@@ -296,21 +302,22 @@ class FrontEnd {
   /// Whether the scan shows what scans usually do, or as much of what is known there.
   [[nodiscard]] bool explains(const MatchResult& match, std::span<const SurfacePoint> surfaces,
                               const MaxPyramid& known) const;
-  /// What a search all around finds.
-  struct Around {
-    std::optional<MatchResult> match{};  ///< where the scan most likely fits
-    bool explains = false;               ///< it does fit there
+  /// The same without odometry: as far around as the robot may be.
+  [[nodiscard]] std::optional<MatchResult> recognise_around(std::span<const SurfacePoint> surfaces,
+                                                            const PosePrior2& prior) const;
+  /// Where a robot may be that drove on.
+  struct Ahead {
+    std::optional<MatchResult> match{};  ///< where it most likely is
+    bool explains = false;               ///< the scan does fit there
     bool is_certain = false;             ///< and nowhere else
   };
-  /// The same without odometry: as far around as the robot may be.
-  /// \param drove_on  it went by itself: part of what it sees may be new, and it hardly turned back
-  [[nodiscard]] Around look_around(std::span<const SurfacePoint> surfaces, const PosePrior2& prior,
-                                   bool drove_on) const;
+  /// The same where a robot drove on that nothing told of: part of what it sees may be new.
+  [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const Reach& reach) const;
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
                             TrackedScan& tracked);
   [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces,
                                  const BlindMotion& blind) const;
-  void turn_to_match(std::span<const SurfacePoint> surfaces, const Around& around,
+  void turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,
                      PosePrior2& prior) const;
   [[nodiscard]] Seen take_match(const MatchResult& match, bool is_held, TrackedScan& tracked);
   /// The motion goes on as it was: where odometry may be doubted.

@@ -162,6 +162,7 @@ class MotionPredictor {
 
   /// As fast as the robot may be by what it has shown [m/s], [rad/s]; before that, as a person is.
   [[nodiscard]] double fastest_m_s() const;
+  [[nodiscard]] double fastest_back_m_s() const;
   [[nodiscard]] double fastest_rad_s() const;
 
   /// Standard deviations of a motion that goes on [m], [rad].
@@ -185,14 +186,16 @@ class MotionPredictor {
   struct Speeds {
     double window_s = 0.0;  ///< of the window that is being measured
     double window_m = 0.0;
+    double window_back_m = 0.0;
     double window_rad = 0.0;
     int windows = 0;  ///< in which it moved
     double top_m_s = 0.0;
+    double top_back_m_s = 0.0;
     double top_rad_s = 0.0;
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(window_s, window_m, window_rad, windows, top_m_s, top_rad_s);
+      a(window_s, window_m, window_back_m, window_rad, windows, top_m_s, top_back_m_s, top_rad_s);
     }
   };
 
@@ -235,6 +238,7 @@ class MotionPredictor {
   void check_odometry(Stamp stamp, const Pose2& motion, const OdometryReading& odometry, Seen seen);
   void learn_coast(Stamp stamp, const Pose2& motion, Seen seen);
   void remember_step(Stamp stamp, const Pose2& motion);
+  [[nodiscard]] bool knows_speeds() const;
   void measure_speed(double seconds, const Pose2& motion, Seen seen);
   [[nodiscard]] Pose2 gone_on(double seconds) const;
   [[nodiscard]] bool was_silent(const OdometryReading& odometry) const;
