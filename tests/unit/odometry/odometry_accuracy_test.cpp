@@ -18,25 +18,52 @@ OdometryAccuracy driven(double scale, double rad_per_m, int scans = 2000) {
   return accuracy;
 }
 
+/// One standard deviation after a way that ends where it began.
+OdometryAccuracy::Sigma sigma(const OdometryAccuracy& accuracy, double path_m) {
+  return accuracy.sigma(path_m, 0.0, {});
+}
+
 TEST(OdometryAccuracy, BeginsAsWheelsThatNobodyKnows) {
   const OdometryAccuracy accuracy;
-  EXPECT_NEAR(accuracy.sigma_m(2.0, 0.0), 0.3, 1e-9);
-  EXPECT_NEAR(accuracy.sigma_rad(2.0), 0.06, 1e-9);
-  EXPECT_EQ(accuracy.sigma_m(0.0, 0.0), 0.0);
+  EXPECT_NEAR(sigma(accuracy, 2.0).m, 0.3, 1e-9);
+  EXPECT_NEAR(sigma(accuracy, 2.0).rad, 0.06, 1e-9);
+  EXPECT_EQ(sigma(accuracy, 0.0).m, 0.0);
 }
 
 TEST(OdometryAccuracy, LearnsHowFarOffWheelsAre) {
-  EXPECT_NEAR(driven(1.05, 0.0).sigma_m(4.0, 0.0), 4.0 * 0.05, 0.05);
-  EXPECT_NEAR(driven(1.0, 0.01).sigma_rad(4.0), 4.0 * 0.01, 0.01);
-  EXPECT_LT(driven(1.0, 0.0).sigma_m(4.0, 0.0), 0.15);
-  EXPECT_GT(driven(1.0, 0.0).sigma_m(4.0, 0.0), 0.05) << "no wheels are perfect";
+  EXPECT_NEAR(sigma(driven(1.05, 0.0), 4.0).m, 4.0 * 0.05, 0.05);
+  EXPECT_NEAR(sigma(driven(1.0, 0.01), 4.0).rad, 4.0 * 0.01, 0.01);
+  EXPECT_LT(sigma(driven(1.0, 0.0), 4.0).m, 0.15);
+  EXPECT_GT(sigma(driven(1.0, 0.0), 4.0).m, 0.05) << "no wheels are perfect";
+}
+
+TEST(OdometryAccuracy, WhatIsCorrectedIsNotLeft) {
+  const OdometryCorrection right{.scale = 1.05, .rad_per_m = -0.02 / 1.05};
+  const auto left = driven(1.05, 0.02).sigma(4.0, 0.0, right);
+  const auto best = sigma(driven(1.0, 0.0), 4.0);
+  EXPECT_NEAR(left.rad, best.rad, 1e-6);
+  EXPECT_NEAR(left.m, best.m, 0.05) << "the heading was lost on the way, not at its end";
+  const OdometryCorrection wrong{.rad_per_m = 0.02};
+  EXPECT_NEAR(driven(1.0, 0.02).sigma(4.0, 0.0, wrong).rad, 4.0 * 0.04, 0.01);
+}
+
+TEST(OdometryAccuracy, OldWindowsAreForgotten) {
+  OdometryAccuracy accuracy = driven(1.2, 0.0, 300);
+  const double before_m = sigma(accuracy, 4.0).m;
+  for (int i = 0; i < 3000; ++i) {
+    const Pose2 pose{0.1 * i, 0.0, 0.0};
+    if (i == 0) accuracy.interrupt();
+    accuracy.add(pose, pose, pose.x);
+  }
+  EXPECT_GT(before_m, 0.5);
+  EXPECT_NEAR(sigma(accuracy, 4.0).m, 4.0 * kOdometryAccuracy.least_share, 1e-9);
 }
 
 TEST(OdometryAccuracy, ErrorsOfManyWindowsAddUpAndAHeadingSwingsWhatIsFar) {
   const OdometryAccuracy accuracy = driven(1.05, 0.01);
-  EXPECT_NEAR(accuracy.sigma_m(16.0, 0.0) / accuracy.sigma_m(4.0, 0.0), 2.0, 1e-9);
-  EXPECT_NEAR(accuracy.sigma_m(16.0, 16.0),
-              std::hypot(accuracy.sigma_m(16.0, 0.0), 8.0 * accuracy.sigma_rad(16.0)), 1e-9);
+  EXPECT_NEAR(sigma(accuracy, 16.0).m / sigma(accuracy, 4.0).m, 2.0, 1e-9);
+  EXPECT_NEAR(accuracy.sigma(16.0, 16.0, {}).m,
+              std::hypot(sigma(accuracy, 16.0).m, 8.0 * sigma(accuracy, 16.0).rad), 1e-9);
 }
 
 TEST(OdometryAccuracy, WhatTheLaserDidNotSeeTeachesNothing) {
@@ -46,7 +73,7 @@ TEST(OdometryAccuracy, WhatTheLaserDidNotSeeTeachesNothing) {
     if (i % 20 == 0) accuracy.interrupt();
     accuracy.add(Pose2{3.0 * x, 0.0, 0.0}, Pose2{x, 0.0, 0.0}, x);
   }
-  EXPECT_NEAR(accuracy.sigma_m(2.0, 0.0), 0.3, 1e-9);
+  EXPECT_NEAR(sigma(accuracy, 2.0).m, 0.3, 1e-9);
 }
 
 }  // namespace
