@@ -5,7 +5,8 @@
 namespace loopstone {
 
 Eigen::Vector2d way_and_turn(const Pose2& said, double path_m) {
-  return {said.x + std::max(0.0, path_m - said.translation().norm()), said.yaw};
+  const Tangent2 arc = log(said);
+  return {arc.x() + std::max(0.0, path_m - arc.head<2>().norm()), said.yaw};
 }
 
 Pose2 OdometryCorrection::corrected(const Pose2& said, double path_m) const {

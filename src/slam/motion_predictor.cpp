@@ -173,10 +173,10 @@ std::optional<ToldMotion> MotionPredictor::told(const OdometryReading& from, Sta
   const auto left = accuracy_.sigma(path_m, reach_m, correction());
   const double always_rad =
       turns_.sigma_rad(way_and_turn(from.odom_T_robot.inverse() * to.odom_T_robot, path_m));
-  return ToldMotion{
-      motion, kMotionPredictor.wheel_rest_m + std::hypot(left.m, 0.5 * always_rad * reach_m),
-      kMotionPredictor.wheel_rest_rad + kMotionPredictor.turn_share * turned +
-          std::hypot(left.rad, always_rad)};
+  return ToldMotion{motion,
+                    kMotionPredictor.wheel_rest_m + std::hypot(left.m, 0.5 * always_rad * reach_m),
+                    kMotionPredictor.wheel_rest_rad + kMotionPredictor.turn_share * turned +
+                        std::hypot(left.rad, always_rad)};
 }
 
 void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,

@@ -16,10 +16,9 @@ constexpr auto kMostPieces = static_cast<std::size_t>(kOdometryTurns.most_pieces
 
 LinearProblem problem_of(const std::deque<OdometryTurns::Piece>& pieces) {
   const auto count = static_cast<Eigen::Index>(pieces.size());
-  LinearProblem problem{Eigen::MatrixXd(count, 2), Eigen::VectorXd(count), 1,
-                        Eigen::Vector2d::Zero(),
-                        Eigen::Vector2d(kOdometryTurns.first_rad_per_m,
-                                        kOdometryTurns.first_rad_per_turn)};
+  LinearProblem problem{
+      Eigen::MatrixXd(count, 2), Eigen::VectorXd(count), 1, Eigen::Vector2d::Zero(),
+      Eigen::Vector2d(kOdometryTurns.first_rad_per_m, kOdometryTurns.first_rad_per_turn)};
   for (Eigen::Index i = 0; i < count; ++i) {
     const OdometryTurns::Piece& piece = pieces[static_cast<std::size_t>(i)];
     problem.a.row(i) = piece.way_and_turn;
@@ -51,8 +50,8 @@ void OdometryTurns::fit() {
     return std::abs(missed_[i]) >
            std::max(least, kOdometryTurns.sigmas * std::sqrt(covariance_(i, i)));
   };
-  is_certain_ = is_off(0, kOdometryTurns.least_rad_per_m) ||
-                is_off(1, kOdometryTurns.least_rad_per_turn);
+  is_certain_ =
+      is_off(0, kOdometryTurns.least_rad_per_m) || is_off(1, kOdometryTurns.least_rad_per_turn);
 }
 
 Eigen::Vector2d OdometryTurns::missed() const {

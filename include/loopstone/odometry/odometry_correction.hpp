@@ -6,12 +6,12 @@
 
 namespace loopstone {
 
-/// What a motion's heading error is proportional to: the way [m], backwards negative, and
-/// the turn [rad].
+/// What a motion's heading error is proportional to: the way [m], backwards negative, and the turn
+/// [rad].
 ///
 /// \param said    by odometry, without its scale
-/// \param path_m  travelled by odometry meanwhile; what is longer than the motion led is taken to
-///                be driven forwards
+/// \param path_m  travelled by odometry meanwhile; what is longer than an arc between both ends is
+///                taken to be driven forwards
 [[nodiscard]] Eigen::Vector2d way_and_turn(const Pose2& said, double path_m);
 
 /// Errors that odometry always makes: wheels of another size than was told, of unequal size, or

@@ -220,8 +220,7 @@ class MotionPredictor {
   [[nodiscard]] Pose2 corrected_motion(const OdometryReading& from,
                                        const OdometryReading& to) const;
   void learn_turns(const Pose2& motion, const OdometryReading& odometry, Seen seen);
-  void follow_unseen(const Pose2& local_T_robot,
-                     const std::optional<OdometryReading>& odometry);
+  void follow_unseen(const Pose2& local_T_robot, const std::optional<OdometryReading>& odometry);
 
   bool checks_;
   OdometryCheck check_{};

@@ -9,9 +9,9 @@ namespace loopstone {
 
 /// What the turns that odometry always misses are learned by.
 struct OdometryTurnsNumbers {
-  double piece_m = 1.0;
-  double piece_rad = 1.0;
-  int most_pieces = 200;
+  double piece_m = 0.5;
+  double piece_rad = 0.5;
+  int most_pieces = 320;
   int fewest_pieces = 20;
   double sigmas = 4.0;
   double least_rad_per_m = 0.001;
@@ -46,9 +46,9 @@ void visit_numbers(const OdometryTurnsNumbers& n, Visitor&& visit) {
 ///
 ///   turn (laser) - turn (odometry) = rad_per_m way + rad_per_turn turn (odometry) + noise
 ///
-/// by robust least squares over pieces of the drive of a metre or a radian, the last 200 of them:
-/// slips are outliers. At an even speed a gyro's bias looks like turns missed each metre.
-/// Cost: some ten microseconds a metre. Deterministic.
+/// by robust least squares over pieces of the drive of half a metre or half a radian, the last 320
+/// of them: slips are outliers. At an even speed a gyro's bias looks like turns missed each metre.
+/// Cost: some ten microseconds a piece. Deterministic.
 /// Source: Borenstein and Feng 1996, "Measurement and correction of systematic odometry errors in
 /// mobile robots".
 class OdometryTurns {

@@ -38,13 +38,18 @@ TEST(OdometryAccuracy, LearnsHowFarOffWheelsAre) {
 }
 
 TEST(OdometryAccuracy, WhatIsCorrectedIsNotLeft) {
-  const OdometryCorrection right{.scale = 1.05, .rad_per_m = -0.02 / 1.05};
-  const auto left = driven(1.05, 0.02).sigma(4.0, 0.0, right);
-  const auto best = sigma(driven(1.0, 0.0), 4.0);
-  EXPECT_NEAR(left.rad, best.rad, 1e-6);
-  EXPECT_NEAR(left.m, best.m, 0.05) << "the heading was lost on the way, not at its end";
-  const OdometryCorrection wrong{.rad_per_m = 0.02};
-  EXPECT_NEAR(driven(1.0, 0.02).sigma(4.0, 0.0, wrong).rad, 4.0 * 0.04, 0.01);
+  OdometryAccuracy veering;  // it says 5 % too much, and that the robot goes straight
+  Pose2 local_T_robot;
+  for (int i = 0; i < 2000; ++i) {
+    veering.add({0.105 * i, 0.0, 0.0}, local_T_robot, 0.105 * i);
+    local_T_robot = local_T_robot * exp(Tangent2(0.1, 0.0, 0.002));
+  }
+  EXPECT_NEAR(sigma(veering, 4.0).rad, 4.0 * 0.019, 0.001);
+  const auto left = veering.sigma(4.0, 0.0, {.scale = 1.05, .rad_per_m = 0.02 / 1.05});
+  EXPECT_NEAR(left.rad, 4.0 * kOdometryAccuracy.least_rad_per_m, 1e-9);
+  EXPECT_NEAR(left.m, 4.0 * kOdometryAccuracy.least_share, 1e-9);
+  EXPECT_NEAR(veering.sigma(4.0, 0.0, {.rad_per_m = -0.019}).rad, 4.0 * 0.038, 0.001)
+      << "corrected the wrong way";
 }
 
 TEST(OdometryAccuracy, OldWindowsAreForgotten) {

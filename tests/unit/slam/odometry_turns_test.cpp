@@ -36,7 +36,7 @@ void drive(OdometryTurns& turns, const Told& told, int steps, std::uint64_t seed
 
 TEST(OdometryTurns, NothingIsKnownAtFirst) {
   OdometryTurns turns;
-  drive(turns, {.rad_per_m = 0.02}, 19 * 20, 1);
+  drive(turns, {.rad_per_m = 0.02}, 150, 1);
   EXPECT_EQ(turns.missed(), Eigen::Vector2d(0.0, 0.0));
   EXPECT_EQ(turns.sigma_rad({10.0, 0.0}), 0.0);
 }
@@ -89,7 +89,7 @@ TEST(OdometryTurns, WhatIsLeftUncorrectedIsUncertain) {
 TEST(OdometryTurns, WhatTheLaserDidNotSeeTeachesNothing) {
   OdometryTurns turns;
   for (int i = 0; i < 4000; ++i) {
-    if (i % 10 == 0) turns.interrupt();
+    if (i % 5 == 0) turns.interrupt();
     turns.add({0.05, 0.0}, 0.01);
   }
   EXPECT_TRUE(turns.state().pieces.empty());
@@ -111,9 +111,10 @@ TEST(OdometryTurns, GoesOnFromItsState) {
   drive(turns, {.rad_per_m = 0.01}, 500, 8);
   drive(again, {.rad_per_m = 0.01}, 500, 8);
   EXPECT_EQ(test::state_of(again), test::state_of(turns));
-  EXPECT_TRUE(test::refuses(turns, [](auto& state) { state.pieces.resize(201); }));
+  EXPECT_TRUE(test::refuses(turns, [](auto& state) { state.pieces.resize(321); }));
   EXPECT_TRUE(test::refuses(turns, [](auto& state) { state.pieces[3].missed_rad = std::nan(""); }));
-  EXPECT_TRUE(test::refuses(turns, [](auto& state) { state.open.way_and_turn.x() = std::nan(""); }));
+  EXPECT_TRUE(
+      test::refuses(turns, [](auto& state) { state.open.way_and_turn.x() = std::nan(""); }));
 }
 
 }  // namespace
