@@ -21,6 +21,7 @@
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/motion_predictor.hpp"
 #include "loopstone/slam/odom_frame.hpp"
+#include "loopstone/slam/odometry_turns.hpp"
 #include "loopstone/slam/travelling_things.hpp"
 #include "mapping/judged_scans.hpp"
 #include "mapping/map_entropy.hpp"
@@ -77,6 +78,7 @@ std::vector<NumberGroup> decision_numbers() {
       group("odometry_accuracy", kOdometryAccuracy),
       group("laser_check", kLaserCheck),
       group("travelling", kTravelling),
+      group("odometry_turns", kOdometryTurns),
       group("motion_predictor", kMotionPredictor),
       group("front_end", kFrontEnd),
       group("front_end_rejoin", kFrontEndRejoin),

@@ -91,7 +91,7 @@ std::vector<MotionGuess> MotionPredictor::guesses(
   }
   const std::vector<Pose2> going_on = over ? std::vector<Pose2>{Pose2{}} : coasts(stamp);
   std::vector<MotionGuess> guesses;
-  const Pose2 said = scaled_motion(*own_.last_odometry, *odometry);
+  const Pose2 said = corrected_motion(*own_.last_odometry, *odometry);
   const bool translates = odometry->has_translation && (!checks_ || check_.trusts_translation());
   const bool turns = !checks_ || check_.trusts_rotation();
   const ToldMotion reach = reach_of(said, *own_.last_odometry, *odometry);
@@ -142,13 +142,17 @@ bool MotionPredictor::was_silent(const OdometryReading& odometry) const {
   return own_.last_stamp && odometry.silent_until && *odometry.silent_until > *own_.last_stamp;
 }
 
-Pose2 MotionPredictor::scaled_motion(const OdometryReading& from, const OdometryReading& to) const {
-  Pose2 said = from.odom_T_robot.inverse() * to.odom_T_robot;
-  // Wheels that were too large wherever the laser could see it are so along a corridor too.
-  const double scale = checks_ ? check_.translation().scale().value_or(1.0) : 1.0;
-  said.x /= scale;
-  said.y /= scale;
-  return said;
+OdometryCorrection MotionPredictor::correction() const {
+  if (!checks_) return {};
+  // What was wrong wherever the laser could see it is so where it can't, too.
+  const Eigen::Vector2d missed = turns_.missed();
+  return {check_.translation().scale().value_or(1.0), missed.x(), missed.y()};
+}
+
+Pose2 MotionPredictor::corrected_motion(const OdometryReading& from,
+                                        const OdometryReading& to) const {
+  return correction().corrected(from.odom_T_robot.inverse() * to.odom_T_robot,
+                                to.path_m - from.path_m);
 }
 
 std::optional<ToldMotion> MotionPredictor::told(const OdometryReading& from, Stamp from_stamp,
@@ -156,14 +160,21 @@ std::optional<ToldMotion> MotionPredictor::told(const OdometryReading& from, Sta
   if (!from.has_translation || !to.has_translation) return {};
   if (checks_ && !(check_.trusts_translation() && check_.trusts_rotation())) return {};
   if (to.silent_until && *to.silent_until > from_stamp) return {};
-  const Pose2 motion = scaled_motion(from, to);
-  const double path_m = std::max(std::hypot(motion.x, motion.y), to.path_m - from.path_m);
+  // From scan to scan, if there were any, for then it is known where it turned.
+  const bool was_followed = own_.unseen && own_.unseen->from == from_stamp;
+  const Pose2 motion = was_followed
+                           ? own_.unseen->motion * corrected_motion(*own_.last_odometry, to)
+                           : corrected_motion(from, to);
+  const double reach_m = motion.translation().norm();
+  const double path_m = std::max(reach_m, to.path_m - from.path_m);
   const double turned = std::max(std::abs(motion.yaw), to.turned_rad - from.turned_rad);
-  return ToldMotion{
-      motion,
-      kMotionPredictor.wheel_rest_m + accuracy_.sigma_m(path_m, std::hypot(motion.x, motion.y)),
-      kMotionPredictor.wheel_rest_rad + kMotionPredictor.turn_share * turned +
-          accuracy_.sigma_rad(path_m)};
+  const auto left = accuracy_.sigma(path_m, reach_m, correction());
+  const double always_rad =
+      turns_.sigma_rad(way_and_turn(from.odom_T_robot.inverse() * to.odom_T_robot, path_m));
+  return ToldMotion{motion,
+                    kMotionPredictor.wheel_rest_m + std::hypot(left.m, 0.5 * always_rad * reach_m),
+                    kMotionPredictor.wheel_rest_rad + kMotionPredictor.turn_share * turned +
+                        std::hypot(left.rad, always_rad)};
 }
 
 void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
@@ -171,8 +182,13 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
   if (own_.last_stamp) {
     const Pose2 motion = own_.last_pose.inverse() * local_T_robot;
     const bool goes_on = odometry && !was_silent(*odometry);
-    if (goes_on && comparable(odometry, own_.last_odometry) && checks_)
+    follow_unseen(local_T_robot, odometry);
+    if (goes_on && comparable(odometry, own_.last_odometry) && checks_) {
       check_odometry(stamp, motion, *odometry, seen);
+      learn_turns(motion, *odometry, seen);
+    } else {
+      turns_.interrupt();
+    }
     if (odometry && !goes_on) accuracy_.interrupt();
     if (odometry && odometry->has_translation && seen.translation) {
       accuracy_.add(odometry->odom_T_robot, local_T_robot, odometry->path_m);
@@ -199,6 +215,31 @@ void MotionPredictor::check_odometry(Stamp stamp, const Pose2& motion,
               .sees_translation = seen.translation && own_.last_seen.translation,
               .sees_rotation = seen.rotation && own_.last_seen.rotation,
               .odometry_has_translation = odometry.has_translation});
+}
+
+void MotionPredictor::learn_turns(const Pose2& motion, const OdometryReading& odometry, Seen seen) {
+  if (!seen.rotation || !own_.last_seen.rotation || !check_.trusts_rotation()) {
+    turns_.interrupt();
+    return;
+  }
+  const Pose2 said = own_.last_odometry->odom_T_robot.inverse() * odometry.odom_T_robot;
+  turns_.add(way_and_turn(said, odometry.path_m - own_.last_odometry->path_m), motion.yaw);
+}
+
+/// As long as scans stand where odometry alone would have them.
+void MotionPredictor::follow_unseen(const Pose2& local_T_robot,
+                                    const std::optional<OdometryReading>& odometry) {
+  if (!comparable(odometry, own_.last_odometry) || was_silent(*odometry)) {
+    own_.unseen.reset();
+    return;
+  }
+  const Pose2 step = corrected_motion(*own_.last_odometry, *odometry);
+  if (local_T_robot != own_.last_pose * step) {
+    own_.unseen.reset();
+    return;
+  }
+  if (!own_.unseen) own_.unseen = Unseen{*own_.last_stamp, Pose2{}};
+  own_.unseen->motion = own_.unseen->motion * step;
 }
 
 /// How wrong a motion that goes on is, from how wrong it was.
@@ -275,18 +316,20 @@ void MotionPredictor::remember_step(Stamp stamp, const Pose2& motion) {
 }
 
 MotionPredictor::State MotionPredictor::state() const {
-  return {check_.state(), accuracy_.state(), own_};
+  return {check_.state(), accuracy_.state(), turns_.state(), own_};
 }
 
 void MotionPredictor::restore(State state) {
   const State::Own& own = state.own;
   require_sound(own.steps.size() <= kMostSteps, "more motions than are remembered");
   require_sound(own.steps.empty() || own.last_stamp, "motions before the first scan");
+  require_sound(!own.unseen || own.last_odometry, "motion that nothing told");
   require_sound(is_amount(own.coast_variance_m2) && own.coast_variance_m2 > 0.0 &&
                     is_amount(own.coast_variance_rad2) && own.coast_variance_rad2 > 0.0,
                 "a variance that can't be");
   check_.restore(std::move(state.check));
-  accuracy_.restore(state.accuracy);
+  accuracy_.restore(std::move(state.accuracy));
+  turns_.restore(std::move(state.turns));
   own_ = std::move(state.own);
 }
 

@@ -1,15 +1,17 @@
 #pragma once
 
+#include <deque>
 #include <optional>
 
 #include "loopstone/geometry/pose2.hpp"
+#include "loopstone/odometry/odometry_correction.hpp"
 
 namespace loopstone {
 
 /// What the accuracy of odometry is learned by.
 struct OdometryAccuracyNumbers {
   double window_m = 4.0;
-  double most_windows = 40.0;
+  int most_windows = 40;
   double least_share = 0.02;
   double least_rad_per_m = 0.004;
   double first_share = 0.15;
@@ -22,7 +24,7 @@ void visit_numbers(const OdometryAccuracyNumbers& n, Visitor&& visit) {
   visit("window_m", n.window_m,
         "chosen: some metres, long beside the laser's noise, short enough that a drive has many");
   visit("most_windows", n.most_windows,
-        "chosen: older windows fade, after 160 m: floors and tyres change");
+        "chosen: older windows are forgotten, after 160 m: floors and tyres change");
   visit("least_share", n.least_share, "chosen: no wheels are better than two per cent for long");
   visit("least_rad_per_m", n.least_rad_per_m,
         "chosen: none keep their heading better than a quarter of a degree a metre for long");
@@ -46,17 +48,29 @@ struct OdometryWindow {
   }
 };
 
+/// A window that is over.
+struct OdometryWindowMotion {
+  Pose2 told{};  ///< by odometry
+  Pose2 seen{};  ///< by the laser
+  double way_m = 0.0;
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(told, seen, way_m);
+  }
+};
+
 /// How far odometry is off after some metres, learned from where the laser could tell.
 ///
-/// The drive is cut into windows of some metres; what odometry says of each is held against the
-/// laser. Beyond a window errors add up as those of independent windows do, and a heading that is
-/// off swings what lies far away:
+/// The drive is cut into windows of some metres; what odometry says of each, without the errors
+/// that are known, is held against the laser. Beyond a window errors add up as those of independent
+/// windows do, and a heading that is off swings what lies far away:
 ///
 ///   g(L) = min(L, sqrt(window L)),   sigma_rad = r g,   sigma_m^2 = (s g)^2 + (sigma_rad D / 2)^2
 ///
 /// with L the way, D how far it led, s and r the root mean squares of the errors a metre. As long
 /// as there are few windows the first guess counts: wheels that nobody calibrated.
-/// Cost: some nanoseconds a scan. Deterministic.
+/// Cost: some nanoseconds a scan, some microseconds where it is asked. Deterministic.
 class OdometryAccuracy {
  public:
   /// Where both put the robot at the end of a motion that the laser saw.
@@ -65,29 +79,30 @@ class OdometryAccuracy {
   /// The laser lost the robot: the window that is open says nothing.
   void interrupt() { state_.open.reset(); }
 
-  /// One standard deviation after a way of that length [m], [rad]. \param reach_m from its
-  /// beginning to its end
-  [[nodiscard]] double sigma_m(double path_m, double reach_m) const;
-  [[nodiscard]] double sigma_rad(double path_m) const;
+  /// One standard deviation after a way of that length.
+  struct Sigma {
+    double m = 0.0;
+    double rad = 0.0;
+  };
+  /// \param reach_m     from the beginning of the way to its end
+  /// \param correction  what is known of odometry's errors, and taken away
+  [[nodiscard]] Sigma sigma(double path_m, double reach_m,
+                            const OdometryCorrection& correction) const;
 
   /// What was learned.
   struct State {
     std::optional<OdometryWindow> open{};
-    /// Mean square of the error / the way.
-    double share2 = kOdometryAccuracy.first_share * kOdometryAccuracy.first_share;
-    /// Mean square of the turn missed / the way.
-    double rad_per_m2 = kOdometryAccuracy.first_rad_per_m * kOdometryAccuracy.first_rad_per_m;
-    double windows = 1.0;  ///< that the means are of; the first guess counts as one
+    std::deque<OdometryWindowMotion> windows{};  ///< the last few
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(open, share2, rad_per_m2, windows);
+      a(open, windows);
     }
   };
 
   [[nodiscard]] const State& state() const { return state_; }
   /// Throws UsageError when it can't have been learned.
-  void restore(const State& state);
+  void restore(State state);
 
  private:
   State state_{};

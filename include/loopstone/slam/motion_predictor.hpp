@@ -9,7 +9,9 @@
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/odometry/odometry_accuracy.hpp"
 #include "loopstone/odometry/odometry_check.hpp"
+#include "loopstone/odometry/odometry_correction.hpp"
 #include "loopstone/odometry/odometry_reading.hpp"
+#include "loopstone/slam/odometry_turns.hpp"
 
 namespace loopstone {
 
@@ -141,7 +143,7 @@ class MotionPredictor {
   /// Without odometry: the motion goes on. Nothing when it is too long ago for that to mean much.
   [[nodiscard]] std::vector<MotionGuess> coast_guesses(Stamp stamp) const;
 
-  /// What odometry says of the motion between two readings, with what is known of its scale.
+  /// What odometry says of the motion between two readings, without the errors that are known.
   /// Nothing when it can't be trusted with the translation, or was silent in between.
   [[nodiscard]] std::optional<ToldMotion> told(const OdometryReading& from, Stamp from_stamp,
                                                const OdometryReading& to) const;
@@ -199,6 +201,16 @@ class MotionPredictor {
     }
   };
 
+  /// What odometry told from scan to scan since the laser placed the robot last.
+  struct Unseen {
+    Stamp from{};
+    Pose2 motion{};
+
+    template <typename Archive>
+    void archive(Archive& a) {
+      a(from, motion);
+    }
+  };
   struct State {
     /// What the parts do not have.
     struct Own {
@@ -210,20 +222,22 @@ class MotionPredictor {
       double coast_variance_m2 = kMotionPredictor.coast_first_m2;
       double coast_variance_rad2 = kMotionPredictor.coast_first_rad2;
       Speeds speeds{};
+      std::optional<Unseen> unseen{};
 
       template <typename Archive>
       void archive(Archive& a) {
         a(last_stamp, last_pose, last_odometry, last_seen, steps, coast_variance_m2,
-          coast_variance_rad2, speeds);
+          coast_variance_rad2, unseen, speeds);
       }
     };
     OdometryCheck::State check{};
     OdometryAccuracy::State accuracy{};
+    OdometryTurns::State turns{};
     Own own{};
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(check, accuracy, own);
+      a(check, accuracy, turns, own);
     }
   };
 
@@ -242,12 +256,18 @@ class MotionPredictor {
   void measure_speed(double seconds, const Pose2& motion, Seen seen);
   [[nodiscard]] Pose2 gone_on(double seconds) const;
   [[nodiscard]] bool was_silent(const OdometryReading& odometry) const;
-  /// Odometry's motion between two readings at the scale that was learned.
-  [[nodiscard]] Pose2 scaled_motion(const OdometryReading& from, const OdometryReading& to) const;
+  /// What is known of odometry's errors.
+  [[nodiscard]] OdometryCorrection correction() const;
+  /// Odometry's motion between two readings without them.
+  [[nodiscard]] Pose2 corrected_motion(const OdometryReading& from,
+                                       const OdometryReading& to) const;
+  void learn_turns(const Pose2& motion, const OdometryReading& odometry, Seen seen);
+  void follow_unseen(const Pose2& local_T_robot, const std::optional<OdometryReading>& odometry);
 
   bool checks_;
   OdometryCheck check_{};
   OdometryAccuracy accuracy_{};
+  OdometryTurns turns_{};
   State::Own own_{};
 };
 

@@ -231,9 +231,10 @@ TEST(OdometryState, WhatNoMotionsCanHaveLedToIsRefused) {
   EXPECT_TRUE(refuses(check, [](State& state) { state.lag.lag_s = kNan; }));
 
   OdometryAccuracy accuracy;
-  EXPECT_TRUE(refuses(accuracy, [](auto& state) { state.share2 = kNan; }));
-  EXPECT_TRUE(refuses(accuracy, [](auto& state) { state.rad_per_m2 = -1.0; }));
-  EXPECT_TRUE(refuses(accuracy, [](auto& state) { state.windows = 0.0; })) << "divided by";
+  for (int i = 0; i < 100; ++i) accuracy.add({0.1 * i, 0.0, 0.0}, {0.1 * i, 0.0, 0.0}, 0.1 * i);
+  EXPECT_TRUE(refuses(accuracy, [](auto& state) { state.windows.resize(41); }));
+  EXPECT_TRUE(refuses(accuracy, [](auto& state) { state.windows[0].told.yaw = kNan; }));
+  EXPECT_TRUE(refuses(accuracy, [](auto& state) { state.windows[1].way_m = 0.0; })) << "divided by";
 }
 
 TEST(OdometryState, FaultsAndPartsThatThereAreNotAreRefused) {

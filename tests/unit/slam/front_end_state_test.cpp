@@ -144,7 +144,8 @@ TEST(FrontEndState, WhatNothingCanHaveLedToIsRefused) {
   EXPECT_TRUE(refuses(front_end, [](State& state) { state.views.push_back(state.views.at(0)); }))
       << "one laser twice";
   EXPECT_TRUE(refuses(front_end, [](State& state) { state.views.at(0).last_key.x = kNan; }));
-  EXPECT_TRUE(refuses(front_end, [](State& state) { state.predictor.accuracy.windows = 0.0; }));
+  EXPECT_TRUE(
+      refuses(front_end, [](State& state) { state.predictor.accuracy.windows.resize(41); }));
 }
 
 TEST(FrontEndState, BeforeTheFirstScanThereIsNoneToBeLost) {
