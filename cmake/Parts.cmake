@@ -76,3 +76,12 @@ target_compile_features(loopstone PUBLIC cxx_std_20)
 target_include_directories(loopstone PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                             $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(loopstone PUBLIC Eigen3::Eigen PRIVATE ${LOOPSTONE_LINKED_LIBRARIES} $<BUILD_INTERFACE:loopstone_build>)
+
+# How what is not the library is compiled and linked. Of a function that both compile (an inline one, a template) the linker
+# keeps the copy that it meets first. With flags of its own for the outer code the whole library comes first; else it would run
+# the copies of the outer code, at its -O0 several times slower.
+add_library(loopstone_outer INTERFACE)
+if(LOOPSTONE_OUTER_FLAGS)
+  target_compile_options(loopstone_outer INTERFACE ${LOOPSTONE_OUTER_FLAGS})
+  target_link_options(loopstone_outer INTERFACE "LINKER:--whole-archive,$<TARGET_FILE:loopstone>,--no-whole-archive")
+endif()

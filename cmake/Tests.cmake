@@ -11,6 +11,7 @@ target_compile_definitions(loopstone_test_base INTERFACE LOOPSTONE_SOURCE_DIR="$
 target_link_libraries(
   loopstone_test_base
   INTERFACE loopstone_build
+            loopstone_outer
             loopstone::loopstone
             GTest::gtest
             GTest::gmock
@@ -18,7 +19,6 @@ target_link_libraries(
             rapidcheck_gtest
             ${LOOPSTONE_LINKED_LIBRARIES}
             ${LOOPSTONE_HEADER_LIBRARIES})
-target_compile_options(loopstone_test_base INTERFACE ${LOOPSTONE_OUTER_FLAGS})
 
 # gtest's main, in a library of ours because it also carries the precompiled header of all test programs.
 add_library(loopstone_test_main OBJECT "${PROJECT_SOURCE_DIR}/tests/main/main.cpp")
