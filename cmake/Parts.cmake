@@ -77,11 +77,13 @@ target_include_directories(loopstone PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_D
                                             $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(loopstone PUBLIC Eigen3::Eigen PRIVATE ${LOOPSTONE_LINKED_LIBRARIES} $<BUILD_INTERFACE:loopstone_build>)
 
-# How what is not the library is compiled and linked. Of a function that both compile (an inline one, a template) the linker
-# keeps the copy that it meets first. With flags of its own for the outer code the whole library comes first; else it would run
-# the copies of the outer code, at its -O0 several times slower.
-add_library(loopstone_outer INTERFACE)
-if(LOOPSTONE_OUTER_FLAGS)
-  target_compile_options(loopstone_outer INTERFACE ${LOOPSTONE_OUTER_FLAGS})
-  target_link_options(loopstone_outer INTERFACE "LINKER:--whole-archive,$<TARGET_FILE:loopstone>,--no-whole-archive")
-endif()
+# loopstone_outer_flags(TARGET FLAGS): what is linked to TARGET is compiled with FLAGS, unlike the library. Of a function that
+# both compile (an inline one, a template) the linker keeps the copy that it meets first, so then the whole library comes first;
+# else the library would run the outer copies, at -O0 several times slower.
+function(loopstone_outer_flags target flags)
+  add_library(${target} INTERFACE)
+  if(flags)
+    target_compile_options(${target} INTERFACE ${flags})
+    target_link_options(${target} INTERFACE "LINKER:--whole-archive,$<TARGET_FILE:loopstone>,--no-whole-archive")
+  endif()
+endfunction()

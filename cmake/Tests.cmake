@@ -5,13 +5,14 @@ find_package(rapidcheck REQUIRED)
 include(SuiteTests)
 
 # What every test program is compiled with and linked to.
+loopstone_outer_flags(loopstone_test_flags "${LOOPSTONE_TEST_FLAGS}")
 add_library(loopstone_test_base INTERFACE)
 target_include_directories(loopstone_test_base INTERFACE "${PROJECT_SOURCE_DIR}/tests")
 target_compile_definitions(loopstone_test_base INTERFACE LOOPSTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(
   loopstone_test_base
   INTERFACE loopstone_build
-            loopstone_outer
+            loopstone_test_flags
             loopstone::loopstone
             GTest::gtest
             GTest::gmock
