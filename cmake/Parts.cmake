@@ -76,3 +76,14 @@ target_compile_features(loopstone PUBLIC cxx_std_20)
 target_include_directories(loopstone PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                             $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(loopstone PUBLIC Eigen3::Eigen PRIVATE ${LOOPSTONE_LINKED_LIBRARIES} $<BUILD_INTERFACE:loopstone_build>)
+
+# loopstone_outer_flags(TARGET FLAGS): what is linked to TARGET is compiled with FLAGS, unlike the library. Of a function that
+# both compile (an inline one, a template) the linker keeps the copy that it meets first, so then the whole library comes first;
+# else the library would run the outer copies, at -O0 several times slower.
+function(loopstone_outer_flags target flags)
+  add_library(${target} INTERFACE)
+  if(flags)
+    target_compile_options(${target} INTERFACE ${flags})
+    target_link_options(${target} INTERFACE "LINKER:--whole-archive,$<TARGET_FILE:loopstone>,--no-whole-archive")
+  endif()
+endfunction()

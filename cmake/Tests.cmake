@@ -5,12 +5,14 @@ find_package(rapidcheck REQUIRED)
 include(SuiteTests)
 
 # What every test program is compiled with and linked to.
+loopstone_outer_flags(loopstone_test_flags "${LOOPSTONE_TEST_FLAGS}")
 add_library(loopstone_test_base INTERFACE)
 target_include_directories(loopstone_test_base INTERFACE "${PROJECT_SOURCE_DIR}/tests")
 target_compile_definitions(loopstone_test_base INTERFACE LOOPSTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 target_link_libraries(
   loopstone_test_base
   INTERFACE loopstone_build
+            loopstone_test_flags
             loopstone::loopstone
             GTest::gtest
             GTest::gmock
@@ -18,7 +20,6 @@ target_link_libraries(
             rapidcheck_gtest
             ${LOOPSTONE_LINKED_LIBRARIES}
             ${LOOPSTONE_HEADER_LIBRARIES})
-target_compile_options(loopstone_test_base INTERFACE ${LOOPSTONE_OUTER_FLAGS})
 
 # gtest's main, in a library of ours because it also carries the precompiled header of all test programs.
 add_library(loopstone_test_main OBJECT "${PROJECT_SOURCE_DIR}/tests/main/main.cpp")
@@ -40,10 +41,29 @@ if(support_sources)
   loopstone_test_target(loopstone_test_support)
 endif()
 
+# With LOOPSTONE_TEST_SUITES, takes out of a list of test sources those without a suite that has one of its words.
+set(LOOPSTONE_TEST_SUITES "" CACHE STRING "Words as Thread|Mapper: build only test sources with such a word in a suite's name")
+function(loopstone_keep_suites list)
+  if(NOT LOOPSTONE_TEST_SUITES)
+    return()
+  endif()
+  set(kept)
+  foreach(source IN LISTS ${list})
+    # A suite that is added to a source, or renamed, counts at once.
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${source}")
+    file(READ "${source}" text)
+    if(text MATCHES "(TEST|TEST_F|TEST_P|_PROP)\\([A-Za-z0-9_]*(${LOOPSTONE_TEST_SUITES})")
+      list(APPEND kept "${source}")
+    endif()
+  endforeach()
+  set(${list} ${kept} PARENT_SCOPE)
+endfunction()
+
 # loopstone_add_tests(NAME test_grid FOLDER unit/grid LABEL unit TIMEOUT 120)
 function(loopstone_add_tests)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;FOLDER;LABEL;TIMEOUT;COST" "DEFINITIONS")
   file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/tests/${arg_FOLDER}/*.cpp")
+  loopstone_keep_suites(sources)
   if(NOT sources)
     return()
   endif()

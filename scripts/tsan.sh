@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Thread sanitizer over what is threaded: suites whose name holds Thread, Parallel, Determin,
-# TaskQueue or Mapper. Only the test programs that have such suites are built.
+# TaskQueue or Mapper. Only the test sources that have such suites are built.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,7 +17,7 @@ if [[ ${#targets[@]} -eq 0 ]]; then
   exit 0
 fi
 echo "threaded suites are in: ${targets[*]}"
-CMAKE_ARGS=-DLOOPSTONE_LAST_PART=formats scripts/build.sh tsan "${targets[@]}"
+CMAKE_ARGS="-DLOOPSTONE_LAST_PART=formats -DLOOPSTONE_TEST_SUITES=$words" scripts/build.sh tsan "${targets[@]}"
 
 # The sanitizer of GCC 12 cannot start where the kernel randomises addresses by 32 bits; then switch
 # that off, for it alone.
