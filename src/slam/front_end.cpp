@@ -429,6 +429,7 @@ bool FrontEnd::is_unfamiliar(std::span<const Eigen::Vector2d> points, const MaxP
   if (!prior.holds_unobserved || own_.lost_in_a_row >= kFrontEnd.most_lost) return false;
   const Pose2 motion =
       predictor_.last_pose().inverse() * active_.front().local_T_submap * prior.target_T_source;
+  if (motion.translation().norm() > options_.submap_length_m) return false;
   // A robot that was carried stands, as odometry has it.
   if (motion.translation().norm() < kFrontEnd.drives_m &&
       std::abs(motion.yaw) < kFrontEnd.turns_rad)

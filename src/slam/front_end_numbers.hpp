@@ -93,6 +93,7 @@ struct FrontEndRejoinNumbers {
   double partly_score = 0.5;
   double partly_known = 0.6;
   double partly_agreement = 0.65;
+  double partly_prior_m = 0.25;
   double ambiguous = 0.85;
   double elsewhere_m = 1.0;
   double elsewhere_rad = 0.35;

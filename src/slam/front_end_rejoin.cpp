@@ -109,10 +109,15 @@ std::optional<MatchResult> FrontEnd::recognise_near(std::span<const SurfacePoint
   const Submap& submap = active_.front().submap;
   const MatchResult match =
       match_to_grid(surfaces, submap.surfaces(), there.target_T_source, there, match_options_, 1);
-  const bool fits = has_supported_pose(match.status) &&
-                    chi2_from(there, match) <= kFrontEndRejoin.fits_chi2 &&
-                    std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m &&
-                    explains(match, surfaces, submap.freeze().search_pyramid(submap_options_, 0.0));
+  // Nobody looks for a second place there: what is known in part must lie where odometry says.
+  const bool is_expected = std::sqrt(position_variance_m2(prior.information.inverse())) <=
+                           kFrontEndRejoin.partly_prior_m;
+  const bool fits =
+      has_supported_pose(match.status) && chi2_from(there, match) <= kFrontEndRejoin.fits_chi2 &&
+      std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m &&
+      (match.score >= least_score() ||
+       (is_expected &&
+        explains(match, surfaces, submap.freeze().search_pyramid(submap_options_, 0.0))));
   if (!fits) return {};
   return in_local(match);
 }

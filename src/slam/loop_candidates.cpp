@@ -34,8 +34,9 @@ std::optional<NearBreak> break_between(std::span<const SubmapRecord> submaps, st
   if (submaps[older].piece + 1 != submaps[newer].piece) return {};
   std::size_t first = newer;
   while (first > 0 && submaps[first - 1].piece == submaps[newer].piece) --first;
+  if (first == 0 || submaps[first].keys.empty()) return {};
   const auto& across = submaps[first].keys.front().across;
-  if (first == 0 || !across) return {};
+  if (!across) return {};
   return NearBreak{submaps[newer].travelled_m - submaps[first].travelled_m +
                        submaps[first - 1].travelled_m - submaps[older].travelled_m,
                    std::sqrt(std::max((*across)(0, 0), (*across)(1, 1))),

@@ -125,6 +125,38 @@ TEST(BrokenRecording, CountsThatAreLostWithTheScansAreNotTakenForStandingStill) 
   EXPECT_EQ(result.statistics.odometry_jumps, 0);
 }
 
+/// Scans, counts and gyro are gone for two seconds at a time, while the robot drives and turns, so
+/// that it sees in part what nobody saw before.
+TEST(BrokenRecording, ARobotIsFoundAheadAfterAllOfItsMessagesWereLost) {
+  SimulationOptions options{.duration_s = small_scale() ? 120.0 : 200.0};
+  options.laser.beams = 361;
+  options.drive.speed_m_s = 0.7;
+  int gaps = 0;
+  int found = 0;
+  for (const char* world : {"office", "rooms", "aisles"}) {
+    const SimulatedLog whole = simulate_log(world, 33, options);
+    for (const double start_s : {31.0, 43.0, 57.0, 71.0, 83.0, 97.0}) {
+      SimulatedLog log = whole;
+      std::erase_if(log.messages, [&](const SensorMessage& message) {
+        const double time_s = time_in(log, stamp_of(message));
+        return (time_s > start_s && time_s < start_s + 2.0) || time_s > start_s + 12.0;
+      });
+      const MapResult result = map_of(log, {.loop_closure = false});
+      ++gaps;
+      const bool is_found = std::ranges::all_of(
+          result.breaks, [](const PathBreak& gap) { return gap.bridge == BreakBridge::kLaser; });
+      const double off_m = off_across_m(result.trajectory, log, start_s - 0.3, start_s + 2.3);
+      if (is_found) {
+        ++found;
+        EXPECT_LT(off_m, 0.05) << world << " " << start_s;
+      } else {
+        EXPECT_NE(result.verdict.overall, Verdict::kGood) << world << " " << start_s;
+      }
+    }
+  }
+  EXPECT_GE(found, gaps - 4) << "of " << gaps;
+}
+
 TEST(BrokenRecording, ARobotThatWasCarriedWhileNoScansCameIsNamed) {
   SimulationOptions options{.duration_s = small_scale() ? 120.0 : 200.0};
   options.laser.beams = 181;

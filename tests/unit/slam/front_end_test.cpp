@@ -264,6 +264,47 @@ TEST(FrontEnd, AScanThatContradictsTheMapStaysOutOfIt) {
   }
 }
 
+/// Scan after scan shows something else from the 40th on: the floor, where the robot leans. What
+/// the front end says of the drive until the 70th.
+std::vector<TrackedScan> through_strange_scans(FrontEnd& front_end, std::size_t strange_until,
+                                               bool wheels_turn) {
+  std::vector<TrackedScan> tracked;
+  Rng rng(7);
+  for (std::size_t i = 0; i < 70; ++i) {
+    const bool is_strange = i >= 40 && i < strange_until;
+    LaserScan scan = scan_at(i, 0.0, rng);
+    if (is_strange) std::ranges::fill(scan.ranges_m, 0.7F);
+    OdometryReading odometry{drive()[is_strange && !wheels_turn ? 40 : i]};
+    odometry.path_m = 0.1 * static_cast<double>(is_strange && !wheels_turn ? 40 : i);
+    tracked.push_back(front_end.add(scan, kMount, odometry));
+  }
+  return tracked;
+}
+
+TEST(FrontEnd, OdometryLeadsOnThroughScansThatContradictTheMap) {
+  FrontEnd front_end({}, {}, {});
+  const auto tracked = through_strange_scans(front_end, 60, true);
+  for (std::size_t i = 40; i < tracked.size(); ++i) {
+    EXPECT_FALSE(i < 60 && tracked[i].key) << "scan " << i;
+    EXPECT_TRUE(pose_near(tracked[i].local_T_robot, drive()[0].inverse() * drive()[i], 0.05, 0.02))
+        << "scan " << i;
+    if (tracked[i].path_break) {
+      EXPECT_EQ(tracked[i].path_break->bridge, BreakBridge::kLaser) << "the map is the same";
+    }
+  }
+  EXPECT_EQ(tracked.back().tracking, TrackingStatus::kTracked);
+}
+
+TEST(FrontEnd, ARobotWhoseWheelsStandMayBeCarriedMeanwhile) {
+  FrontEnd front_end({}, {}, {});
+  const auto tracked = through_strange_scans(front_end, 60, false);
+  const auto broken = std::ranges::find_if(
+      tracked, [](const TrackedScan& scan) { return scan.path_break.has_value(); });
+  ASSERT_NE(broken, tracked.end());
+  EXPECT_LT(broken - tracked.begin(), 50) << "nobody waits for what shows another place";
+  EXPECT_EQ(broken->path_break->bridge, BreakBridge::kNothing);
+}
+
 TEST(FrontEnd, ASlowSweepIsStraightenedByTheMotionThatTheLaserSaw) {
   // The robot starts to spin at once: the first prediction, to stand still, bends the sweep by 0.1
   // rad.

@@ -9,6 +9,7 @@
 
 #include "loop_scene.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "slam/scan_edges.hpp"
 #include "support/pose_near.hpp"
 
 namespace loopstone {
@@ -67,6 +68,31 @@ Scene closer_with(FinishedSubmap first, FinishedSubmap last, Threads threads = {
 
 std::vector<Pose2> submap_poses(const Pose2& last) {
   return {kFirstVisit.front(), {20.0, 0.0, 0.0}, {30.0, 10.0, 1.0}, {20.0, 10.0, 2.0}, last};
+}
+
+/// Right after a break the robot stands beside where it was, and may have turned any way.
+TEST(LoopCloser, BesideABreakThePlaceIsFoundWhicheverWayTheRobotFaces) {
+  const Pose2 truth = kFirstVisit.front().inverse() * kSecondVisit.front();
+  const auto found_with = [&](double sigma_rad, double turned_rad) {
+    Scene scene;
+    scene.add(submap_seen_from(test::furnished_room(), kFirstVisit, 0), 0.0);
+    FinishedSubmap after = submap_seen_from(test::furnished_room(), kSecondVisit, 1);
+    after.piece = 1;
+    scene.add(std::move(after), 4.0);
+    KeyScan first;
+    first.across = planar_covariance(0.8, sigma_rad);
+    scene.submaps[1].keys = {first};
+    return scene.close_newest(
+        {kFirstVisit.front(), kSecondVisit.front() * Pose2{0.3, -0.4, turned_rad}});
+  };
+  for (const double turned_rad : {-2.8, -1.5, 0.5, 1.7, 3.0}) {
+    const auto closures = found_with(1.6, turned_rad);
+    ASSERT_EQ(closures.size(), 1U) << turned_rad;
+    EXPECT_FALSE(closures[0].by_appearance);
+    EXPECT_TRUE(pose_near(closures[0].from_T_to, truth, 0.02, 0.006)) << turned_rad;
+  }
+  for (const LoopClosure& closure : found_with(0.05, 3.0))
+    EXPECT_NE(closure.state, ClosureState::kWaiting) << "the heading is known, and is another one";
 }
 
 TEST(LoopCloser, FindsAPlaceSeenFromElsewhereDespiteDrift) {

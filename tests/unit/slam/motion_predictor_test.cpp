@@ -43,6 +43,37 @@ TEST(MotionPredictor, MotionGoesOnWithoutOdometry) {
   EXPECT_FALSE(guesses[0].measured);
 }
 
+TEST(MotionPredictor, ARobotIsAsFastAsItHasShown) {
+  MotionPredictor predictor;
+  EXPECT_EQ(predictor.fastest_m_s(), kMotionPredictor.walking_m_s) << "nothing is known";
+  EXPECT_EQ(predictor.fastest_back_m_s(), kMotionPredictor.walking_m_s);
+  EXPECT_EQ(predictor.fastest_rad_s(), kMotionPredictor.walking_rad_s);
+  Pose2 local_T_robot;
+  double seconds = 0.0;
+  const auto drive_on = [&](double metres_a_second, double radians_a_second, int scans) {
+    for (int i = 0; i < scans; ++i) {
+      seconds += 0.1;
+      local_T_robot =
+          local_T_robot * exp(Tangent2(0.1 * metres_a_second, 0.0, 0.1 * radians_a_second));
+      predictor.settle(stamp_at(seconds), local_T_robot, {}, {true, true});
+    }
+  };
+  drive_on(0.5, 0.2, 300);
+  const double margin = kMotionPredictor.speed_margin;
+  EXPECT_NEAR(predictor.fastest_m_s(), margin * 0.5, 0.01);
+  EXPECT_EQ(predictor.fastest_rad_s(), kMotionPredictor.slowest_rad_s);
+  EXPECT_NEAR(predictor.fastest_back_m_s(), 0.0, 1e-9) << "it never drove backwards";
+  drive_on(-0.4, 1.5, 100);
+  EXPECT_NEAR(predictor.fastest_m_s(), margin * 0.5, 0.01) << "the fastest counts";
+  EXPECT_NEAR(predictor.fastest_back_m_s(), margin * 0.4, 0.01);
+  EXPECT_NEAR(predictor.fastest_rad_s(), margin * 1.5, 0.01);
+  // One leap of a laser that was mistaken counts half.
+  drive_on(0.5, 0.0, 30);
+  local_T_robot = local_T_robot * Pose2{3.0, 0.0, 0.0};
+  drive_on(0.5, 0.0, 10);
+  EXPECT_LT(predictor.fastest_m_s(), margin * 2.1);
+}
+
 TEST(MotionPredictor, AMissingScanLeavesTwoGuesses) {
   const Driven driven = drive(false);
   const auto guesses = driven.predictor.guesses(stamp_at(driven.seconds + 0.3), {});

@@ -51,6 +51,29 @@ TEST(RivalPlaces, AlikeRoomsAreRivalsAsFarAsThePathMayBeOff) {
   EXPECT_FALSE(rooms.has_rival(0.2)) << "the path knows";
 }
 
+TEST(RivalPlaces, WhereTheHeadingIsOpenARoomMayBeItsOwnMirror) {
+  // An empty room, longer than wide, looks the same from the other side.
+  const std::vector<Pose2> visit{{2.0, 1.5, 0.0}, {4.0, 2.5, 1.5}, {6.0, 1.5, 3.0}};
+  const test::Walls room = test::rectangle({0.0, 0.0}, {8.0, 4.0});
+  std::vector<SubmapRecord> submaps;
+  for (std::size_t piece = 0; piece < 2; ++piece) {
+    FinishedSubmap seen = test::submap_seen_from(room, visit, 0);
+    seen.piece = piece;
+    submaps.emplace_back().freeze(std::move(seen));
+    submaps.back().map_T_submap = visit.front();
+  }
+  LoopClosure closure;
+  closure.from_submap = {0};
+  closure.to_submap = {1};
+  closure.score = 0.8;
+  closure.agreement = 0.95;
+  const auto has_rival = [&](double sigma_rad) {
+    return has_rival_place(closure, planar_covariance(5.0, sigma_rad), submaps, {}, {}, {});
+  };
+  EXPECT_FALSE(has_rival(0.1)) << "the path knows the heading";
+  EXPECT_TRUE(has_rival(1.8));
+}
+
 TEST(RivalPlaces, WithinOnePieceOfThePathNobodyIsAsked) {
   Rooms rooms(2);
   rooms.submaps.back().piece = 0;
