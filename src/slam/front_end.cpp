@@ -270,9 +270,22 @@ void FrontEnd::give_up_or_ride(const Sighting& sighting, TrackedScan& tracked) {
   // They came after a gap in which odometry says that the robot stood.
   const double blind_s =
       (stamp - own_.held->stamp).seconds() - own_.lost_in_a_row * own_.held->usual_seconds;
-  const BreakCause cause =
-      !drove && blind_s > longest_step_s() ? BreakCause::kCarried : BreakCause::kContradicted;
-  begin_piece(drove ? told : blind_motion(stamp, sighting.likeliest(), {}), cause, stamp, tracked);
+  if (drove || blind_s <= longest_step_s()) {
+    begin_piece(drove ? told : blind_motion(stamp, sighting.likeliest(), {}),
+                BreakCause::kContradicted, stamp, tracked);
+    return;
+  }
+  // It was carried meanwhile, and is looked for all around.
+  BlindMotion carried = told;
+  carried.prior = carried_from(own_.held->local_T_robot, stamp);
+  const auto match = recognise_around(sighting.matched(), carried.prior);
+  if (!match) {
+    begin_piece(carried, BreakCause::kCarried, stamp, tracked);
+    return;
+  }
+  own_.lost_in_a_row = 0;
+  (void)take_match(*match, true, tracked);
+  note_gap(carried, BreakCause::kCarried, stamp, tracked);
 }
 
 /// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.

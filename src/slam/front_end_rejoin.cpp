@@ -233,12 +233,7 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
     match = recognise_near(surfaces, blind.prior);
     if (!match && was_carried(surfaces, blind)) {
       cause = BreakCause::kCarried;
-      const double gap_s = (stamp - own_.held->stamp).seconds();
-      blind.prior =
-          unknown_about(blind.prior.target_T_source,
-                        std::max(kFrontEndRejoin.carried_m, kMotionPredictor.walking_m_s * gap_s /
-                                                                kFrontEndRejoin.window_sigmas),
-                        kFrontEndRejoin.unknown_rad);
+      blind.prior = carried_from(blind.prior.target_T_source, stamp);
     }
   }
   if (!match && !blind.prior.holds_unobserved) {
@@ -260,6 +255,14 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
   const Seen seen = take_match(*match, true, tracked);
   note_gap(blind, cause, stamp, tracked);
   return seen;
+}
+
+/// As far as somebody walks with a robot in the time, or across a room, whichever way it faces then.
+PosePrior2 FrontEnd::carried_from(const Pose2& local_T_robot, Stamp stamp) const {
+  const double gap_s = (stamp - own_.held->stamp).seconds();
+  const double walked_m = kMotionPredictor.walking_m_s * gap_s / kFrontEndRejoin.window_sigmas;
+  return unknown_about(local_T_robot, std::max(kFrontEndRejoin.carried_m, walked_m),
+                       kFrontEndRejoin.unknown_rad);
 }
 
 /// The scan contradicts the submap where odometry says that the robot hardly moved.

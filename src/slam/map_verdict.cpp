@@ -143,7 +143,7 @@ QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatis
   std::int64_t untied = 0;
   std::int64_t count = 0;
   for (const PathBreak& gap : path_breaks) {
-    if (gap.bridge == BreakBridge::kLaser) continue;
+    if (gap.bridge == BreakBridge::kLaser && gap.cause != BreakCause::kCarried) continue;
     ++count;
     // One closure by itself may be wrong.
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;

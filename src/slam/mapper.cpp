@@ -103,6 +103,7 @@ class Mapper::Impl {
   void add_scan(LaserScan scan);
   void count_scan(const TrackedScan& tracked);
   void tell(const TrackedScan& tracked);
+  void place_lost();
   [[nodiscard]] std::vector<MapEvent> events_of(const TrackedScan& tracked);
   void put_up_faults();
   void hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan tracked);
@@ -144,6 +145,8 @@ void Mapper::Impl::add_scan(LaserScan scan) {
     so_far_.breaks.push_back(*tracked.path_break);
   }
   tell(tracked);
+  if (tracked.path_break && tracked.path_break->cause == BreakCause::kCarried) place_lost();
+  so_far_.lost_scans = tracked.left_out ? so_far_.lost_scans + 1 : 0;
   so_far_.statistics.front_end_s += watch.seconds();
   take_out(tracked.taken_out, scan);
   hand_over(std::move(scan), robot_T_lidar, std::move(tracked));
@@ -159,10 +162,20 @@ void Mapper::Impl::count_scan(const TrackedScan& tracked) {
   }
 }
 
+/// The robot was set down some scans before the newest, by which it was found: they stand where
+/// odometry says from there.
+void Mapper::Impl::place_lost() {
+  const TrackedPose& found = so_far_.track.back();
+  for (std::int64_t back = 1; back <= so_far_.lost_scans; ++back) {
+    TrackedPose& lost = so_far_.track[so_far_.track.size() - 1 - static_cast<std::size_t>(back)];
+    if (!found.odom_T_robot || !lost.odom_T_robot) return;
+    lost.local_T_robot = found.local_T_robot * (found.odom_T_robot->inverse() * *lost.odom_T_robot);
+  }
+}
+
 /// An update of the newest scan, for whoever drives by it.
 void Mapper::Impl::tell(const TrackedScan& tracked) {
-  const bool may_jump = tracked.searched || tracked.path_break || so_far_.was_lost;
-  so_far_.was_lost = tracked.left_out;
+  const bool may_jump = tracked.searched || tracked.path_break || so_far_.lost_scans > 0;
   MapUpdate update;
   update.stamp = so_far_.track.back().stamp;
   update.scan = scans() - 1;

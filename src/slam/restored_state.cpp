@@ -93,7 +93,8 @@ bool is_sound(const MapperState& state, double reach_m) {
   return is_sound(state.back_end, scans, reach_m) &&
          waiting_fit(state.waiting, state.back_end.chain.submaps, scans) &&
          so_far.gyro_scans >= 0 && so_far.submaps_frozen <= so_far.submaps_opened &&
-         so_far.submaps_opened <= scans &&
+         so_far.submaps_opened <= scans && so_far.lost_scans >= 0 &&
+         static_cast<std::size_t>(so_far.lost_scans) <= scans &&
          std::ranges::all_of(so_far.breaks,
                              [&](const PathBreak& found) { return found.to_scan < scans; });
 }

@@ -315,6 +315,7 @@ class FrontEnd {
   [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const Reach& reach) const;
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
                             TrackedScan& tracked);
+  [[nodiscard]] PosePrior2 carried_from(const Pose2& local_T_robot, Stamp stamp) const;
   [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces,
                                  const BlindMotion& blind) const;
   void turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,

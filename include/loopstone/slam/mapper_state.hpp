@@ -47,13 +47,13 @@ struct MapperState {
     MapStatistics statistics{};
     std::int64_t gyro_scans = 0;  ///< whose heading alone was known
     std::vector<PathBreak> breaks{};
-    bool was_lost = false;
+    std::int64_t lost_scans = 0;  ///< the last so many contradicted the map, and were left out
     std::size_t submaps_opened = 0;
     std::size_t submaps_frozen = 0;
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(track, last_mapped, statistics, gyro_scans, breaks, was_lost, submaps_opened,
+      a(track, last_mapped, statistics, gyro_scans, breaks, lost_scans, submaps_opened,
         submaps_frozen);
     }
   };

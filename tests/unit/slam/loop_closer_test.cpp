@@ -91,8 +91,10 @@ TEST(LoopCloser, BesideABreakThePlaceIsFoundWhicheverWayTheRobotFaces) {
     EXPECT_FALSE(closures[0].by_appearance);
     EXPECT_TRUE(pose_near(closures[0].from_T_to, truth, 0.02, 0.006)) << turned_rad;
   }
+  // Where the path knows the heading, nothing else is looked for.
   for (const LoopClosure& closure : found_with(0.05, 3.0))
-    EXPECT_NE(closure.state, ClosureState::kWaiting) << "the heading is known, and is another one";
+    EXPECT_TRUE(closure.by_appearance ||
+                std::abs(wrap_angle(closure.from_T_to.yaw - truth.yaw)) > 0.5);
 }
 
 TEST(LoopCloser, FindsAPlaceSeenFromElsewhereDespiteDrift) {
