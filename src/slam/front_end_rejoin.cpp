@@ -149,29 +149,16 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
   return in_local(match);
 }
 
-/// Among places that are alike the one wins that explains most of what the scan shows of the known,
-/// and of those that do nearly as well the one that a usual turn leads to.
-FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
-                                     const Reach& reach) const {
+/// The best one, the next one elsewhere, and the best that a usual turn leads to.
+std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoint> surfaces,
+                                                     const Reach& reach) const {
   const ActiveSubmap& target = active_.front();
-  const Pose2 submap_T_local = target.local_T_submap.inverse();
-  const Pose2 submap_T_centre = submap_T_local * reach.local_T_centre;
+  const Pose2 submap_T_centre = target.local_T_submap.inverse() * reach.local_T_centre;
   const auto points = search_points(surfaces);
   const SearchWindow window{submap_T_centre, std::min(reach.half_xy_m, kFrontEndRejoin.around_m),
                             std::min(reach.half_yaw_rad, kPi)};
   const MaxPyramid known = target.submap.freeze().search_pyramid(submap_options_, window.half_xy_m);
-  const double turned_least = std::min(window.half_yaw_rad, kFrontEndRejoin.usual_turn_rad);
-
-  struct Place {
-    MatchResult match;
-    double score = 0.0;  ///< of the search
-    double value = 0.0;
-    double turn_rad = 0.0;
-  };
   std::vector<Place> places;
-  const auto turn_of = [&](const Pose2& pose) {
-    return std::abs(wrap_angle(pose.yaw - submap_T_centre.yaw));
-  };
   const auto consider = [&](const SearchResult& found) {
     if (!found.found) return;
     const MatchResult match = match_to_grid(surfaces, target.submap.surfaces(),
@@ -188,8 +175,12 @@ FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
         std::ranges::any_of(places, is_there))
       return;
     const double seen = share_of(seen_by(known, pose, surfaces));
-    places.push_back({match, found.score, match.score + kFrontEndRejoin.new_counts * (1.0 - seen),
-                      turn_of(pose)});
+    places.push_back(
+        {.match = match,
+         .value = match.score + kFrontEndRejoin.new_counts * (1.0 - seen),
+         .turn_rad = std::abs(wrap_angle(pose.yaw - submap_T_centre.yaw)),
+         .explains = match.score >= least_score() || (found.score >= kFrontEndRejoin.partly_score &&
+                                                      explains(match, surfaces, known))});
   };
   const SearchResult best = search_about_robot(points, known, window, kPoseSearch.min_score);
   consider(best);
@@ -198,28 +189,33 @@ FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
   consider(search_branch_and_bound(points, known, window, least,
                                    ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
                                                  kFrontEndRejoin.elsewhere_rad}));
-  consider(
-      search_about_robot(points, known, {submap_T_centre, window.half_xy_m, turned_least}, least));
-  if (places.empty()) return {};
+  const SearchWindow usual{submap_T_centre, window.half_xy_m,
+                           std::min(window.half_yaw_rad, kFrontEndRejoin.usual_turn_rad)};
+  consider(search_about_robot(points, known, usual, least));
+  return places;
+}
 
+/// Among places that are alike the one wins that explains most of what the scan shows of the known,
+/// and of those that do nearly as well the one that the robot turned least for.
+FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
+                                     const Reach& reach) const {
+  const std::vector<Place> places = places_within(surfaces, reach);
+  if (places.empty()) return {};
   const double most = std::ranges::max_element(places, {}, &Place::value)->value;
   const Place* likeliest = nullptr;
   for (const Place& place : places) {
     if (place.value < most - kFrontEndRejoin.alike) continue;
     if (likeliest == nullptr || place.turn_rad < likeliest->turn_rad) likeliest = &place;
   }
-  const MatchResult& match = likeliest->match;
-  Ahead found{in_local(match)};
-  found.explains =
-      match.score >= least_score() ||
-      (likeliest->score >= kFrontEndRejoin.partly_score && explains(match, surfaces, known));
   const auto is_rival = [&](const Place& place) {
     return &place != likeliest && place.value > likeliest->value - kFrontEnd.score_drop;
   };
-  found.is_certain = found.explains &&
-                     std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m &&
-                     std::ranges::none_of(places, is_rival);
-  return found;
+  const MatchResult& match = likeliest->match;
+  const bool is_tight =
+      std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m;
+  return {.match = in_local(match),
+          .explains = likeliest->explains,
+          .is_certain = likeliest->explains && is_tight && std::ranges::none_of(places, is_rival)};
 }
 
 /// With odometry, a scan that does not fit where it says shows a place that the submap does not

@@ -305,6 +305,15 @@ class FrontEnd {
   /// The same without odometry: as far around as the robot may be.
   [[nodiscard]] std::optional<MatchResult> recognise_around(std::span<const SurfacePoint> surfaces,
                                                             const PosePrior2& prior) const;
+  /// Where a scan may have been taken.
+  struct Place {
+    MatchResult match{};    ///< submap frame
+    double value = 0.0;     ///< what speaks for it: the share that it explains, or that is new
+    double turn_rad = 0.0;  ///< from the middle of the reach
+    bool explains = false;
+  };
+  [[nodiscard]] std::vector<Place> places_within(std::span<const SurfacePoint> surfaces,
+                                                 const Reach& reach) const;
   /// Where a robot may be that drove on.
   struct Ahead {
     std::optional<MatchResult> match{};  ///< where it most likely is
