@@ -253,7 +253,7 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
   return seen;
 }
 
-/// As far as somebody walks with a robot in the time, or across a room, whichever way it faces then.
+/// As far as somebody walks with it in the time, or across a room, whichever way it faces then.
 PosePrior2 FrontEnd::carried_from(const Pose2& local_T_robot, Stamp stamp) const {
   const double gap_s = (stamp - own_.held->stamp).seconds();
   const double walked_m = kMotionPredictor.walking_m_s * gap_s / kFrontEndRejoin.window_sigmas;
