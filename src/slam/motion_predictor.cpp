@@ -238,7 +238,7 @@ void MotionPredictor::follow_unseen(const Pose2& local_T_robot,
     own_.unseen.reset();
     return;
   }
-  if (!own_.unseen) own_.unseen = Unseen{*own_.last_stamp, Pose2{}};
+  if (!own_.unseen) own_.unseen = UnseenMotion{*own_.last_stamp, Pose2{}};
   own_.unseen->motion = own_.unseen->motion * step;
 }
 

@@ -122,6 +122,17 @@ struct ToldMotion {
   double sigma_rad = 0.0;
 };
 
+/// What odometry told from scan to scan since the laser placed the robot last.
+struct UnseenMotion {
+  Stamp from{};
+  Pose2 motion{};
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(from, motion);
+  }
+};
+
 /// Guesses the motion to the next scan: odometry's as long as it can be trusted, else the motion
 /// goes on as it was.
 ///
@@ -201,16 +212,6 @@ class MotionPredictor {
     }
   };
 
-  /// What odometry told from scan to scan since the laser placed the robot last.
-  struct Unseen {
-    Stamp from{};
-    Pose2 motion{};
-
-    template <typename Archive>
-    void archive(Archive& a) {
-      a(from, motion);
-    }
-  };
   struct State {
     /// What the parts do not have.
     struct Own {
@@ -222,7 +223,7 @@ class MotionPredictor {
       double coast_variance_m2 = kMotionPredictor.coast_first_m2;
       double coast_variance_rad2 = kMotionPredictor.coast_first_rad2;
       Speeds speeds{};
-      std::optional<Unseen> unseen{};
+      std::optional<UnseenMotion> unseen{};
 
       template <typename Archive>
       void archive(Archive& a) {
