@@ -276,6 +276,19 @@ double Odometer::rate_at(Stamp stamp) const {
   return before->rate_rad_s + ratio * (after->rate_rad_s - before->rate_rad_s);
 }
 
+double Odometer::untold_s(Stamp from, Stamp to) const {
+  if (own_.source != Source::kWheels || wheels_.counts_are_cumulative) return 0.0;
+  double sum_s = 0.0;
+  for (std::size_t i = 1; i < own_.nodes.size(); ++i) {
+    const Stamp begin = std::max(own_.nodes[i - 1].stamp, from);
+    const Stamp end = std::min(own_.nodes[i].stamp, to);
+    const Duration silent = own_.nodes[i].stamp - own_.nodes[i - 1].stamp;
+    if (begin < end && silent > Duration::from_milliseconds(kOdometer.counts_gap_ms))
+      sum_s += (end - begin).seconds();
+  }
+  return sum_s;
+}
+
 std::optional<Stamp> Odometer::newest() const {
   if (own_.nodes.empty()) return {};
   return own_.nodes.back().stamp;

@@ -22,6 +22,7 @@ struct OdometerNumbers {
   int gyro_hold_ms = 50;
   int standstill_ms = 500;
   int velocity_span_ms = 20;
+  int counts_gap_ms = 300;
   double fastest_wheel_m_s = 20.0;
   double shortest_reset_s = 0.1;
   double enough_turning_rad2 = 0.05;
@@ -45,6 +46,9 @@ void visit_numbers(const OdometerNumbers& n, Visitor&& visit) {
   visit("velocity_span_ms", n.velocity_span_ms,
         "chosen: a velocity is taken over so long at least: readings may be a fraction of a "
         "millisecond apart");
+  visit("counts_gap_ms", n.counts_gap_ms,
+        "chosen: wheels report ten times a second or more; where they did not for so long, reports "
+        "are lost");
   visit("fastest_wheel_m_s", n.fastest_wheel_m_s,
         "chosen: counters that jump by more were reset (the base was switched off and on), not "
         "driven");
@@ -97,6 +101,10 @@ class Odometer {
   /// from_T_to, and the covariance of that motion alone. Nothing when either end has no pose. from
   /// <= to.
   [[nodiscard]] std::optional<PoseWithCovariance2> motion_between(Stamp from, Stamp to) const;
+
+  /// How long between the two [s] counts are missing that a reading makes since the one before it:
+  /// what the wheels turned meanwhile is told by nobody. 0 for cumulative counters and for poses.
+  [[nodiscard]] double untold_s(Stamp from, Stamp to) const;
 
   /// Until when the pose is known without extrapolation; nothing while there is no odometry.
   [[nodiscard]] std::optional<Stamp> newest() const;

@@ -219,6 +219,31 @@ TEST(Odometer, ACounterThatStartsAgainIsNoDrive) {
   EXPECT_NEAR(odometer.pose_at(at(0.075))->pose.x, 20 * wheels.metres_per_count, 1e-12);
 }
 
+TEST(Odometer, TellsForHowLongNobodyCountedTheWheels) {
+  const auto run_with_gap = [](bool cumulative) {
+    WheelModel wheels;
+    wheels.counts_are_cumulative = cumulative;
+    Odometer odometer(wheels);
+    for (int i = 0; i <= 200; ++i) {
+      if (i > 60 && i < 120) continue;  // from 1.2 to 2.4 s
+      const std::int64_t count = cumulative ? 5 * i : 5;
+      odometer.add(WheelTicks{at(0.02 * i), {count, count, count, count}});
+    }
+    odometer.finish();
+    return odometer;
+  };
+  const Odometer lost = run_with_gap(false);
+  EXPECT_EQ(lost.untold_s(at(0.2), at(1.0)), 0.0);
+  EXPECT_NEAR(lost.untold_s(at(0.2), at(3.0)), 1.2, 1e-9);
+  EXPECT_NEAR(lost.untold_s(at(2.0), at(3.0)), 0.4, 1e-9);
+  EXPECT_EQ(run_with_gap(true).untold_s(at(0.2), at(3.0)), 0.0) << "the counter went on";
+
+  Odometer told(WheelModel{});
+  told.add(OdometryPose{at(0.0), {}});
+  told.add(OdometryPose{at(5.0), {3.0, 0.0, 0.0}});
+  EXPECT_EQ(told.untold_s(at(0.0), at(5.0)), 0.0) << "the pose says all";
+}
+
 TEST(Odometer, PassesTheLogsOwnOdometryThrough) {
   Odometer odometer(WheelModel{});
   const Pose2 first{3.0, -2.0, 1.0};
