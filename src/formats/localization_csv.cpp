@@ -52,6 +52,18 @@ void visit_numbers_after_state(Estimate& e, Visitor&& visit) {
   visit("spread_rad", e.evidence.spread_rad, false);
   visit("innovation", e.evidence.innovation, false);
   visit("followed_m", e.evidence.followed_m, false);
+  visit("known", e.evidence.known, false);
+  visit("silent", e.evidence.silent, false);
+  visit("lately_explained", e.evidence.lately.explained, false);
+  visit("lately_violations", e.evidence.lately.violations, false);
+  visit("lately_unexpected", e.evidence.lately.unexpected, false);
+  visit("lately_known", e.evidence.lately.known, false);
+  visit("lately_silent", e.evidence.lately.silent, false);
+  visit("along_explained", e.evidence.along.explained, false);
+  visit("along_violations", e.evidence.along.violations, false);
+  visit("along_unexpected", e.evidence.along.unexpected, false);
+  visit("along_known", e.evidence.along.known, false);
+  visit("along_silent", e.evidence.along.silent, false);
 }
 
 constexpr std::string_view kStamp = "t_s";

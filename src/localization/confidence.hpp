@@ -7,10 +7,14 @@
 
 namespace loopstone {
 
+/// Of the returns that are not of people and other things that the map lacks, the share that lies
+/// on a wall.
+[[nodiscard]] double explained_of_rest(double explained, double unexpected);
+
 /// The evidence as the probability is computed from it: each in [0, 1], capped, so that no single
 /// one decides alone; the first is 1. The first few beams through a wall say most, so of their
 /// share the root is taken.
-inline constexpr std::size_t kConfidenceFeatures = 8;
+inline constexpr std::size_t kConfidenceFeatures = 17;
 [[nodiscard]] std::array<double, kConfidenceFeatures> confidence_features(
     const PoseEvidence& evidence);
 

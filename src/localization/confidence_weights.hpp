@@ -6,17 +6,26 @@
 
 namespace loopstone {
 
-// Written by `bench/confidence.py fit`: the most likely weights of 155 simulated drives,
-// 89750 scans.
+// Written by `bench/confidence.py fit`: the most likely weights of 186 drives, 289460
+// scans.
 inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{
-    -0.2197,  // 1
-    4.9337,   // explained
-    -5.4499,  // violations
-    0.0000,   // unexpected
-    -4.9472,  // spread_m
-    -1.1360,  // spread_rad
-    -6.0174,  // innovation
-    0.4113,   // followed_m
+    -6.7514,  // 1
+    4.6449,   // explained of the rest
+    -6.0688,  // violations
+    -1.0642,  // unexpected
+    3.1669,   // lately explained of the rest
+    -5.8579,  // lately violations
+    0.0000,   // lately unexpected
+    0.0000,   // lately known
+    3.7938,   // along explained of the rest
+    -6.6085,  // along violations
+    0.0000,   // along unexpected
+    0.0000,   // along known
+    -1.8427,  // along silent
+    -2.5174,  // spread_m
+    -1.4534,  // spread_rad
+    -5.7258,  // innovation
+    2.1977,   // followed and explained
 };
 
 }  // namespace loopstone

@@ -10,11 +10,13 @@
 #include "localization/belief_snapshots.hpp"
 #include "localization/confidence.hpp"
 #include "localization/map_tables.hpp"
+#include "localization/near_search.hpp"
 #include "localization/place_search.hpp"
 #include "localization/pose_evidence.hpp"
 #include "localization/pose_track.hpp"
 #include "localization/robot_motion.hpp"
 #include "localization/scan_weigher.hpp"
+#include "localization/state_judge.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -42,6 +44,18 @@ constexpr double kNewPlacesShare = 0.003;
 constexpr double kNewPlacesShareWhenLost = 0.5;
 /// Against those places, when others were found where the robot may have slipped to.
 constexpr double kFarLogOdds = 6.0;
+/// A place this near to the one followed is that one, after a slip.
+constexpr double kSlippedM = 2.0;
+constexpr double kSlippedRad = 1.2;
+/// Belief in the one pose near by that explains a scan which contradicted the map before.
+constexpr double kSlippedShare = 0.9;
+/// The least that the mean of a place's particles is uncertain by.
+constexpr double kSpotM = 0.02;
+constexpr double kSpotRad = 0.01;
+/// A scan contradicts the map that fits by so much less than those before it did.
+constexpr double kWorse = 0.12;
+/// Where odometry may have missed so much, the robot is looked for before scans contradict.
+constexpr double kUntoldM = 0.15;
 /// Returns used for registration.
 constexpr std::size_t kRefinePoints = 240;
 
@@ -67,6 +81,7 @@ class Localizer::Impl {
                  .resampling = options.resampling,
                  .places_max = kPlacesMost},
                 seed, threads),
+        state_(options.tracking_probability, options.lost_probability),
         snapshots_(options.snapshot_distance_m) {}
 
   void add(const SensorMessage& message) {
@@ -117,23 +132,28 @@ class Localizer::Impl {
     ++result_.scans;
     const PoseWithCovariance2 motion = motion_.step_to(scan.stamp, queue_.odometer());
     odom_T_robot_ = odom_T_robot_ * motion.pose;
-    if (track_) track_->advance(motion);
+    if (track_) {
+      track_->advance(motion);
+      foretold_ = track_->map_T_robot();
+    }
+    if (riding_) riding_->advance(motion);
     const LocalizationScan view =
         view_for_localization(scan, mount_of(scan, robot_), motion_.velocity(), options_.beams);
-    if (view.points_robot.size() < kLeastReturns) {
+    const bool seen = view.points_robot.size() >= kLeastReturns;
+    const bool told = !seen || find_after_gap(view);
+    if (!seen) {
       ++result_.scans_dropped;
     } else if (belief_.empty()) {
       start(view);
-    } else if (motion_.moved(options_.update_distance_m, options_.update_angle_rad)) {
+    } else if (told && motion_.moved(options_.update_distance_m, options_.update_angle_rad)) {
       weigh(view);
     }
     if (belief_.empty()) return;
     follow_best_place();
-    const bool seen = view.points_robot.size() >= kLeastReturns;
-    const bool refined = seen && refine(view);
+    const bool refined = seen && told && refine_or_find(view);
     motion_.found_at(track_->map_T_robot().pose);
     LocalizationEstimate estimate = judge(view, refined);
-    if (seen && options_.recover && recover(view, estimate)) {
+    if (seen && options_.recover && (rejoin(view, estimate) || recover(view, estimate))) {
       follow_best_place();
       estimate = judge(view, refine(view));
     }
@@ -194,19 +214,29 @@ class Localizer::Impl {
                        std::span<double> out) { weigher_.log_likelihoods(view, poses, out); },
                    ScanWeigher::independent_readings(view),
                    [&](const PlaceBelief& place) { return weigher_.evidence_of(view, place); });
-    belief_.settle();
+    // A robot that is TRACKING and slips is looked for near by: its particles need not spread.
+    belief_.settle(!state_.is_tracking());
     motion_.particles_weighed();
   }
 
   /// Keeps the track on the most probable place.
   void follow_best_place() {
     const PlaceBelief& best = belief_.places().front();
-    const PoseWithCovariance2 mean = compound(best.moments, motion_.since_weighing());
+    PoseWithCovariance2 mean = compound(best.moments, motion_.since_weighing());
+    // Few particles may stand on one spot; they don't know it that well.
+    mean.covariance.diagonal() +=
+        Eigen::Vector3d(kSpotM * kSpotM, kSpotM * kSpotM, kSpotRad * kSpotRad);
     const bool changed = !track_ || best.id != best_id_;
     if (changed) {
-      best_since_m_ = motion_.travelled_m();
       best_id_ = best.id;
-      fit_.reset();
+      // After a slip it is the same place still.
+      if (!track_ || !is_within(mean.pose, track_->map_T_robot().pose, kSlippedM, kSlippedRad)) {
+        best_since_m_ = motion_.travelled_m();
+        fit_.reset();
+        lately_.reset();
+        along_.reset();
+        state_.begin_anew();
+      }
     }
     const auto astray = [&] {
       const Pose2& pose = track_->map_T_robot().pose;
@@ -218,9 +248,113 @@ class Localizer::Impl {
     if (changed || astray()) track_.emplace(mean);
   }
 
+  bool refine_or_find(const LocalizationScan& view) {
+    const bool refined = refine(view);
+    return look_nearby(view) || refined;
+  }
+
+  /// Where scans contradict the map as they did not before, the robot has slipped by a little more
+  /// often than anything else has happened. True when it was found again.
+  bool look_nearby(const LocalizationScan& view) {
+    if (!options_.recover || !lately_.any()) return false;
+    const double here = quality_of(fit_beams(view, map_, track_->map_T_robot().pose));
+    if (here >= quality_of(lately_.mean()) - kWorse) {
+      near_pace_.found();
+      return false;
+    }
+    if (!near_pace_.due()) return false;
+    const auto found = find_nearby(view, map_, foretold_, std::max(here + kWorse, as_usual()));
+    if (!found) {
+      near_pace_.in_vain();
+      return false;
+    }
+    near_pace_.found();
+    adopt(*found);
+    return true;
+  }
+
+  /// Quality below which a scan does not fit as those before it did. People and what else the map
+  /// lacks make wrong poses fit a little better, never as before.
+  [[nodiscard]] double as_usual() const {
+    constexpr double kLeast = 0.6;
+    const double usual = std::max(quality_of(lately_.mean()), quality_of(along_.mean()));
+    return std::max(kLeast, lately_.any() ? usual - kWorse : kLeast);
+  }
+
+  /// Where counts were lost, the robot is looked for before a scan is registered: registration
+  /// would take the nearest pose that fits, and be sure of it. False until it is found, for some
+  /// metres.
+  bool find_after_gap(const LocalizationScan& view) {
+    constexpr double kLongestM = 3.0;
+    constexpr double kSameM = 0.3;
+    constexpr double kSameRad = 0.2;
+    if (!options_.recover || !track_) return true;
+    if (motion_.untold_m() > kUntoldM) untold_at_m_ = motion_.travelled_m();
+    if (!untold_at_m_) return true;
+    if (motion_.travelled_m() - *untold_at_m_ > kLongestM) {
+      untold_at_m_.reset();
+      return true;
+    }
+    if (!near_pace_.due()) return false;
+    const auto found =
+        find_nearby(view, map_, riding_ ? riding_->map_T_robot() : foretold_, as_usual());
+    if (!found) {
+      near_pace_.in_vain();
+      return false;
+    }
+    near_pace_.found();
+    untold_at_m_.reset();
+    if (!is_within(found->pose, track_->map_T_robot().pose, kSameM, kSameRad)) adopt(*found);
+    return true;
+  }
+
+  /// The robot is found where it may well be.
+  void adopt(const PoseWithCovariance2& found) {
+    constexpr double kSpreadM = 0.05;
+    constexpr double kSpreadRad = 0.03;
+    PoseBelief::Proposal proposal{.map_T_robot = found};
+    proposal.map_T_robot.covariance.diagonal() +=
+        Eigen::Vector3d(kSpreadM * kSpreadM, kSpreadM * kSpreadM, kSpreadRad * kSpreadRad);
+    move_particles();
+    belief_.add(std::span(&proposal, 1), kSlippedShare);
+    belief_.settle();
+    follow_best_place();
+    track_.emplace(found);
+  }
+
+  /// A robot that drove off the map, or through a crowd, comes back where odometry says.
+  bool rejoin(const LocalizationScan& view, const LocalizationEstimate& estimate) {
+    constexpr double kWell = 0.75;
+    constexpr double kBetter = 0.1;
+    if (estimate.state == LocalizationState::kTracking) {
+      riding_ = *track_;
+      ride_pace_m_ = 0.0;
+      return false;
+    }
+    constexpr double kPaceM = 0.3;
+    if (!is_riding() || motion_.travelled_m() < ride_pace_m_) return false;
+    ride_pace_m_ = motion_.travelled_m() + kPaceM;
+    const PoseWithCovariance2& ridden = riding_->map_T_robot();
+    const double here = quality_of(fit_beams(view, map_, estimate.map_T_robot));
+    if (here > kWell - kBetter) return false;
+    const auto found = find_nearby(view, map_, ridden, kWell);
+    if (!found || quality_of(fit_beams(view, map_, found->pose)) < here + kBetter) return false;
+    adopt(*found);
+    return true;
+  }
+
   bool refine(const LocalizationScan& view) {
     return track_->refine(thinned(view.points_robot, kRefinePoints),
                           view.robot_T_lidar.translation(), map_.tables().search.field(), offset_);
+  }
+
+  /// The way since the last scan that counts: turning shows something new as well, standing little.
+  double evidence_way_m() {
+    constexpr double kMetresPerRad = 0.3;
+    constexpr double kStandingM = 0.002;
+    const Pose2 step = odom_at_fit_.inverse() * odom_T_robot_;
+    odom_at_fit_ = odom_T_robot_;
+    return step.translation().norm() + kMetresPerRad * std::abs(step.yaw) + kStandingM;
   }
 
   LocalizationEstimate judge(const LocalizationScan& view, bool refined) {
@@ -234,10 +368,16 @@ class Localizer::Impl {
     estimate.hypotheses = static_cast<int>(belief_.places().size());
     estimate.particles = static_cast<int>(belief_.particle_count());
     estimate.travelled_m = motion_.travelled_m();
+    const double way_m = evidence_way_m();
     if (view.points_robot.size() >= kLeastReturns) {
-      fit_.add(fit_beams(view, map_, estimate.map_T_robot));
+      const BeamFit newest = fit_beams(view, map_, estimate.map_T_robot);
+      fit_.add(newest);
+      lately_.add(newest, way_m);
+      along_.add(newest, way_m);
     } else {
       fit_.add_blind_scan();
+      lately_.add_blind_scan(way_m);
+      along_.add_blind_scan(way_m);
     }
     const BeamFit fit = fit_.mean();
     const Eigen::Matrix3d& spread = best.moments.covariance;
@@ -251,15 +391,16 @@ class Localizer::Impl {
         .spread_m = std::sqrt(spread(0, 0) + spread(1, 1)),
         .spread_rad = std::sqrt(spread(2, 2)),
         .innovation = track_->innovation(),
-        .followed_m = motion_.travelled_m() - best_since_m_};
+        .followed_m = motion_.travelled_m() - best_since_m_,
+        .known = fit.known,
+        .silent = fit.silent,
+        .lately = lately_.mean(),
+        .along = along_.mean()};
     estimate.probability = pose_probability(estimate.evidence);
     // A pose that is imprecise along a corridor is not lost: it is in the right place.
     const double place_probability =
         estimate.probability / std::max(estimate.evidence.precision, 1e-9);
-    estimate.state = estimate.probability >= options_.tracking_probability
-                         ? LocalizationState::kTracking
-                     : place_probability < options_.lost_probability ? LocalizationState::kLost
-                                                                     : LocalizationState::kDoubtful;
+    estimate.state = state_.judge(estimate.probability, place_probability, way_m);
     return estimate;
   }
 
@@ -282,6 +423,14 @@ class Localizer::Impl {
     doubted_scans_ = 0;
     const bool lost = estimate.state == LocalizationState::kLost;
     std::vector<PoseBelief::Proposal> proposals = search(view, lost ? "lost" : "doubtful");
+    if (is_riding()) {
+      // Something stands around the robot, or it slipped: other places must explain more than that.
+      constexpr double kMore = 0.05;
+      const double here = quality_of(fit_beams(view, map_, estimate.map_T_robot));
+      std::erase_if(proposals, [&](const auto& proposal) {
+        return quality_of(fit_beams(view, map_, proposal.map_T_robot.pose)) < here + kMore;
+      });
+    }
     if (proposals.empty()) return false;
     // New places against old ones, by how well each explains this scan.
     double best_log = -std::numeric_limits<double>::infinity();
@@ -291,7 +440,8 @@ class Localizer::Impl {
     };
     const bool any_near = std::any_of(proposals.begin(), proposals.end(), nearby);
     for (auto& proposal : proposals) {
-      if (any_near && !nearby(proposal)) proposal.log_mass -= kFarLogOdds;
+      if ((any_near || (is_riding() && !looks_carried())) && !nearby(proposal))
+        proposal.log_mass -= kFarLogOdds;
       proposal.log_mass += weigher_.best_evidence(view, std::span(&proposal.map_T_robot.pose, 1));
       best_log = std::max(best_log, proposal.log_mass);
     }
@@ -314,6 +464,22 @@ class Localizer::Impl {
     return true;
   }
 
+  /// Odometry still tells where the robot is, since the pose was sure: then it is not far from
+  /// there, unless somebody carried it.
+  [[nodiscard]] bool is_riding() const {
+    constexpr double kNearM = 1.5;
+    if (!riding_) return false;
+    const Eigen::Matrix3d& covariance = riding_->map_T_robot().covariance;
+    return std::max(covariance(0, 0), covariance(1, 1)) < kNearM * kNearM;
+  }
+
+  /// Beams go through walls that the map is sure of: no crowd does that, nor new furniture.
+  [[nodiscard]] bool looks_carried() const {
+    constexpr double kThrough = 0.1;
+    constexpr double kKnown = 0.7;
+    return fit_.mean().violations > kThrough && fit_.mean().known > kKnown;
+  }
+
   std::vector<PoseBelief::Proposal> search(const LocalizationScan& view, const char* reason) {
     const auto start = std::chrono::steady_clock::now();
     PlacesFound found = find_places(view, map_);
@@ -332,8 +498,8 @@ class Localizer::Impl {
 
   /// Is a pose where the robot may be by what was believed, but for a slip of the wheels?
   [[nodiscard]] static bool is_near(const Pose2& pose, const LocalizationEstimate& estimate) {
-    constexpr double kSlipM = 1.5;
-    constexpr double kSlipRad = 0.6;
+    constexpr double kSlipM = 3.0;
+    constexpr double kSlipRad = 1.0;
     constexpr double kSigmas = 4.0;
     const double sigma_m = std::sqrt(estimate.covariance.topLeftCorner<2, 2>().trace());
     return is_within(pose, estimate.map_T_robot, kSlipM + kSigmas * sigma_m, kSlipRad);
@@ -386,7 +552,17 @@ class Localizer::Impl {
   int best_id_ = -1;
   double best_since_m_ = 0.0;
   RecentFit fit_{};
+  FitAlongWay lately_{1.5};
+  FitAlongWay along_{8.0};
+  StateJudge state_;
+  Pose2 odom_at_fit_{};
+  NearSearchPace near_pace_{};
+  PoseWithCovariance2 foretold_{};       ///< at this scan, before it was looked at
+  std::optional<double> untold_at_m_{};  ///< where counts were lost, until the robot is found
   int doubted_scans_ = 0;
+  std::optional<PoseTrack>
+      riding_{};  ///< from where the state was TRACKING last, by odometry alone
+  double ride_pace_m_ = 0.0;
   double rest_share_ = 0.0;
   SearchPace pace_{};
 

@@ -2,7 +2,6 @@
 
 #include "geometry/symmetric_matrix.hpp"
 #include "localization/map_tables.hpp"
-#include "loopstone/registration/map_match.hpp"
 
 namespace loopstone {
 
@@ -27,6 +26,15 @@ Eigen::Matrix3d spread_of(const Eigen::Matrix3d& covariance) {
   return spread;
 }
 
+/// Returns in the laser's frame.
+std::vector<Eigen::Vector2d> seen_by_laser(const LocalizationScan& scan) {
+  const Pose2 lidar_T_robot = scan.robot_T_lidar.inverse();
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(scan.points_robot.size());
+  for (const auto& point : scan.points_robot) points.emplace_back(lidar_T_robot * point);
+  return points;
+}
+
 }  // namespace
 
 PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map) {
@@ -35,10 +43,7 @@ PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map
   options.poses_max = kPlacesMost;
   options.refined_max = 2 * kPlacesMost;
   const Pose2 lidar_T_robot = scan.robot_T_lidar.inverse();
-  std::vector<Eigen::Vector2d> points;
-  points.reserve(scan.points_robot.size());
-  for (const auto& point : scan.points_robot) points.emplace_back(lidar_T_robot * point);
-  const MapMatch match = match_on_map(points, map.tables().search, {}, options);
+  const MapMatch match = match_on_map(seen_by_laser(scan), map.tables().search, {}, options);
   PlacesFound found{.complete = match.complete};
   for (const MatchResult& pose : match.poses) {
     PoseBelief::Proposal proposal{
@@ -48,6 +53,16 @@ PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map
   }
   if (!match.poses.empty()) found.best_score = match.poses.front().score;
   return found;
+}
+
+std::vector<MatchResult> match_near(const LocalizationScan& scan, const LocalizationMap& map,
+                                    const SearchWindow& window, const MapMatchOptions& options) {
+  SearchWindow of_laser = window;
+  of_laser.centre = window.centre * scan.robot_T_lidar;
+  MapMatch match = match_on_map(seen_by_laser(scan), map.tables().search, of_laser, options);
+  const Pose2 lidar_T_robot = scan.robot_T_lidar.inverse();
+  for (MatchResult& pose : match.poses) pose.target_T_source = pose.target_T_source * lidar_T_robot;
+  return std::move(match.poses);
 }
 
 }  // namespace loopstone

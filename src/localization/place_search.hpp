@@ -6,6 +6,7 @@
 #include "loopstone/localization/localization_map.hpp"
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/pose_belief.hpp"
+#include "loopstone/registration/map_match.hpp"
 
 namespace loopstone {
 
@@ -21,6 +22,13 @@ struct PlacesFound {
 
 /// Compares the scan with every place of the map. Cost: see match_on_map.
 [[nodiscard]] PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map);
+
+/// Where near a pose it may have been taken: map_T_robot, the best first.
+/// \param window  of map_T_robot
+[[nodiscard]] std::vector<MatchResult> match_near(const LocalizationScan& scan,
+                                                  const LocalizationMap& map,
+                                                  const SearchWindow& window,
+                                                  const MapMatchOptions& options);
 
 /// When the map is searched again: at once, then after ever more travel.
 class SearchPace {

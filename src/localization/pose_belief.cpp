@@ -276,7 +276,7 @@ void PoseBelief::take_masses(std::span<const double> log_masses) {
     places_[i].log_mass = log_masses[i] - sum.log_total;
 }
 
-void PoseBelief::settle() {
+void PoseBelief::settle(bool spread) {
   regroup();
   const PoseLattice lattice(options_.bin_m, options_.bin_rad);
   const std::size_t fair =
@@ -291,12 +291,13 @@ void PoseBelief::settle() {
   for (PlaceBelief& place : places_) {
     if (!place.log_evidence) continue;
     const GaussianMotion around = widely_around(place.moments);
-    renewal.injection = Injection<Pose2>{
-        .share =
-            [&](double evidence) {
-              return std::min(kInjectedMost, place.injection.share_after(evidence));
-            },
-        .sample = [&](Rng& rng) { return around.sample(Pose2{}, rng); }};
+    renewal.injection =
+        Injection<Pose2>{.share =
+                             [&](double evidence) {
+                               const double share = place.injection.share_after(evidence);
+                               return spread ? std::min(kInjectedMost, share) : 0.0;
+                             },
+                         .sample = [&](Rng& rng) { return around.sample(Pose2{}, rng); }};
     // A place of few particles is filled up, however even their weights are.
     constexpr double kAlways = 2.0;
     constexpr double kWhenUneven = 0.5;

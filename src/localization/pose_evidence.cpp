@@ -52,6 +52,26 @@ void RecentFit::add(const BeamFit& fit) {
       followed(mean_->violations, fit.violations, fit.violations > mean_->violations);
   mean_->unexpected =
       followed(mean_->unexpected, fit.unexpected, fit.unexpected > mean_->unexpected);
+  mean_->silent = followed(mean_->silent, fit.silent, fit.silent > mean_->silent);
+  mean_->known = followed(mean_->known, fit.known, fit.known < mean_->known);
+}
+
+void FitAlongWay::add(const BeamFit& fit, double way_m) {
+  const FitOverWay newest{fit.explained, fit.violations, fit.unexpected, fit.known, fit.silent};
+  if (!mean_) mean_ = newest;
+  const double share = 1.0 - std::exp(-way_m / length_m_);
+  const auto follow = [&](double FitOverWay::*value) {
+    (*mean_).*value += share * (newest.*value - (*mean_).*value);
+  };
+  follow(&FitOverWay::explained);
+  follow(&FitOverWay::violations);
+  follow(&FitOverWay::unexpected);
+  follow(&FitOverWay::known);
+  follow(&FitOverWay::silent);
+}
+
+void FitAlongWay::add_blind_scan(double way_m) {
+  if (mean_) mean_->explained *= std::exp(-way_m / length_m_);
 }
 
 void RecentFit::add_blind_scan() {

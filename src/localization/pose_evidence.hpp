@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "loopstone/localization/localization_result.hpp"
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/pose_belief.hpp"
 
@@ -27,6 +28,26 @@ class RecentFit {
 
  private:
   std::optional<BeamFit> mean_{};
+};
+
+/// How the scans of the last metres fit the map. A robot that stands sees the same again and again,
+/// so evidence counts by the way it was gathered on.
+class FitAlongWay {
+ public:
+  /// \param length_m  over about so much way, exponentially less of what was before
+  explicit FitAlongWay(double length_m) : length_m_(length_m) {}
+
+  void add(const BeamFit& fit, double way_m);
+  /// A scan without returns confirms nothing: what was explained is forgotten with the way.
+  void add_blind_scan(double way_m);
+  void reset() { mean_.reset(); }
+
+  [[nodiscard]] bool any() const { return mean_.has_value(); }
+  [[nodiscard]] FitOverWay mean() const { return mean_.value_or(FitOverWay{}); }
+
+ private:
+  double length_m_;
+  std::optional<FitOverWay> mean_{};
 };
 
 }  // namespace loopstone

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <utility>
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/field_match.hpp"
@@ -73,6 +74,27 @@ MatchResult best_match(std::span<const Eigen::Vector2d> points, const MapField& 
   return best;
 }
 
+/// The returns that may lie on a wall, by the pose foretold and its covariance: people and what
+/// else stands in free space must not draw the pose. All of them where too few are left.
+std::vector<Eigen::Vector2d> near_walls(std::vector<Eigen::Vector2d> points, const MapField& field,
+                                        const PoseWithCovariance2& foretold) {
+  constexpr double kNearM = 0.3;
+  constexpr double kSigmas = 3.0;
+  constexpr double kLeastShare = 0.3;
+  const Eigen::Matrix3d& covariance = foretold.covariance;
+  const double sigma_m = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+  const double sigma_rad = std::sqrt(covariance(2, 2));
+  const Grid<float>& distances = field.distances();
+  std::vector<Eigen::Vector2d> near;
+  for (const auto& point : points) {
+    const Cell cell = distances.frame().cell_of(foretold.pose * point);
+    const double reach_m = kNearM + kSigmas * (sigma_m + sigma_rad * point.norm());
+    if (static_cast<double>(distances.value_or(cell, 0.0F)) <= reach_m) near.push_back(point);
+  }
+  const double least = kLeastShare * static_cast<double>(points.size());
+  return static_cast<double>(near.size()) < least ? std::move(points) : near;
+}
+
 }  // namespace
 
 Eigen::Matrix2d scale_covariance(const Eigen::Matrix2d& position, const Eigen::Vector2d& way) {
@@ -131,7 +153,7 @@ void RangeOffset::learn(std::span<const Eigen::Vector2d> points_robot,
 bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot,
                        const Eigen::Vector2d& laser_robot, const MapField& field,
                        RangeOffset& offset) {
-  const auto points = offset.applied(points_robot, laser_robot);
+  const auto points = near_walls(offset.applied(points_robot, laser_robot), field, map_T_robot_);
   constexpr int kLookAroundEvery = 8;
   const bool look_around = ++registered_ % kLookAroundEvery == 0;
   const MatchResult match = best_match(points, field, map_T_robot_.pose, look_around);

@@ -19,11 +19,15 @@ constexpr double kOdometryFactor = 2.0;
 constexpr double kJitterM = 0.01;
 constexpr double kJitterRad = 0.005;
 constexpr double kLeastSeconds = 1e-6;
+/// Standard deviation of what lost counts did not tell, by the fastest that the robot has been seen
+/// to move.
+constexpr double kUntold = 0.5;
 
 }  // namespace
 
 PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) {
   PoseWithCovariance2 motion;
+  untold_m_ = 0.0;
   if (!first_stamp_) first_stamp_ = stamp;
   const Stamp from = last_stamp_.value_or(stamp);
   last_stamp_ = stamp;
@@ -34,6 +38,16 @@ PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) 
     motion = *known;
     motion.covariance *= kOdometryFactor;
     velocity_ = log(motion.pose) / std::max(duration_s, kLeastSeconds);
+    if (const double untold_s = odometer.untold_s(from, stamp); untold_s > 0.0) {
+      const double sigma_m = kUntold * fastest_m_s_ * untold_s;
+      untold_m_ = sigma_m;
+      const double sigma_rad = kUntold * fastest_rad_s_ * untold_s;
+      motion.covariance.diagonal() +=
+          Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
+    } else {
+      fastest_m_s_ = std::max(fastest_m_s_, velocity_.head<2>().norm());
+      fastest_rad_s_ = std::max(fastest_rad_s_, std::abs(velocity_.z()));
+    }
   } else {
     motion.pose = exp(Tangent2(velocity_ * duration_s));
     const double sigma_m = kUnknownSpeed * duration_s;

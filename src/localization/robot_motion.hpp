@@ -44,6 +44,8 @@ class RobotMotion {
     return velocity_;
   }  ///< robot frame [m/s, m/s, rad/s]
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
+  /// What odometry may have missed of the last step, one standard deviation [m].
+  [[nodiscard]] double untold_m() const { return untold_m_; }
   [[nodiscard]] bool had_odometry() const { return had_odometry_; }
 
  private:
@@ -53,6 +55,9 @@ class RobotMotion {
   std::optional<Stamp> first_stamp_{};
   std::optional<Stamp> last_stamp_{};
   Tangent2 velocity_ = Tangent2::Zero();
+  double untold_m_ = 0.0;
+  double fastest_m_s_ = 0.0;  ///< that odometry has told of
+  double fastest_rad_s_ = 0.0;
   bool had_odometry_ = false;
   double travelled_m_ = 0.0;
   PoseWithCovariance2 since_weighing_{};

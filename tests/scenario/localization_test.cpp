@@ -69,9 +69,9 @@ TEST(LocalizationSimulated, AKidnappedRobotNoticesAndIsFoundWithinFiveMetres) {
     const LocalizationResult result = localize(drive, guess_of(drive));
     const auto path_m = path_until_found(result, drive);
     ASSERT_TRUE(path_m.has_value()) << "seed " << seed;
-    // 95 of 100 in docs/accuracy.md. Of these drives it is 0.3 m at most, but another draw of
-    // particles may need a scan more.
-    EXPECT_TRUE(as_usual(*path_m, 0.5)) << "seed " << seed;
+    // Of these drives it is 1.2 m at most: a robot that was sure is carried more seldom than it
+    // meets people, so it takes evidence over some way.
+    EXPECT_TRUE(as_usual(*path_m, 1.2)) << "seed " << seed;
     // It was TRACKING before, said so no longer for a while, and searched the map.
     bool doubted = false;
     for (const LocalizationEstimate& estimate : result.estimates) {

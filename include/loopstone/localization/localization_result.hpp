@@ -25,9 +25,21 @@ constexpr auto words_of(LocalizationState /*any*/) {
   return std::array{Word{kTracking, "TRACKING"}, Word{kDoubtful, "DOUBTFUL"}, Word{kLost, "LOST"}};
 }
 
+/// How scans fit the map from the poses followed: means over a way, the last metres counting most.
+struct FitOverWay {
+  double explained = 0.0;
+  double violations = 0.0;
+  double unexpected = 0.0;
+  double known = 0.0;
+  double silent = 0.0;
+
+  friend bool operator==(const FitOverWay&, const FitOverWay&) = default;
+};
+
 /// What speaks for and against a pose: the inputs of its probability.
 struct PoseEvidence {
-  double explained = 0.0;   ///< [0, 1], share of the returns that lie on a wall of the map
+  double explained = 0.0;   ///< [0, 1], share of the returns where the map knows what is there
+                            ///< that lie on a wall
   double violations = 0.0;  ///< [0, 1], share of the beams that went through a wall of the map
   double unexpected =
       0.0;  ///< [0, 1], share of the beams that ended well before any wall: people, new things
@@ -41,6 +53,10 @@ struct PoseEvidence {
       /// registration against prediction, squared Mahalanobis distance / 3, mean of the last ones
       0.0;
   double followed_m = 0.0;  ///< path over which the hypothesis has held
+  double known = 0.0;       ///< [0, 1], share of the returns where the map knows what is there
+  double silent = 0.0;      ///< [0, 1], share of the beams without a return where a wall is near
+  FitOverWay lately{};      ///< over about the last 1.5 m
+  FitOverWay along{};       ///< over about the last 8 m
 };
 
 /// Where the robot is at a scan, and how far to trust that.

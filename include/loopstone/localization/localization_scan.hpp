@@ -27,12 +27,18 @@ struct LocalizationScan {
                                                      const Pose2& robot_T_lidar,
                                                      const Tangent2& velocity, int count);
 
-/// How the beams of a scan fit what the map shows from a pose.
+/// How the beams of a scan fit what the map shows from a pose. A beam beside an edge may be as long
+/// as its neighbours: it is held against the longest and the shortest of the three.
 struct BeamFit {
-  double explained = 0.0;  ///< [0, 1], share of the returns that lie on a wall
-  double violations =
-      0.0;  ///< [0, 1], share of the beams that went well beyond a wall and ended on none
-  double unexpected = 0.0;  ///< [0, 1], share of the beams that ended well before the first wall
+  double explained = 0.0;   ///< [0, 1], of the returns where the map knows what is there, the share
+                            ///< that lies on a wall
+  double violations = 0.0;  ///< [0, 1], share of the beams that went well beyond a wall and ended
+                            ///< on none
+  double unexpected = 0.0;  ///< [0, 1], share of the beams that ended well before the first wall,
+                            ///< where the map is free
+  double known = 0.0;       ///< [0, 1], share of the returns where the map knows what is there
+  double silent = 0.0;      ///< [0, 1], share of the beams that came back from nothing where a wall
+                            ///< is near: glass and dark things do so
 };
 
 /// Cost: one ray a beam, about 20 us for 90 beams.

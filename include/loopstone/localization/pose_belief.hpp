@@ -91,7 +91,8 @@ class PoseBelief {
 
   /// Joins and parts places, drops negligible ones, draws particles anew where weights have become
   /// uneven, and where a place explains scans worse than it used to, some of them widely around it.
-  void settle();
+  /// \param spread  the last: false where the robot can be looked for in better ways
+  void settle(bool spread = true);
 
   /// The most probable first.
   [[nodiscard]] const std::vector<PlaceBelief>& places() const { return places_; }

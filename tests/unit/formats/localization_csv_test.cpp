@@ -34,6 +34,10 @@ std::vector<LocalizationEstimate> some_estimates(int count) {
     e.travelled_m = 0.1 * i;
     e.evidence = {rng.uniform(), rng.uniform(), rng.uniform(), rng.uniform(),
                   rng.uniform(), rng.uniform(), rng.uniform(), rng.uniform()};
+    e.evidence.known = rng.uniform();
+    e.evidence.silent = rng.uniform();
+    for (FitOverWay* fit : {&e.evidence.lately, &e.evidence.along})
+      *fit = {rng.uniform(), rng.uniform(), rng.uniform(), rng.uniform(), rng.uniform()};
     estimates.push_back(e);
   }
   return estimates;
@@ -58,6 +62,10 @@ void expect_same(const LocalizationEstimate& a, const LocalizationEstimate& b) {
   EXPECT_EQ(a.evidence.spread_rad, b.evidence.spread_rad);
   EXPECT_EQ(a.evidence.innovation, b.evidence.innovation);
   EXPECT_EQ(a.evidence.followed_m, b.evidence.followed_m);
+  EXPECT_EQ(a.evidence.known, b.evidence.known);
+  EXPECT_EQ(a.evidence.silent, b.evidence.silent);
+  EXPECT_EQ(a.evidence.lately, b.evidence.lately);
+  EXPECT_EQ(a.evidence.along, b.evidence.along);
 }
 
 std::string error_of(std::string_view text) {
@@ -86,7 +94,9 @@ TEST(LocalizationCsv, ColumnsAreNamedWithUnits) {
   EXPECT_EQ(text,
             "t_s,x_m,y_m,yaw_rad,xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2,state,"
             "probability,refined,hypotheses,particles,travelled_m,explained,violations,unexpected,"
-            "mass,precision,spread_m,spread_rad,innovation,followed_m\n");
+            "mass,precision,spread_m,spread_rad,innovation,followed_m,known,silent,"
+            "lately_explained,lately_violations,lately_unexpected,lately_known,lately_silent,"
+            "along_explained,along_violations,along_unexpected,along_known,along_silent\n");
   EXPECT_TRUE(parse_localization_csv(text).empty());
 }
 

@@ -4,6 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -15,32 +16,45 @@ namespace {
 
 /// A pose of which nothing is wrong.
 PoseEvidence perfect() {
+  const FitOverWay all{.explained = 1.0, .known = 1.0};
   return {.explained = 1.0,
           .mass = 1.0,
           .precision = 1.0,
           .spread_m = 0.03,
           .spread_rad = 0.01,
           .innovation = 0.2,
-          .followed_m = 10.0};
+          .followed_m = 10.0,
+          .known = 1.0,
+          .lately = all,
+          .along = all};
 }
 
 struct Piece {
   std::string name;
-  double PoseEvidence::*value;
+  std::function<double&(PoseEvidence&)> value;
   double most;
   bool speaks_for;  ///< the more the better
 };
 
+/// All but what is unexpected, which is set apart from what is explained.
 const std::vector<Piece>& pieces() {
-  static const std::vector<Piece> all{{"explained", &PoseEvidence::explained, 1.0, true},
-                                      {"violations", &PoseEvidence::violations, 1.0, false},
-                                      {"unexpected", &PoseEvidence::unexpected, 1.0, false},
-                                      {"mass", &PoseEvidence::mass, 1.0, true},
-                                      {"precision", &PoseEvidence::precision, 1.0, true},
-                                      {"spread_m", &PoseEvidence::spread_m, 3.0, false},
-                                      {"spread_rad", &PoseEvidence::spread_rad, 3.0, false},
-                                      {"innovation", &PoseEvidence::innovation, 50.0, false},
-                                      {"followed_m", &PoseEvidence::followed_m, 50.0, true}};
+  using E = PoseEvidence;
+  static const std::vector<Piece> all{
+      {"explained", [](E& e) -> double& { return e.explained; }, 1.0, true},
+      {"violations", [](E& e) -> double& { return e.violations; }, 1.0, false},
+      {"mass", [](E& e) -> double& { return e.mass; }, 1.0, true},
+      {"precision", [](E& e) -> double& { return e.precision; }, 1.0, true},
+      {"spread_m", [](E& e) -> double& { return e.spread_m; }, 3.0, false},
+      {"spread_rad", [](E& e) -> double& { return e.spread_rad; }, 3.0, false},
+      {"innovation", [](E& e) -> double& { return e.innovation; }, 50.0, false},
+      {"followed_m", [](E& e) -> double& { return e.followed_m; }, 50.0, true},
+      {"lately explained", [](E& e) -> double& { return e.lately.explained; }, 1.0, true},
+      {"lately violations", [](E& e) -> double& { return e.lately.violations; }, 1.0, false},
+      {"lately known", [](E& e) -> double& { return e.lately.known; }, 1.0, true},
+      {"along explained", [](E& e) -> double& { return e.along.explained; }, 1.0, true},
+      {"along violations", [](E& e) -> double& { return e.along.violations; }, 1.0, false},
+      {"along known", [](E& e) -> double& { return e.along.known; }, 1.0, true},
+      {"along silent", [](E& e) -> double& { return e.along.silent; }, 1.0, false}};
   return all;
 }
 
@@ -48,7 +62,10 @@ double drawn_up_to(double most) { return most * *rc::gen::inRange(0, 1001) / 100
 
 PoseEvidence drawn_evidence() {
   PoseEvidence evidence;
-  for (const Piece& piece : pieces()) evidence.*piece.value = drawn_up_to(piece.most);
+  for (const Piece& piece : pieces()) piece.value(evidence) = drawn_up_to(piece.most);
+  for (double* unexpected :
+       {&evidence.unexpected, &evidence.lately.unexpected, &evidence.along.unexpected})
+    *unexpected = drawn_up_to(1.0);
   return evidence;
 }
 
@@ -76,10 +93,29 @@ RC_GTEST_PROP(Confidence, MoreEvidenceForAPoseNeverLowersIt, ()) {
   for (const Piece& piece : pieces()) {
     PoseEvidence less = drawn_evidence();
     PoseEvidence more = less;
-    more.*piece.value = less.*piece.value + drawn_up_to(piece.most - less.*piece.value);
+    piece.value(more) = piece.value(less) + drawn_up_to(piece.most - piece.value(less));
     if (!piece.speaks_for) std::swap(less, more);
     if (!(pose_probability(more) >= pose_probability(less))) RC_FAIL(piece.name);
   }
+}
+
+RC_GTEST_PROP(Confidence, PeopleBeforeTheWallsNeverRaiseIt, ()) {
+  // Whatever share of the rest is explained.
+  const PoseEvidence drawn = drawn_evidence();
+  const double fewer = drawn_up_to(0.6);
+  const double more = fewer + drawn_up_to(0.6 - fewer);
+  const auto with = [&](double unexpected) {
+    PoseEvidence evidence = drawn;
+    const auto set = [&](auto& fit, double of_rest) {
+      fit.explained = of_rest * (1.0 - unexpected);
+      fit.unexpected = unexpected;
+    };
+    set(evidence, drawn.explained);
+    set(evidence.lately, drawn.lately.explained);
+    set(evidence.along, drawn.along.explained);
+    return pose_probability(evidence);
+  };
+  RC_ASSERT(with(more) <= with(fewer) + 1e-12);
 }
 
 TEST(Confidence, WhatTellsRightFromWrongCounts) {
@@ -89,7 +125,7 @@ TEST(Confidence, WhatTellsRightFromWrongCounts) {
       continue;
     }
     PoseEvidence worse = perfect();
-    worse.*piece.value = 0.5 * piece.most;
+    piece.value(worse) = 0.5 * piece.most;
     EXPECT_LT(pose_probability(worse), pose_probability(perfect()) - 1e-3) << piece.name;
   }
 }
@@ -102,6 +138,8 @@ TEST(Confidence, APerfectPoseIsTrackedAndOneThatExplainsNothingIsLost) {
   wrong.unexpected = 0.3;
   wrong.innovation = 10.0;
   wrong.followed_m = 0.0;
+  wrong.lately =
+      wrong.along = {.explained = 0.15, .violations = 0.4, .unexpected = 0.3, .known = 1.0};
   EXPECT_LT(pose_probability(wrong), 0.1);
 }
 
@@ -116,6 +154,8 @@ TEST(Confidence, APlaceWithNewFurnitureIsNotLost) {
   evidence.explained = 0.5;
   evidence.violations = 0.08;
   evidence.unexpected = 0.4;
+  evidence.lately =
+      evidence.along = {.explained = 0.5, .violations = 0.08, .unexpected = 0.4, .known = 1.0};
   EXPECT_GE(pose_probability(evidence), 0.1);
 }
 

@@ -135,9 +135,42 @@ TEST(BeamFitLaws, ABeamWithoutReturnSpeaksAgainstANearWallOnly) {
   LaserScan scan = scan_from(room, pose, kMount, {});
   std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), std::numeric_limits<float>::infinity());
   scan.range_max_m = 30.0;
-  EXPECT_GT(fit_beams(view_of(scan), map, pose).violations, 0.99);
+  EXPECT_GT(fit_beams(view_of(scan), map, pose).silent, 0.99);
+  EXPECT_EQ(fit_beams(view_of(scan), map, pose).violations, 0.0);
   scan.range_max_m = 2.0;  // dark walls at that distance may send nothing back
-  EXPECT_LT(fit_beams(view_of(scan), map, pose).violations, 0.2);
+  EXPECT_LT(fit_beams(view_of(scan), map, pose).silent, 0.2);
+}
+
+TEST(BeamFitLaws, WhereTheMapKnowsNothingNothingSpeaksForOrAgainstAPose) {
+  const Walls room = furnished_room();
+  const Pose2 pose{3.0, 3.0, 0.0};
+  Grid<std::int8_t> occupancy = drawn(room, kLow, kHigh);
+  const BeamFit whole = fit_beams(view_from(room, pose), LocalizationMap(occupancy), pose);
+  EXPECT_GT(whole.known, 0.99);
+  // The half of the map that the robot has not seen yet.
+  for (int row = 0; row < occupancy.frame().rows; ++row) {
+    for (int column = 0; column < occupancy.frame().columns; ++column) {
+      const Cell cell{column, row};
+      if (occupancy.frame().centre_of(cell).x() > 4.0) occupancy[cell] = -1;
+    }
+  }
+  const BeamFit half = fit_beams(view_from(room, pose), LocalizationMap(occupancy), pose);
+  EXPECT_LT(half.known, 0.8);
+  EXPECT_GT(half.known, 0.3);
+  EXPECT_GT(half.explained, 0.95);
+  EXPECT_LT(half.violations + half.unexpected, 0.02);
+}
+
+TEST(BeamFitLaws, ABeamBesideAnEdgeMayPassIt) {
+  // The pose is off by less than a beam: the door's edge is passed on the wrong side.
+  const Walls room = rectangle(kLow, kHigh);
+  const Walls wall = {{{5.0, 0.0}, {5.0, 2.6}}, {{5.0, 3.4}, {5.0, 6.0}}};
+  const Pose2 pose{3.0, 3.0, 0.0};
+  const LocalizationMap map(drawn(together({room, wall}), kLow, kHigh));
+  const BeamFit fit =
+      fit_beams(view_from(together({room, wall}), pose), map, pose * Pose2{0.0, 0.0, 0.02});
+  EXPECT_LT(fit.violations, 0.005);
+  EXPECT_LT(fit.unexpected, 0.005);
 }
 
 TEST(BeamFitLaws, AWrongPoseExplainsLess) {

@@ -95,6 +95,23 @@ TEST(PoseTrack, IsDrawnToTheWalls) {
   EXPECT_LT(track.map_T_robot().covariance.trace(), 0.1 * before.trace());
 }
 
+TEST(PoseTrack, PeopleBeforeTheWallsDoNotDrawIt) {
+  const Walls room = furnished_room();
+  const MapField field(drawn(room, kLow, kHigh));
+  const Pose2 truth{3.0, 3.0, 0.0};
+  // Two of them walk ahead of the robot, half a metre before a wall and more.
+  const Walls people = {{{5.0, 1.8}, {5.2, 2.8}}, {{5.2, 3.3}, {5.0, 4.3}}};
+  const auto points = points_from(test::together({room, people}), truth);
+  PoseTrack track(sure(truth * Pose2{0.02, -0.02, 0.005}));
+  RangeOffset offset;
+  for (int i = 0; i < 20; ++i) {
+    track.advance(step(0.0));
+    ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
+  }
+  EXPECT_TRUE(pose_near(track.map_T_robot().pose, truth, 0.025, 0.006));
+  EXPECT_LT(track.innovation(), 0.5);
+}
+
 TEST(PoseTrack, InnovationIsSmallWhenAllIsWellAndGrowsWhenNothingFits) {
   const Walls room = furnished_room();
   const MapField field(drawn(room, kLow, kHigh));
