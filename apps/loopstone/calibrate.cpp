@@ -1,22 +1,18 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "commands.hpp"
-#include "interrupt.hpp"
+#include "log_calibration.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/odometry/dead_reckoning.hpp"
-#include "loopstone/slam/mapper.hpp"
-#include "loopstone/slam/robot_correction.hpp"
 #include "output_path.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
@@ -41,35 +37,6 @@ open is said to be so. With -o a robot file is written in which only that is cha
 Examples:
   loopstone calibrate LOG
   loopstone calibrate LOG -o robot.toml && loopstone map LOG -o out --robot robot.toml)";
-
-/// Wheels by themselves, without a gyro: what they tell of radius and track.
-struct WheelFindings {
-  Calibration found{};
-  WheelModel wheels{};  ///< with what is certainly wrong put right
-};
-
-constexpr double kHarmless = 0.001;
-
-/// What a robot file may be changed for.
-bool is_wrong(const CalibratedValue& value) {
-  return value.observable &&
-         std::abs(value.value - value.given) > std::max(3.0 * value.sigma, kHarmless);
-}
-
-std::optional<WheelFindings> judge_wheels(const DeadReckoningResult& by_wheels,
-                                          const MapResult& map, const WheelModel& wheels) {
-  if (by_wheels.wheel_readings == 0 || map.calibration.motions == 0) return {};
-  std::deque<TrackedPose> track;
-  for (const StampedPose2& pose : map.trajectory.poses())
-    track.push_back({pose.stamp, pose.pose, by_wheels.trajectory.nearest(pose.stamp, Duration{})});
-  WheelFindings findings{calibrate(track, map.calibration.robot_T_lidar()), wheels};
-  const CalibratedValue& way = findings.found.translation_scale;
-  const CalibratedValue& turn = findings.found.rotation_scale;
-  if (is_wrong(way)) findings.wheels.metres_per_count /= way.value;
-  if (way.observable && is_wrong(turn))
-    findings.wheels.track_width_m *= turn.value / (is_wrong(way) ? way.value : 1.0);
-  return findings;
-}
 
 /// One value, once for people and once for scripts.
 void add_value(const std::string& key, const std::string& label, const CalibratedValue& value,
@@ -130,62 +97,8 @@ void print(const Calibration& c, const std::optional<WheelFindings>& wheels,
   result.print(context);
 }
 
-/// The robot with what is certainly wrong put right.
-RobotModel corrected(RobotModel robot, const Calibration& calibration,
-                     const std::optional<WheelFindings>& wheels) {
-  if (calibration.mount_is_off() && !calibration.several_mounts) {
-    const auto index = static_cast<std::size_t>(std::max(calibration.lidar, 0));
-    if (robot.lidars.size() <= index) robot.lidars.resize(index + 1);
-    robot.lidars[index].robot_T_lidar = calibration.robot_T_lidar();
-  }
-  if (wheels) robot.wheels = wheels->wheels;
-  // Wheels that count right need no scale.
-  const double scale = calibration.odometry_scale;
-  const bool is_off = scale > 0.0 && std::abs(scale - 1.0) > kHarmless;
-  robot.odometry_scale = is_off && !wheels ? scale : 1.0;
-  return robot;
-}
-
-/// What one reading of the log tells.
-struct Findings {
-  MapResult map{};
-  DeadReckoningResult by_wheels{};
-  bool interrupted = false;
-};
-
-Findings find(CutLog& log, const RobotModel& robot, const MapOptions& options, Threads threads) {
-  Mapper mapper(robot, options, threads);
-  DeadReckoner by_wheels(robot.wheels, {.yaw = YawSource::kWheels});
-  while (const auto message = log.next()) {
-    by_wheels.add(*message);
-    mapper.add(*message);
-    while (mapper.next_update()) {
-    }
-  }
-  const HeldInterrupt held;
-  MapResult map = mapper.finish();
-  ProgressDisplay::clear_line();
-  return {std::move(map), by_wheels.finish(), log.interrupted()};
-}
-
-/// Once more with beams as they are, if the first reading finds them to be off. All else follows
-/// from them.
-void find_anew(const Arguments& arguments, const MapOptions& options, RobotModel& robot,
-               ProgressDisplay& display, Findings& findings, const AppContext& context) {
-  const Calibration first = findings.map.calibration;
-  if (!first.map_is_bent() || findings.interrupted) return;
-  robot = corrected_robot(std::move(robot), first);
-  const auto reader = open_log(arguments.log, log_options(arguments.reading, context));
-  CutLog log(*reader, arguments.cut, !context.robot_given(), "calibrating anew", display);
-  findings = find(log, robot, options, context.threads());
-  tell_of_correction(first, findings.map);
-}
-
 ExitCode run(const Arguments& arguments, const AppContext& context) {
-  auto options = context.load_options<MapOptions>();
-  options.calibration = true;
-  // The robot's motion over a second needs no closed loops.
-  options.loop_closure = options.adjustment.enabled = false;
+  const auto options = context.load_options<MapOptions>();
   const LogFiles log_files(arguments.log);
   Outputs outputs(context, arguments.force);
   outputs.reads_log(arguments.log);
@@ -195,14 +108,12 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const auto reader =
       open_log(arguments.log, log_options(arguments.reading, context, &print_problem));
   tell_choices(*reader, context);
-  RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
+  const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
   outputs.prepare();
 
   ProgressDisplay display(context);
-  CutLog log(*reader, arguments.cut, !context.robot_given(), "calibrating", display);
-  Findings findings = find(log, robot, options, context.threads());
-  (void)log.judge(arguments.log);
-  find_anew(arguments, options, robot, display, findings, context);
+  const RobotFindings findings = calibrate_log(arguments.log, *reader, robot, arguments.cut,
+                                               arguments.reading, options, display, context);
   for (const std::string& change : log_files.changes()) context.warn(change);
   const Calibration& calibration = findings.map.calibration;
   if (calibration.motions == 0) {
@@ -210,10 +121,9 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
                     "too little to calibrate by: it takes odometry that agrees with the laser, and "
                     "half a minute of driving");
   }
-  const auto wheels = judge_wheels(findings.by_wheels, findings.map, robot.wheels);
   if (!arguments.output.empty())
-    write_text_file(arguments.output, robot_to_toml(corrected(robot, calibration, wheels)));
-  print(calibration, wheels, robot, arguments.output, context);
+    write_text_file(arguments.output, robot_to_toml(findings.corrected));
+  print(calibration, findings.wheels, findings.given, arguments.output, context);
   if (findings.interrupted) context.warn("interrupted: the values are of what was read until then");
   return findings.interrupted ? kExitInterrupted : kExitDone;
 }

@@ -12,9 +12,11 @@
 #include "bounds.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "log_calibration.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/ros_map.hpp"
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/localization/localizer.hpp"
 #include "loopstone/report/localization_figures.hpp"
 #include "loopstone/report/localization_outputs.hpp"
@@ -40,6 +42,7 @@ struct Arguments {
   std::optional<std::int64_t> particles;
   std::uint64_t seed = 1;
   LogCut cut;
+  bool no_calibration = false;
   std::string report;
   std::string animation;
   std::vector<std::string> require;
@@ -278,6 +281,50 @@ ExitCode tell(const LocalizationResult& result, const Grid<std::int8_t>& occupan
   return kExitInterrupted;
 }
 
+/// The robot that wrote a log.
+struct Robot {
+  RobotModel model{};
+  bool mounts_from_log = true;  ///< what scans say of their laser's place on it counts
+  std::vector<std::string> warnings{};
+};
+
+std::vector<std::string> words_on(const RobotFindings& findings) {
+  const Calibration& found = findings.map.calibration;
+  const std::string end =
+      ", as its driving tells: taken to be so; `loopstone calibrate -o` writes a robot file";
+  std::vector<std::string> words;
+  if (findings.mount_is_certain()) {
+    words.push_back(fmt::format(
+        "the laser sits at ({:.3f}, {:.3f}) m and looks {:.2f} deg to the left, not at ({:.3f}, "
+        "{:.3f}) m and {:.2f} deg{}",
+        found.lidar_x_m.value, found.lidar_y_m.value, degrees(found.lidar_yaw_rad.value),
+        found.lidar_x_m.given, found.lidar_y_m.given, degrees(found.lidar_yaw_rad.given), end));
+  }
+  if (found.sweep_is_off) {
+    words.push_back(fmt::format("the beams of a scan leave over {:.0f} ms, not at once{}",
+                                1e3 * found.sweep_s.value, end));
+  }
+  if (found.laser_is_mirrored) words.push_back("the laser hangs upside down" + end);
+  return words;
+}
+
+/// As it is given, or else as the first minutes of its driving tell it (docs/calibration.md).
+Robot robot_as_driven(const Arguments& arguments, const RobotModel& given, ProgressDisplay& display,
+                      const AppContext& context) {
+  constexpr double kEnoughS = 300.0;
+  Robot robot{.model = given, .mounts_from_log = !context.robot_given()};
+  if (context.robot_given() || arguments.no_calibration) return robot;
+  LogCut cut = arguments.cut;
+  cut.duration_s = cut.duration_s > 0.0 ? std::min(cut.duration_s, kEnoughS) : kEnoughS;
+  const auto reader = open_log(arguments.log, log_options(arguments.reading, context));
+  const RobotFindings findings = calibrate_log(arguments.log, *reader, given, cut,
+                                               arguments.reading, MapOptions{}, display, context);
+  robot.model = findings.mount_is_certain() ? findings.corrected : findings.given;
+  robot.mounts_from_log = !findings.mount_is_certain();
+  robot.warnings = words_on(findings);
+  return robot;
+}
+
 ExitCode run(const Arguments& arguments, const AppContext& context) {
   const auto start = Clock::now();
   const std::vector<Bound> bounds = parse_bounds(arguments.require);
@@ -293,15 +340,15 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const auto reader =
       open_log(arguments.log, log_options(arguments.reading, context, &print_problem));
   tell_choices(*reader, context);
+  ProgressDisplay display(context);
+  const Robot robot = robot_as_driven(arguments, robot_of(*reader, context), display, context);
   const HeldInterrupt held;
   outputs.prepare();
-  const RobotModel robot = robot_of(*reader, context);
-
-  ProgressDisplay display(context);
-  CutLog log(*reader, arguments.cut, !context.robot_given(), "localising", display);
-  LocalizationResult result =
-      localize(log, Localizer(map, robot, options, initial, arguments.seed, context.threads()));
+  CutLog log(*reader, arguments.cut, robot.mounts_from_log, "localising", display);
+  LocalizationResult result = localize(
+      log, Localizer(map, robot.model, options, initial, arguments.seed, context.threads()));
   ProgressDisplay::clear_line();
+  result.warnings.insert(result.warnings.begin(), robot.warnings.begin(), robot.warnings.end());
   const LeftOut left_out = judge(log, log_files, arguments.log, result);
 
   LocalizationRunInfo info = info_of(arguments, left_out, options, map, initial, context);
@@ -354,6 +401,8 @@ void add_localize_command(CLI::App& app, AppContext& context) {
       ->add_option("--animation", arguments->animation,
                    "folder for a numbered series of pictures, one every half metre of the path")
       ->type_name("DIR");
+  command->add_flag("--no-calibration", arguments->no_calibration,
+                    "take laser and odometry as they are given; --robot does so, too");
   add_require_flag(*command, arguments->require);
   add_log_flags(*command, arguments->reading);
   command->add_flag("--force", arguments->force,

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "app.hpp"
+#include "log_flags.hpp"
+#include "log_run.hpp"
+#include "loopstone/formats/log_reader.hpp"
+#include "loopstone/sensor/robot_model.hpp"
+#include "loopstone/slam/map_options.hpp"
+#include "loopstone/slam/map_result.hpp"
+#include "progress_display.hpp"
+
+// What a log tells of the robot that wrote it: where its laser sits, how its beams go round, how
+// its wheels count.
+
+namespace loopstone::app {
+
+/// Wheels by themselves, without a gyro: what they tell of radius and track.
+struct WheelFindings {
+  Calibration found{};
+  WheelModel wheels{};  ///< with what is certainly wrong put right
+};
+
+struct RobotFindings {
+  RobotModel given{};      ///< as it was mapped: beams that are off are put right already
+  RobotModel corrected{};  ///< with all that is certainly wrong put right
+  MapResult map{};         ///< of a mapping without loops; its calibration is what was found
+  std::optional<WheelFindings> wheels{};
+  LogSummary log{};  ///< what was read
+  bool interrupted = false;
+
+  /// What scans say of their laser's place on the robot is wrong.
+  [[nodiscard]] bool mount_corrected() const {
+    return map.calibration.mount_is_off() && !map.calibration.several_mounts;
+  }
+  /// Nor does the log mean that the laser is the robot's centre: a map would be corrected.
+  [[nodiscard]] bool mount_is_certain() const {
+    return mount_corrected() && map.calibration.is_corrected;
+  }
+};
+
+/// Reads a log, and once more when its beams are off (robot_correction.hpp).
+/// Cost: as mapping it without closing loops. Throws DataError when nothing can be made of the log.
+[[nodiscard]] RobotFindings calibrate_log(const std::string& path, LogReader& reader,
+                                          const RobotModel& robot, const LogCut& cut,
+                                          const LogFlags& reading, MapOptions options,
+                                          ProgressDisplay& display, const AppContext& context);
+
+}  // namespace loopstone::app
