@@ -6,8 +6,8 @@ The program is built by `make bench` (-DLOOPSTONE_BENCH=ON). Recorded maps are l
 $LOOPSTONE_DATA, else in ../shared/data; without them the built-in worlds must do. What was driven
 is kept in build/bench/confidence-*.json.
 
-  bench/confidence.py fit        training drives; writes src/localization/confidence_weights.hpp:
-                                 build anew after it
+  bench/confidence.py fit        training drives, and those of bench/own_maps.py with other seeds;
+                                 writes src/localization/confidence_weights.hpp: build anew after it
   bench/confidence.py measure    held-out drives; writes the tables and the picture of
                                  docs/localization.md
   ... --seeds N                  drives of each kind in each place (default 4)
@@ -28,6 +28,8 @@ import confidence_tables as report  # noqa: E402
 from confidence_drives import KINDS, Drive, drive_through, planned  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
+from own_maps_measure import Drive as OwnMapDrive  # noqa: E402
+from own_maps_measure import OwnMaps  # noqa: E402
 from program import Loopstone, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
 
@@ -36,8 +38,11 @@ PICTURE = ROOT / "docs/images/localization_reliability.svg"
 # No drive is in both sets. Seeds: of a kind of drive in a place.
 FIRST_SEED = {"fit": 1, "measure": 100001}
 SEEDS, QUICK_SEEDS = 4, 1
-# Neighbouring scans say the same: every so manieth teaches.
-TEACHING_SCANS = 4
+OWN_MAPS_SEED = 301  # bench/own_maps.py measures others
+# A log of another building is rare, and there are as many pairs of them as one likes.
+OWN_MAPS_WEIGHTS = {"own": 1.0, "day": 1.0, "published": 1.0, "other": 0.5}
+# Neighbouring scans say the same: so many of a drive teach, evenly spread.
+SCANS_OF_A_DRIVE = 150
 
 
 def drives_of(arguments):
@@ -54,9 +59,26 @@ def drives_of(arguments):
     return drives, section
 
 
+def own_map_drives(arguments):
+    """On maps that the mapper drew, of recorded and of unkind simulated logs."""
+    if arguments.quick:
+        return []
+    kept = arguments.work / "confidence-own-maps.json"
+    if arguments.again:
+        return [OwnMapDrive(**drive) for drive in json.loads(kept.read_text())]
+    work = arguments.work / "own_maps"
+    work.mkdir(parents=True, exist_ok=True)
+    loopstone = Loopstone(arguments.programs / "loopstone", work)
+    drives = list(OwnMaps(loopstone, arguments.data, OWN_MAPS_SEED).drives())
+    kept.write_text(json.dumps([drive.as_json() for drive in drives]))
+    return drives
+
+
 def fit(arguments):
     drives, _ = drives_of(arguments)
-    samples = model.samples_of(drives, TEACHING_SCANS, lambda drive: KINDS[drive.kind].weight)
+    drives += own_map_drives(arguments)
+    weights = {**{kind: what.weight for kind, what in KINDS.items()}, **OWN_MAPS_WEIGHTS}
+    samples = model.samples_of(drives, SCANS_OF_A_DRIVE, lambda drive: weights[drive.kind])
     before = model.read_weights(ROOT)
     weights, likelihood = model.fit(samples, before)
     say(

@@ -1,7 +1,9 @@
 """Simulated drives through localisation whose truth is known, for its probability: which there are,
 and what came of them."""
+import concurrent.futures
 import dataclasses
 import itertools
+import os
 import pathlib
 
 from program import Failed, run, say
@@ -12,20 +14,14 @@ BEAMS = [180, 1081]
 DURATION_S = 60
 # One line of the trace that measure_localization writes.
 COLUMNS = [
-    "right",
-    "error_m",
-    "error_rad",
-    "probability",
-    "explained",
-    "violations",
-    "unexpected",
-    "mass",
-    "precision",
-    "spread_m",
-    "spread_rad",
-    "innovation",
-    "followed_m",
-    "travelled_m",
+    *"right error_m error_rad tracking lost probability".split(),
+    *"explained violations unexpected mass precision spread_m spread_rad innovation".split(),
+    *"travelled_m followed_m known silent".split(),
+    *[
+        f"{way}_{share}"
+        for way in ("lately", "along")
+        for share in ("explained", "violations", "unexpected", "known", "silent")
+    ],
 ]
 
 
@@ -159,27 +155,25 @@ def planned(data, first_seed, seeds):
 
 
 def drive_through(program, drives, work):
-    """Fills in the rows of the drives; returns those that had any."""
-    trace = work / "confidence.trace"
-    for count, drive in enumerate(drives):
-        if count % 20 == 0:
-            say(f"  drive {count + 1} of {len(drives)}")
-        trace.unlink(missing_ok=True)
+    """Fills in the rows of the drives, side by side; returns those that had any."""
+
+    def fill(numbered):
+        number, drive = numbered
+        if number % 20 == 0:
+            say(f"  drive {number + 1} of {len(drives)}")
+        trace = work / f"confidence-{number}.trace"
+        keys = [f"{key}={value}" for key, value in drive.keys.items()]
         try:
-            run(
-                [
-                    program,
-                    drive.place,
-                    *[f"{key}={value}" for key, value in drive.keys.items()],
-                    f"trace={trace}",
-                ]
-            )
+            run([program, drive.place, *keys, f"trace={trace}"])
         except Failed as failure:
             say(f"  FAILED: {failure}")
-            continue
+            return
         for line in trace.read_text().splitlines():
             drive.rows.append(dict(zip(COLUMNS, map(float, line.split()), strict=True)))
-    trace.unlink(missing_ok=True)
+        trace.unlink()
+
+    with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        list(pool.map(fill, enumerate(drives)))
     return [drive for drive in drives if drive.rows]
 
 

@@ -11,13 +11,22 @@ HEADER = pathlib.Path("src/localization/confidence_weights.hpp")
 # any.
 FEATURES = [
     ("1", 0),
-    ("explained", 1),
+    ("explained of the rest", 1),
     ("violations", -1),
     ("unexpected", -1),
+    ("lately explained of the rest", 1),
+    ("lately violations", -1),
+    ("lately unexpected", -1),
+    ("lately known", 1),
+    ("along explained of the rest", 1),
+    ("along violations", -1),
+    ("along unexpected", -1),
+    ("along known", 1),
+    ("along silent", -1),
     ("spread_m", -1),
     ("spread_rad", -1),
     ("innovation", -1),
-    ("followed_m", 1),
+    ("followed and explained", 1),
 ]
 # Standard deviation of a weight before any drive was seen: between no evidence and all of it lie
 # some e^10 in odds.
@@ -25,16 +34,32 @@ PRIOR_SIGMA = 10.0
 ITERATIONS_MOST = 200
 
 
+def of_rest(row, prefix=""):
+    """What is explained of what should be: people and new things stand before the rest."""
+    seen = max(0.3, 1.0 - row[prefix + "unexpected"])
+    return min(1.0, row[prefix + "explained"] / seen)
+
+
 def features(row):
+    along = of_rest(row, "along_")
     return [
         1.0,
-        row["explained"],
+        of_rest(row),
         math.sqrt(row["violations"]),
         row["unexpected"],
+        of_rest(row, "lately_"),
+        math.sqrt(row["lately_violations"]),
+        row["lately_unexpected"],
+        row["lately_known"],
+        along,
+        math.sqrt(row["along_violations"]),
+        row["along_unexpected"],
+        row["along_known"],
+        math.sqrt(row["along_silent"]),
         min(row["spread_m"], 1.0),
         min(row["spread_rad"], 0.5) / 0.5,
         min(math.log1p(row["innovation"]), 3.0) / 3.0,
-        min(row["followed_m"], 5.0) / 5.0,
+        along * min(row["followed_m"], 10.0) / 10.0,
     ]
 
 
@@ -50,12 +75,12 @@ def probability(weights, row):
     return row["mass"] * row["precision"] * logistic(dot(weights, features(row)))
 
 
-def samples_of(drives, every, weight_of):
+def samples_of(drives, most, weight_of):
     """(features, mass * precision, right, weight): a drive weighs the same however long it is: its
     scans are not independent."""
     samples = []
     for drive in drives:
-        rows = drive.rows[::every]
+        rows = drive.rows[:: max(1, len(drive.rows) // most)]
         for row in rows:
             samples.append(
                 (
@@ -171,8 +196,8 @@ def write_weights(root, weights, drives, scans):
 
 namespace loopstone {{
 
-// Written by `bench/confidence.py fit`: the most likely weights of {drives} simulated drives,
-// {scans} scans.
+// Written by `bench/confidence.py fit`: the most likely weights of {drives} drives, {scans}
+// scans.
 inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{{
 {lines}
 }};

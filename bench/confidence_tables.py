@@ -7,8 +7,6 @@ from doc_blocks import table
 from provenance import provenance
 
 BINS = 10
-# Default options of localisation: from here up TRACKING, below LOST.
-TRACKING, LOST = 0.9, 0.1
 
 
 def pairs_of(drives):
@@ -73,7 +71,7 @@ def longest_wrong_m(drives):
     for drive in drives:
         since = None
         for row in drive.rows:
-            if row["probability"] >= TRACKING and row["right"] < 0.5:
+            if row["tracking"] and row["right"] < 0.5:
                 since = row["travelled_m"] if since is None else since
                 longest = max(longest, row["travelled_m"] - since)
             else:
@@ -83,16 +81,17 @@ def longest_wrong_m(drives):
 
 def figures_of_some(drives):
     pairs = pairs_of(drives)
+    rows = [row for drive in drives for row in drive.rows]
     bins = reliability(pairs)
     return {
         "drives": len(drives),
         "scans": len(pairs),
         "bins": bins,
         "right": mean([float(right) for _, right in pairs]),
-        "tracking": mean([float(p >= TRACKING) for p, _ in pairs]),
-        "lost": mean([float(p < LOST) for p, _ in pairs]),
-        "wrong_tracking": mean([float(p >= TRACKING and not right) for p, right in pairs]),
-        "right_lost": mean([float(p < LOST and right) for p, right in pairs]),
+        "tracking": mean([row["tracking"] for row in rows]),
+        "lost": mean([row["lost"] for row in rows]),
+        "wrong_tracking": mean([row["tracking"] * (1.0 - row["right"]) for row in rows]),
+        "right_lost": mean([row["lost"] * row["right"] for row in rows]),
         "auc": auc(pairs),
         "brier": mean([(p - right) ** 2 for p, right in pairs]),
         "calibration": calibration_error(bins),

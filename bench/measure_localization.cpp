@@ -168,10 +168,17 @@ int measure(const Arguments& arguments) {
     }
     if (trace.is_open()) {
       const PoseEvidence& e = estimate.evidence;
-      trace << fmt::format("{} {:.4f} {:.4f} {:.6f} {} {} {} {} {} {} {} {} {} {:.3f}\n",
-                           error.right() ? 1 : 0, error.metres, error.radians, estimate.probability,
+      trace << fmt::format("{} {:.4f} {:.4f} {} {} {:.6f} {} {} {} {} {} {} {} {} {:.3f}",
+                           error.right() ? 1 : 0, error.metres, error.radians, is_tracking ? 1 : 0,
+                           estimate.state == LocalizationState::kLost ? 1 : 0, estimate.probability,
                            e.explained, e.violations, e.unexpected, e.mass, e.precision, e.spread_m,
-                           e.spread_rad, e.innovation, e.followed_m, estimate.travelled_m);
+                           e.spread_rad, e.innovation, estimate.travelled_m);
+      trace << fmt::format(" {} {} {}", e.followed_m, e.known, e.silent);
+      for (const FitOverWay& fit : {e.lately, e.along}) {
+        trace << fmt::format(" {} {} {} {} {}", fit.explained, fit.violations, fit.unexpected,
+                             fit.known, fit.silent);
+      }
+      trace << '\n';
     }
   }
   if (carried_at_m) recovered_m.push_back(-1.0);
