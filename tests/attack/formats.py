@@ -381,6 +381,16 @@ FORMATS = [
         [],
         bombs_of_text.text,
     ),
+    Format(
+        "landmarks",
+        "landmarks",
+        ["landmarks/*.csv"],
+        ".csv",
+        None,
+        ["localize {log} --landmarks {in} -o {out}.tum --global"],
+        bombs_of_text.landmarks,
+    ),
+    Format("mrclam", "mrclam", ["mrclam/*.dat"], ".dat", None, [], bombs_of_text.mrclam),
     Format("message", "message", ["message/*"], ".message", None, [], bombs.message),
     Format(
         "picture_message",
