@@ -31,6 +31,7 @@ fi
 measure bench/session.py $quick
 measure bench/localization.py $quick
 measure bench/confidence.py measure $quick
+measure bench/landmarks.py $quick
 measure bench/outliers.py $quick
 measure bench/loops.py $quick
 measure bench/gaps.py $quick
