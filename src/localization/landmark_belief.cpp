@@ -12,6 +12,8 @@ namespace {
 /// So probable it is, before a reading, that the robot was carried off since the last one: about
 /// once in a day of readings ten times a second.
 constexpr double kCarriedOff = 1e-6;
+/// What a place did not explain, when it is seen again: it might have been by then.
+constexpr double kStaysUnexplained = 0.5;
 /// A pose given by hand is wrong now and then.
 constexpr double kGivenIsWrong = 0.05;
 /// Places of less weight are forgotten.
@@ -40,9 +42,25 @@ void LandmarkBelief::predict(const PoseWithCovariance2& motion) {
   for (LandmarkPlace& place : places_) place.map_T_robot = compound(place.map_T_robot, motion);
 }
 
+double LandmarkBelief::log_unexplained(const LandmarkAssociation& landmarks,
+                                       std::span<const BlindExpectation> expected) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    if (landmarks[i]) continue;
+    sum += expected[i].log_density +
+           std::log(expected[i].is_seen_before ? kStaysUnexplained : clutter_.share);
+  }
+  return sum;
+}
+
 void LandmarkBelief::update(std::span<const LandmarkObservation> observations) {
+  update(observations, std::vector<BlindExpectation>(observations.size(),
+                                                     {.log_density = clutter_.log_anywhere()}));
+}
+
+void LandmarkBelief::update(std::span<const LandmarkObservation> observations,
+                            std::span<const BlindExpectation> expected) {
   if (observations.empty()) return;
-  const auto seen = static_cast<double>(observations.size());
   std::vector<double> logs;
   for (LandmarkPlace& place : places_) {
     const JointAssociation joint =
@@ -54,9 +72,11 @@ void LandmarkBelief::update(std::span<const LandmarkObservation> observations) {
     place.chi2 = posterior.chi2;
     logs.push_back(std::log(place.weight) + posterior.log_evidence +
                    posterior.observations * clutter_.log_landmark() +
-                   (seen - posterior.observations) * clutter_.log_clutter());
+                   log_unexplained(joint.landmarks, expected));
   }
-  logs.push_back(std::log(std::max(rest_, kCarriedOff)) + seen * clutter_.log_anywhere());
+  double of_rest = std::log(std::max(rest_, kCarriedOff));
+  for (const BlindExpectation& expectation : expected) of_rest += expectation.log_density;
+  logs.push_back(of_rest);
   normalise(logs);
   for (std::size_t i = 0; i < places_.size(); ++i) places_[i].weight = logs[i];
   rest_ = logs.back();
@@ -69,13 +89,22 @@ int LandmarkBelief::add(std::span<const ConstellationMatch> matches) {
   std::vector<double> logs;
   for (const LandmarkPlace& place : places_) logs.push_back(std::log(place.weight));
   for (const ConstellationMatch& match : matches) {
-    const bool is_known = std::ranges::any_of(places_, [&](const LandmarkPlace& place) {
+    const double log_weight = std::log(rest) + match.log_gain;
+    const auto known = std::ranges::find_if(places_, [&](const LandmarkPlace& place) {
       return is_within(place.map_T_robot.pose, match.map_T_robot.pose, kSameM, kSameRad);
     });
-    if (is_known) continue;
+    // Or others would be favoured, which do not answer for what the known one failed to explain.
+    if (known != places_.end()) {
+      double& log_known = logs[static_cast<std::size_t>(known - places_.begin())];
+      if (log_weight > log_known) {
+        log_known = log_weight;
+        known->map_T_robot = match.map_T_robot;
+      }
+      continue;
+    }
     places_.push_back(
         {.map_T_robot = match.map_T_robot, .id = next_id_++, .explained = match.explained});
-    logs.push_back(std::log(rest) + match.log_gain);
+    logs.push_back(log_weight);
     ++added;
   }
   logs.push_back(std::log(rest));

@@ -29,12 +29,16 @@ constexpr double kStrayM = 0.001;
 constexpr double kStrayRad = 0.0002;
 /// With more belief in the rest than this, it is worth a search.
 constexpr double kWorthASearch = 0.01;
+/// With more than this the robot is taken to be elsewhere.
+constexpr double kLost = 0.5;
 /// Between searches that found nothing.
 constexpr Duration kSearchPause = Duration::from_milliseconds(500);
 /// At the end readings so far beyond the last odometry are taken, as scans are.
 constexpr Duration kPatience = Duration::from_milliseconds(kScanQueue.patience_ms);
-/// Readings that contradict their predictions halve the probability: no more than DOUBTFUL.
-constexpr double kContradicted = 0.5;
+/// Readings that contradict their predictions halve the probability, and so do too few of them
+/// since the place was found: no more than DOUBTFUL.
+constexpr double kUnsure = 0.5;
+constexpr int kConfirmingReadings = 5;
 /// A mean over the last readings: this share of it is the newest.
 constexpr double kNewestShare = 0.2;
 
@@ -158,13 +162,25 @@ class LandmarkTracker::Impl {
   void take_in(const std::vector<LandmarkObservation>& seen) {
     observations_ += static_cast<std::int64_t>(seen.size());
     if (seen.empty()) ++result_.scans_dropped;
-    belief_.update(seen);
+    const double rest_before = belief_.rest();
+    belief_.update(seen, window_.expectations(seen, clutter_.log_anywhere()));
+    if (is_surprised(seen, rest_before)) window_.clear();
     window_.add(seen);
     if (!seen.empty()) search_if_worthwhile();
     if (belief_.places().empty()) return;
     check_predictions(seen);
     motion_.found_at(belief_.places().front().map_T_robot.pose);
     report(seen);
+  }
+
+  /// The robot seems to have been carried off just now: what was seen before is no part of the
+  /// constellation that it sees now.
+  [[nodiscard]] bool is_surprised(const std::vector<LandmarkObservation>& seen,
+                                  double rest_before) const {
+    if (belief_.places().empty()) return false;
+    if (belief_.rest() > kLost && rest_before <= kLost) return true;
+    const auto explained = static_cast<std::size_t>(belief_.places().front().explained);
+    return seen.size() >= 2 && 2 * explained < seen.size();
   }
 
   void search_if_worthwhile() {
@@ -234,8 +250,9 @@ class LandmarkTracker::Impl {
                          .spread_rad = std::sqrt(spread(2, 2)),
                          .innovation = health.innovation_ratio,
                          .followed_m = motion_.travelled_m() - best_since_m_};
-    const double of_place =
-        estimate.evidence.mass * (health.doubt == FilterDoubt::kNone ? 1.0 : kContradicted);
+    const bool is_confirmed =
+        health.doubt == FilterDoubt::kNone && health.readings >= kConfirmingReadings;
+    const double of_place = estimate.evidence.mass * (is_confirmed ? 1.0 : kUnsure);
     estimate.probability = of_place * estimate.evidence.precision;
     estimate.state = estimate.probability >= options_.tracking_probability
                          ? LocalizationState::kTracking

@@ -2,6 +2,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+
+#include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
 namespace {
@@ -20,7 +23,33 @@ bool is_same(const LandmarkObservation& a, const LandmarkObservation& b) {
   return off.dot(spread.inverse() * off) < kSameChi2;
 }
 
+/// Things of a reading that were seen before and are seen again.
+constexpr double kSeenAgain = 0.9;
+
+double log_density(const LandmarkObservation& old, const LandmarkObservation& seen) {
+  const Eigen::Vector2d off = seen.point - old.point;
+  const Eigen::Matrix2d spread = old.covariance + seen.covariance;
+  return -0.5 * (off.dot(spread.inverse() * off) + std::log(spread.determinant())) -
+         std::log(2.0 * kPi);
+}
+
 }  // namespace
+
+std::vector<BlindExpectation> ObservationWindow::expectations(
+    const std::vector<LandmarkObservation>& reading, double log_anywhere) const {
+  std::vector<BlindExpectation> expected;
+  for (const LandmarkObservation& seen : reading) {
+    BlindExpectation expectation{.log_density = log_anywhere};
+    for (const LandmarkObservation& old : observations_) {
+      if (!is_same(old, seen)) continue;
+      const double again = std::log(kSeenAgain) + log_density(old, seen);
+      if (again <= expectation.log_density) continue;
+      expectation = {.log_density = again, .is_seen_before = true};
+    }
+    expected.push_back(expectation);
+  }
+  return expected;
+}
 
 // p_to = R^T (p_from - t):  dp/dt = -R^T,  dp/dyaw = (p_y, -p_x).
 void ObservationWindow::move(const PoseWithCovariance2& motion) {

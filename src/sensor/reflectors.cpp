@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <map>
 
 namespace loopstone {
@@ -18,7 +19,6 @@ constexpr double kStepM = 0.1;
 int band_of(float range_m) { return static_cast<int>(std::floor(2.0F * std::log2(range_m))); }
 
 float median_of(std::vector<float> values) {
-  if (values.empty()) return 0.0F;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
@@ -29,25 +29,55 @@ bool is_return(const LaserScan& scan, std::size_t beam) {
          std::isfinite(scan.intensities[beam]);
 }
 
+/// What is usual at each range: the medians of bands that have enough beams.
+class UsualIntensity {
+ public:
+  explicit UsualIntensity(const LaserScan& scan) {
+    std::map<int, std::vector<float>> bands;
+    std::vector<float> all;
+    for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+      if (!is_return(scan, beam)) continue;
+      bands[band_of(scan.ranges_m[beam])].push_back(scan.intensities[beam]);
+      all.push_back(scan.intensities[beam]);
+    }
+    for (const auto& [band, values] : bands) {
+      if (values.size() >= kEnoughBeams) medians_[band] = median_of(values);
+    }
+    if (medians_.empty() && !all.empty()) {
+      for (const auto& [band, values] : bands) medians_[band] = median_of(all);
+    }
+  }
+
+  /// Where a range itself has too few beams, the most that its neighbours suggest: nearer things
+  /// are no darker, and of those farther away light is lost with the range.
+  [[nodiscard]] double at(float range_m) const {
+    const int band = band_of(range_m);
+    const auto farther = medians_.lower_bound(band);
+    if (farther != medians_.end() && farther->first == band)
+      return static_cast<double>(farther->second);
+    double usual = 0.0;
+    if (farther != medians_.end()) {
+      const double ratio = std::exp2(0.5 * (farther->first - band));
+      usual = ratio * static_cast<double>(farther->second);
+    }
+    if (farther != medians_.begin()) {
+      usual = std::max(usual, static_cast<double>(std::prev(farther)->second));
+    }
+    return usual;
+  }
+
+ private:
+  std::map<int, float> medians_{};  ///< by band
+};
+
 std::vector<bool> bright_beams(const LaserScan& scan, const ReflectorOptions& options) {
-  std::map<int, std::vector<float>> bands;
-  std::vector<float> all;
-  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    if (!is_return(scan, beam)) continue;
-    bands[band_of(scan.ranges_m[beam])].push_back(scan.intensities[beam]);
-    all.push_back(scan.intensities[beam]);
-  }
-  const float median_of_all = median_of(all);
-  std::map<int, double> least;
-  for (const auto& [band, values] : bands) {
-    const float usual = values.size() < kEnoughBeams ? median_of_all : median_of(values);
-    least[band] = std::max(options.brightness * static_cast<double>(usual), options.intensity_min);
-  }
+  const UsualIntensity usual(scan);
   std::vector<bool> bright(scan.ranges_m.size(), false);
   for (std::size_t beam = 0; beam < bright.size(); ++beam) {
     if (!is_return(scan, beam) || scan.intensities[beam] <= 0.0F) continue;
-    bright[beam] =
-        static_cast<double>(scan.intensities[beam]) >= least[band_of(scan.ranges_m[beam])];
+    const auto intensity = static_cast<double>(scan.intensities[beam]);
+    bright[beam] = intensity >= options.brightness * usual.at(scan.ranges_m[beam]) &&
+                   intensity >= options.intensity_min;
   }
   return bright;
 }
@@ -108,6 +138,9 @@ LandmarkObservation observation_of(const LaserScan& scan, const Cluster& cluster
   LandmarkObservation seen =
       observed(range, bearing, options.range_sigma_m, bearing_sigma, robot_T_then * robot_T_lidar);
   seen.beams_beside_m = std::move(beside);
+  const Eigen::Vector2d passing(velocity.x() - velocity.z() * seen.point.y(),
+                                velocity.y() + velocity.z() * seen.point.x());
+  seen.covariance += options.stamp_sigma_s * options.stamp_sigma_s * passing * passing.transpose();
   return seen;
 }
 

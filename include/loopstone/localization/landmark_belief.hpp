@@ -21,6 +21,14 @@ struct LandmarkPlace {
   double chi2 = 0.0;  ///< of them, see LandmarkPosterior
 };
 
+/// What can be said of an observation without knowing where the robot is.
+struct BlindExpectation {
+  double log_density = 0.0;  ///< [log 1/m^2]
+  /// It is of something that was seen before. Then it tells little anew: a landmark that a place
+  /// explained is explained again, and what it did not explain stays unexplained.
+  bool is_seen_before = false;
+};
+
 /// What is believed of the robot's place: a few places, each a normal distribution, and the rest:
 /// that it is somewhere else. Every reading is more or less probable under each of them (Bayes); of
 /// the rest nothing predicts where landmarks are to be seen. So a robot that was carried away is
@@ -42,9 +50,13 @@ class LandmarkBelief {
   /// The robot moved, from_T_to.
   void predict(const PoseWithCovariance2& motion);
   /// It saw something. Without observations nothing changes.
+  /// \param expected  of each observation
+  void update(std::span<const LandmarkObservation> observations,
+              std::span<const BlindExpectation> expected);
+  /// The same where nothing was seen before.
   void update(std::span<const LandmarkObservation> observations);
-  /// Places that a search of the map found take their part of the rest's weight; those that are
-  /// known are passed over.
+  /// Places that a search of the map found take their part of the rest's weight; one that is known
+  /// has it at least.
   /// \return how many are new
   int add(std::span<const ConstellationMatch> matches);
 
@@ -57,6 +69,9 @@ class LandmarkBelief {
 
  private:
   void settle();
+  /// log p of those that no landmark explains.
+  [[nodiscard]] double log_unexplained(const LandmarkAssociation& landmarks,
+                                       std::span<const BlindExpectation> expected) const;
 
   const LandmarkMap& map_;
   ClutterModel clutter_;

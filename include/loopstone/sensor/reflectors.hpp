@@ -18,6 +18,7 @@ struct ReflectorOptions {
   double range_max_m = 30.0;
   double range_sigma_m = 0.01;
   double bearing_sigma_rad = 0.001;
+  double stamp_sigma_s = 0.01;
 };
 
 template <typename Visitor>
@@ -33,19 +34,23 @@ void visit_options(ReflectorOptions& options, Visitor&& visit) {
         "standard deviation of a reflector's range");
   visit("bearing_sigma_rad", options.bearing_sigma_rad, Range{0.00001, 1.0},
         "and of its bearing, beside that of a beam's width");
+  visit("stamp_sigma_s", options.stamp_sigma_s, Range{0.0, 1.0},
+        "and of the time at which it was seen: a robot that moves sees it elsewhere");
 }
 
 /// Finds reflectors by how bright they are. A beam is bright where its intensity is at least
-/// `brightness` times the median of the beams whose range is about the same (within half an octave;
-/// of all beams where these are fewer than 20), so that neither a scanner's unit nor the loss of
-/// light over the way matters, as long as most of what it sees are no reflectors. Neighbouring
+/// `brightness` times the median of the beams whose range is about the same (within half an
+/// octave), so that neither a scanner's unit nor the loss of light over the way matters, as long as
+/// most of what it sees are no reflectors. Where fewer than 20 beams are of that range, the usual
+/// is that of the next nearer ranges, or of the next farther ones times the ratio of the ranges,
+/// whichever is more. Neighbouring
 /// bright beams whose ranges go on make one reflector; a beam without a return between them does
 /// not part it. Left out is what is too wide, reaches to the end of the scan, or is partly hidden
 /// by something nearer, since its middle is not where it seems.
 ///
 /// The point is where the mean of its beams met it, undone the motion during the sweep; its
-/// covariance has the bearing's standard deviation and that of a beam's width (increment /
-/// sqrt(12)).
+/// covariance has the bearing's standard deviation, that of a beam's width (increment / sqrt(12)),
+/// and the way that it moves past the robot while the stamp may be off.
 /// \param velocity  of the robot in its own frame [m/s, m/s, rad/s]
 /// \return in the order of the beams; none for a scan without intensities
 /// Cost: O(beams log beams).

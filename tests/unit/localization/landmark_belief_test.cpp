@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "landmark_scene.hpp"
@@ -107,6 +108,30 @@ TEST(LandmarkBelief, PlacesThatLookAlikeStayUntilTheyDiffer) {
   EXPECT_TRUE(is_within(belief.places()[0].map_T_robot.pose, truth, 0.05, 0.01));
 }
 
+TEST(LandmarkBelief, TheSameThingsSeenAgainProveNothing) {
+  // A place that explains one thing and not another, looked at by a robot that stands still.
+  const LandmarkMap map({{1, {3.0, 0.0}}, {2, {50.0, 0.0}}});
+  const std::vector seen{observed(3.0, 0.0, 0.02, 0.004), observed(5.0, 1.0, 0.02, 0.004)};
+  const auto rest_after = [&](bool is_seen_before) {
+    LandmarkBelief belief(map, kClutter);
+    const ConstellationMatch match{about({}, 0.01, 0.005), 2, 2.0};
+    belief.add(std::span(&match, 1));
+    for (int i = 0; i < 20; ++i) {
+      std::vector<BlindExpectation> expected;
+      for (const LandmarkObservation& observation : seen) {
+        const double peak =
+            -0.5 * std::log((2.0 * observation.covariance).determinant()) - std::log(2.0 * kPi);
+        expected.push_back({is_seen_before ? peak : kClutter.log_anywhere(), is_seen_before});
+      }
+      belief.update(seen, expected);
+    }
+    return belief.rest();
+  };
+  EXPECT_LT(rest_after(false), 1e-9) << "were they new each time";
+  EXPECT_GT(rest_after(true), 0.01);
+  EXPECT_LT(rest_after(true), 0.9);
+}
+
 TEST(LandmarkBelief, KnownPlacesAreNotAddedAgain) {
   const LandmarkMap map = hall_map();
   LandmarkBelief belief(map, kClutter);
@@ -116,6 +141,14 @@ TEST(LandmarkBelief, KnownPlacesAreNotAddedAgain) {
   EXPECT_EQ(belief.add(std::span(&match, 1)), 0);
   EXPECT_NEAR(belief.places()[0].weight, weight, 1e-12);
   EXPECT_NEAR(weight, std::exp(8.0) / (1.0 + std::exp(8.0)), 1e-12);
+  // One that had lost its weight gets what a search would give it, and its pose.
+  belief.update(std::vector{observed(2.0, 3.0, 0.01, 0.001), observed(5.0, 2.5, 0.01, 0.001),
+                            observed(1.0, 2.0, 0.01, 0.001)});
+  EXPECT_LT(belief.places()[0].weight, 0.3);
+  const ConstellationMatch better{about({1.05, 1.0, 0.0}, 0.01, 0.01), 3, 12.0};
+  EXPECT_EQ(belief.add(std::span(&better, 1)), 0);
+  EXPECT_GT(belief.places()[0].weight, 0.99);
+  EXPECT_EQ(belief.places()[0].map_T_robot.pose.x, 1.05);
 }
 
 TEST(LandmarkBelief, MotionIsCompounding) {

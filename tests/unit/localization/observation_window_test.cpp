@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include "landmark_scene.hpp"
+#include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
 namespace {
@@ -64,6 +66,24 @@ TEST(ObservationWindow, SeenAgainReplacesAndUncertainGoes) {
   window.add(seen_from({0.0, 0.0, 1.0}, map, {4}, true, rng));
   EXPECT_EQ(window.observations().size(), 4U) << "a name is one landmark, wherever it seems to be";
   for (int i = 0; i < 10; ++i) window.move(moved(0.3, 0.05));
+  EXPECT_TRUE(window.observations().empty());
+}
+
+TEST(ObservationWindow, WhatWasSeenIsExpectedAgainWhereItWas) {
+  ObservationWindow window;
+  constexpr double kAnywhere = -8.0;
+  const std::vector first{observed(3.0, 0.2, 0.02, 0.004)};
+  EXPECT_FALSE(window.expectations(first, kAnywhere)[0].is_seen_before);
+  EXPECT_EQ(window.expectations(first, kAnywhere)[0].log_density, kAnywhere);
+  window.add(first);
+  const auto again = window.expectations(
+      {observed(3.0, 0.2, 0.02, 0.004), observed(4.0, 0.2, 0.02, 0.004)}, kAnywhere);
+  EXPECT_TRUE(again[0].is_seen_before);
+  // The normal density at its middle, of both spreads together.
+  const double sigmas = 2.0 * 0.02 * 3.0 * 0.004;
+  EXPECT_NEAR(again[0].log_density, std::log(0.9 / (2.0 * kPi * sigmas)), 1e-9);
+  EXPECT_FALSE(again[1].is_seen_before);
+  window.clear();
   EXPECT_TRUE(window.observations().empty());
 }
 

@@ -128,6 +128,19 @@ TEST(FindReflectors, TheMotionDuringTheSweepIsUndone) {
   EXPECT_LT((found[0].point - expected).norm(), 1e-3);
 }
 
+TEST(FindReflectors, AStampThatMayBeOffCountsByHowFastItPasses) {
+  LaserScan scan = round_wall();
+  shine(scan, 359, 361, 5.0F);  // straight ahead
+  const auto spread = [&](const Tangent2& velocity) {
+    return find_reflectors(scan, {}, velocity, {.stamp_sigma_s = 0.02}).at(0).covariance;
+  };
+  const Eigen::Matrix2d still = spread(Tangent2::Zero());
+  // Driving at it moves it along x, turning along y.
+  EXPECT_NEAR(spread({1.0, 0.0, 0.0})(0, 0) - still(0, 0), 0.02 * 0.02, 1e-9);
+  EXPECT_NEAR(spread({1.0, 0.0, 0.0})(1, 1) - still(1, 1), 0.0, 1e-9);
+  EXPECT_NEAR(spread({0.0, 0.0, 1.0})(1, 1) - still(1, 1), 0.1 * 0.1, 1e-6);
+}
+
 TEST(FindReflectors, NoIntensitiesNoReflectors) {
   LaserScan scan = round_wall();
   shine(scan, 400, 404, 5.0F);
