@@ -164,8 +164,7 @@ def by_view_table(sections):
             metres = [error[1] for error in errors]
             rows.append(
                 [
-                    TITLES[name],
-                    f"{in_view}" + (" or more" if in_view == MOST_IN_VIEW else ""),
+                    f"{TITLES[name]}; {in_view}" + (" or more" if in_view == MOST_IN_VIEW else ""),
                     f"{len(errors):,}",
                     f"{1e3 * rms(metres):.1f}",
                     f"{1e3 * share(metres, 0.5):.1f}",
@@ -175,7 +174,7 @@ def by_view_table(sections):
                     f"{sum(error[3] for error in errors) / len(errors):.1f}",
                 ]
             )
-    header = ["drives", "landmarks in view", "poses>", "rms [mm]>", "median [mm]>"]
+    header = ["drives; landmarks in view", "poses>", "rms [mm]>", "median [mm]>"]
     header += ["99 of 100 below [mm]>", "largest [mm]>", "heading rms [deg]>", "NEES>"]
     return table(header, rows)
 

@@ -19,8 +19,8 @@ class ObservationWindow {
   /// Takes in a reading, in place of what it shows again.
   void add(const std::vector<LandmarkObservation>& observations);
 
-  /// What can be said of a reading by what was seen before, wherever the robot is: a static thing is
-  /// seen again where it was.
+  /// What can be said of a reading by what was seen before, wherever the robot is: a static thing
+  /// is seen again where it was.
   /// \param log_anywhere  log density of what was not seen before
   [[nodiscard]] std::vector<BlindExpectation> expectations(
       const std::vector<LandmarkObservation>& reading, double log_anywhere) const;
