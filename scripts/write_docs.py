@@ -109,6 +109,7 @@ def main():
         (PAGE, "commands", command_help(program)),
         (PAGE, "options", options_table(program, "map")),
         (LOCALIZATION_PAGE, "options", options_table(program, "localize")),
+        (LOCALIZATION_PAGE, "landmark options", options_table(program, "landmarks")),
         (FORMATS_PAGE, "log formats", formats_table(program)),
         (TEXTURE_PAGE, "options", options_table(program, "map", "texture.")),
     ]:

@@ -99,7 +99,9 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   const LogFiles log_files(arguments.input);
   const Outputs outputs = outputs_of(target, arguments, context);
   outputs.check(least_bytes_of_results(log_files.bytes()));
-  const auto log = open_log(arguments.input, log_options(arguments.reading, context));
+  LogOptions options = log_options(arguments.reading, context);
+  options.intensities = target.format->holds.intensities;
+  const auto log = open_log(arguments.input, options);
   tell_choices(*log, context);
   const RobotModel robot = robot_of(*log, context);
   const HeldInterrupt held;  // the writer removes what it began

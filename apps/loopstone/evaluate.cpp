@@ -9,6 +9,7 @@
 #include "loopstone/evaluation/relations.hpp"
 #include "loopstone/evaluation/trajectory_error.hpp"
 #include "loopstone/formats/decimal_stamp.hpp"
+#include "loopstone/formats/mrclam.hpp"
 #include "loopstone/formats/relations_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/truth_log.hpp"
@@ -90,6 +91,8 @@ void add_statistics(Result& result, const std::string& key, std::string_view lab
 
 /// A TUM file, or what a log knows of the truth.
 Trajectory read_reference(const Arguments& arguments, const AppContext& context) {
+  if (is_mrclam_truth(arguments.reference))
+    return read_mrclam_truth(arguments.reference, context.memory());
   if (arguments.truth_topic.empty()) return read_tum(arguments.reference, context.memory());
   return read_truth(arguments.reference, arguments.truth_topic, {.memory = context.memory()});
 }

@@ -12,6 +12,7 @@
 #include "bounds.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "localize_landmarks.hpp"
 #include "log_calibration.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
@@ -35,6 +36,7 @@ using Clock = std::chrono::steady_clock;
 struct Arguments {
   std::string log;
   std::string map;
+  LandmarkArguments landmarks;
   std::string output;
   std::string initial;
   std::string initial_sigma;
@@ -58,6 +60,10 @@ MAP is a map.yaml with its picture, as ROS map_server reads it (any mode), or a 
 FILE.tum holds map_T_robot at every scan (t x y z qx qy qz qw); FILE.csv, beside it, the same with covariance, state,
 probability and what that stands on. The same seed gives the same files, with any number of threads.
 
+Without a map of cells, among reflectors or beacons of known places (docs/localization.md): --landmarks FILE with a line
+of id,x_m,y_m and optionally sigma_m,radius_m, then a line for each; or UTIAS MRCLAM's Landmark_Groundtruth.dat. Reflectors
+are found in scans with intensities; an MRCLAM folder is a LOG of its own, DIR#2 its robot 2.
+
 State: TRACKING  the pose is right, by all that can be told
        DOUBTFUL  it may be right, or another place looks the same: wait, or drive on
        LOST      it is wrong, or there is none yet; the map is searched until there is
@@ -68,7 +74,24 @@ Examples:
   loopstone localize sim --map out -o where.tum --initial 4,3,0.5 --report where     from a guess; open where/report.html
   loopstone localize sim --map out -o where.tum --global --animation film --set snapshot_distance_m=0.2
   loopstone localize sim --map out -o where.tum --global --require 'tracking_share>=0.9'    exits with 3 if it is less
+  loopstone localize sim/log.mcap --landmarks sim/landmarks.csv -o where.tum --global          by reflectors alone
   loopstone evaluate --estimate where.tum --reference sim/truth.tum --align none     how far off it was)";
+
+/// One kind of map, and nothing said that the other one needs.
+void check_map_of(const Arguments& arguments) {
+  const LandmarkArguments& landmarks = arguments.landmarks;
+  if (arguments.map.empty() == landmarks.file.empty()) {
+    throw UsageError(
+        "on which map? --map MAP for one of cells, or --landmarks FILE for places of "
+        "reflectors or beacons");
+  }
+  if (landmarks.file.empty() && (landmarks.nameless || landmarks.brightness)) {
+    throw UsageError("--nameless and --reflector-threshold need --landmarks");
+  }
+  if (!landmarks.file.empty() && arguments.particles) {
+    throw UsageError("--particles: among landmarks there are none; leave it out");
+  }
+}
 
 std::optional<InitialPose> initial_of(const Arguments& arguments) {
   if (arguments.global && !arguments.initial.empty()) {
@@ -123,9 +146,14 @@ Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
                      ": the table beside the trajectory takes that name; name this one .tum");
   }
   Outputs outputs(context, arguments.force);
-  outputs.reads_log(arguments.log);
-  outputs.reads(arguments.map);
-  outputs.reads(map_yaml_of(arguments.map));
+  if (arguments.landmarks.file.empty()) {
+    outputs.reads_log(arguments.log);
+    outputs.reads(arguments.map);
+    outputs.reads(map_yaml_of(arguments.map));
+  } else {
+    for (const std::string& path : landmark_log_files(arguments.log)) outputs.reads(path);
+    outputs.reads(arguments.landmarks.file);
+  }
   outputs.add_file("-o", arguments.output);
   if (!is_stream(arguments.output)) outputs.add_file("", fs::path(file).replace_extension(".csv"));
   if (!arguments.report.empty()) outputs.add_folder("--report", arguments.report);
@@ -325,10 +353,36 @@ Robot robot_as_driven(const Arguments& arguments, const RobotModel& given, Progr
   return robot;
 }
 
+/// Among landmarks, which need neither a map of cells nor particles.
+ExitCode run_by_landmarks(const Arguments& arguments, const std::optional<InitialPose>& initial,
+                          const std::vector<Bound>& bounds, const AppContext& context) {
+  const auto start = Clock::now();
+  const Outputs outputs = outputs_of(arguments, context);
+  outputs.check();
+  const HeldInterrupt held;
+  outputs.prepare();
+  const LandmarkRun run =
+      localize_by_landmarks(arguments.landmarks, arguments.log, arguments.reading, arguments.cut,
+                            initial, arguments.animation.empty() ? 0.0 : kAnimationStepM, context);
+  LocalizationRunInfo info;
+  info.run = run_info(arguments.log, run.left_out, arguments.force, context);
+  info.run.options_toml = run.options_toml;
+  info.map_path = arguments.landmarks.file;
+  info.initial = initial;
+  info.seed = arguments.seed;
+  info.run.wall_time_s = std::chrono::duration<double>(Clock::now() - start).count();
+  const Written written = write_results(run.result, run.drawing, info, arguments);
+  info.run.peak_memory_bytes = peak_memory_bytes();
+  return tell(run.result, run.drawing, info, written, bounds, arguments, context);
+}
+
 ExitCode run(const Arguments& arguments, const AppContext& context) {
   const auto start = Clock::now();
   const std::vector<Bound> bounds = parse_bounds(arguments.require);
+  check_map_of(arguments);
   const std::optional<InitialPose> initial = initial_of(arguments);
+  if (!arguments.landmarks.file.empty())
+    return run_by_landmarks(arguments, initial, bounds, context);
   LocalizationOptions options = options_of(arguments, context);
 
   const LogFiles log_files(arguments.log);
@@ -369,8 +423,8 @@ void add_localize_command(CLI::App& app, AppContext& context) {
                    "a log file, or a folder (DIR#20 names set 20 of a UCSD folder)")
       ->required();
   command->add_option("--map", arguments->map, "a map.yaml, or a folder that holds one")
-      ->type_name("MAP")
-      ->required();
+      ->type_name("MAP");
+  add_landmark_flags(*command, arguments->landmarks);
   command
       ->add_option("-o,--output", arguments->output,
                    "the trajectory to write; FILE.csv beside it holds all else")

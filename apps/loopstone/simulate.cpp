@@ -7,15 +7,19 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "commands.hpp"
 #include "floor_files.hpp"
 #include "interrupt.hpp"
 #include "log_run.hpp"
 #include "loopstone/formats/image.hpp"
+#include "loopstone/formats/landmark_file.hpp"
 #include "loopstone/formats/log_format_words.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/simulation/floor_pattern.hpp"
+#include "loopstone/simulation/place_reflectors.hpp"
 #include "output_path.hpp"
 #include "result.hpp"
 #include "simulated_folder.hpp"
@@ -41,6 +45,7 @@ struct Arguments {
   std::optional<double> max_range_m;
   std::optional<double> range_noise_m;
   std::optional<int> people;
+  int reflectors = 0;
   std::optional<SimulatedOdometryFault> odometry_fault;
   std::optional<std::string> realism;
   bool rgbd = false;
@@ -101,6 +106,10 @@ and drive have more options: see --set, for example --set wheels.imbalance=0.002
 usual is what every robot has every day:{}.
 world.json then has what was drawn, such as the laser's true mount, and when what was spoilt.
 
+--reflectors N hangs reflectors on walls and columns along the way, five in view where N allows; scans
+then have intensities (formats that hold them: mcap, bag, rosbag2), and landmarks.csv in DIR has the
+reflectors' places, for loopstone localize --landmarks.
+
 --rgbd adds the robot's RGB-D camera: pictures in dataRGBD, their stamps in Kinect20.npz, the
 camera's true mount (not quite the robot file's) in world.json, and the true colours of the floor
 at 1 cm in floor.png and floor.yaml, on the frame of the map, with the letters on it in
@@ -113,6 +122,7 @@ Examples:
   loopstone simulate campus -o campus --format carmen --people 20
   loopstone simulate office -o stuck --odometry-fault stuck --set faults.from_s=60 \
       --set faults.glass=0.1
+  loopstone simulate warehouse -o lit --format mcap --reflectors 40
   loopstone simulate office -o seen --rgbd --floor text --duration 60
   loopstone simulate warehouse -o sick --format carmen --beams 180 --fov 179 \
       --scan-rate 5 --max-range 80
@@ -176,7 +186,40 @@ SimulatedFolder folder_of(const Arguments& arguments) {
     throw UsageError(fmt::format("{} can't hold pictures; --rgbd needs --format {}", format.noun,
                                  listed(writable_log_formats(&LogContents::rgbd_frames), "or")));
   }
+  if (arguments.reflectors > 0 && !format.holds.intensities) {
+    throw UsageError(fmt::format("{} can't hold intensities; --reflectors needs --format {}",
+                                 format.noun,
+                                 listed(writable_log_formats(&LogContents::intensities), "or")));
+  }
   return {arguments.output, &format, arguments.rgbd};
+}
+
+/// Hangs the reflectors and says how many found a place.
+World lit(World world, const Arguments& arguments, const RobotModel& robot,
+          const SimulationOptions& options, const AppContext& context) {
+  if (arguments.reflectors == 0) return world;
+  world = with_reflectors(std::move(world), robot.footprint_radius_m, options.drive,
+                          arguments.reflectors, arguments.seed);
+  const auto placed = static_cast<int>(world.reflectors.size());
+  if (placed == 0) {
+    throw UsageError("--reflectors: no wall or column is seen from the robot's way in this world");
+  }
+  if (placed < arguments.reflectors) {
+    context.warn(
+        fmt::format("there was place for {} of {} reflectors, 1 m apart and seen from the "
+                    "robot's way",
+                    placed, arguments.reflectors));
+  }
+  return world;
+}
+
+std::vector<MappedLandmark> landmarks_of(const World& world) {
+  std::vector<MappedLandmark> landmarks;
+  for (const Reflector& reflector : world.reflectors) {
+    landmarks.push_back(
+        {.id = reflector.id, .position = reflector.centre, .radius_m = reflector.radius_m});
+  }
+  return landmarks;
 }
 
 Result result_of(const Arguments& arguments, const SimulatedFolder& folder, const World& world,
@@ -191,6 +234,7 @@ Result result_of(const Arguments& arguments, const SimulatedFolder& folder, cons
       .add("duration_s", "duration", summary.duration_s, "s", 1)
       .add("scans", "scans", summary.scans)
       .add("messages", "messages", summary.messages);
+  if (!world.reflectors.empty()) result.add("reflectors", "reflectors", world.reflectors.size());
   if (arguments.rgbd) result.add("frames", "RGB-D frames", summary.frames);
   result.add("complete", "complete", summary.complete);
   return result;
@@ -208,6 +252,7 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   RealismRecord record;
   World world = real_world(world_of(arguments, robot, context.memory()), options.realism,
                            arguments.seed, record);
+  world = lit(std::move(world), arguments, robot, options, context);
   if (arguments.rgbd) world.floor = floor_of(arguments, context.memory());
   const HeldInterrupt held;
   outputs.prepare();
@@ -217,6 +262,8 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   drive.summary.realism.facts.insert(drive.summary.realism.facts.begin(), record.facts.begin(),
                                      record.facts.end());
   write_truth(folder, world, drive.truth);
+  if (!world.reflectors.empty())
+    write_landmarks((folder.path / "landmarks.csv").string(), landmarks_of(world));
   for (const std::string& note : drive.notes) context.warn(note);
   const Result result = result_of(arguments, folder, world, drive.summary);
   write_description(folder, result.json(), robot, options, drive.summary.realism, arguments.floor);
@@ -252,11 +299,16 @@ void add_laser_flags(CLI::App& command, Arguments& arguments) {
       ->type_name("M");
 }
 
-/// What goes wrong.
+/// What else is there, and what goes wrong.
 void add_trouble_flags(CLI::App& command, Arguments& arguments) {
   command.add_option("--people", arguments.people, "who walk about (default: 0)")
       ->type_name("N")
       ->check(CLI::Range(0, 1000));
+  command
+      .add_option("--reflectors", arguments.reflectors,
+                  "that hang along the way, in scans with intensities (default: 0)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 10000));
   add_word_flag(command, "--odometry-fault", arguments.odometry_fault,
                 "what is wrong with wheels and gyro (default: none)");
   command

@@ -174,8 +174,8 @@ void write_description(const SimulatedFolder& folder, nlohmann::ordered_json res
 void remove_simulation(const fs::path& folder) {
   std::error_code error;
   if (!fs::remove(folder / "world.json", error)) return;
-  for (const char* const name :
-       {"truth.tum", "map.yaml", "map.pgm", "floor.png", "floor.yaml", "floor_letters.csv"}) {
+  for (const char* const name : {"truth.tum", "map.yaml", "map.pgm", "floor.png", "floor.yaml",
+                                 "floor_letters.csv", "landmarks.csv"}) {
     fs::remove(folder / name, error);
   }
   for (const LogFormat& format : log_formats()) {

@@ -42,6 +42,7 @@ void visit_numbers_after_state(Estimate& e, Visitor&& visit) {
   visit("refined", e.refined, false);
   visit("hypotheses", e.hypotheses, false);
   visit("particles", e.particles, false);
+  visit("landmarks", e.landmarks, false);
   visit("travelled_m", e.travelled_m, false);
   visit("explained", e.evidence.explained, false);
   visit("violations", e.evidence.violations, false);

@@ -46,6 +46,7 @@ std::string details_text(const LogContents& contents) {
   std::string text = contents.lidars == 1 ? "one laser" : fmt::format("{} lasers", contents.lidars);
   text += contents.beams_change ? ", beams may change" : ", the same beams in all scans";
   if (contents.beam_times) text += "; the time between beams";
+  if (contents.intensities) text += "; how bright echoes are";
   if (contents.lidar_mount) text += "; the laser's mount";
   const auto error_ns = contents.stamp_error.nanoseconds;
   if (contents.single_precision) text += "; angles as 32-bit numbers";
@@ -63,6 +64,7 @@ nlohmann::ordered_json contents_json(const LogContents& contents) {
   json["lasers"] = contents.lidars;
   json["beams_may_change"] = contents.beams_change;
   json["time_between_beams"] = contents.beam_times;
+  json["intensities"] = contents.intensities;
   json["laser_mount"] = contents.lidar_mount;
   json["single_precision"] = contents.single_precision;
   json["stamp_error_ns"] = contents.stamp_error.nanoseconds;

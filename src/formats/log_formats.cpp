@@ -35,6 +35,7 @@ constexpr LogContents kTopics{.scans = true,
                               .lidars = 16,
                               .beams_change = true,
                               .beam_times = true,
+                              .intensities = true,
                               .lidar_mount = true,
                               .single_precision = true};
 

@@ -114,6 +114,7 @@ msg::LaserScan to_message(const LaserScan& scan, const std::string& frame) {
   message.range_min = static_cast<float>(scan.range_min_m);
   message.range_max = static_cast<float>(scan.range_max_m);
   message.ranges = scan.ranges_m;
+  message.intensities = scan.intensities;
   return message;
 }
 

@@ -274,6 +274,9 @@ class TopicLogReader final : public LogReader {
       decoders_.decode(message, scan_);
       check_frame(scan_.header, facts);
       scan = to_laser_scan(scan_, place.period_s, remarks_);
+      if (options_.intensities && scan_.intensities.size() == scan.ranges_m.size()) {
+        scan.intensities = scan_.intensities;
+      }
     }
     scan.lidar = place.lidar;
     scan.stamp = time(message, place, scan.stamp);

@@ -180,6 +180,11 @@ double LaserSensor::real_range(double time_s, double angle_rad,
   return is_pane ? std::numeric_limits<double>::infinity() : range;
 }
 
+float LaserSensor::intensity(double time_s, double angle_rad, double range_m) {
+  const Pose2 map_T_lidar = drive_.pose_at(time_s) * robot_T_lidar_;
+  return reflectivity_->intensity(map_T_lidar.translation(), map_T_lidar.yaw + angle_rad, range_m);
+}
+
 LaserScan LaserSensor::read(double time_s) {
   LaserScan scan;
   scan.angle_min_rad = -0.5 * options_.fov_rad;
@@ -189,6 +194,7 @@ LaserScan LaserSensor::read(double time_s) {
   const double between_beams_s = options_.sweep_s / (options_.beams - 1);
   scan.time_increment_s = tells_sweep_ ? between_beams_s : 0.0;
   scan.ranges_m.resize(static_cast<std::size_t>(options_.beams));
+  if (reflectivity_) scan.intensities.resize(scan.ranges_m.size());
   // Within a sweep nobody gets far; legs stand where they are in its middle.
   std::vector<Circle> legs = crowd_.legs_at(time_s + 0.5 * options_.sweep_s);
   if (realism_ != nullptr) realism_->add_people(time_s + 0.5 * options_.sweep_s, legs);
@@ -196,6 +202,7 @@ LaserScan LaserSensor::read(double time_s) {
     const double beam_s = time_s + static_cast<double>(beam) * between_beams_s;
     double range = realism_ == nullptr ? true_range(beam_s, scan.angle_rad(beam), legs)
                                        : real_range(beam_s, scan.angle_rad(beam), legs);
+    if (reflectivity_) scan.intensities[beam] = intensity(beam_s, scan.angle_rad(beam), range);
     // The same draws for every beam, whatever it meets: one change in a world changes nothing
     // elsewhere.
     const double noise = rng_.normal(0.0, 1.0) * options_.noise_m;

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "loopstone/base/rng.hpp"
 #include "loopstone/simulation/simulate.hpp"
@@ -9,6 +11,7 @@
 #include "simulation/faulty_motion.hpp"
 #include "simulation/laser_realism.hpp"
 #include "simulation/people.hpp"
+#include "simulation/reflectivity.hpp"
 #include "simulation/wheel_slips.hpp"
 
 namespace loopstone {
@@ -84,6 +87,8 @@ class LaserSensor {
   /// Makes it worse, before the first scan.
   /// \param realism  must outlive the sensor
   void worsen(LaserRealism& realism, const Realism& options);
+  /// From now on scans tell how bright each beam's echo is.
+  void show(Reflectivity reflectivity) { reflectivity_ = std::move(reflectivity); }
   /// A scan whose first beam leaves at this time; its stamp is for the caller to set.
   [[nodiscard]] LaserScan read(double time_s);
 
@@ -92,6 +97,7 @@ class LaserSensor {
                                   const std::vector<Circle>& legs) const;
   [[nodiscard]] double real_range(double time_s, double angle_rad,
                                   const std::vector<Circle>& legs) const;
+  [[nodiscard]] float intensity(double time_s, double angle_rad, double range_m);
 
   const Drive& drive_;
   const SurfaceIndex& surfaces_;
@@ -101,6 +107,7 @@ class LaserSensor {
   double glass_;  ///< share of the walls that return nothing
   LaserRealism* realism_ = nullptr;
   bool tells_sweep_ = true;
+  std::optional<Reflectivity> reflectivity_{};
   Rng rng_;
 };
 

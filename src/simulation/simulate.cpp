@@ -23,7 +23,16 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // Streams of the seed; each sensor draws from its own, so that one can be changed without the
 // others.
-enum Stream : std::uint64_t { kClocks = 10, kWheels, kImu, kLaser, kPeople, kCamera, kFaults };
+enum Stream : std::uint64_t {
+  kClocks = 10,
+  kWheels,
+  kImu,
+  kLaser,
+  kPeople,
+  kCamera,
+  kFaults,
+  kGleam
+};
 
 /// Fires the sensors one after the other, by their stamps.
 class Simulator {
@@ -43,6 +52,9 @@ class Simulator {
                Rng(seed).fork(kLaser)),
         loss_(options.realism.loss, drive.duration_s(), realism_stream(seed, "loss")) {
     if (!realism_names(options.realism).empty()) worsen(world, robot, seed);
+    if (!world.reflectors.empty()) {
+      laser_.show(Reflectivity(world.reflectors, Rng(seed).fork(kGleam)));
+    }
     if (sink.frame) {
       const Rng camera = Rng(seed).fork(kCamera);
       Rng phase = camera.fork(1);

@@ -105,6 +105,20 @@ def text():
     yield b"#" * 1_000_000
 
 
+def landmarks():
+    yield from text()
+    yield b"id,x_m,y_m" + b",z" * 1_000_000 + b"\n"
+    yield b"id,x_m,y_m\n" + b"".join(b"%d,0,0\n" % i for i in range(100_000))
+    yield b"id,x_m,y_m\n" + b"".join(b"%d,%d,%d\n" % (i, i % 300, i // 300) for i in range(9000))
+
+
+def mrclam():
+    yield from text()
+    barcodes = b"".join(b"%d %d\n" % (i, i) for i in range(100_000))
+    yield barcodes + b"\n=\n1 0 0\n\n=\n" + b"1 7 1 0\n" * 200_000 + b"\n=\n" + barcodes
+    yield b"7 7\n\n=\n" + b"1e9 1e9 1e9\n" * 200_000 + b"\n=\n1 7 1 0\n"
+
+
 def map_yaml():
     def yaml(image="map.pgm", resolution="0.05", origin="[0, 0, 0]", more=""):
         return (

@@ -112,6 +112,16 @@ def as_a_picture(folder, data, suffix, _seed, good):
     return folder / "input"
 
 
+def beside_a_drive(folder, data, _suffix, _seed, _good):
+    """Landmarks in the folder of a drive among them, as MRCLAM has it."""
+    put(folder / "input" / "landmarks.csv", data)
+    put(folder / "input" / "Barcodes.dat", b"6 72\n7 27\n")
+    put(folder / "input" / "Robot1_Odometry.dat", b"10 0.1 0.1\n11 0.1 0.1\n12 0 0\n")
+    seen = b"10.1 72 3 0.1\n10.1 27 4 1\n11 72 3 0.2\n11.5 27 4 1.1\n"
+    put(folder / "input" / "Robot1_Measurement.dat", seen)
+    return folder / "input"
+
+
 def in_an_output(folder, data, _suffix, _seed, _good):
     put(folder / "input" / "session.loopstone", data)
     return folder / "input"
@@ -381,6 +391,17 @@ FORMATS = [
         [],
         bombs_of_text.text,
     ),
+    Format(
+        "landmarks",
+        "landmarks",
+        ["landmarks/*.csv"],
+        ".csv",
+        None,
+        ["localize {in} --landmarks {in} -o {out}.tum --global --nameless --report {out}"],
+        bombs_of_text.landmarks,
+        place=beside_a_drive,
+    ),
+    Format("mrclam", "mrclam", ["mrclam/*.dat"], ".dat", None, [], bombs_of_text.mrclam),
     Format("message", "message", ["message/*"], ".message", None, [], bombs.message),
     Format(
         "picture_message",

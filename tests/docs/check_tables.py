@@ -29,7 +29,15 @@ VERSION_FILE = "include/loopstone/version.hpp"
 VERSION = re.compile(r'kVersion = "([^"]+)"')
 # Compared with the program by another test (docs.are_true, docs.bayes_filters), so no commit is
 # needed to know that they hold.
-COMPARED = {"commands", "options", "histogram filter", "particle filter", "output", "log formats"}
+COMPARED = {
+    "commands",
+    "options",
+    "landmark options",
+    "histogram filter",
+    "particle filter",
+    "output",
+    "log formats",
+}
 
 PROGRAM = ["include", "src", "apps"]
 PARTS = {

@@ -15,7 +15,7 @@ namespace loopstone {
 ///     map_T_robot
 ///   xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2,
 ///     its covariance, upper triangle
-///   state,probability,refined,hypotheses,particles,travelled_m,
+///   state,probability,refined,hypotheses,particles,landmarks,travelled_m,
 ///     TRACKING, DOUBTFUL or LOST; refined 0 or 1
 ///   explained,violations,unexpected,mass,precision,spread_m,spread_rad,innovation,followed_m
 ///     what the probability stands on

@@ -35,6 +35,7 @@ struct LogContents {
   int lidars = 1;                 ///< that it tells apart; a log of more can't be written
   bool beams_change = false;      ///< their number and directions may differ from scan to scan
   bool beam_times = false;        ///< LaserScan::time_increment_s
+  bool intensities = false;       ///< LaserScan::intensities
   bool lidar_mount = false;       ///< robot_T_lidar
   bool single_precision = false;  ///< angles, limits and times of beams are 32-bit numbers
   Duration stamp_error{};         ///< by which a written stamp of this century may be off, at most

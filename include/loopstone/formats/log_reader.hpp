@@ -48,6 +48,8 @@ struct LogOptions {
   /// Asked now and then while bytes are read, also by another thread: true ends the log at once.
   /// May be empty.
   std::function<bool()> stop{};
+  /// Scans bring the intensities of their beams, where the log has them.
+  bool intensities = false;
   /// Of recordings with topics.
   TopicOptions topics{};
 };

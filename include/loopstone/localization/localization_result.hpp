@@ -71,6 +71,7 @@ struct LocalizationEstimate {
   bool refined = false;      ///< by registration to the map; else the particles' mean
   int hypotheses = 0;        ///< places that the robot may be at
   int particles = 0;
+  int landmarks = 0;         ///< of the map, that this reading showed; among landmarks only
   double travelled_m = 0.0;  ///< path since the first scan, by odometry
   PoseEvidence evidence{};
 

@@ -26,6 +26,9 @@ struct LaserScan {
   std::optional<Pose2>
       robot_T_lidar{};  ///< when the log itself states where the lidar sat; beats the RobotModel
   std::vector<float> ranges_m{};
+  /// How bright each beam's echo was, in the scanner's own unit; empty when nobody asked for it or
+  /// the log has none. No part of what a session keeps.
+  std::vector<float> intensities{};
 
   [[nodiscard]] double angle_rad(std::size_t beam) const {
     return angle_min_rad + static_cast<double>(beam) * angle_increment_rad;

@@ -15,6 +15,15 @@
 
 namespace loopstone {
 
+/// A retroreflector, which a laser sees brightly: a flat strip on a wall, or a round post.
+struct Reflector {
+  int id = 0;
+  Eigen::Vector2d centre{0.0, 0.0};  ///< of the strip's surface, or of the post, map frame [m]
+  Eigen::Vector2d normal{0.0, 0.0};  ///< out of the wall, of a strip; unit length
+  double width_m = 0.0;              ///< of a strip
+  double radius_m = 0.0;             ///< of a post; 0: a strip
+};
+
 /// A place in which a robot can drive and measure.
 struct World {
   std::string name;
@@ -24,6 +33,7 @@ struct World {
   Pose2 map_T_start{};
   std::vector<Eigen::Vector2d> places{};   ///< worth a visit; the first ones matter most
   std::vector<Eigen::Vector2d> returns{};  ///< passed in this order after the visit, to close loops
+  std::vector<Reflector> reflectors{};     ///< with any, scans have intensities
   double floor_area_m2 = 0.0;              ///< gross, inside the outer walls
   std::optional<Grid<std::int8_t>>
       given_map{};                              ///< the map that the world was made from, if it was
