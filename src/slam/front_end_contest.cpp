@@ -68,8 +68,8 @@ void FrontEnd::take_out_new(Sighting& sighting) {
   straighten(sighting, velocity_to(sighting.likeliest().local_T_robot, *sighting.whole));
 }
 
-/// Laser and map disagree, and odometry was right so far: what the scan shows for the first time is
-/// left out. If the map explains the rest as well as usual, the laser is right; else odometry leads.
+/// Laser and map disagree, and odometry was right so far: what the scan shows for the first time
+/// is left out. If the map explains the rest as usual, the laser is right; else odometry leads.
 /// Wheels may slip: the heading that the laser found is asked as well.
 FrontEnd::Alignment FrontEnd::contest(Sighting& sighting, const Alignment& found) {
   if (!predictor_.heading_is_steady() && has_supported_pose(found.match.status) &&

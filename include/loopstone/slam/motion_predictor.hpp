@@ -62,7 +62,7 @@ void visit_numbers(const MotionPredictorNumbers& n, Visitor&& visit) {
       "steady_rest_rad", n.steady_rest_rad,
       "chosen: wheel_rest_rad of a steady heading: three times what the laser is sure of at best");
   visit("steady_rad", n.steady_rad,
-        "measured: a heading is steady that is usually off by less after 4 m: gyros are off by "
+        "chosen: a heading is steady that is usually off by less after 4 m: gyros are off by "
         "0.001 to 0.004, wheels by 0.013 and more");
   visit("wheel_rad_per_m", n.wheel_rad_per_m,
         "derived: heading lost by driving straight: first_rad_per_m of the accuracy of odometry");

@@ -84,10 +84,10 @@ class TravellingThings {
   [[nodiscard]] std::vector<bool> find(const LaserScan& scan, const Pose2& ground_T_lidar,
                                        double path_m, const std::vector<bool>& covered,
                                        BeamTable& beams) const;
-  /// Beams that show what was not there before, so far as the same scans tell: what find() looks for,
-  /// and what stands where beams had found nothing at all. What a wall had hidden is not among it,
-  /// nor what no beam had looked at. Not for sure, for dark and shiny surfaces come and go, but no
-  /// scan should be believed for it before it is seen twice. Empty: none.
+  /// Beams that show what was not there before, so far as the same scans tell: what moves, and
+  /// what stands where beams had found nothing, or had ended nearer. What no beam had looked at is
+  /// not among it. Dark and shiny surfaces come and go, so it is no proof that something moves, but
+  /// nothing should be believed for it before it is seen twice. Empty: none.
   [[nodiscard]] std::vector<bool> find_new(const LaserScan& scan, const Pose2& ground_T_lidar,
                                            double path_m, const std::vector<bool>& covered,
                                            BeamTable& beams) const;
