@@ -252,7 +252,7 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
           : align(sighting.matched(), sighting.guesses, others_than_odometry(scan.stamp), true);
   sighting.is_driven = is_driven(sighting);
   const bool is_decided = sighting.is_driven && !is_believed(alignment, sighting);
-  if (is_decided) alignment = contest(sighting, alignment);
+  if (is_decided) alignment = contest(sighting);
   Tangent2 velocity = velocity_to(guess.local_T_robot, scan);
   for (int pass = 0; pass < kFrontEnd.straightenings && !alignment.lost && !is_decided; ++pass) {
     // A scan that was straightened by a wrong velocity is straightened anew.

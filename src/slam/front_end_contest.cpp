@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "loopstone/slam/front_end.hpp"
@@ -22,9 +23,17 @@ bool FrontEnd::is_driven(const Sighting& sighting) const {
 }
 
 /// The map explains much less of the scan than usual.
-bool FrontEnd::is_contested(const Alignment& alignment) const {
+bool FrontEnd::explains_less(const Alignment& alignment) const {
   return alignment.lost || alignment.match.status == MatchStatus::kTooFewPairs ||
          alignment.match.score < own_.usual_score - kFrontEnd.score_drop;
+}
+
+/// The laser finds the robot where odometry says, as far as chance allows.
+bool FrontEnd::agrees(const Alignment& alignment, const Sighting& sighting) {
+  if (alignment.searched || !has_supported_pose(alignment.match.status)) return false;
+  const MotionGuess& guess = sighting.likeliest();
+  return chi2_from({guess.local_T_robot, guess.information, guess.measured}, alignment.match) <=
+         kFrontEnd.most_guess_chi2;
 }
 
 /// The laser says that the robot went elsewhere, faster than it has ever been seen to go.
@@ -39,11 +48,11 @@ bool FrontEnd::leaps(const Alignment& alignment, const Sighting& sighting) const
              kFrontEnd.leap_m + predictor_.fastest_m_s() * std::max(0.0, seconds);
 }
 
-/// After scans that contradicted the map, only where odometry can have led meanwhile.
+/// Where the map explains less than usual, only what odometry says as well; after scans that
+/// contradicted the map, only where odometry can have led meanwhile.
 bool FrontEnd::is_believed(const Alignment& alignment, const Sighting& sighting) const {
-  if (is_contested(alignment)) return false;
-  if (own_.lost_in_a_row == 0 && leaps(alignment, sighting)) return false;
-  if (own_.lost_in_a_row == 0) return true;
+  if (explains_less(alignment)) return agrees(alignment, sighting);
+  if (own_.lost_in_a_row == 0) return !leaps(alignment, sighting);
   const BlindMotion led =
       blind_motion(sighting.scan->stamp, sighting.likeliest(), sighting.odometry);
   return !led.prior.holds_unobserved ||
@@ -68,25 +77,17 @@ void FrontEnd::take_out_new(Sighting& sighting) {
   straighten(sighting, velocity_to(sighting.likeliest().local_T_robot, *sighting.whole));
 }
 
-/// Laser and map disagree, and odometry was right so far: what the scan shows for the first time
-/// is left out. If the map explains the rest as usual, the laser is right; else odometry leads.
-/// Wheels may slip: the heading that the laser found is asked as well.
-FrontEnd::Alignment FrontEnd::contest(Sighting& sighting, const Alignment& found) {
-  if (!predictor_.heading_is_steady() && has_supported_pose(found.match.status) &&
-      found.match.score >= options_.trusted_score) {
-    const MotionGuess told = sighting.likeliest();
-    const std::vector<bool> covered = sighting.cover.beams;
-    sighting.guesses.front().local_T_robot.yaw = found.match.target_T_source.yaw;
-    take_out_new(sighting);
-    const Alignment rest = lead(sighting);
-    sighting.guesses.front() = told;
-    if (!is_contested(rest)) return rest;
-    sighting.cover.beams = covered;
-  }
+/// The laser contradicts odometry, which was right so far, and the map explains the scan badly:
+/// what it shows for the first time is left out. If the map explains the rest as usual, wherever
+/// that is, the laser is right: wheels slip. Else odometry leads.
+FrontEnd::Alignment FrontEnd::contest(Sighting& sighting) {
   take_out_new(sighting);
-  const Alignment rest = lead(sighting);
-  sighting.is_led = is_contested(rest);
-  return rest;
+  const Alignment led = lead(sighting);
+  if (!explains_less(led)) return led;
+  const Alignment freed = align(sighting.matched(), std::span(sighting.guesses).first(1), {}, true);
+  if (!freed.searched && !explains_less(freed) && is_believed(freed, sighting)) return freed;
+  sighting.is_led = true;
+  return led;
 }
 
 /// Odometry's pose, made better by what of the scan fits there.

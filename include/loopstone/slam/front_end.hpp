@@ -252,11 +252,12 @@ class FrontEnd {
   void take_out_travelling(const LaserScan& scan, Sighting& sighting);
   // Who is at fault where laser and odometry disagree (front_end_contest.cpp).
   [[nodiscard]] bool is_driven(const Sighting& sighting) const;
-  [[nodiscard]] bool is_contested(const Alignment& alignment) const;
+  [[nodiscard]] bool explains_less(const Alignment& alignment) const;
+  [[nodiscard]] static bool agrees(const Alignment& alignment, const Sighting& sighting);
   [[nodiscard]] bool leaps(const Alignment& alignment, const Sighting& sighting) const;
   [[nodiscard]] bool is_believed(const Alignment& alignment, const Sighting& sighting) const;
   void take_out_new(Sighting& sighting);
-  [[nodiscard]] Alignment contest(Sighting& sighting, const Alignment& found);
+  [[nodiscard]] Alignment contest(Sighting& sighting);
   [[nodiscard]] Alignment lead(const Sighting& sighting) const;
   void straighten(Sighting& sighting, const Tangent2& velocity);
   /// Adds what other lasers saw a moment before.
