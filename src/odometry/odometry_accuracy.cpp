@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -52,6 +53,18 @@ OdometryAccuracy::Sigma OdometryAccuracy::sigma(double path_m, double reach_m,
   const double rad =
       std::max(kOdometryAccuracy.least_rad_per_m, std::sqrt(rad_per_m2 / count)) * grown_m;
   return {std::hypot(along_m, 0.5 * rad * reach_m), rad};
+}
+
+std::optional<double> OdometryAccuracy::usual_rad(const OdometryCorrection& correction) const {
+  if (state_.windows.size() < static_cast<std::size_t>(kOdometryAccuracy.fewest_windows)) return {};
+  std::vector<double> turns_rad;
+  for (const OdometryWindowMotion& window : state_.windows) {
+    const Pose2 told = correction.corrected(window.told, window.way_m);
+    turns_rad.push_back(std::abs(wrap_angle(told.yaw - window.seen.yaw)));
+  }
+  const auto middle = turns_rad.begin() + static_cast<std::ptrdiff_t>(turns_rad.size() / 2);
+  std::ranges::nth_element(turns_rad, middle);
+  return *middle;
 }
 
 void OdometryAccuracy::restore(State state) {

@@ -27,6 +27,15 @@ double merit(const MatchResult& match, std::span<const PosePrior2> priors) {
   return match.score - kFrontEnd.score_per_chi2 * nearest;
 }
 
+/// Whether two differ by more than both admit. \param freed  by a match that the guess did not hold
+bool contradict(const PosePrior2& guess, const MatchResult& freed) {
+  const Eigen::Vector3d apart(freed.target_T_source.x - guess.target_T_source.x,
+                              freed.target_T_source.y - guess.target_T_source.y,
+                              wrap_angle(freed.target_T_source.yaw - guess.target_T_source.yaw));
+  const Eigen::Matrix3d covariance = guess.information.inverse() + freed.covariance;
+  return apart.dot(covariance.inverse() * apart) > kFrontEnd.most_guess_chi2;
+}
+
 /// Whether a velocity that is wrong by so much bends a sweep.
 bool bends(const LaserScan& scan, const Tangent2& velocity_error) {
   const double sweep_s = std::abs(sweep_seconds(scan));
@@ -68,6 +77,7 @@ FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T
   Sighting sighting{&scan, robot_T_lidar, odometry, std::move(guesses)};
   sighting.believed = laser_check_.add(scan, odometry, cover.is_fault);
   sighting.cover = std::move(cover);
+  sighting.whole = &scan;
   show_rest(scan, sighting);
   take_out_travelling(scan, sighting);
   sighting.own_count = sighting.surfaces.size();
@@ -139,8 +149,11 @@ void FrontEnd::remember_ground(const LaserScan& scan, const Sighting& sighting,
     return agreement.state().last_jump == scan.stamp;
   };
   const OdometryCheck& check = predictor_.check();
+  // What a heading that slips tells of scans that nobody placed is hearsay.
+  const bool is_placed =
+      !tracked.left_out || (sighting.is_driven && predictor_.heading_is_steady());
   const bool goes_on = sighting.likeliest().measured && sighting.odometry && sighting.believed &&
-                       !tracked.left_out && !tracked.path_break && !jumped(check.translation()) &&
+                       is_placed && !tracked.path_break && !jumped(check.translation()) &&
                        !jumped(check.rotation());
   if (!goes_on) {
     travelling_.forget();
@@ -231,14 +244,17 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
 
 /// The scan of a robot that was seen a moment ago.
 FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
-  const LaserScan& scan = *sighting.scan;
+  const LaserScan& scan = *sighting.whole;
   const MotionGuess& guess = sighting.likeliest();
   Alignment alignment =
       sighting.is_led
           ? align(sighting.matched(), std::span(sighting.guesses).first(1), {}, false)
           : align(sighting.matched(), sighting.guesses, others_than_odometry(scan.stamp), true);
+  sighting.is_driven = is_driven(sighting);
+  const bool is_decided = sighting.is_driven && !is_believed(alignment, sighting);
+  if (is_decided) alignment = contest(sighting);
   Tangent2 velocity = velocity_to(guess.local_T_robot, scan);
-  for (int pass = 0; pass < kFrontEnd.straightenings && !alignment.lost; ++pass) {
+  for (int pass = 0; pass < kFrontEnd.straightenings && !alignment.lost && !is_decided; ++pass) {
     // A scan that was straightened by a wrong velocity is straightened anew.
     if (!has_supported_pose(alignment.match.status)) break;
     const Tangent2 matched = velocity_to(alignment.match.target_T_source, scan);
@@ -246,11 +262,14 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
     velocity = matched;
     straighten(sighting, velocity);
     MotionGuess again = guess;
-    again.local_T_robot = alignment.match.target_T_source;
-    again.information *= kFrontEnd.outvoted;
+    if (alignment.outvoted || !guess.measured) {
+      again.local_T_robot = alignment.match.target_T_source;
+      again.information *= kFrontEnd.outvoted;
+    }
     alignment.match = align(sighting.matched(), std::span(&again, 1), {}, !sighting.is_led).match;
   }
   tracked.searched = alignment.searched;
+  tracked.taken_out = sighting.cover.beams;
   own_.lost_in_a_row = alignment.lost ? own_.lost_in_a_row + 1 : 0;
   const Seen seen = take_match(alignment.match, !alignment.lost, tracked);
   return sighting.is_led ? Seen{} : seen;  // it is no witness against what leads it
@@ -270,7 +289,7 @@ void FrontEnd::give_up_or_ride(const Sighting& sighting, TrackedScan& tracked) {
   // They came after a gap in which odometry says that the robot stood.
   const double blind_s =
       (stamp - own_.held->stamp).seconds() - own_.lost_in_a_row * own_.held->usual_seconds;
-  if (drove || blind_s <= longest_step_s()) {
+  if (drove || !told.prior.holds_unobserved || blind_s <= longest_step_s()) {
     begin_piece(drove ? told : blind_motion(stamp, sighting.likeliest(), {}),
                 BreakCause::kContradicted, stamp, tracked);
     return;
@@ -339,6 +358,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
                                     std::span<const MotionGuess> others, bool may_outvote) const {
   const auto& grid = active_.front().submap.surfaces();
   std::vector<PosePrior2> priors;
+  Alignment result;
   MatchResult best;
   std::size_t best_prior = 0;
   const auto try_guess = [&](const MotionGuess& guess) {
@@ -362,11 +382,13 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
     loose.information *= kFrontEnd.outvoted;
     const MatchResult freed =
         match_to_grid(surfaces, grid, best.target_T_source, loose, match_options_, 0);
-    if (has_supported_pose(freed.status) && freed.score >= best.score - kFrontEnd.same_score)
+    if (has_supported_pose(freed.status) && freed.score >= best.score - kFrontEnd.same_score &&
+        contradict(priors[best_prior], freed)) {
       best = freed;
+      result.outvoted = true;
+    }
   }
 
-  Alignment result;
   const double least = priors.front().holds_unobserved ? options_.trusted_score : least_score();
   if (best.status == MatchStatus::kTooFewPairs || best.score < least) {
     const Searched searched = search(surfaces, priors, best);

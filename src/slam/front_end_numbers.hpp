@@ -11,6 +11,7 @@ struct FrontEndNumbers {
   double lost_m = 2.0;
   double drives_m = 0.02;
   double turns_rad = 0.02;
+  double leap_m = 0.15;
   double contradicted_share = 0.25;
   double score_per_chi2 = 0.004;
   double most_chi2 = 25.0;
@@ -41,6 +42,10 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
         "chosen: a robot whose odometry goes so far from scan to scan drives: a fifth of a metre a "
         "second");
   visit("turns_rad", n.turns_rad, "chosen: or turns by so much");
+  visit(
+      "leap_m", n.leap_m,
+      "chosen: farther than wheels slip from scan to scan, or a late stamp lets the robot seem to "
+      "go");
   visit("contradicted_share", n.contradicted_share,
         "chosen: of a scan of which no more lies where free space was seen, most is new");
   visit("score_per_chi2", n.score_per_chi2,

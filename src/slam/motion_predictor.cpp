@@ -94,7 +94,7 @@ std::vector<MotionGuess> MotionPredictor::guesses(
   const Pose2 said = corrected_motion(*own_.last_odometry, *odometry);
   const bool translates = odometry->has_translation && (!checks_ || check_.trusts_translation());
   const bool turns = !checks_ || check_.trusts_rotation();
-  const ToldMotion reach = reach_of(said, *own_.last_odometry, *odometry);
+  const ToldMotion reach = step_reach(said, *odometry);
   const double coast_m = over ? fastest_m_s() * blind_s : coast_sigma_m();
   const double coast_rad = over ? fastest_rad_s() * blind_s : coast_sigma_rad();
   const Eigen::Matrix3d information =
@@ -118,6 +118,19 @@ std::vector<MotionGuess> MotionPredictor::guesses(
                        information, translates});
   }
   return guesses;
+}
+
+bool MotionPredictor::heading_is_steady() const {
+  if (!checks_) return false;
+  const auto usual_rad = accuracy_.usual_rad(correction());
+  return usual_rad && *usual_rad < kMotionPredictor.steady_rad;
+}
+
+ToldMotion MotionPredictor::step_reach(const Pose2& said, const OdometryReading& to) const {
+  ToldMotion reach = reach_of(said, *own_.last_odometry, to);
+  if (heading_is_steady())
+    reach.sigma_rad -= kMotionPredictor.wheel_rest_rad - kMotionPredictor.steady_rest_rad;
+  return reach;
 }
 
 /// Across a gap a robot more likely went on than stopped; a turn is soon over.

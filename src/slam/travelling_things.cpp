@@ -37,6 +37,7 @@ bool same_laser(const LaserScan& a, const LaserScan& b) {
 struct Reach {
   double nearest_m = std::numeric_limits<double>::infinity();
   double farthest_m = 0.0;  ///< infinite where a beam found nothing
+  double farthest_return_m = 0.0;
 };
 
 /// A scan to be asked about points in its frame.
@@ -49,9 +50,19 @@ class Sight {
                        kMostBeside))) {}
 
   [[nodiscard]] double range_m(std::size_t beam) const { return scan_.ranges_m[beam]; }
+  [[nodiscard]] double range_max_m() const { return scan_.range_max_m; }
   /// Of the beams beside one another that may have met the point. Nothing where one of them is
   /// bad, or does not look there.
   [[nodiscard]] std::optional<Reach> towards(const Eigen::Vector2d& point) const {
+    return towards(point, false);
+  }
+  /// The same of those that are not bad.
+  [[nodiscard]] std::optional<Reach> by_the_good(const Eigen::Vector2d& point) const {
+    return towards(point, true);
+  }
+
+ private:
+  [[nodiscard]] std::optional<Reach> towards(const Eigen::Vector2d& point, bool skips_bad) const {
     double turn = std::atan2(point.y(), point.x()) - scan_.angle_min_rad;
     if (scan_.angle_increment_rad < 0.0) turn = -turn;
     turn -= kFullTurn * std::floor(turn / kFullTurn);
@@ -64,14 +75,19 @@ class Sight {
     for (int i = first; i <= middle + spread_; ++i) {
       if (static_cast<std::size_t>(i) >= scan_.ranges_m.size()) break;
       const double range_m = scan_.ranges_m[static_cast<std::size_t>(i)];
-      if (!(range_m > 0.0)) return {};  // nor what is no number
+      if (!(range_m > 0.0)) {  // nor what is no number
+        if (skips_bad) continue;
+        return {};
+      }
       reach.nearest_m = std::min(reach.nearest_m, range_m);
       reach.farthest_m = std::max(reach.farthest_m, range_m);
+      if (std::isfinite(range_m))
+        reach.farthest_return_m = std::max(reach.farthest_return_m, range_m);
     }
+    if (reach.farthest_m == 0.0) return {};
     return reach;
   }
 
- private:
   const LaserScan& scan_;
   int spread_;
 };
@@ -98,6 +114,17 @@ class Comparison {
     const double short_by_m = range_m - seen->farthest_m;
     if (short_by_m < margin_m || short_by_m > kTravelling.fastest * way_m_) return false;
     return goes_along(beam) || is_gone(before * (seen->farthest_m / range_m));
+  }
+
+  /// Whether the scan before showed something there. Nothing where no beam looked there.
+  [[nodiscard]] std::optional<bool> confirms(const Eigen::Vector2d& end) const {
+    const Eigen::Vector2d before = rotation_ * end + translation_;
+    const double range_m = before.norm();
+    const double margin_m = kTravelling.margin_m + kTravelling.confirmed_share * range_m;
+    if (range_m > then_.range_max_m() - margin_m) return {};
+    const auto seen = then_.by_the_good(before);
+    if (!seen) return {};
+    return seen->nearest_m <= range_m + margin_m && seen->farthest_return_m >= range_m - margin_m;
   }
 
  private:
@@ -139,19 +166,27 @@ std::size_t keep_things(std::vector<bool>& found) {
   return kept;
 }
 
+std::vector<Comparison> comparisons_of(const std::deque<TravellingThings::View>& views,
+                                       const LaserScan& scan, const Pose2& ground_T_lidar,
+                                       double path_m) {
+  std::vector<Comparison> comparisons;
+  for (const double way_m : {kTravelling.short_m, kTravelling.long_m}) {
+    const auto then =
+        std::ranges::find_if(views.rbegin(), views.rend(), [&](const TravellingThings::View& v) {
+          return path_m - v.path_m >= way_m && same_laser(v.scan, scan);
+        });
+    if (then == views.rend()) continue;
+    comparisons.emplace_back(scan, *then, ground_T_lidar, path_m - then->path_m);
+  }
+  return comparisons;
+}
+
 }  // namespace
 
 std::vector<bool> TravellingThings::find(const LaserScan& scan, const Pose2& ground_T_lidar,
                                          double path_m, const std::vector<bool>& covered,
                                          BeamTable& beams) const {
-  std::vector<Comparison> comparisons;
-  for (const double way_m : {kTravelling.short_m, kTravelling.long_m}) {
-    const auto then = std::ranges::find_if(
-        state_.views.rbegin(), state_.views.rend(),
-        [&](const View& v) { return path_m - v.path_m >= way_m && same_laser(v.scan, scan); });
-    if (then == state_.views.rend()) continue;
-    comparisons.emplace_back(scan, *then, ground_T_lidar, path_m - then->path_m);
-  }
+  const auto comparisons = comparisons_of(state_.views, scan, ground_T_lidar, path_m);
   if (comparisons.empty()) return {};
   const std::vector<Eigen::Vector2d>& directions = beams.directions(scan);
   const auto is_asked = [&](std::size_t i) {
@@ -173,6 +208,29 @@ std::vector<bool> TravellingThings::find(const LaserScan& scan, const Pose2& gro
     if (found[i]) ++far_found;
   }
   if (static_cast<double>(far_found) > kTravelling.most_share * static_cast<double>(far)) return {};
+  return found;
+}
+
+std::vector<bool> TravellingThings::find_new(const LaserScan& scan, const Pose2& ground_T_lidar,
+                                             double path_m, const std::vector<bool>& covered,
+                                             BeamTable& beams) const {
+  const auto comparisons = comparisons_of(state_.views, scan, ground_T_lidar, path_m);
+  if (comparisons.empty()) return {};
+  const std::vector<Eigen::Vector2d>& directions = beams.directions(scan);
+  std::vector<bool> found(directions.size(), false);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    if (!is_return(scan.ranges_m[i]) || (!covered.empty() && covered[i])) continue;
+    const Eigen::Vector2d end = static_cast<double>(scan.ranges_m[i]) * directions[i];
+    bool is_denied = false;
+    bool is_confirmed = false;
+    for (const Comparison& comparison : comparisons) {
+      const std::optional<bool> confirmed = comparison.confirms(end);
+      if (!confirmed) continue;
+      (*confirmed ? is_confirmed : is_denied) = true;
+    }
+    found[i] = is_denied && !is_confirmed;
+  }
+  if (keep_things(found) == 0) return {};
   return found;
 }
 

@@ -12,6 +12,7 @@ namespace loopstone {
 struct OdometryAccuracyNumbers {
   double window_m = 4.0;
   int most_windows = 40;
+  int fewest_windows = 5;
   double least_share = 0.02;
   double least_rad_per_m = 0.004;
   double first_share = 0.15;
@@ -25,6 +26,8 @@ void visit_numbers(const OdometryAccuracyNumbers& n, Visitor&& visit) {
         "chosen: some metres, long beside the laser's noise, short enough that a drive has many");
   visit("most_windows", n.most_windows,
         "chosen: older windows are forgotten, after 160 m: floors and tyres change");
+  visit("fewest_windows", n.fewest_windows,
+        "chosen: so many, 20 m, before what is usual can be told");
   visit("least_share", n.least_share, "chosen: no wheels are better than two per cent for long");
   visit("least_rad_per_m", n.least_rad_per_m,
         "chosen: none keep their heading better than a quarter of a degree a metre for long");
@@ -88,6 +91,10 @@ class OdometryAccuracy {
   /// \param correction  what is known of odometry's errors, and taken away
   [[nodiscard]] Sigma sigma(double path_m, double reach_m,
                             const OdometryCorrection& correction) const;
+
+  /// What the heading is usually off by after one window [rad]: the median. Nothing before there
+  /// are enough of them.
+  [[nodiscard]] std::optional<double> usual_rad(const OdometryCorrection& correction) const;
 
   /// What was learned.
   struct State {

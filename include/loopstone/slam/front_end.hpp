@@ -203,6 +203,7 @@ class FrontEnd {
   struct Alignment {
     MatchResult match;  ///< local frame
     bool searched = false;
+    bool outvoted = false;  ///< the laser was surer than the guess, and said otherwise
     bool lost =
         false;  ///< the scan contradicts the submap wherever it was looked for; the pose is a guess
   };
@@ -217,6 +218,8 @@ class FrontEnd {
     bool believed = false;             ///< the laser shows its surroundings
     LaserCover cover{};                ///< was taken out of `scan`
     bool is_led = false;  ///< what travels was taken out, too: odometry holds the robot
+    const LaserScan* whole = nullptr;  ///< as it came
+    bool is_driven = false;  ///< odometry that has proved itself says that the robot moves
     std::vector<SurfacePoint> surfaces{};  ///< its own, then those of other lasers
     std::size_t own_count = 0;
     bool is_new_laser = false;  ///< nothing that it saw is mapped yet, but what others see is
@@ -247,6 +250,15 @@ class FrontEnd {
   void show_rest(const LaserScan& scan, Sighting& sighting);
   [[nodiscard]] bool odometry_may_lead() const;
   void take_out_travelling(const LaserScan& scan, Sighting& sighting);
+  // Who is at fault where laser and odometry disagree (front_end_contest.cpp).
+  [[nodiscard]] bool is_driven(const Sighting& sighting) const;
+  [[nodiscard]] bool explains_less(const Alignment& alignment) const;
+  [[nodiscard]] static bool agrees(const Alignment& alignment, const Sighting& sighting);
+  [[nodiscard]] bool leaps(const Alignment& alignment, const Sighting& sighting) const;
+  [[nodiscard]] bool is_believed(const Alignment& alignment, const Sighting& sighting) const;
+  void take_out_new(Sighting& sighting);
+  [[nodiscard]] Alignment contest(Sighting& sighting);
+  [[nodiscard]] Alignment lead(const Sighting& sighting) const;
   void straighten(Sighting& sighting, const Tangent2& velocity);
   /// Adds what other lasers saw a moment before.
   void add_companions(Sighting& sighting) const;

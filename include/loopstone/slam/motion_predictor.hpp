@@ -20,6 +20,8 @@ struct MotionPredictorNumbers {
   double wheel_share = kOdometryAccuracy.first_share;
   double wheel_rest_m = 0.01;
   double wheel_rest_rad = 0.01;
+  double steady_rest_rad = 0.003;
+  double steady_rad = 0.005;
   double wheel_rad_per_m = kOdometryAccuracy.first_rad_per_m;
   double turn_share = 0.02;
   int steps = 3;
@@ -56,6 +58,12 @@ void visit_numbers(const MotionPredictorNumbers& n, Visitor&& visit) {
         "derived: share of the motion that may be wrong: first_share of the accuracy of odometry");
   visit("wheel_rest_m", n.wheel_rest_m, "chosen: uncertain even at rest: stamps, rounding");
   visit("wheel_rest_rad", n.wheel_rest_rad, "chosen: as wheel_rest_m, of a point a metre off");
+  visit(
+      "steady_rest_rad", n.steady_rest_rad,
+      "chosen: wheel_rest_rad of a steady heading: three times what the laser is sure of at best");
+  visit("steady_rad", n.steady_rad,
+        "chosen: a heading is steady that is usually off by less after 4 m: gyros are off by "
+        "0.001 to 0.004, wheels by 0.013 and more");
   visit("wheel_rad_per_m", n.wheel_rad_per_m,
         "derived: heading lost by driving straight: first_rad_per_m of the accuracy of odometry");
   visit("turn_share", n.turn_share,
@@ -178,6 +186,9 @@ class MotionPredictor {
   [[nodiscard]] double fastest_back_m_s() const;
   [[nodiscard]] double fastest_rad_s() const;
 
+  /// Odometry's heading hardly drifts and does not slip, as a gyro's.
+  [[nodiscard]] bool heading_is_steady() const;
+
   /// Standard deviations of a motion that goes on [m], [rad].
   [[nodiscard]] double coast_sigma_m() const;
   [[nodiscard]] double coast_sigma_rad() const;
@@ -262,6 +273,8 @@ class MotionPredictor {
   /// Odometry's motion between two readings without them.
   [[nodiscard]] Pose2 corrected_motion(const OdometryReading& from,
                                        const OdometryReading& to) const;
+  /// How far odometry may be wrong from scan to scan.
+  [[nodiscard]] ToldMotion step_reach(const Pose2& said, const OdometryReading& to) const;
   void learn_turns(const Pose2& motion, const OdometryReading& odometry, Seen seen);
   void follow_unseen(const Pose2& local_T_robot, const std::optional<OdometryReading>& odometry);
 

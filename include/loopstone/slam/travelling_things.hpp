@@ -17,6 +17,7 @@ struct TravellingNumbers {
   double every_m = 0.1;
   double margin_m = 0.1;
   double margin_share = 0.02;
+  double confirmed_share = 0.005;
   double bearing_rad = 0.012;
   double fastest = 5.0;
   int fewest_beams = 4;
@@ -39,6 +40,10 @@ void visit_numbers(const TravellingNumbers& n, Visitor&& visit) {
   visit("margin_m", n.margin_m,
         "chosen: ranges that differ by less are the same: noise, stamps, wheels, a bent wall");
   visit("margin_share", n.margin_share, "chosen: and of the range, for what leans with the laser");
+  visit(
+      "confirmed_share", n.confirmed_share,
+      "chosen: the same where a scan before must have shown it: what goes along is off by short_m "
+      "even far away");
   visit("bearing_rad", n.bearing_rad,
         "chosen: beams beside that one are asked as well: the heading may be off by so much");
   visit("fastest", n.fastest,
@@ -79,6 +84,13 @@ class TravellingThings {
   [[nodiscard]] std::vector<bool> find(const LaserScan& scan, const Pose2& ground_T_lidar,
                                        double path_m, const std::vector<bool>& covered,
                                        BeamTable& beams) const;
+  /// Beams that show what was not there before, so far as the same scans tell: what moves, and
+  /// what stands where beams had found nothing, or had ended nearer. What no beam had looked at is
+  /// not among it. Dark and shiny surfaces come and go, so it is no proof that something moves, but
+  /// nothing should be believed for it before it is seen twice. Empty: none.
+  [[nodiscard]] std::vector<bool> find_new(const LaserScan& scan, const Pose2& ground_T_lidar,
+                                           double path_m, const std::vector<bool>& covered,
+                                           BeamTable& beams) const;
   void remember(const LaserScan& scan, const Pose2& ground_T_lidar, double path_m);
   /// Nothing tells any more how the robot moved.
   void forget() { state_.views.clear(); }

@@ -52,6 +52,12 @@ TEST(OdometryAccuracy, WhatIsCorrectedIsNotLeft) {
       << "corrected the wrong way";
 }
 
+TEST(OdometryAccuracy, TellsWhatTheHeadingIsUsuallyOffBy) {
+  EXPECT_FALSE(driven(1.0, 0.0, 100).usual_rad({})) << "after two windows";
+  EXPECT_NEAR(driven(1.0, 0.0).usual_rad({}).value(), 0.0, 1e-9);
+  EXPECT_NEAR(driven(1.0, 0.01).usual_rad({}).value(), 0.04, 0.002);
+}
+
 TEST(OdometryAccuracy, OldWindowsAreForgotten) {
   OdometryAccuracy accuracy = driven(1.2, 0.0, 300);
   const double before_m = sigma(accuracy, 4.0).m;

@@ -295,6 +295,86 @@ TEST(FrontEnd, OdometryLeadsOnThroughScansThatContradictTheMap) {
   EXPECT_EQ(tracked.back().tracking, TrackingStatus::kTracked);
 }
 
+/// A hall whose end no beam reaches: a wall on the right, shelves on the left.
+test::Walls hall() {
+  std::vector<test::Walls> places{{{{-20.0, -3.0}, {80.0, -3.0}}}};
+  for (const double x : {1.0, 5.0, 9.0, 14.5, 22.0})
+    places.push_back(test::rectangle({x, 3.0}, {x + 0.4, 6.0}));
+  return test::together(places);
+}
+
+/// What a laser sees of it that leans so that its beams meet the floor ahead.
+LaserScan hall_scan(double x, double floor_ahead_m) {
+  const Scanner scanner{
+      .angle_increment_rad = 0.017453292519943295, .beams = 271, .range_max_m = 12.0};
+  LaserScan scan = test::scan_from(hall(), {x, 0.0, 0.0}, kMount, scanner);
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double along = std::cos(scan.angle_rad(i));
+    if (along < 0.64) continue;
+    scan.ranges_m[i] = std::min(scan.ranges_m[i], static_cast<float>(floor_ahead_m / along));
+  }
+  return scan;
+}
+
+TEST(FrontEnd, TheFloorThatALeaningLaserSeesDoesNotHoldTheRobot) {
+  FrontEnd front_end({}, {}, {});
+  constexpr double kStep = 0.07;
+  int contested = 0;
+  for (int i = 0; i < 190; ++i) {
+    const double x = kStep * i;
+    const bool leans = x > 8.0 && x < 12.0;
+    LaserScan scan = hall_scan(x, leans ? 8.0 : 1e3);
+    scan.stamp = stamp_at(static_cast<std::size_t>(i));
+    OdometryReading odometry{Pose2{x, 0.0, 0.0}};
+    odometry.path_m = x;
+    const auto tracked = front_end.add(scan, kMount, odometry);
+    ASSERT_TRUE(pose_near(tracked.local_T_robot, {x, 0.0, 0.0}, 0.08, 0.02)) << "at " << x;
+    if (tracked.path_break) {
+      ASSERT_EQ(tracked.path_break->bridge, BreakBridge::kLaser) << "the map is the same";
+    }
+    const auto taken_out = std::ranges::count(tracked.taken_out, true);
+    EXPECT_TRUE(leans || taken_out <= 30) << taken_out << " beams at " << x;
+    if (taken_out > 30) ++contested;
+  }
+  EXPECT_GT(contested, 20) << "the floor is left out where it would hold the robot";
+  EXPECT_LT(contested, 50) << "but not where laser and odometry agree";
+  EXPECT_TRUE(front_end.odometry_check().episodes().empty()) << "odometry was right";
+}
+
+TEST(FrontEnd, WheelsThatSlipWhileTheLaserLeansAreOutvoted) {
+  FrontEnd front_end({}, {}, {});
+  Pose2 odom_T_robot;
+  for (int i = 0; i < 160; ++i) {
+    const double x = 0.07 * i;
+    if (i > 0) odom_T_robot = odom_T_robot * Pose2{0.07, 0.0, 0.0};
+    if (i == 125) odom_T_robot = odom_T_robot * Pose2{0.1, 0.0, 0.06};
+    LaserScan scan = hall_scan(x, i >= 125 && i < 130 ? 8.0 : 1e3);
+    scan.stamp = stamp_at(static_cast<std::size_t>(i));
+    OdometryReading odometry{odom_T_robot};
+    odometry.path_m = x;
+    const auto tracked = front_end.add(scan, kMount, odometry);
+    ASSERT_TRUE(pose_near(tracked.local_T_robot, {x, 0.0, 0.0}, 0.05, 0.02)) << "at " << x;
+  }
+}
+
+TEST(FrontEnd, WheelsThatSlipAreStillOutvoted) {
+  FrontEnd front_end({}, {}, {});
+  Pose2 odom_T_robot;
+  double path_m = 0.0;
+  for (std::size_t i = 0; i < drive().size(); ++i) {
+    if (i > 0) odom_T_robot = odom_T_robot * (drive()[i - 1].inverse() * drive()[i]);
+    if (i > 0) path_m += (drive()[i - 1].inverse() * drive()[i]).translation().norm();
+    if (i == drive().size() - 10) odom_T_robot = odom_T_robot * Pose2{0.12, 0.0, 0.15};
+    LaserScan scan = test::scan_from(test::furnished_room(), drive()[i], kMount, {});
+    scan.stamp = stamp_at(i);
+    OdometryReading odometry{odom_T_robot};
+    odometry.path_m = path_m;
+    const auto tracked = front_end.add(scan, kMount, odometry);
+    ASSERT_TRUE(pose_near(tracked.local_T_robot, drive()[0].inverse() * drive()[i], 0.05, 0.02))
+        << "scan " << i;
+  }
+}
+
 TEST(FrontEnd, ARobotWhoseWheelsStandMayBeCarriedMeanwhile) {
   FrontEnd front_end({}, {}, {});
   const auto tracked = through_strange_scans(front_end, 60, false);

@@ -229,6 +229,36 @@ TEST(MotionPredictor, UncertaintyIsLearnedFromHowTheRobotMoves) {
   EXPECT_GT(wild.coast_sigma_rad(), 0.2);
 }
 
+/// After 40 m straight on; odometry veers by so much, now to the left and now to the right.
+MotionPredictor after_veering(double rad_per_m) {
+  MotionPredictor predictor;
+  double said_yaw = 0.0;
+  for (int i = 0; i <= 400; ++i) {
+    const double x = 0.1 * i;
+    said_yaw += ((i / 50) % 2 == 0 ? 0.1 : -0.1) * rad_per_m;
+    OdometryReading odometry{Pose2{x, 0.0, said_yaw}};
+    odometry.path_m = x;
+    predictor.settle(stamp_at(x), Pose2{x, 0.0, 0.0}, odometry, {true, true});
+  }
+  return predictor;
+}
+
+TEST(MotionPredictor, AHeadingThatProvedSteadyIsTrustedMore) {
+  EXPECT_FALSE(MotionPredictor{}.heading_is_steady()) << "nothing is known";
+  const MotionPredictor steady = after_veering(0.0003);
+  const MotionPredictor veering = after_veering(0.005);
+  EXPECT_TRUE(steady.heading_is_steady());
+  EXPECT_FALSE(veering.heading_is_steady());
+  OdometryReading next{Pose2{40.1, 0.0, 0.0}};
+  next.path_m = 40.1;
+  const auto sigma_rad = [&](const MotionPredictor& predictor) {
+    const auto guesses = predictor.guesses(stamp_at(40.1), next);
+    return 1.0 / std::sqrt(guesses.front().information(2, 2));
+  };
+  EXPECT_LT(sigma_rad(steady), 0.75 * sigma_rad(veering));
+  EXPECT_GE(sigma_rad(steady), kMotionPredictor.steady_rest_rad);
+}
+
 TEST(MotionPredictor, WhatOdometrySaysAcrossASilenceIsNotAsked) {
   Driven driven = drive(true);
   OdometryReading odometry{driven.local_T_robot};  // its counts of the last step were lost

@@ -18,6 +18,7 @@ namespace {
 constexpr int kBeams = 361;
 constexpr double kHalfWidth = 1.2;
 constexpr double kEnd = 30.0;
+constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 /// Of a corridor along x as a laser in its middle sees it, with something across it.
 LaserScan corridor_from(double x, double something_at = kEnd) {
@@ -110,6 +111,50 @@ TEST_F(Travelling, NothingIsSaidWhereMostWouldMove) {
   std::ranges::fill(scan.ranges_m, 5.0F);
   things_.remember(scan, Pose2{}, 0.0);
   EXPECT_TRUE(things_.find(scan, {1.0, 0.0, 0.0}, 1.0, {}, beams_).empty());
+}
+
+/// The same where beams find nothing in front.
+LaserScan open_ahead(LaserScan scan, float beyond_m, float instead) {
+  for (float& range_m : scan.ranges_m) {
+    if (range_m > beyond_m) range_m = instead;
+  }
+  return scan;
+}
+
+TEST_F(Travelling, WhatStandsWhereNothingWasIsNewUntilItIsSeenTwice) {
+  const LaserScan before = open_ahead(corridor_from(0.0), 7.0F, kNothing);
+  things_.remember(before, Pose2{}, 0.0);
+  const LaserScan now = open_ahead(corridor_from(0.5, 6.5), 7.0F, kNothing);
+  const auto found = things_.find_new(now, {0.5, 0.0, 0.0}, 0.5, {}, beams_);
+  ASSERT_FALSE(found.empty());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const double aside = std::abs(now.angle_rad(i));
+    if (aside < 0.1 || aside > 0.3) {
+      EXPECT_EQ(found[i], aside < 0.1) << i;
+    }
+  }
+  things_.remember(now, {0.5, 0.0, 0.0}, 0.5);
+  const LaserScan again = open_ahead(corridor_from(1.0, 6.5), 7.0F, kNothing);
+  EXPECT_TRUE(things_.find_new(again, {1.0, 0.0, 0.0}, 1.0, {}, beams_).empty());
+  const LaserScan ahead = open_ahead(corridor_from(1.0, 7.0), 7.0F, kNothing);
+  EXPECT_FALSE(things_.find_new(ahead, {1.0, 0.0, 0.0}, 1.0, {}, beams_).empty())
+      << "it goes along";
+}
+
+TEST_F(Travelling, BeamsThatAreBadDenyNothing) {
+  constexpr float kBad = std::numeric_limits<float>::quiet_NaN();
+  things_.remember(open_ahead(corridor_from(0.0), 6.0F, kBad), Pose2{}, 0.0);
+  const LaserScan now = corridor_from(0.5, 6.5);
+  EXPECT_TRUE(things_.find_new(now, {0.5, 0.0, 0.0}, 0.5, {}, beams_).empty());
+}
+
+TEST_F(Travelling, WhatLiesBeyondTheLasersReachIsDeniedByNobody) {
+  LaserScan before = open_ahead(corridor_from(0.0), 6.0F, kNothing);
+  before.range_max_m = 6.0;
+  things_.remember(before, Pose2{}, 0.0);
+  LaserScan now = open_ahead(corridor_from(0.5, 6.3), 6.0F, kNothing);
+  now.range_max_m = 6.0;
+  EXPECT_TRUE(things_.find_new(now, {0.5, 0.0, 0.0}, 0.5, {}, beams_).empty());
 }
 
 TEST_F(Travelling, FewScansAreKept) {
