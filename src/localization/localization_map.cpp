@@ -22,12 +22,11 @@ LikelihoodFieldOptions weigher_options(double resolution_m) {
 }
 
 /// Two places that look alike are drawn a little differently, as their walls lie otherwise in the
-/// cells, and a map drawn by a laser is bent by a decimetre here and there. Such differences are
-/// the same for every scan, so they must not add up: no distance within that and a cell counts.
+/// cells. Such differences are the same for every scan, so they must not add up: no distance within
+/// a cell counts.
 Grid<float> forgiving_distances(const Grid<std::int8_t>& occupancy, const MapField& field) {
   Grid<float> distances = field.distances();
-  constexpr double kBentM = 0.1;
-  const auto forgiven = static_cast<float>(distances.frame().resolution + kBentM);
+  const auto forgiven = static_cast<float>(distances.frame().resolution + 0.01);
   for (float& distance : distances.cells()) distance = std::max(0.0F, distance - forgiven);
   const auto& percents = occupancy.cells();
   for (std::size_t i = 0; i < percents.size(); ++i) {

@@ -42,6 +42,7 @@ constexpr double kAstrayRad = 0.2;
 /// lost anyway.
 constexpr double kNewPlacesShare = 0.003;
 constexpr double kNewPlacesShareWhenLost = 0.5;
+constexpr double kNewPlacesShareWhenJumped = 0.2;
 /// Against those places, when others were found where the robot may have slipped to.
 constexpr double kFarLogOdds = 6.0;
 /// A place this near to the one followed is that one, after a slip.
@@ -54,6 +55,7 @@ constexpr double kSpotM = 0.02;
 constexpr double kSpotRad = 0.01;
 /// A scan contradicts the map that fits by so much less than those before it did.
 constexpr double kWorse = 0.12;
+constexpr double kMuchWorse = 0.17;
 /// Where odometry may have missed so much, the robot is looked for before scans contradict.
 constexpr double kUntoldM = 0.15;
 /// Returns used for registration.
@@ -269,6 +271,9 @@ class Localizer::Impl {
       return false;
     }
     near_pace_.found();
+    // A place that is only similar may lie where the robot could have slipped to.
+    constexpr double kJumpM = 0.5;
+    jumped_ = (found->pose.translation() - foretold_.pose.translation()).norm() > kJumpM;
     adopt(*found);
     return true;
   }
@@ -277,8 +282,11 @@ class Localizer::Impl {
   /// lacks make wrong poses fit a little better, never as before.
   [[nodiscard]] double as_usual() const {
     constexpr double kLeast = 0.6;
-    const double usual = std::max(quality_of(lately_.mean()), quality_of(along_.mean()));
-    return std::max(kLeast, lately_.any() ? usual - kWorse : kLeast);
+    return std::max(kLeast, lately_.any() ? usual_quality() - kWorse : kLeast);
+  }
+
+  [[nodiscard]] double usual_quality() const {
+    return std::max(quality_of(lately_.mean()), quality_of(along_.mean()));
   }
 
   /// Where counts were lost, the robot is looked for before a scan is registered: registration
@@ -369,8 +377,10 @@ class Localizer::Impl {
     estimate.particles = static_cast<int>(belief_.particle_count());
     estimate.travelled_m = motion_.travelled_m();
     const double way_m = evidence_way_m();
+    bool worse = false;
     if (view.points_robot.size() >= kLeastReturns) {
       const BeamFit newest = fit_beams(view, map_, estimate.map_T_robot);
+      worse = lately_.any() && quality_of(newest) < usual_quality() - kMuchWorse;
       fit_.add(newest);
       lately_.add(newest, way_m);
       along_.add(newest, way_m);
@@ -400,7 +410,7 @@ class Localizer::Impl {
     // A pose that is imprecise along a corridor is not lost: it is in the right place.
     const double place_probability =
         estimate.probability / std::max(estimate.evidence.precision, 1e-9);
-    estimate.state = state_.judge(estimate.probability, place_probability, way_m);
+    estimate.state = state_.judge(estimate.probability, place_probability, way_m, worse);
     return estimate;
   }
 
@@ -409,7 +419,7 @@ class Localizer::Impl {
   bool recover(const LocalizationScan& view, const LocalizationEstimate& estimate) {
     constexpr int kDoubtedScans = 3;
     constexpr double kDoesNotFit = 0.5;
-    if (estimate.state == LocalizationState::kTracking) {
+    if (estimate.state == LocalizationState::kTracking && !jumped_) {
       doubted_scans_ = 0;
       pace_.calm();
       return false;
@@ -417,12 +427,15 @@ class Localizer::Impl {
     // Where another place explains the scans as well, only motion can tell: no search can. But
     // scans that don't fit, or places that were too many to follow, are worth another look.
     const double fits = estimate.probability / std::max(estimate.evidence.mass, 1e-9);
-    const bool worthwhile = fits < kDoesNotFit || rest_share_ > 0.0;
+    const bool worthwhile = fits < kDoesNotFit || rest_share_ > 0.0 || state_.fits_worse_for_long();
     doubted_scans_ = worthwhile ? doubted_scans_ + 1 : 0;
-    if (doubted_scans_ < kDoubtedScans || !pace_.due(motion_.travelled_m())) return false;
+    const bool due = doubted_scans_ >= kDoubtedScans && pace_.due(motion_.travelled_m());
+    if (!due && !jumped_) return false;
     doubted_scans_ = 0;
     const bool lost = estimate.state == LocalizationState::kLost;
-    std::vector<PoseBelief::Proposal> proposals = search(view, lost ? "lost" : "doubtful");
+    std::vector<PoseBelief::Proposal> proposals = search(view, jumped_ ? "jumped"
+                                                               : lost  ? "lost"
+                                                                       : "doubtful");
     if (is_riding()) {
       // Something stands around the robot, or it slipped: other places must explain more than that.
       constexpr double kMore = 0.05;
@@ -431,8 +444,18 @@ class Localizer::Impl {
         return quality_of(fit_beams(view, map_, proposal.map_T_robot.pose)) < here + kMore;
       });
     }
+    const double prior = jumped_ ? kNewPlacesShareWhenJumped
+                         : lost  ? kNewPlacesShareWhenLost
+                                 : kNewPlacesShare;
+    const double far_log_odds = std::exchange(jumped_, false) ? 0.0 : kFarLogOdds;
     if (proposals.empty()) return false;
-    // New places against old ones, by how well each explains this scan.
+    compete(view, estimate, std::move(proposals), prior, far_log_odds);
+    return true;
+  }
+
+  /// New places against old ones, by how well each explains this scan.
+  void compete(const LocalizationScan& view, const LocalizationEstimate& estimate,
+               std::vector<PoseBelief::Proposal> proposals, double prior, double far_log_odds) {
     double best_log = -std::numeric_limits<double>::infinity();
     // A robot slips by a metre more often than it is carried to a place that looks the same.
     const auto nearby = [&](const PoseBelief::Proposal& proposal) {
@@ -441,7 +464,7 @@ class Localizer::Impl {
     const bool any_near = std::any_of(proposals.begin(), proposals.end(), nearby);
     for (auto& proposal : proposals) {
       if ((any_near || (is_riding() && !looks_carried())) && !nearby(proposal))
-        proposal.log_mass -= kFarLogOdds;
+        proposal.log_mass -= far_log_odds;
       proposal.log_mass += weigher_.best_evidence(view, std::span(&proposal.map_T_robot.pose, 1));
       best_log = std::max(best_log, proposal.log_mass);
     }
@@ -455,13 +478,12 @@ class Localizer::Impl {
     double new_sum = 0.0;
     for (const auto& proposal : proposals)
       new_sum += std::exp(proposal.log_mass - best_log) / static_cast<double>(proposals.size());
-    const double prior = lost ? kNewPlacesShareWhenLost : kNewPlacesShare;
     const double ratio = prior / (1.0 - prior) * new_sum / std::max(old_sum, 1e-12);
+    const bool lost = estimate.state == LocalizationState::kLost;
     // The particles stand where they were weighed last; move them to now before others join them.
     move_particles();
     belief_.add(proposals, std::clamp(ratio / (1.0 + ratio), 1e-3, lost ? 0.98 : 0.5));
     belief_.settle();
-    return true;
   }
 
   /// Odometry still tells where the robot is, since the pose was sure: then it is not far from
@@ -563,6 +585,7 @@ class Localizer::Impl {
   std::optional<PoseTrack>
       riding_{};  ///< from where the state was TRACKING last, by odometry alone
   double ride_pace_m_ = 0.0;
+  bool jumped_ = false;  ///< found near by, farther than wheels mostly slip: is it so elsewhere?
   double rest_share_ = 0.0;
   SearchPace pace_{};
 

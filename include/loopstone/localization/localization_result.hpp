@@ -97,7 +97,7 @@ struct BeliefSnapshot {
 /// A search of the map for the robot.
 struct LocalizationSearch {
   Stamp stamp;
-  std::string reason;      ///< "start", "lost", "doubtful"
+  std::string reason;      ///< "start", "lost", "doubtful", "jumped"
   bool whole_map = false;  ///< else near the pose believed in
   int poses_found = 0;
   int poses_added = 0;      ///< of these, places that nothing was known of

@@ -54,6 +54,14 @@ TEST(StateJudge, ALongWayOfDoubtEndsIt) {
   EXPECT_EQ(judge.judge(0.95, 0.95, 0.05), kDoubtful) << "and is not forgotten at once";
 }
 
+TEST(StateJudge, ALongWayOfWorseScansEndsItHoweverProbableTheyAre) {
+  StateJudge judge = sure();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(judge.judge(0.98, 0.98, 0.05, true), kTracking);
+  EXPECT_EQ(judge.judge(0.98, 0.98, 0.05, true), kDoubtful);
+  EXPECT_EQ(judge.judge(0.98, 0.98, 0.05, true), kDoubtful);
+  EXPECT_EQ(judge.judge(0.98, 0.98, 0.05, false), kTracking);
+}
+
 TEST(StateJudge, WhatIsBeyondDoubtEndsItAtOnce) {
   StateJudge judge = sure();
   EXPECT_EQ(judge.judge(0.02, 0.02, 0.05), kLost);
