@@ -262,7 +262,7 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
     velocity = matched;
     straighten(sighting, velocity);
     MotionGuess again = guess;
-    if (alignment.outvoted || !guess.measured) {
+    if (alignment.overruled || !guess.measured) {
       again.local_T_robot = alignment.match.target_T_source;
       again.information *= kFrontEnd.outvoted;
     }
@@ -375,6 +375,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
   if (guesses.front().measured && merit(best, priors) < own_.usual_score - kFrontEnd.score_drop) {
     for (const MotionGuess& guess : others) try_guess(guess);
   }
+  result.overruled = best_prior != 0;
   // Where the laser pulls far away from the guess, the guess was wrong and must not pull back.
   if (may_outvote && has_supported_pose(best.status) &&
       chi2_from(priors[best_prior], best) > kFrontEnd.most_guess_chi2) {
@@ -385,7 +386,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
     if (has_supported_pose(freed.status) && freed.score >= best.score - kFrontEnd.same_score &&
         contradict(priors[best_prior], freed)) {
       best = freed;
-      result.outvoted = true;
+      result.overruled = true;
     }
   }
 
@@ -393,7 +394,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
   if (best.status == MatchStatus::kTooFewPairs || best.score < least) {
     const Searched searched = search(surfaces, priors, best);
     best = searched.match;
-    result.searched = true;
+    result.searched = result.overruled = true;
     result.lost = searched.lost;
   }
   if (result.lost || best.status == MatchStatus::kTooFewPairs) {

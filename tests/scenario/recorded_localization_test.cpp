@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -19,9 +20,12 @@ namespace {
 
 struct Jumps {
   int tracking = 0;
-  double longest_m = 0.0;  ///< between estimates that are TRACKING, against odometry
+  double longest_m = 0.0;  ///< between estimates that are TRACKING, beyond what odometry drifts
   double free = 0.0;       ///< share of them on free cells
 };
+
+/// Odometry turned a little while it was not held: a tenth of the way it led.
+constexpr double kDrift = 0.1;
 
 Jumps jumps_in(const std::string& log_path, const LocalizationMap& map, std::uint64_t seed) {
   const auto log = open_log(log_path, {});
@@ -51,8 +55,9 @@ Jumps jumps_in(const std::string& log_path, const LocalizationMap& map, std::uin
       const Pose2 moved = before->map_T_robot.inverse() * estimate.map_T_robot;
       const Pose2 expected =
           reckoned.at_clamped(before->stamp)->inverse() * *reckoned.at_clamped(estimate.stamp);
-      jumps.longest_m =
-          std::max(jumps.longest_m, (moved.translation() - expected.translation()).norm());
+      const double drift_m = kDrift * (estimate.travelled_m - before->travelled_m);
+      jumps.longest_m = std::max(
+          jumps.longest_m, (moved.translation() - expected.translation()).norm() - drift_m);
     }
     before = &estimate;
   }
@@ -67,7 +72,7 @@ TEST(LocalizationRecorded, InCorridorsThatLookAlikeWhatIsTrackingDoesNotJump) {
   const LocalizationMap map(read_ros_map(picture));
   const Jumps jumps = jumps_in(log, map, 2);
   EXPECT_GT(jumps.tracking, 10);
-  EXPECT_TRUE(as_usual(jumps.longest_m, 0.276));
+  EXPECT_TRUE(as_usual(jumps.longest_m, 0.1));
   EXPECT_GT(jumps.free, 0.99);
 }
 

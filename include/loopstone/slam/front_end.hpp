@@ -203,7 +203,7 @@ class FrontEnd {
   struct Alignment {
     MatchResult match;  ///< local frame
     bool searched = false;
-    bool outvoted = false;  ///< the laser was surer than the guess, and said otherwise
+    bool overruled = false;  ///< it is not what the likeliest guess led to: that was wrong
     bool lost =
         false;  ///< the scan contradicts the submap wherever it was looked for; the pose is a guess
   };
