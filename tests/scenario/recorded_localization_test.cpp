@@ -56,8 +56,8 @@ Jumps jumps_in(const std::string& log_path, const LocalizationMap& map, std::uin
       const Pose2 expected =
           reckoned.at_clamped(before->stamp)->inverse() * *reckoned.at_clamped(estimate.stamp);
       const double drift_m = kDrift * (estimate.travelled_m - before->travelled_m);
-      jumps.longest_m = std::max(
-          jumps.longest_m, (moved.translation() - expected.translation()).norm() - drift_m);
+      jumps.longest_m = std::max(jumps.longest_m,
+                                 (moved.translation() - expected.translation()).norm() - drift_m);
     }
     before = &estimate;
   }
