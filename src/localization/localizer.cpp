@@ -1,5 +1,6 @@
 #include "loopstone/localization/localizer.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -135,10 +136,10 @@ class Localizer::Impl {
     const PoseWithCovariance2 motion = motion_.step_to(scan.stamp, queue_.odometer());
     odom_T_robot_ = odom_T_robot_ * motion.pose;
     if (track_) {
-      track_->advance(motion);
+      track_->advance(motion, motion_.is_told());
       foretold_ = track_->map_T_robot();
     }
-    if (riding_) riding_->advance(motion);
+    if (riding_) riding_->advance(motion, motion_.is_told());
     const LocalizationScan view =
         view_for_localization(scan, mount_of(scan, robot_), motion_.velocity(), options_.beams);
     const bool seen = view.points_robot.size() >= kLeastReturns;
@@ -151,12 +152,12 @@ class Localizer::Impl {
       weigh(view);
     }
     if (belief_.empty()) return;
-    follow_best_place();
+    follow_best_place(view);
     const bool refined = seen && told && refine_or_find(view);
     motion_.found_at(track_->map_T_robot().pose);
     LocalizationEstimate estimate = judge(view, refined);
     if (seen && options_.recover && (rejoin(view, estimate) || recover(view, estimate))) {
-      follow_best_place();
+      follow_best_place(view);
       estimate = judge(view, refine(view));
     }
     report(view, std::move(estimate));
@@ -222,7 +223,7 @@ class Localizer::Impl {
   }
 
   /// Keeps the track on the most probable place.
-  void follow_best_place() {
+  void follow_best_place(const LocalizationScan& view) {
     const PlaceBelief& best = belief_.places().front();
     PoseWithCovariance2 mean = compound(best.moments, motion_.since_weighing());
     // Few particles may stand on one spot; they don't know it that well.
@@ -247,7 +248,39 @@ class Localizer::Impl {
              std::abs(wrap_angle(pose.yaw - mean.pose.yaw)) >
                  kAstrayRad + 2.0 * std::sqrt(mean.covariance(2, 2));
     };
-    if (changed || astray()) track_.emplace(mean);
+    if (changed || astray()) restart_track(better_start(view, no_surer(mean)));
+  }
+
+  /// Along a corridor few particles stand for a long way. Where the track says that the robot may be
+  /// anywhere about here, another of them says nothing new.
+  [[nodiscard]] PoseWithCovariance2 no_surer(PoseWithCovariance2 mean) const {
+    constexpr double kWithin2 = 16.0;  // squared Mahalanobis distance
+    if (!track_) return mean;
+    const PoseWithCovariance2& track = track_->map_T_robot();
+    const Eigen::Vector3d apart(mean.pose.x - track.pose.x, mean.pose.y - track.pose.y,
+                                wrap_angle(mean.pose.yaw - track.pose.yaw));
+    const Eigen::Matrix3d covariance = mean.covariance + track.covariance;
+    if (apart.dot(covariance.inverse() * apart) < kWithin2) mean.covariance = covariance;
+    return mean;
+  }
+
+  /// Particles that are spread out tell the place, but no pose to register a scan from.
+  [[nodiscard]] PoseWithCovariance2 better_start(const LocalizationScan& view,
+                                                 const PoseWithCovariance2& mean) const {
+    constexpr double kSureM = 0.15;
+    constexpr double kSureRad = 0.1;
+    constexpr double kBetter = 0.05;
+    const Eigen::Matrix3d& covariance = mean.covariance;
+    const double sigma_m = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+    if (sigma_m < kSureM && std::sqrt(covariance(2, 2)) < kSureRad) return mean;
+    if (view.points_robot.size() < kLeastReturns) return mean;
+    const double here = quality_of(fit_beams(view, map_, mean.pose));
+    return find_nearby(view, map_, mean, here + kBetter).value_or(mean);
+  }
+
+  /// Elsewhere, by a robot with the same wheels.
+  void restart_track(const PoseWithCovariance2& map_T_robot) {
+    track_.emplace(map_T_robot, track_ ? track_->errors() : OdometryErrors{});
   }
 
   bool refine_or_find(const LocalizationScan& view) {
@@ -274,7 +307,7 @@ class Localizer::Impl {
     // A place that is only similar may lie where the robot could have slipped to.
     constexpr double kJumpM = 0.5;
     jumped_ = (found->pose.translation() - foretold_.pose.translation()).norm() > kJumpM;
-    adopt(*found);
+    adopt(view, *found);
     return true;
   }
 
@@ -312,12 +345,12 @@ class Localizer::Impl {
     }
     near_pace_.found();
     untold_at_m_.reset();
-    if (!is_within(found->pose, track_->map_T_robot().pose, kSameM, kSameRad)) adopt(*found);
+    if (!is_within(found->pose, track_->map_T_robot().pose, kSameM, kSameRad)) adopt(view, *found);
     return true;
   }
 
   /// The robot is found where it may well be.
-  void adopt(const PoseWithCovariance2& found) {
+  void adopt(const LocalizationScan& view, const PoseWithCovariance2& found) {
     constexpr double kSpreadM = 0.05;
     constexpr double kSpreadRad = 0.03;
     PoseBelief::Proposal proposal{.map_T_robot = found};
@@ -326,8 +359,8 @@ class Localizer::Impl {
     move_particles();
     belief_.add(std::span(&proposal, 1), kSlippedShare);
     belief_.settle();
-    follow_best_place();
-    track_.emplace(found);
+    follow_best_place(view);
+    restart_track(found);
   }
 
   /// A robot that drove off the map, or through a crowd, comes back where odometry says.
@@ -347,7 +380,7 @@ class Localizer::Impl {
     if (here > kWell - kBetter) return false;
     const auto found = find_nearby(view, map_, ridden, kWell);
     if (!found || quality_of(fit_beams(view, map_, found->pose)) < here + kBetter) return false;
-    adopt(*found);
+    adopt(view, *found);
     return true;
   }
 
@@ -365,13 +398,19 @@ class Localizer::Impl {
     return step.translation().norm() + kMetresPerRad * std::abs(step.yaw) + kStandingM;
   }
 
+  /// People and what else the map lacks draw the pose to where they stand.
+  [[nodiscard]] Eigen::Matrix3d crowded(const Eigen::Matrix3d& covariance) const {
+    constexpr double kUnexpected = 15.0;
+    return (1.0 + kUnexpected * lately_.mean().unexpected) * covariance;
+  }
+
   LocalizationEstimate judge(const LocalizationScan& view, bool refined) {
     const PlaceBelief& best = belief_.places().front();
     LocalizationEstimate estimate;
     estimate.stamp = *motion_.last_stamp();
     estimate.map_T_robot = track_->map_T_robot().pose;
     estimate.odom_T_robot = odom_T_robot_;
-    estimate.covariance = track_->map_T_robot().covariance;
+    estimate.covariance = crowded(track_->covariance());
     estimate.refined = refined;
     estimate.hypotheses = static_cast<int>(belief_.places().size());
     estimate.particles = static_cast<int>(belief_.particle_count());
@@ -426,7 +465,8 @@ class Localizer::Impl {
     }
     // Where another place explains the scans as well, only motion can tell: no search can. But
     // scans that don't fit, or places that were too many to follow, are worth another look.
-    const double fits = estimate.probability / std::max(estimate.evidence.mass, 1e-9);
+    const PoseEvidence& evidence = estimate.evidence;
+    const double fits = estimate.probability / std::max(evidence.mass * evidence.precision, 1e-9);
     const bool worthwhile = fits < kDoesNotFit || rest_share_ > 0.0 || state_.fits_worse_for_long();
     doubted_scans_ = worthwhile ? doubted_scans_ + 1 : 0;
     const bool due = doubted_scans_ >= kDoubtedScans && pace_.due(motion_.travelled_m());

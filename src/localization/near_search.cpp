@@ -18,8 +18,10 @@ constexpr double kSlipRad = 0.6;
 constexpr double kMostM = 4.0;
 constexpr double kMostRad = 1.2;
 constexpr double kSigmas = 3.0;
-/// What is found explains the scan better than any other pose nearby does.
+/// What is found explains the scan better than any other pose nearby does: by more where there are
+/// more others, one of which may fit by chance.
 constexpr double kBetterThanOthers = 0.07;
+constexpr double kBetterPerM = 0.025;
 
 SearchWindow window_around(const PoseWithCovariance2& foretold) {
   const Eigen::Matrix3d& covariance = foretold.covariance;
@@ -37,14 +39,16 @@ std::optional<PoseWithCovariance2> find_nearby(const LocalizationScan& scan,
   MapMatchOptions options;
   options.distinct_m = 0.4;
   options.distinct_rad = 0.2;
-  const std::vector<MatchResult> poses = match_near(scan, map, window_around(foretold), options);
+  const SearchWindow window = window_around(foretold);
+  const std::vector<MatchResult> poses = match_near(scan, map, window, options);
   std::vector<double> qualities;
   for (const MatchResult& match : poses)
     qualities.push_back(quality_of(fit_beams(scan, map, match.target_T_source)));
   const auto best = std::max_element(qualities.begin(), qualities.end());
   if (best == qualities.end() || *best < least) return {};
+  const double better = kBetterThanOthers + kBetterPerM * (window.half_xy_m - kSlipM);
   const bool only = std::all_of(qualities.begin(), qualities.end(), [&](const double& quality) {
-    return &quality == &*best || quality <= *best - kBetterThanOthers;
+    return &quality == &*best || quality <= *best - better;
   });
   if (!only) return {};
   const MatchResult& match = poses[static_cast<std::size_t>(best - qualities.begin())];

@@ -16,18 +16,24 @@ namespace {
 
 /// Registrations share the map's own errors from scan to scan, so each counts less than its
 /// covariance says.
-constexpr double kCovarianceFactor = 4.0;
+constexpr double kCovarianceFactor = 2.0;
 /// What dead reckoning adds at least between two scans.
 constexpr double kDriftM = 0.003;
 constexpr double kDriftRad = 0.001;
 /// Standard deviation of odometry's scale, which is the same all along the way.
 constexpr double kScaleSigma = 0.015;
+/// How odometry's errors change on the way: over a metre, a radian, a metre.
+constexpr double kScaleWalk = 0.0007;
+constexpr double kTurnWalk = 0.003;
+constexpr double kCurveWalk = 0.001;
 /// A registration farther from the prediction than this (squared Mahalanobis distance, 3 degrees of
 /// freedom) is not believed.
 constexpr double kGate = 40.0;
 /// Share of the newest registration in the mean innovation.
 constexpr double kNewest = 0.15;
 constexpr double kLeastExplained = 0.25;
+/// Share of the newest registration in what registrations share.
+constexpr double kNewestShared = 0.1;
 /// Only scans that fit the map this well teach the offset of ranges.
 constexpr double kWellExplained = 0.7;
 
@@ -95,6 +101,19 @@ std::vector<Eigen::Vector2d> near_walls(std::vector<Eigen::Vector2d> points, con
   return static_cast<double>(near.size()) < least ? std::move(points) : near;
 }
 
+/// What a step adds to the covariance of the pose, map axes.
+Eigen::Matrix3d motion_noise(const Pose2& before, const PoseWithCovariance2& step) {
+  Eigen::Matrix3d noise = compound({before, Eigen::Matrix3d::Zero()}, step).covariance;
+  noise.diagonal() += Eigen::Vector3d(kDriftM * kDriftM, kDriftM * kDriftM, kDriftRad * kDriftRad);
+  return noise;
+}
+
+/// How much odometry's errors may have changed on a step.
+Eigen::Vector3d odometry_walk(double way_m, double turn_rad) {
+  return {kScaleWalk * kScaleWalk * way_m, kTurnWalk * kTurnWalk * std::abs(turn_rad),
+          kCurveWalk * kCurveWalk * way_m};
+}
+
 }  // namespace
 
 Eigen::Matrix2d scale_covariance(const Eigen::Matrix2d& position, const Eigen::Vector2d& way) {
@@ -106,14 +125,35 @@ Eigen::Matrix2d scale_covariance(const Eigen::Matrix2d& position, const Eigen::V
   return growth * along * along.transpose();
 }
 
-void PoseTrack::advance(const PoseWithCovariance2& motion) {
+Pose2 OdometryErrors::corrected(const Pose2& motion) const {
+  const Eigen::Vector2d way = (1.0 + mean.x()) * motion.translation();
+  return {way.x(), way.y(), (1.0 + mean.y()) * motion.yaw + mean.z() * way.x()};
+}
+
+PoseTrack::PoseTrack(const PoseWithCovariance2& map_T_robot, const OdometryErrors& errors)
+    : map_T_robot_(map_T_robot), errors_(errors.mean), covariance_(Matrix6::Zero()) {
+  covariance_.topLeftCorner<3, 3>() = map_T_robot.covariance;
+  covariance_.bottomRightCorner<3, 3>() = errors.covariance;
+}
+
+void PoseTrack::advance(const PoseWithCovariance2& motion, bool is_told) {
   const Pose2 before = map_T_robot_.pose;
-  map_T_robot_ = compound(map_T_robot_, motion);
-  map_T_robot_.covariance.topLeftCorner<2, 2>() +=
-      scale_covariance(map_T_robot_.covariance.topLeftCorner<2, 2>(),
-                       map_T_robot_.pose.translation() - before.translation());
-  map_T_robot_.covariance.diagonal() +=
-      Eigen::Vector3d(kDriftM * kDriftM, kDriftM * kDriftM, kDriftRad * kDriftRad);
+  PoseWithCovariance2 step = motion;
+  if (is_told) step.pose = errors().corrected(motion.pose);
+  map_T_robot_ = compound(map_T_robot_, step);
+  const Eigen::Vector2d way = map_T_robot_.pose.translation() - before.translation();
+  Matrix6 change = Matrix6::Identity();
+  change.block<2, 1>(0, 2) << -way.y(), way.x();
+  Matrix6 noise = Matrix6::Zero();
+  noise.topLeftCorner<3, 3>() = motion_noise(before, step);
+  if (is_told) {
+    change.block<2, 1>(0, 3) = before.rotation() * motion.pose.translation();
+    change(2, 4) = motion.pose.yaw;
+    change(2, 5) = motion.pose.x;
+    noise.diagonal().tail<3>() = odometry_walk(way.norm(), motion.pose.yaw);
+  }
+  covariance_ = change * covariance_ * change.transpose() + noise;
+  map_T_robot_.covariance = covariance_.topLeftCorner<3, 3>();
 }
 
 std::vector<Eigen::Vector2d> RangeOffset::applied(std::span<const Eigen::Vector2d> points_robot,
@@ -150,6 +190,11 @@ void RangeOffset::learn(std::span<const Eigen::Vector2d> points_robot,
   metres_ = std::clamp(metres_ + std::clamp(step, -kFastestM, kFastestM), -cell, cell);
 }
 
+void SharedError::add(const Eigen::Matrix3d& covariance) {
+  if (!mean_) mean_ = covariance;
+  *mean_ += kNewestShared * (covariance - *mean_);
+}
+
 bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot,
                        const Eigen::Vector2d& laser_robot, const MapField& field,
                        RangeOffset& offset) {
@@ -162,19 +207,22 @@ bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot,
     return false;
   }
   const Eigen::Matrix3d noise = kCovarianceFactor * match.covariance;
+  if (match.status == MatchStatus::kConverged) shared_.add(match.covariance);
   const Eigen::Vector3d innovation = difference(match.target_T_source, map_T_robot_.pose);
   const Eigen::LDLT<Eigen::Matrix3d> total(map_T_robot_.covariance + noise);
   const double distance2 = innovation.dot(total.solve(innovation));
   innovation_ += kNewest * (std::min(distance2, kGate) / 3.0 - innovation_);
   if (!(distance2 < kGate)) return false;
-  const Eigen::Matrix3d gain = total.solve(map_T_robot_.covariance).transpose();
-  const Eigen::Vector3d step = gain * innovation;
+  const Eigen::Matrix<double, 6, 3> gain = total.solve(covariance_.topRows<3>()).transpose();
+  const Eigen::Matrix<double, 6, 1> step = gain * innovation;
   Pose2& pose = map_T_robot_.pose;
-  pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};
+  pose = {pose.x + step(0), pose.y + step(1), wrap_angle(pose.yaw + step(2))};
+  errors_ += step.tail<3>();
   // Joseph's form stays symmetric and positive.
-  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity() - gain;
-  map_T_robot_.covariance =
-      rest * map_T_robot_.covariance * rest.transpose() + gain * noise * gain.transpose();
+  Matrix6 rest = Matrix6::Identity();
+  rest.leftCols<3>() -= gain;
+  covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
+  map_T_robot_.covariance = covariance_.topLeftCorner<3, 3>();
   constexpr int kLearnEvery = 4;
   if (match.status == MatchStatus::kConverged && match.score > kWellExplained &&
       ++refined_ % kLearnEvery == 0) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,31 @@ class RangeOffset {
   double curvature_ = 0.0;  ///< likewise [1/m^2]
 };
 
+/// What a robot's odometry is wrong by all the time: wheels smaller than they are said to be, a gyro
+/// with a scale of its own, a robot that draws to one side. Learned from where scans fit.
+struct OdometryErrors {
+  /// The way is longer by this share, turns are by this share, and it turns so much on the way
+  /// [1, 1, rad/m].
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Vector3d(0.02 * 0.02, 0.02 * 0.02, 0.01 * 0.01).asDiagonal();
+
+  /// Of a short motion.
+  [[nodiscard]] Pose2 corrected(const Pose2& motion) const;
+};
+
+/// Errors of the map that scans taken one after the other have in common: no number of them makes
+/// the pose surer than the walls are. The mean of what the last registrations were uncertain by.
+class SharedError {
+ public:
+  void add(const Eigen::Matrix3d& covariance);
+  [[nodiscard]] Eigen::Matrix3d covariance() const {
+    return mean_.value_or(Eigen::Matrix3d::Zero());
+  }
+
+ private:
+  std::optional<Eigen::Matrix3d> mean_{};
+};
+
 /// The best pose followed from scan to scan: dead reckoning between scans, registration to the map
 /// at each of them, weighed by their covariances. Particles say which place the robot is in; this
 /// says where in it, to a fraction of a cell.
@@ -44,9 +70,10 @@ class RangeOffset {
 /// the measurement.
 class PoseTrack {
  public:
-  explicit PoseTrack(const PoseWithCovariance2& map_T_robot) : map_T_robot_(map_T_robot) {}
+  explicit PoseTrack(const PoseWithCovariance2& map_T_robot, const OdometryErrors& errors = {});
 
-  void advance(const PoseWithCovariance2& motion);
+  /// \param is_told  by odometry, whose errors are learned
+  void advance(const PoseWithCovariance2& motion, bool is_told);
 
   /// Registers a scan's returns (robot frame) to the walls and takes the result in unless it
   /// contradicts the prediction.
@@ -55,12 +82,24 @@ class PoseTrack {
               const MapField& field, RangeOffset& offset);
 
   [[nodiscard]] const PoseWithCovariance2& map_T_robot() const { return map_T_robot_; }
+  [[nodiscard]] OdometryErrors errors() const {
+    return {errors_, covariance_.bottomRightCorner<3, 3>()};
+  }
+  /// The same with what the registrations of the last scans have in common.
+  [[nodiscard]] Eigen::Matrix3d covariance() const {
+    return map_T_robot_.covariance + shared_.covariance();
+  }
   /// Squared Mahalanobis distance of registrations from predictions, divided by 3, mean of the last
   /// ones: about 1 or less when all is well.
   [[nodiscard]] double innovation() const { return innovation_; }
 
  private:
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
   PoseWithCovariance2 map_T_robot_;
+  Eigen::Vector3d errors_;  ///< of odometry
+  Matrix6 covariance_;      ///< of pose and errors
+  SharedError shared_{};
   double innovation_ = 1.0;
   int registered_ = 0;
   int refined_ = 0;

@@ -28,6 +28,7 @@ constexpr double kUntold = 0.5;
 PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) {
   PoseWithCovariance2 motion;
   untold_m_ = 0.0;
+  is_told_ = false;
   if (!first_stamp_) first_stamp_ = stamp;
   const Stamp from = last_stamp_.value_or(stamp);
   last_stamp_ = stamp;
@@ -45,6 +46,7 @@ PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) 
       motion.covariance.diagonal() +=
           Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
     } else {
+      is_told_ = true;
       fastest_m_s_ = std::max(fastest_m_s_, velocity_.head<2>().norm());
       fastest_rad_s_ = std::max(fastest_rad_s_, std::abs(velocity_.z()));
     }

@@ -46,6 +46,8 @@ class RobotMotion {
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
   /// What odometry may have missed of the last step, one standard deviation [m].
   [[nodiscard]] double untold_m() const { return untold_m_; }
+  /// The last step is odometry's, and it missed nothing.
+  [[nodiscard]] bool is_told() const { return is_told_; }
   [[nodiscard]] bool had_odometry() const { return had_odometry_; }
 
  private:
@@ -58,6 +60,7 @@ class RobotMotion {
   double untold_m_ = 0.0;
   double fastest_m_s_ = 0.0;  ///< that odometry has told of
   double fastest_rad_s_ = 0.0;
+  bool is_told_ = false;
   bool had_odometry_ = false;
   double travelled_m_ = 0.0;
   PoseWithCovariance2 since_weighing_{};

@@ -93,8 +93,22 @@ Observability<2> observability_at(std::span<const Pair> pairs, const Eigen::Matr
   return observability_of<2>(hessian, centre, std::max(arm, 1e-3));
 }
 
+/// What the points on one face add up to.
+struct Face {
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double distance = 0.0;  ///< weighted sum
+  double weight = 0.0;
+
+  /// How far the face lies off what the pose makes of it, squared.
+  [[nodiscard]] double offset2() const {
+    const double offset = distance / std::max(weight, 1e-9);
+    return offset * offset;
+  }
+};
+
 /// What the errors of the points and of the walls add up to in the gradient. A face is rounded to
-/// cells, so all points on it share one error of variance resolution^2 / 12. Points share a face
+/// cells, so all points on it share one error of variance resolution^2 / 12, and one by which the
+/// face contradicts the others (a cluster-robust covariance: Liang and Zeger 1986). Points share a face
 /// when it looks the same way and lies as far along that way; a slanted wall falls into several
 /// pieces, as its rounding changes along it.
 Eigen::Matrix3d noise_of(std::span<const Pair> pairs, const Eigen::Vector2d& translation,
@@ -102,7 +116,7 @@ Eigen::Matrix3d noise_of(std::span<const Pair> pairs, const Eigen::Vector2d& tra
   constexpr double kEighth = kPi / 4.0;
   constexpr double kSameFaceM = 0.25;
   Eigen::Matrix3d noise = Eigen::Matrix3d::Zero();
-  std::map<std::pair<int, int>, Eigen::Vector3d> faces;
+  std::map<std::pair<int, int>, Face> faces;
   for (const Pair& pair : pairs) {
     const Eigen::Vector3d jacobian = pair.weight * pair.jacobian();
     noise.noalias() += sigma_m * sigma_m * jacobian * jacobian.transpose();
@@ -119,10 +133,14 @@ Eigen::Matrix3d noise_of(std::span<const Pair> pairs, const Eigen::Vector2d& tra
     const Eigen::Vector2d normal(std::cos(way * kEighth), std::sin(way * kEighth));
     const int offset =
         static_cast<int>(std::lround(normal.dot(pair.arm + translation) / kSameFaceM));
-    faces.try_emplace({way, offset}, Eigen::Vector3d::Zero()).first->second += sign * jacobian;
+    Face& face = faces[{way, offset}];
+    face.gradient += sign * jacobian;
+    face.distance += sign * pair.weight * pair.distance_m;
+    face.weight += pair.weight;
   }
   const double rounding = resolution_m * resolution_m / 12.0;
-  for (const auto& [face, sum] : faces) noise.noalias() += rounding * sum * sum.transpose();
+  for (const auto& [key, face] : faces)
+    noise.noalias() += (rounding + face.offset2()) * face.gradient * face.gradient.transpose();
   return noise;
 }
 
@@ -167,7 +185,7 @@ void descend(Descent& at, std::span<const Eigen::Vector2d> source, const MapFiel
 
 /// How well the pose fits.
 MatchResult judged(const Descent& descent, std::span<const Eigen::Vector2d> source,
-                   const std::vector<Pair>& pairs, const MapField& field,
+                   std::vector<Pair> pairs, const MapField& field,
                    const FieldMatchOptions& options) {
   double squares = 0.0;
   double weights = 0.0;
@@ -183,6 +201,11 @@ MatchResult judged(const Descent& descent, std::span<const Eigen::Vector2d> sour
   result.pairs = static_cast<int>(pairs.size());
   result.inlier_fraction = static_cast<double>(pairs.size()) / count;
   result.score = explained / count;
+  // What holds a pose are walls, not the steps of their cells.
+  for (Pair& pair : pairs) {
+    pair.gradient =
+        field.wall_normal(pair.arm + descent.pose.translation(), {pair.distance_m, pair.gradient});
+  }
   const auto observability = observability_at(pairs, linearise(pairs).hessian);
   const double sigma = std::max(options.point_sigma_m, result.rmse_m);
   result.covariance = observability.covariance(

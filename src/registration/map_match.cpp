@@ -232,9 +232,9 @@ MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& 
   }
   if (!distinct.empty()) {
     const double next = distinct.size() > 1 ? distinct[1].score : 0.0;
+    // Along a corridor the next pose found explains as much.
     result.sure = all_refined && distinct[0].score >= options.sure_score &&
-                  distinct[0].score - next > options.sure_gap &&
-                  distinct[0].status != MatchStatus::kDegenerate;
+                  distinct[0].score - next > options.sure_gap;
   }
   result.complete = all_refined && distinct.size() <= static_cast<std::size_t>(options.poses_max);
   if (distinct.size() > static_cast<std::size_t>(options.poses_max))

@@ -38,7 +38,7 @@ struct FieldSample {
 /// where nothing is free). Within its cell a face may be anywhere, so the cell's centre is the best
 /// guess of it.
 ///
-/// Memory: 4 bytes a cell, and a third more for the coarser levels. Cost to build: O(cells), about
+/// Memory: 5 bytes a cell, and a third more for the coarser levels. Cost to build: O(cells), about
 /// 20 ns each.
 /// Source: Kohlbrecher et al. 2011, "A flexible and scalable SLAM system with full 3D motion
 /// estimation", section IV, for the levels and the interpolation; Thrun, Burgard and Fox 2005,
@@ -46,7 +46,7 @@ struct FieldSample {
 class MapField {
  public:
   /// What making one takes for each cell, about; what it keeps is less.
-  static constexpr std::uint64_t kBytesPerCell = 14;
+  static constexpr std::uint64_t kBytesPerCell = 15;
 
   /// \param occupancy  in percent, -1 unknown, as nav_msgs/OccupancyGrid has it
   explicit MapField(const Grid<std::int8_t>& occupancy, const MapFieldOptions& options = {});
@@ -69,9 +69,17 @@ class MapField {
   /// Cost: O(1). Outside the grid there are no walls.
   [[nodiscard]] FieldSample sample(std::size_t level, const Eigen::Vector2d& point) const;
 
+  /// The unit normal of the wall nearest to a point, on the side where its gradient points, by the
+  /// cells of the wall some decimetres around: its steps from row to row of cells are not the
+  /// wall's. The gradient where nothing there looks like a wall.
+  /// \param sample  of the finest level, at the point
+  [[nodiscard]] Eigen::Vector2d wall_normal(const Eigen::Vector2d& point,
+                                            const FieldSample& sample) const;
+
  private:
   double reach_m_;
   std::vector<Grid<float>> levels_{};
+  Grid<std::uint8_t> normals_;  ///< of walls, in degrees and one [1, 180]; 0: none
 };
 
 /// The cells that a laser can have hit: occupied ones that touch a free cell, by a side or a

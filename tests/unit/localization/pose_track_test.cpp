@@ -89,7 +89,7 @@ TEST(PoseTrack, IsDrawnToTheWalls) {
   const Eigen::Matrix3d before = track.map_T_robot().covariance;
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(track.refine(points_from(room, truth), kMount.translation(), field, offset));
-    track.advance(step(0.0));
+    track.advance(step(0.0), true);
   }
   EXPECT_TRUE(pose_near(track.map_T_robot().pose, truth, 0.025, 0.006));
   EXPECT_LT(track.map_T_robot().covariance.trace(), 0.1 * before.trace());
@@ -105,7 +105,7 @@ TEST(PoseTrack, PeopleBeforeTheWallsDoNotDrawIt) {
   PoseTrack track(sure(truth * Pose2{0.02, -0.02, 0.005}));
   RangeOffset offset;
   for (int i = 0; i < 20; ++i) {
-    track.advance(step(0.0));
+    track.advance(step(0.0), true);
     ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
   }
   EXPECT_TRUE(pose_near(track.map_T_robot().pose, truth, 0.025, 0.006));
@@ -120,7 +120,7 @@ TEST(PoseTrack, InnovationIsSmallWhenAllIsWellAndGrowsWhenNothingFits) {
   RangeOffset offset;
   const auto points = points_from(room, truth);
   for (int i = 0; i < 30; ++i) {
-    track.advance(step(0.0));
+    track.advance(step(0.0), true);
     ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
   }
   EXPECT_LT(track.innovation(), 0.5);
@@ -143,7 +143,7 @@ TEST(PoseTrack, AlongACorridorItsDoubtGrowsWithTheWay) {
   std::vector<double> along;
   std::vector<double> across;
   for (int i = 1; i <= 400; ++i) {
-    track.advance(step(0.1));
+    track.advance(step(0.1), true);
     ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
     if (i % 100 != 0) continue;
     along.push_back(std::sqrt(track.map_T_robot().covariance(0, 0)));
@@ -157,6 +157,54 @@ TEST(PoseTrack, AlongACorridorItsDoubtGrowsWithTheWay) {
   EXPECT_NEAR(track.map_T_robot().pose.y, 1.0, 0.01);
 }
 
+/// What drives round and round in a room by an odometer that is wrong all the time.
+TEST(PoseTrack, LearnsWhatOdometryIsWrongByAllTheTime) {
+  const Walls room = furnished_room();
+  const MapField field(drawn(room, kLow, kHigh));
+  Pose2 truth{3.0, 2.4, 0.0};
+  PoseTrack track(sure(truth));
+  const OdometryErrors before = track.errors();
+  RangeOffset offset;
+  for (int i = 0; i < 800; ++i) {
+    const Pose2 real{0.05, 0.0, 0.05};
+    truth = truth * real;
+    // Wheels said to be 3 % smaller than they are, a gyro with a scale of 0.98.
+    track.advance(sure({real.x / 1.03, 0.0, 0.98 * real.yaw}, 0.003, 0.001), true);
+    ASSERT_TRUE(track.refine(points_from(room, truth), kMount.translation(), field, offset));
+  }
+  const OdometryErrors learned = track.errors();
+  EXPECT_NEAR(learned.mean.x(), 0.03, 0.01);
+  const Pose2 corrected = learned.corrected({0.05 / 1.03, 0.0, 0.98 * 0.05});
+  EXPECT_NEAR(corrected.x, 0.05, 0.0005);
+  EXPECT_NEAR(corrected.yaw, 0.05, 0.0003);
+  EXPECT_LT(learned.covariance(0, 0), 0.25 * before.covariance(0, 0));
+}
+
+TEST(PoseTrack, WhatNoOdometryToldTeachesNothing) {
+  PoseTrack track(sure({1.0, 2.0, 0.3}));
+  for (int i = 0; i < 10; ++i) track.advance(step(0.1), false);
+  EXPECT_EQ(track.errors().mean, Eigen::Vector3d::Zero());
+  EXPECT_EQ(track.errors().covariance, OdometryErrors{}.covariance);
+}
+
+TEST(PoseTrack, NoNumberOfScansMakesItSurerThanTheWalls) {
+  const Walls room = furnished_room();
+  const MapField field(drawn(room, kLow, kHigh));
+  const Pose2 truth{3.0, 3.0, 0.3};
+  PoseTrack track(sure(truth));
+  RangeOffset offset;
+  const auto points = points_from(room, truth);
+  for (int i = 0; i < 300; ++i) {
+    track.advance(step(0.0), true);
+    ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
+  }
+  // A cell of 5 cm is known to its width by the root of 12, and several walls share in that.
+  const double sigma_m = std::sqrt(track.covariance()(0, 0));
+  EXPECT_GT(sigma_m, 0.005);
+  EXPECT_LT(sigma_m, 0.03);
+  EXPECT_GT(track.covariance()(0, 0), track.map_T_robot().covariance(0, 0));
+}
+
 TEST(PoseTrack, ItsCovarianceStaysSymmetricAndPositive) {
   const Walls room = furnished_room();
   const MapField field(drawn(room, kLow, kHigh));
@@ -166,7 +214,7 @@ TEST(PoseTrack, ItsCovarianceStaysSymmetricAndPositive) {
   for (int i = 0; i < 60; ++i) {
     const PoseWithCovariance2 motion = sure({0.03, 0.0, 0.02}, 0.005, 0.002);
     truth = truth * motion.pose;
-    track.advance(motion);
+    track.advance(motion, true);
     track.refine(points_from(room, truth), kMount.translation(), field, offset);
     const Eigen::Matrix3d& covariance = track.map_T_robot().covariance;
     ASSERT_LT((covariance - covariance.transpose()).norm(), 1e-12);

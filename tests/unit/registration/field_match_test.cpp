@@ -5,6 +5,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "loopstone/geometry/rigid_motion.hpp"
 #include "map_scene.hpp"
@@ -134,6 +136,69 @@ TEST(FieldMatch, ACorridorLeavesItsAxisOpen) {
   EXPECT_NEAR(match.target_T_source.y, 1.0, 0.04);
   EXPECT_GT(match.covariance(0, 0), 1.0);
   EXPECT_LT(match.covariance(1, 1), 0.01);
+}
+
+/// A corridor of 40 m whose walls run across the rows of cells at an angle.
+World slanted_corridor(double yaw) {
+  World world;
+  for (const double side : {-1.1, 1.1}) {
+    const Pose2 wall = Pose2{20.0, 20.0, yaw} * Pose2{0.0, side, 0.0};
+    world.plan.boxes.push_back({wall, 40.0, 0.2});
+  }
+  world.map_T_start = {20.0, 20.0, yaw};
+  return world;
+}
+
+TEST(MapField, NormalsAreTheWallsNotTheirCells) {
+  for (const double yaw : {0.0, 0.1, 0.3, 0.785, 1.2, 2.0}) {
+    const MapField field(true_map(slanted_corridor(yaw), 0.05));
+    double worst = 0.0;
+    for (double along = -15.0; along < 15.0; along += 0.07) {
+      const Pose2 before = Pose2{20.0, 20.0, yaw} * Pose2{along, 0.97, 0.0};
+      const FieldSample sample = field.sample(0, before.translation());
+      const Eigen::Vector2d normal = field.wall_normal(before.translation(), sample);
+      EXPECT_NEAR(normal.norm(), 1.0, 1e-9);
+      // It points away from the wall, as the gradient does: back to the corridor's middle.
+      const Eigen::Vector2d expected = -before.rotation().col(1);
+      worst = std::max(worst, std::acos(std::clamp(normal.dot(expected), -1.0, 1.0)));
+    }
+    EXPECT_LT(worst, 0.12) << yaw;
+  }
+}
+
+TEST(FieldMatch, ASlantedCorridorLeavesItsAxisOpenToo) {
+  for (const double yaw : {0.1, 0.3, 0.785, 1.2}) {
+    const World world = slanted_corridor(yaw);
+    const MapField field(true_map(world, 0.05));
+    const SurfaceIndex surfaces(world.plan);
+    Rng rng(6);
+    const Pose2 truth{20.0, 20.0, yaw};
+    // The far ends are out of the laser's reach.
+    auto scan = test::scan_at(surfaces, truth, rng);
+    std::erase_if(scan, [](const Eigen::Vector2d& point) { return point.norm() > 10.0; });
+    const MatchResult match = match_to_field(scan, field, truth * Pose2{0.3, 0.05, 0.02});
+    const Eigen::Vector2d along = truth.rotation().col(0);
+    const Eigen::Vector2d across = truth.rotation().col(1);
+    const Eigen::Matrix2d covariance = match.covariance.topLeftCorner<2, 2>();
+    EXPECT_EQ(match.status, MatchStatus::kDegenerate) << yaw;
+    EXPECT_GT(along.dot(covariance * along), 1.0) << yaw;
+    EXPECT_LT(across.dot(covariance * across), 0.01) << yaw;
+  }
+}
+
+TEST(FieldMatch, WallsThatContradictEachOtherMakeItLessSure) {
+  // A room drawn 8 cm wider than it is: either wall or both are off.
+  World wide = room().world;
+  World narrow = room().world;
+  wide.plan.boxes[3].map_T_box.x += 0.08;
+  const MapField field(true_map(wide, 0.05));
+  const SurfaceIndex surfaces(narrow.plan);
+  Rng rng(3);
+  const Pose2 truth{4.5, 4.0, 0.3};
+  const auto scan = test::scan_at(surfaces, truth, rng);
+  const MatchResult right = match_to_field(scan, room().field, truth);
+  const MatchResult doubtful = match_to_field(scan, field, truth);
+  EXPECT_GT(doubtful.covariance(0, 0), 1.5 * right.covariance(0, 0));
 }
 
 TEST(FieldMatch, FarFromEverythingThePoseIsTheGuess) {
