@@ -6,7 +6,7 @@ Recorded logs are looked for in $LOOPSTONE_DATA, else in ../shared/data. Maps an
 kept in build/bench/own_maps; what was measured in build/bench/own_maps.json.
 
   bench/own_maps.py                 everything (about 25 minutes on one core)
-  bench/own_maps.py --kinds own day some of own, day, published, other; to look at, writes nothing
+  bench/own_maps.py --kinds own day some of own, day, published, bare, other; writes nothing
   bench/own_maps.py --write         no measurement: the table from what is kept
 """
 import argparse
@@ -32,6 +32,7 @@ TITLES = {
     "own": "the log on its own map",
     "day": "second half on the map of the first; simulated: furniture moved between two laps",
     "published": "a map drawn by others",
+    "bare": "bare corridors, on their map, from a known start",
     "other": "another building's map",
 }
 COLUMNS = [

@@ -33,6 +33,8 @@ HALVES = ["intel", "csail"]
 WORLDS = ["office", "warehouse", "campus", "rooms", "wings"]
 LAPS = ["office", "warehouse", "wings"]  # short enough to be driven round twice
 PUBLISHED = ["depot.yaml", "warehouse.yaml"]
+# Where the laser tells the robot's place along its way only now and then.
+BARE = ["corridor", "loops"]
 USUAL = "usual"
 # Without what turns or bends the world: the map is as it was drawn.
 ON_PUBLISHED = "range,mixed,dropouts,steps,sweep,mount,stamps,loss,wheels,gyro,uneven,walkers"
@@ -42,7 +44,7 @@ OTHER_S = 400.0  # of a log on another building's map
 
 @dataclasses.dataclass
 class Drive:
-    kind: str  # own, day, published or other
+    kind: str  # own, day, published, bare or other
     name: str
     building: str
     rows: list  # one a scan: right, error_m, error_rad, known, and the columns of the table
@@ -186,9 +188,9 @@ class OwnMaps:
                 run([*command, *words, *ROBOTS[robot], "--force", "--quiet"])
         return name, log_of(folder)
 
-    def localized(self, log, chart, name, flags=()):
+    def localized(self, log, chart, name, flags=(), start=("--global",)):
         path = self.work / f"where-{name}.tum"
-        command = [self.loopstone.program, "localize", log, "--map", chart, "-o", path, "--global"]
+        command = [self.loopstone.program, "localize", log, "--map", chart, "-o", path, *start]
         _, cost = run([*command, "--threads", "1", "--force", "--quiet", *flags])
         return path.with_suffix(".csv"), cost["cpu_s"]
 
@@ -225,6 +227,16 @@ class OwnMaps:
             "published", title, world.stem, rows_of(table, read_poses(folder / "truth.tum")), cpu_s
         )
 
+    def bare(self, world, robot, seed):
+        """From a known start: along a bare corridor no search tells where."""
+        name, log = self.simulated(world, robot, seed)
+        folder = log if log.is_dir() else log.parent
+        truth = read_poses(folder / "truth.tum")
+        first = truth[min(truth, key=float)]
+        start = ["--initial", ",".join(f"{value:.4f}" for value in first)]
+        table, cpu_s = self.localized(log, folder / "map.yaml", f"bare-{name}", start=start)
+        return Drive("bare", f"{world}, {robot}", world, rows_of(table, truth), cpu_s)
+
     def planned(self):
         """Every drive as a function that drives it, and what to call it."""
         yield from self.planned_recorded()
@@ -260,6 +272,11 @@ class OwnMaps:
                 yield f"published {name} {robot}", partial(
                     self.published, world, robot, self.first_seed + i
                 )
+
+        for i, world in enumerate(BARE):
+            for robot in robots:
+                seed = self.first_seed + len(WORLDS) + i
+                yield f"bare {world} {robot}", partial(self.bare, world, robot, seed)
 
     def own_world(self, world, robot, seed):
         name, log = self.simulated(world, robot, seed)
