@@ -51,7 +51,7 @@ def install():
 
 
 def measured(arguments, kept_at, drives, seeds):
-    """Adds to what is kept, run by run; every drive keeps the circumstances of its last run."""
+    """Adds to what is kept, run by run: by drive its runs, each with its circumstances."""
     work = arguments.work / "localization_peers"
     work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.program, work)
@@ -64,10 +64,9 @@ def measured(arguments, kept_at, drives, seeds):
 
     def drive(name, systems, seeds):
         try:
-            before = kept.get(name, {"runs": []})["runs"]
-            for runs in beside.runs(name, systems, seeds, before):
+            for runs in beside.runs(name, systems, seeds, kept.get(name, []), when):
                 with guard:
-                    kept[name] = {**when, "runs": runs}
+                    kept[name] = runs
                     kept_at.write_text(json.dumps(kept, indent=1))
         except (Failed, OSError, RuntimeError, KeyError, ValueError) as failure:
             say(f"  {name}: FAILED {failure!r}")

@@ -6,6 +6,7 @@ import itertools
 import math
 import random
 import statistics
+from functools import partial
 
 from largest_error import wrap
 from own_maps_measure import RIGHT_M, RIGHT_RAD, OwnMaps, key_of, read_poses
@@ -15,7 +16,7 @@ from program import run, say
 
 # Of other seeds than the drives that AMCL was tuned on (TUNED_ON), and than those of own_maps.py.
 FIRST_SEED = 501
-TUNED_ON = "office-poses 301, office-gyro 301, warehouse-around 302, CSAIL"
+TUNED_ON = "office-poses 301, office-gyro 301, warehouse-around 302, ACES, Intel, CSAIL"
 RECORDED = ["intel", "aces", "csail"]
 RECORDED_S = 400.0  # of each; its map is of the whole log
 WORLDS = ["office", "warehouse"]
@@ -30,22 +31,36 @@ SIGMA_M, SIGMA_RAD = 0.5, 0.26  # of a start that is known: what `loopstone loca
 # A peer claims to be certain where the square root of its covariance's trace [m, m, rad] is less.
 CERTAIN, LESS_CERTAIN = RIGHT_M, 0.5
 
+# No tuning was the best on all of these; one for each of nav2's two likelihood fields.
 TUNED = {
-    "laser_model_type": "likelihood_field_prob",
-    "z_hit": 0.95,
-    "z_rand": 0.05,
-    "max_beams": 30,
-    "max_particles": 20000,
-    "update_min_d": 0.2,
+    "amcl_field": {
+        "laser_model_type": "likelihood_field",
+        "z_hit": 0.95,
+        "z_rand": 0.05,
+        "sigma_hit": 0.1,
+        "max_beams": 180,
+        "max_particles": 20000,
+        "update_min_d": 0.1,
+        "update_min_a": 0.1,
+        "recovery_alpha_slow": 0.001,
+        "recovery_alpha_fast": 0.1,
+    },
+    "amcl_tuned": {
+        "laser_model_type": "likelihood_field_prob",
+        "z_hit": 0.95,
+        "z_rand": 0.05,
+        "max_beams": 30,
+        "max_particles": 20000,
+        "update_min_d": 0.2,
+    },
 }
 SYSTEMS = {
     "loopstone": "Loopstone",
     "amcl": "AMCL, nav2's defaults",
-    "amcl_tuned": "AMCL, tuned",
+    "amcl_field": "AMCL, tuned",
+    "amcl_tuned": "AMCL, tuned, likelihood_field_prob",
     "mrpt": "pf-localization",
 }
-
-
 # The slow one comes last, so that all else is there when a run is cut off.
 SLOW = ["mrpt"]
 
@@ -67,11 +82,11 @@ def start_near(pose, seed):
 
 
 def figures_of(rows, cost, truth):
-    """Of rows (stamp, x, y, yaw, spread). A scan without a pose is a wrong one, and nobody claimed
-    it; its error is not counted."""
+    """Of rows (stamp, x, y, yaw, spread), of those with one stamp the last. A scan without a pose
+    is a wrong one, and nobody claimed it; its error is not counted."""
     errors, right, certain, wrong, less_wrong = [], 0, 0, 0, 0
-    for stamp, x, y, yaw, spread in rows:
-        pose = truth.get(key_of(stamp))
+    for key, (x, y, yaw, spread) in {key_of(row[0]): row[1:] for row in rows}.items():
+        pose = truth.get(key)
         if pose is None:
             continue
         off_m, off_rad = math.hypot(x - pose[0], y - pose[1]), abs(wrap(yaw - pose[2]))
@@ -141,8 +156,8 @@ class PeersBeside:
         yield "loopstone", lambda start, seed: self.ours(name, log, chart, start, seed)
         if amcl_localization.is_here():
             amcl = amcl_localization.Amcl(feed)
-            yield "amcl", lambda start, seed: amcl.localize(run, start, seed, {})
-            yield "amcl_tuned", lambda start, seed: amcl.localize(run, start, seed, TUNED)
+            for system, settings in {"amcl": {}, **TUNED}.items():
+                yield system, partial(amcl.localize, run, settings)
         if mrpt_localization.is_here():
             mrpt = mrpt_localization.PfLocalization(feed)
             yield "mrpt", lambda start, seed: mrpt.localize(run, start)
@@ -161,9 +176,9 @@ class PeersBeside:
         truth = {key: poses[key] for key in keys}
         return Prepared(truth, truth[keys[0]], dict(self.runners(name, log, chart, feed)))
 
-    def runs(self, name, systems, seeds, before):
-        """Figures of each run with its system, start and seed, those before included; told again
-        after each."""
+    def runs(self, name, systems, seeds, before, when):
+        """Figures of each run with its system, start, seed and circumstances, those before
+        included; told again after each."""
         if name not in self.prepared:
             self.prepared[name] = self.prepare(name)
         drive = self.prepared[name]
@@ -173,7 +188,8 @@ class PeersBeside:
                 continue
             guess = start_near(drive.first, seed) if start == "known" else None
             figures = figures_of(*drive.runners[system](guess, seed), drive.truth)
-            before = [*before, {"system": system, "start": start, "seed": seed, **figures}]
+            of_run = {"system": system, "start": start, "seed": seed, "when": when}
+            before = [*before, {**of_run, **figures}]
             say(
                 f"  {name}, {start} {seed}, {SYSTEMS[system]}: right"
                 f" {100 * figures['right']:.1f} %, {figures['ms_per_scan']:.2f} ms a scan"

@@ -33,7 +33,7 @@ COLUMNS = [
 
 
 def runs_of(drive, start, system):
-    return [one for one in drive["runs"] if (one["start"], one["system"]) == (start, system)]
+    return [one for one in drive if (one["start"], one["system"]) == (start, system)]
 
 
 def middle(runs, key):
@@ -102,28 +102,34 @@ def drive_lines(kept):
             yield [f"{name}, {FROM[start]}", *cells]
 
 
-def runs_told(sections):
+def runs_told(drives):
     """How many runs of each system a start has: 3, or 1 to 3 where drives differ."""
     told = []
     for system, title in SYSTEMS.items():
-        counts = {len(runs_of(one, start, system)) for one in sections for start in STARTS}
+        counts = {len(runs_of(one, start, system)) for one in drives for start in STARTS}
         least, most = min(counts), max(counts)
         told.append(f"{title} {most}" if least == most else f"{title} {least} to {most}")
     return "; ".join(told)
 
 
+def settings_told():
+    return "; ".join(
+        f"{SYSTEMS[system]}: `{' '.join(f'{key}={value}' for key, value in settings.items())}`"
+        for system, settings in TUNED.items()
+    )
+
+
 def text_of(kept):
-    sections = [kept[name] for name in DRIVES if name in kept]
-    tuned = " ".join(f"{key}={value}" for key, value in TUNED.items())
+    drives = [kept[name] for name in DRIVES if name in kept]
     weighed = mrpt_localization.LIKELIHOOD
     return "\n\n".join(
         [
-            provenance(*sections),
-            f"Medians of runs, so many of each start: {runs_told(sections)}. A peer is certain"
+            provenance(*(one["when"] for drive in drives for one in drive)),
+            f"Medians of runs, so many of each start: {runs_told(drives)}. A peer is certain"
             " where the square root of the trace of its covariance [m, m, rad] is at most"
-            f" {CERTAIN:g}, Loopstone where it is TRACKING. AMCL, tuned (on {TUNED_ON}): `{tuned}`,"
-            " all else as nav2's defaults."
-            f" pf-localization: {mrpt_localization.PARTICLES} particles at the start, every"
+            f" {CERTAIN:g}, Loopstone where it is TRACKING. AMCL was tuned on {TUNED_ON}:"
+            f" {settings_told()}; all else as nav2's defaults. pf-localization:"
+            f" {mrpt_localization.PARTICLES} particles at the start, every"
             f" {weighed['decimation']}th point of a scan, sigma {weighed['std_hit_m']:g} m.",
             table(COLUMNS, list(summary_lines(kept))),
             "Scans right [%], by drive (least and most of the runs):",

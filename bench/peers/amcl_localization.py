@@ -33,7 +33,7 @@ class Amcl:
         write_cells(feed.cells, self.cells)
         write_feed(feed, self.feed)
 
-    def localize(self, run, start, seed, settings):
+    def localize(self, run, settings, start, seed):
         """Start: (x, y, yaw, sigma_m, sigma_rad), or None. Returns (stamp, x, y, yaw, spread) for
         each scan, and what the process took."""
         words = [f"{key}={value}" for key, value in {**settings, "seed": seed}.items()]

@@ -239,8 +239,9 @@ def check_localization_peers():
     and how two runs of two drives become a line."""
     truth = {"1.0000": (0.0, 0.0, 0.0), "2.0000": (1.0, 0.0, 3.1)}
     truth |= {"3.0000": (2.0, 0.0, 0.0), "4.0000": (3.0, 0.0, 0.0)}
-    rows = [("1.0", 0.0, 0.1, 0.0, 0.1), ("2.0", 1.0, 0.0, 3.1 - 2.0 * math.pi, 0.6)]
-    rows += [("3.0", 2.5, 0.0, 0.0, 0.1), ("9.0", 0.0, 0.0, 0.0, 0.0)]
+    rows = [("1.0", 9.0, 9.0, 0.0, 0.1), ("1.0", 0.0, 0.1, 0.0, 0.1)]  # one stamp twice
+    rows += [("2.0", 1.0, 0.0, 3.1 - 2.0 * math.pi, 0.6), ("3.0", 2.5, 0.0, 0.0, 0.1)]
+    rows += [("9.0", 0.0, 0.0, 0.0, 0.0)]
     found = peers_measure.figures_of(rows, {"cpu_s": 0.008, "peak_mb": 20.0}, truth)
     assert found == {
         "scans": 4,
@@ -256,18 +257,20 @@ def check_localization_peers():
     guess = peers_measure.start_near((1.0, 2.0, 3.0), 1)
     assert guess == peers_measure.start_near((1.0, 2.0, 3.0), 1) and guess[:3] != (1.0, 2.0, 3.0)
 
-    def run(system, seed, share):
-        return {**found, "system": system, "start": "known", "seed": seed, "right": share}
+    when = provenance.circumstances("loopstone 1.2.3")
 
-    first = {"runs": [run("loopstone", 1, 1.0), run("amcl", 1, 0.5), run("amcl", 2, 0.7)]}
-    first["runs"][1]["ms_per_scan"] = 4.0
-    first["runs"][2]["ms_per_scan"] = 8.0
-    second = {"runs": [run("loopstone", 1, 0.8), run("amcl", 1, 0.2)]}
+    def run(system, seed, share):
+        made = {"system": system, "start": "known", "seed": seed, "when": when}
+        return {**found, **made, "right": share}
+
+    first = [run("loopstone", 1, 1.0), run("amcl", 1, 0.5), run("amcl", 2, 0.7)]
+    first[1]["ms_per_scan"], first[2]["ms_per_scan"] = 4.0, 8.0
+    second = [run("loopstone", 1, 0.8), run("amcl", 1, 0.2)]
     line = peers_tables.summary([first, second], "known", "amcl")
     assert abs(line["right"] - 0.4) < 1e-9 and line["worst"] == 0.2 and line["ratio"] == 2.0, line
     assert peers_tables.summary([first, second], "known", "mrpt") is None
-    kept = {"intel": {**provenance.circumstances("loopstone 1.2.3"), **first}}
-    text = peers_tables.text_of(kept)
+    text = peers_tables.text_of({"intel": first})
+    assert provenance.stamps_of(text)[0][1] == "1.2.3", text
     assert (
         "| intel, from a guess | 100.0 (100.0 to 100.0) | 60.0 (50.0 to 70.0) | - |" in text
     ), text
