@@ -25,7 +25,7 @@ COLUMNS = [
     "95 % [m]>",
     "certain [%]>",
     "certain and wrong [%]>",
-    f"wrong at less than {LESS_CERTAIN:g} [%]>",
+    f"certain to {LESS_CERTAIN:g} and wrong [%]>",
     "CPU [ms a scan]>",
     "times Loopstone's>",
     "peak memory [MB]>",
@@ -97,7 +97,7 @@ def drive_lines(kept):
             cells = []
             for system in SYSTEMS:
                 shares = [100 * one["right"] for one in runs_of(kept[name], start, system)]
-                spread = f" ({min(shares):.1f} to {max(shares):.1f})" if shares else ""
+                spread = f" ({min(shares):.1f} to {max(shares):.1f})" if shares[1:] else ""
                 cells.append(f"{statistics.median(shares):.1f}{spread}" if shares else "-")
             yield [f"{name}, {FROM[start]}", *cells]
 
@@ -127,7 +127,7 @@ def text_of(kept):
             provenance(*(one["when"] for drive in drives for one in drive)),
             f"Medians of runs, so many of each start: {runs_told(drives)}. A peer is certain"
             " where the square root of the trace of its covariance [m, m, rad] is at most"
-            f" {CERTAIN:g}, Loopstone where it is TRACKING. AMCL was tuned on {TUNED_ON}:"
+            f" {CERTAIN:g} (one column: {LESS_CERTAIN:g}), Loopstone where it is TRACKING. AMCL was tuned on {TUNED_ON}:"
             f" {settings_told()}; all else as nav2's defaults. pf-localization:"
             f" {mrpt_localization.PARTICLES} particles at the start, every"
             f" {weighed['decimation']}th point of a scan, sigma {weighed['std_hit_m']:g} m.",
