@@ -127,7 +127,8 @@ def text_of(kept):
             provenance(*(one["when"] for drive in drives for one in drive)),
             f"Medians of runs, so many of each start: {runs_told(drives)}. A peer is certain"
             " where the square root of the trace of its covariance [m, m, rad] is at most"
-            f" {CERTAIN:g} (one column: {LESS_CERTAIN:g}), Loopstone where it is TRACKING. AMCL was tuned on {TUNED_ON}:"
+            f" {CERTAIN:g} (one column: {LESS_CERTAIN:g}), Loopstone where it is TRACKING."
+            f" AMCL was tuned on {TUNED_ON}:"
             f" {settings_told()}; all else as nav2's defaults. pf-localization:"
             f" {mrpt_localization.PARTICLES} particles at the start, every"
             f" {weighed['decimation']}th point of a scan, sigma {weighed['std_hit_m']:g} m.",
