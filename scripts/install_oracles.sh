@@ -4,18 +4,31 @@
 # missing.
 #
 #     scripts/install_oracles.sh
+#     scripts/install_oracles.sh --localization   instead, what bench/localization_peers.py compares
+#                                                 with: MRPT's programs (mrpt-apps, a system package
+#                                                 of 430 MB with what it needs), and nav2's AMCL in
+#                                                 build/bench/peers
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-if [[ -n ${1:-} ]]; then
-  sed -n '2,/^[^#]/s/^# \?//p' "$0"
-  exit 2
-fi
+localization=
+case ${1:-} in
+  '') ;;
+  --localization) localization=yes ;;
+  *)
+    sed -n '2,/^[^#]/s/^# \?//p' "$0"
+    exit 2
+    ;;
+esac
 
 packages=()
 python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
-command -v node >/dev/null || packages+=(nodejs)
-command -v npm >/dev/null || packages+=(npm)
+if [[ -n $localization ]]; then
+  command -v pf-localization >/dev/null || packages+=(mrpt-apps)
+else
+  command -v node >/dev/null || packages+=(nodejs)
+  command -v npm >/dev/null || packages+=(npm)
+fi
 if [[ ${#packages[@]} -gt 0 ]]; then
   if ! command -v apt-get >/dev/null; then
     echo "apt-get not found. Install these, or what your system calls them: ${packages[*]}" >&2
@@ -31,6 +44,11 @@ if [[ ${#packages[@]} -gt 0 ]]; then
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${packages[@]}" </dev/null
   }
   apt_install || { "${as_root[@]}" apt-get update -q </dev/null; apt_install; }
+fi
+
+if [[ -n $localization ]]; then
+  bench/peers/install_localization.sh
+  exit 0
 fi
 
 # What is installed is known by what was asked for; a run that was cut off leaves no mark.

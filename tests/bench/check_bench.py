@@ -2,6 +2,7 @@
 """The measuring scripts of bench/ are held to the truth where that is known:
 tests/bench/check_bench.py"""
 import argparse
+import math
 import pathlib
 import re
 import subprocess
@@ -14,10 +15,13 @@ sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "bench")]
 import compare_speed  # noqa: E402
 import drives  # noqa: E402
 import drives_tables  # noqa: E402
+import localization_peers_measure as peers_measure  # noqa: E402
+import localization_peers_tables as peers_tables  # noqa: E402
 import program  # noqa: E402
 import provenance  # noqa: E402
 import skipped_tests  # noqa: E402
 import unkind  # noqa: E402
+from peers import localization_feed, mrpt_localization  # noqa: E402
 
 MB = 1_000_000
 
@@ -194,7 +198,86 @@ def check_drives_tables():
     ]
 
 
+def check_localization_feed():
+    """What the peers are given is what the log and the map say: beams, no returns, walls, mount."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        flaser = "FLASER 3 1 8 0 0 0 0 0 0 0 5.25 host 5.25"
+        robotlaser = "ROBOTLASER1 0 -1 2 1 8 0 0 3 2 9 4 0 0 0 0 0 0 0 0 0 0 0 6.5 host 6.5"
+        text = ["PARAM robot_front_laser_max 8 5 host 5", flaser, robotlaser, "ODOM 0 0 0"]
+        (folder / "log.clf").write_text("\n".join(text))
+        (folder / "o.tum").write_text("5.25 1 2 0 0 0 0 1\n6.5 3 4 0 0 0 1 0\n")
+        odometry = localization_feed.odometry_of(folder / "o.tum")
+        first, second = localization_feed.scans_of(folder / "log.clf", odometry)
+        assert (first.stamp, second.stamp) == ("5.25", "6.5")
+        assert (
+            first.odom_T_robot == (1.0, 2.0, 0.0) and abs(second.odom_T_robot[2] - math.pi) < 1e-9
+        )
+        assert list(first.ranges_m) == [1.0, 8.0, 8.0] and list(second.ranges_m) == [2.0, 8.0, 4.0]
+        assert (first.angle_rad, first.step_rad) == (-0.5 * math.pi, 0.5 * math.pi)
+        assert (second.angle_rad, second.step_rad, second.range_max_m) == (-1.0, 1.0, 8.0)
+        (folder / "map.yaml").write_text(
+            "resolution: 0.5\norigin: [-1, 2, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+        )
+        (folder / "map.pgm").write_bytes(b"P5\n2 2\n255\n" + bytes([254, 0, 205, 254]))
+        cells = localization_feed.cells_of(folder)
+        assert cells.states == bytes([1, 0, 0, 2]) and cells.size_m == (1.0, 1.0), cells
+        (folder / "robot.toml").write_text("x_m = 9\n[[lidars]]\nx_m = 1\ny_m = 2\nyaw_rad = 3 #\n")
+        assert localization_feed.mount_of(folder / "robot.toml") == (1.0, 2.0, 3.0)
+
+
+def check_mrpt():
+    """The motion between two poses, and the estimate in what the program says."""
+    x, y, yaw = mrpt_localization.increment_of((1.0, 1.0, 0.5 * math.pi), (1.0, 3.0, -math.pi))
+    assert max(abs(x - 2.0), abs(y), abs(yaw - 0.5 * math.pi)) < 1e-9, (x, y, yaw)
+    said = "PDF estimation: (1.500,-2.000,90.00deg), ESS (B.R.)= 0.5 tr(cov): 0.25\n"
+    assert mrpt_localization.ESTIMATE.findall(said) == [("1.500", "-2.000", "90.00", "0.25")]
+
+
+def check_localization_peers():
+    """What is counted of a run of four scans: two right, one wrong and certain, one without a pose;
+    and how two runs of two drives become a line."""
+    truth = {"1.0000": (0.0, 0.0, 0.0), "2.0000": (1.0, 0.0, 3.1)}
+    truth |= {"3.0000": (2.0, 0.0, 0.0), "4.0000": (3.0, 0.0, 0.0)}
+    rows = [("1.0", 9.0, 9.0, 0.0, 0.1), ("1.0", 0.0, 0.1, 0.0, 0.1)]  # one stamp twice
+    rows += [("2.0", 1.0, 0.0, 3.1 - 2.0 * math.pi, 0.6), ("3.0", 2.5, 0.0, 0.0, 0.1)]
+    rows += [("9.0", 0.0, 0.0, 0.0, 0.0)]
+    found = peers_measure.figures_of(rows, {"cpu_s": 0.008, "peak_mb": 20.0}, truth)
+    assert found == {
+        "scans": 4,
+        "right": 0.5,
+        "median_m": 0.1,
+        "most_m": 0.5,
+        "certain": 0.5,
+        "wrong": 0.25,
+        "less_wrong": 0.25,
+        "ms_per_scan": 2.0,
+        "peak_mb": 20.0,
+    }, found
+    guess = peers_measure.start_near((1.0, 2.0, 3.0), 1)
+    assert guess == peers_measure.start_near((1.0, 2.0, 3.0), 1) and guess[:3] != (1.0, 2.0, 3.0)
+
+    when = provenance.circumstances("loopstone 1.2.3")
+
+    def run(system, seed, share):
+        made = {"system": system, "start": "known", "seed": seed, "when": when}
+        return {**found, **made, "right": share}
+
+    first = [run("loopstone", 1, 1.0), run("amcl", 1, 0.5), run("amcl", 2, 0.7)]
+    first[1]["ms_per_scan"], first[2]["ms_per_scan"] = 4.0, 8.0
+    second = [run("loopstone", 1, 0.8), run("amcl", 1, 0.2)]
+    line = peers_tables.summary([first, second], "known", "amcl")
+    assert abs(line["right"] - 0.4) < 1e-9 and line["worst"] == 0.2 and line["ratio"] == 2.0, line
+    assert peers_tables.summary([first, second], "known", "mrpt") is None
+    text = peers_tables.text_of({"intel": first})
+    assert provenance.stamps_of(text)[0][1] == "1.2.3", text
+    assert "| intel, from a guess | 100.0 | 60.0 (50.0 to 70.0) | - |" in text, text
+
+
 def main():
+    check_localization_feed()
+    check_mrpt()
+    check_localization_peers()
     check_drives()
     check_drives_tables()
     check_skipped_tests()
