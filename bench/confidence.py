@@ -40,7 +40,7 @@ FIRST_SEED = {"fit": 1, "measure": 100001}
 SEEDS, QUICK_SEEDS = 4, 1
 OWN_MAPS_SEED = 301  # bench/own_maps.py measures others
 # A log of another building is rare, and there are as many pairs of them as one likes.
-OWN_MAPS_WEIGHTS = {"own": 1.0, "day": 1.0, "published": 1.0, "other": 0.5}
+OWN_MAPS_WEIGHTS = {"own": 1.0, "day": 1.0, "published": 1.0, "bare": 1.0, "other": 0.5}
 # Neighbouring scans say the same: so many of a drive teach, evenly spread.
 SCANS_OF_A_DRIVE = 150
 
