@@ -107,14 +107,15 @@ def calibration_rows(cases):
 
 def targets_of(cases):
     times = [scan["ms"] for row in cases if row["title"] == TIMED for scan in row["scans"]]
-    slowest = max(times)
+    middle, slowest = sorted(times)[len(times) // 2], max(times)
     return [
         (
-            f"{TIMED}: the slowest of {len(times)} scans, CPU time on one core",
+            f"{TIMED}: {what} of {len(times)} scans, CPU time on one core",
             f"<= {TARGET_MS:g} ms",
-            f"{slowest:.1f} ms",
-            slowest <= TARGET_MS,
+            f"{value:.1f} ms",
+            value <= TARGET_MS,
         )
+        for what, value in (("the median", middle), ("the slowest", slowest))
     ]
 
 
