@@ -20,6 +20,7 @@
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/robot_file.hpp"
+#include "loopstone/formats/session_file.hpp"
 #include "loopstone/report/map_figures.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
@@ -115,7 +116,9 @@ std::optional<FloorTexture> colour(CameraFrames& camera, const MapArguments& arg
                                    TextureOptions options, const RobotModel& robot,
                                    const AppContext& context, ProgressDisplay& display,
                                    MapResult& result, RunInfo& info) {
-  if (arguments.no_texture || camera.complete() == 0 || !result.complete) return {};
+  // Its pictures have the clock of the newest drive, the trajectory the map's.
+  const bool has_drives = !result.drives.empty();
+  if (arguments.no_texture || has_drives || camera.complete() == 0 || !result.complete) return {};
   if (!context.robot_given() && !camera.fault().empty()) {
     result.warnings.push_back("the floor is not coloured: " + camera.fault() +
                               "; --robot FILE can tell it");
@@ -178,6 +181,7 @@ SessionTerms terms_of(const MapArguments& arguments, MapPipeline& pipeline, cons
 Outputs outputs_of(const MapArguments& arguments, RunStart begin, const AppContext& context) {
   Outputs outputs(context, arguments.force);
   outputs.reads_log(arguments.log);
+  if (!arguments.drives.from.empty()) outputs.reads(state_path(arguments.drives.from));
   outputs.add_folder("-o", arguments.out, begin != RunStart::kLog);
   if (!arguments.mcap.empty()) outputs.add_file("--mcap", arguments.mcap);
   return outputs;
@@ -196,7 +200,7 @@ std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppCont
 /// A map whose beams are bent or mirrored is made anew from the beginning of the log.
 void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
                    const RobotModel& robot, RunRecording& recording, ProgressDisplay& display,
-                   MapResult& result, const AppContext& context) {
+                   MapResult& result, std::optional<MapperState>& kept, const AppContext& context) {
   const Calibration found = result.calibration;
   if (!found.map_is_bent() || !result.complete) return;
   result = {};  // its memory is needed
@@ -204,7 +208,7 @@ void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
   flags.pictures = false;
   const auto reader = open_log(arguments.log, log_options(flags, context));
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping anew", display);
-  result = pipeline.map_anew(log, recording, robot, found, context.threads());
+  result = pipeline.map_anew(log, recording, robot, found, context.threads(), kept);
   ProgressDisplay::clear_line();
 }
 
@@ -226,6 +230,11 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   Checkpoint checkpoint(session_in(arguments.out, arguments.checkpoint, context),
                         terms_of(arguments, pipeline, robot, context));
   if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
+  const SessionTerms drive_terms{.version = std::string(kVersion),
+                                 .options_toml = pipeline.options_toml()};
+  std::optional<MapperState> before;
+  if (!arguments.drives.from.empty())
+    before = read_state(arguments.drives.from, drive_terms, context);
   if (begin == RunStart::kLog && arguments.checkpoint.resume)
     context.note(arguments.out + ": holds no session yet; from the beginning");
   outputs.prepare();
@@ -236,6 +245,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
   RunRecording recording(arguments.mcap, robot, pipeline.map_options());
   std::optional<HeldInterrupt> held;
+  std::optional<MapperState> kept;
   MapResult result = pipeline.map({.log = log,
                                    .camera = camera,
                                    .checkpoint = checkpoint,
@@ -243,11 +253,14 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                    .display = display,
                                    .recording = recording,
                                    .out = arguments.out,
-                                   .resumes = begin == RunStart::kSession},
-                                  robot, context.threads(), held);
+                                   .resumes = begin == RunStart::kSession,
+                                   .continues = arguments.drives.from,
+                                   .begins_with = std::move(before),
+                                   .keeps_state = arguments.drives.keep_state},
+                                  robot, context.threads(), held, kept);
   ProgressDisplay::clear_line();
   const LogSummary judged = log.judge(arguments.log);
-  correct_beams(arguments, pipeline, robot, recording, display, result, context);
+  correct_beams(arguments, pipeline, robot, recording, display, result, kept, context);
   camera.take_pictures(*reader);
   add_judgement(judged, log_files.changes(), log.interrupted(), result);
 
@@ -260,11 +273,13 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
 
   if (pace) info.pace = pace->figures();
   info.options_toml = checkpoint.terms().options_toml;
-  if (pipeline.has_sessions())
+  if (pipeline.has_sessions() && arguments.drives.from.empty())
     info.terms = result_terms(checkpoint.terms(), colour_of(arguments), checkpoint.log());
   note_cost(start, checkpoint, info);
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
+  if (kept)
+    write_session(state_path(arguments.out), {.terms = drive_terms, .mapper = std::move(*kept)});
   info.peak_memory_bytes = peak_memory_bytes();
   end_session(arguments.out, arguments.checkpoint, checkpoint,
               result.complete && info.failure.empty(), context);
@@ -310,6 +325,7 @@ void add_map_command(CLI::App& app, AppContext& context) {
                    "transforms, the map as it grows, path, closures, faults")
       ->type_name("FILE");
   add_checkpoint_flags(*command, arguments->checkpoint);
+  add_continue_flags(*command, arguments->drives);
   add_log_flags(*command, arguments->reading);
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");
   context.add_common_flags(*command);
