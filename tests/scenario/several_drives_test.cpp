@@ -113,6 +113,31 @@ TEST(SeveralDrives, ADriveOfAnotherBuildingStaysBesideTheMap) {
   EXPECT_GT(range_of(drives[1]).first, range_of(drives[0]).second + 1.0);
 }
 
+TEST(SeveralDrives, AnotherBuildingWhoseRoomsLookAlikeIsNotTakenForTheFirst) {
+  const Drive first = drive_in(make_world("rooms", 1), 1, 90.0, 0, 0.0);
+  const Drive second = drive_in(make_world("rooms", 2), 2, 60.0, 0, 0.0);
+  const MapResult result = map_both(first, second);
+  ASSERT_EQ(result.drives.size(), 1U);
+  EXPECT_FALSE(result.drives[0].is_joined());
+}
+
+TEST(SeveralDrives, ABuildingThatWasChangedMeanwhileIsFoundAgain) {
+  const World office = make_world("office", 2);
+  const Drive first = drive_in(office, 1, 240.0, 0, 0.0);
+  // A third of the furniture is gone.
+  World changed = office;
+  std::size_t count = 0;
+  std::erase_if(changed.plan.boxes, [&](const Box& box) {
+    return box.length_m < 2.0 && box.width_m < 2.0 && count++ % 3 == 0;
+  });
+  ASSERT_LT(changed.plan.boxes.size(), office.plan.boxes.size());
+  const Drive second = drive_in(changed, 2, 90.0, 2, 300.0);
+  const MapResult result = map_both(first, second);
+  ASSERT_EQ(result.drives.size(), 1U);
+  ASSERT_TRUE(result.drives[0].is_joined());
+  EXPECT_TRUE(test::as_usual(second_error_m(result, first, second), 0.02));
+}
+
 TEST(SeveralDrives, SameBytesForAnyNumberOfThreadsAndAcrossASavedState) {
   const World office = make_world("office", 1);
   const Drive first = drive_in(office, 1, 60.0, 0, 0.0);
