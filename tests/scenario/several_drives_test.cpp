@@ -121,6 +121,18 @@ TEST(SeveralDrives, AnotherBuildingWhoseRoomsLookAlikeIsNotTakenForTheFirst) {
   EXPECT_FALSE(result.drives[0].is_joined());
 }
 
+TEST(SeveralDrives, WherePlacesLookAlikeADriveIsFoundRightlyOrNotAtAll) {
+  for (const char* const name : {"rooms", "wings", "aisles"}) {
+    const World world = make_world(name, 1);
+    const Drive first = drive_in(world, 1, 120.0, 0, 0.0);
+    const Drive second = drive_in(world, 2, 45.0, 5, 0.0);
+    const MapResult result = map_both(first, second);
+    ASSERT_EQ(result.drives.size(), 1U);
+    if (!result.drives[0].is_joined()) continue;
+    EXPECT_LT(second_error_m(result, first, second), 0.2) << name;
+  }
+}
+
 TEST(SeveralDrives, ABuildingThatWasChangedMeanwhileIsFoundAgain) {
   const World office = make_world("office", 2);
   const Drive first = drive_in(office, 1, 240.0, 0, 0.0);
