@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -212,6 +213,36 @@ void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
   ProgressDisplay::clear_line();
 }
 
+/// What the states have in common that --continue goes on from.
+SessionTerms state_terms(MapPipeline& pipeline) {
+  return {.version = std::string(kVersion), .options_toml = pipeline.options_toml()};
+}
+
+std::optional<MapperState> state_before(const MapArguments& arguments, MapPipeline& pipeline,
+                                        const AppContext& context) {
+  if (arguments.drives.from.empty()) return {};
+  return read_state(arguments.drives.from, state_terms(pipeline), context);
+}
+
+void prepare(const Outputs& outputs, RunStart begin, const MapArguments& arguments,
+             const AppContext& context) {
+  if (begin == RunStart::kLog && arguments.checkpoint.resume)
+    context.note(arguments.out + ": holds no session yet; from the beginning");
+  outputs.prepare();
+  if (begin == RunStart::kLog) remove_session(arguments.out);
+}
+
+/// A state beside the results is theirs: one of an older map goes.
+void leave_state(std::optional<MapperState> kept, const MapResult& result,
+                 const MapArguments& arguments, MapPipeline& pipeline) {
+  const std::string path = state_path(arguments.out);
+  if (kept && result.complete) {
+    write_session(path, {.terms = state_terms(pipeline), .mapper = std::move(*kept)});
+  } else {
+    std::filesystem::remove(path);
+  }
+}
+
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   MapPipeline pipeline(arguments, context);
@@ -230,15 +261,8 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   Checkpoint checkpoint(session_in(arguments.out, arguments.checkpoint, context),
                         terms_of(arguments, pipeline, robot, context));
   if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
-  const SessionTerms drive_terms{.version = std::string(kVersion),
-                                 .options_toml = pipeline.options_toml()};
-  std::optional<MapperState> before;
-  if (!arguments.drives.from.empty())
-    before = read_state(arguments.drives.from, drive_terms, context);
-  if (begin == RunStart::kLog && arguments.checkpoint.resume)
-    context.note(arguments.out + ": holds no session yet; from the beginning");
-  outputs.prepare();
-  if (begin == RunStart::kLog) remove_session(arguments.out);
+  std::optional<MapperState> before = state_before(arguments, pipeline, context);
+  prepare(outputs, begin, arguments, context);
 
   CameraFrames camera;
   std::optional<Pace> pace;
@@ -278,8 +302,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   note_cost(start, checkpoint, info);
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
-  if (kept)
-    write_session(state_path(arguments.out), {.terms = drive_terms, .mapper = std::move(*kept)});
+  leave_state(std::move(kept), result, arguments, pipeline);
   info.peak_memory_bytes = peak_memory_bytes();
   end_session(arguments.out, arguments.checkpoint, checkpoint,
               result.complete && info.failure.empty(), context);
