@@ -213,6 +213,19 @@ void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
   ProgressDisplay::clear_line();
 }
 
+std::optional<Pace> pace_of(const MapArguments& arguments) {
+  if (!(arguments.realtime > 0.0)) return {};
+  return std::optional<Pace>(std::in_place, arguments.realtime);
+}
+
+/// By what the results are known again; those that go on with others are of more than one log.
+void note_terms(const Checkpoint& checkpoint, const MapArguments& arguments,
+                const MapPipeline& pipeline, RunInfo& info) {
+  info.options_toml = checkpoint.terms().options_toml;
+  if (pipeline.has_sessions() && arguments.drives.from.empty())
+    info.terms = result_terms(checkpoint.terms(), colour_of(arguments), checkpoint.log());
+}
+
 /// What the states have in common that --continue goes on from.
 SessionTerms state_terms(MapPipeline& pipeline) {
   return {.version = std::string(kVersion), .options_toml = pipeline.options_toml()};
@@ -265,8 +278,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   prepare(outputs, begin, arguments, context);
 
   CameraFrames camera;
-  std::optional<Pace> pace;
-  if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
+  std::optional<Pace> pace = pace_of(arguments);
   RunRecording recording(arguments.mcap, robot, pipeline.map_options());
   std::optional<HeldInterrupt> held;
   std::optional<MapperState> kept;
@@ -296,9 +308,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   finish(recording, result, info);
 
   if (pace) info.pace = pace->figures();
-  info.options_toml = checkpoint.terms().options_toml;
-  if (pipeline.has_sessions() && arguments.drives.from.empty())
-    info.terms = result_terms(checkpoint.terms(), colour_of(arguments), checkpoint.log());
+  note_terms(checkpoint, arguments, pipeline, info);
   note_cost(start, checkpoint, info);
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
