@@ -203,7 +203,9 @@ void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
                    const RobotModel& robot, RunRecording& recording, ProgressDisplay& display,
                    MapResult& result, std::optional<MapperState>& kept, const AppContext& context) {
   const Calibration found = result.calibration;
-  if (!found.map_is_bent() || !result.complete) return;
+  // The drives before are not at hand.
+  const bool continues = !arguments.drives.from.empty();
+  if (continues || !found.map_is_bent() || !result.complete) return;
   result = {};  // its memory is needed
   LogFlags flags = arguments.reading;
   flags.pictures = false;
