@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "loopstone/base/options.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/localization/localization_map.hpp"
@@ -15,29 +14,20 @@ namespace loopstone {
 
 /// What finding a robot by single scans decides by, beside what following it does.
 struct RelocalizeNumbers {
+  /// Chosen: of a scan that are held against the map, as LocalizationOptions::beams.
   int beams = 90;
+  /// Measured by bench/localization_speed.py: with 96 in place of the search's 160 points the true
+  /// pose is among the candidates as often, in less time.
   int search_points = 96;
+  /// Chosen: a view from nearer than this to another one, as
+  /// LocalizationOptions::update_distance_m, and turned by less, tells nothing new.
   double news_m = 0.1;
   double news_rad = 0.1;
+  /// Derived: what the probability takes registration to disagree by with a prediction where there
+  /// was none: chi-square divided by its degrees of freedom, on average.
   double first_innovation = 1.0;
 };
 inline constexpr RelocalizeNumbers kRelocalize{};
-
-template <typename Visitor>
-void visit_numbers(const RelocalizeNumbers& n, Visitor&& visit) {
-  visit("beams", n.beams,
-        "chosen: of a scan that are held against the map, as LocalizationOptions::beams");
-  visit("search_points", n.search_points,
-        "measured by bench/localization_speed.py: with 96 in place of the search's 160 points the "
-        "true pose is among the candidates as often, in two thirds of the time");
-  visit("news_m", n.news_m,
-        "chosen: a view from nearer than this to another one, as "
-        "LocalizationOptions::update_distance_m, and");
-  visit("news_rad", n.news_rad, "chosen: turned by less than this, tells nothing new");
-  visit("first_innovation", n.first_innovation,
-        "derived: what the probability takes registration to disagree by with a prediction where "
-        "there was none: chi-square divided by its degrees of freedom, on average");
-}
 
 /// A scan, and where it was taken from.
 struct TakenScan {

@@ -244,14 +244,5 @@ TEST(Relocalize, RefusesScansThatTellNothing) {
   EXPECT_THROW(LocalizationMap(Grid<std::int8_t>(map.occupancy().frame(), 100)), UsageError);
 }
 
-TEST(RelocalizeNumbers, HaveAnOrigin) {
-  const auto has_origin = [](const char* name, auto /*value*/, const std::string& origin) {
-    EXPECT_TRUE(origin.starts_with("chosen: ") || origin.starts_with("derived: ") ||
-                origin.starts_with("measured by bench/"))
-        << name;
-  };
-  visit_numbers(kRelocalize, has_origin);
-}
-
 }  // namespace
 }  // namespace loopstone
