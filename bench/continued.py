@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Measures what it costs a map to be made of two drives: a recorded log is cut in halves, the second
-goes on with the map of the first from nowhere on it, and the relations of the whole are compared
-with those of the log mapped at once. Writes the table of docs/session.md.
+"""Measures what it costs a map to be made of two drives: a recorded log is cut in halves, the
+second goes on with the map of the first from nowhere on it, and the relations of the whole are
+compared with those of the log mapped at once. Writes the table of docs/session.md.
 
   bench/continued.py            some minutes
   bench/continued.py --quick    to look at; writes nothing into docs/
