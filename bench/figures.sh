@@ -29,6 +29,7 @@ else
   echo "bench/real_floor.py: skipped, it needs scripts/install_oracles.sh and recorded frames" >&2
 fi
 measure bench/session.py $quick
+measure bench/continued.py $quick
 measure bench/localization.py $quick
 if [[ -z $quick ]]; then
   measure bench/own_maps.py

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Measures how fast particles are weighed by the likelihood field, beside a form of beluga's update
-in the same run, and writes the table of docs/benchmarks.md.
+in the same run, and how fast and how rightly a robot is found on a map by one scan, and writes the
+tables of docs/benchmarks.md.
 
-The program is built by `make bench` (-DLOOPSTONE_BENCH=ON). What was measured is kept in
-build/bench/localization_speed.json.
+The programs are built by `make bench` (-DLOOPSTONE_BENCH=ON). What was measured is kept in
+build/bench/localization_speed.json and relocalize.json.
 
-  bench/localization_speed.py            about three minutes
+  bench/localization_speed.py            about five minutes
+  bench/localization_speed.py --only relocalize
   bench/localization_speed.py --quick    one repetition; to look at, writes nothing into docs/
   bench/localization_speed.py --write    no measurement: writes the table from what was kept
 """
@@ -19,6 +21,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
+import relocalize_tables  # noqa: E402
 import tables  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
 from program import Loopstone, say  # noqa: E402
@@ -150,6 +153,46 @@ def text_of(section):
     )
 
 
+def measure_field(arguments):
+    return measure(arguments.programs / "bench_likelihood_field", arguments.work, arguments.quick)
+
+
+def measure_relocalize(arguments):
+    return relocalize_tables.measure(arguments.programs / "measure_relocalize", arguments.quick)
+
+
+# By what --only says: the name of what is kept, the block, and how it is measured, told, judged.
+SECTIONS = {
+    "field": ("localization_speed", BLOCK, measure_field, text_of, targets_of),
+    "relocalize": (
+        "relocalize",
+        "relocalize",
+        measure_relocalize,
+        relocalize_tables.text_of,
+        relocalize_tables.targets_of,
+    ),
+}
+
+
+def do_section(name, arguments):
+    name, block, measured, told, judged = SECTIONS[name]
+    kept = arguments.work / f"{name}{'-quick' if arguments.quick else ''}.json"
+    if arguments.write:
+        section = json.loads(kept.read_text())
+    else:
+        section = circumstances(
+            Loopstone(arguments.programs / "loopstone", arguments.work).version()
+        )
+        section["figures"] = measured(arguments)
+        kept.write_text(json.dumps(section, indent=1))
+    text = told(section)
+    if arguments.quick:
+        print(text)
+    elif write_block(ROOT / PAGE, block, text):
+        say(f"wrote {PAGE}: {block}")
+    print(verdicts(judged(section["figures"])))
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -157,29 +200,13 @@ def main():
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only", nargs="*", choices=SECTIONS, default=list(SECTIONS))
     parser.add_argument("--write", action="store_true", help="measure nothing, write what was kept")
     arguments = parser.parse_args()
 
     arguments.work.mkdir(parents=True, exist_ok=True)
-    kept = arguments.work / (
-        "localization_speed-quick.json" if arguments.quick else "localization_speed.json"
-    )
-    if arguments.write:
-        section = json.loads(kept.read_text())
-    else:
-        section = circumstances(
-            Loopstone(arguments.programs / "loopstone", arguments.work).version()
-        )
-        section["figures"] = measure(
-            arguments.programs / "bench_likelihood_field", arguments.work, arguments.quick
-        )
-        kept.write_text(json.dumps(section, indent=1))
-    text = text_of(section)
-    if arguments.quick:
-        print(text)
-    elif write_block(ROOT / PAGE, BLOCK, text):
-        say(f"wrote {PAGE}: {BLOCK}")
-    print(verdicts(targets_of(section["figures"])))
+    for name in arguments.only:
+        do_section(name, arguments)
 
 
 if __name__ == "__main__":

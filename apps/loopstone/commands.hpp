@@ -17,6 +17,7 @@ void add_map_command(CLI::App& app, AppContext& context);
 void add_match_command(CLI::App& app, AppContext& context);
 void add_odometry_command(CLI::App& app, AppContext& context);
 void add_optimize_command(CLI::App& app, AppContext& context);
+void add_relocalize_command(CLI::App& app, AppContext& context);
 void add_texture_command(CLI::App& app, AppContext& context);
 void add_simulate_command(CLI::App& app, AppContext& context);
 

@@ -12,6 +12,7 @@
 #include "bounds.hpp"
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "known_map.hpp"
 #include "localize_landmarks.hpp"
 #include "log_calibration.hpp"
 #include "log_run.hpp"
@@ -132,12 +133,6 @@ LocalizationOptions options_of(const Arguments& arguments, const AppContext& con
   return options;
 }
 
-/// --map names the file or its folder.
-std::string map_yaml_of(const std::string& path) {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored) ? (fs::path(path) / "map.yaml").string() : path;
-}
-
 /// What is read and written, held against each other before the work.
 Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
   const fs::path file(arguments.output);
@@ -159,21 +154,6 @@ Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
   if (!arguments.report.empty()) outputs.add_folder("--report", arguments.report);
   if (!arguments.animation.empty()) outputs.add_folder("--animation", arguments.animation);
   return outputs;
-}
-
-LocalizationMap read_map(const std::string& path, const MemoryBudget& budget) {
-  const std::string yaml = map_yaml_of(path);
-  std::error_code ignored;
-  if (yaml != path && !fs::exists(yaml, ignored)) {
-    throw DataError({path},
-                    "there is no map.yaml in this folder; `loopstone map LOG -o FOLDER` leaves "
-                    "one, and --map takes any map_server YAML file");
-  }
-  try {
-    return LocalizationMap(read_ros_map(yaml, budget, LocalizationMap::kBytesPerCell));
-  } catch (const UsageError& error) {  // of the map itself: there is nothing to see on it
-    throw DataError({yaml}, error.what());
-  }
 }
 
 /// Says what is odd about the place; it may still be right by its spread.
@@ -388,7 +368,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const LogFiles log_files(arguments.log);
   const Outputs outputs = outputs_of(arguments, context);
   outputs.check(least_bytes_of_results(log_files.bytes()));
-  const LocalizationMap map = read_map(arguments.map, context.memory());
+  const LocalizationMap map = read_known_map(arguments.map, context.memory());
   if (initial) warn_of_initial_pose(*initial, map.occupancy(), context);
   ProblemPrinter print_problem(context);
   const auto reader =

@@ -44,6 +44,7 @@ void add_commands(CLI::App& app, AppContext& context) {
   add_calibrate_command(app, context);
   add_texture_command(app, context);
   add_localize_command(app, context);
+  add_relocalize_command(app, context);
   add_match_command(app, context);
   add_odometry_command(app, context);
   add_optimize_command(app, context);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -20,6 +21,7 @@
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/robot_file.hpp"
+#include "loopstone/formats/session_file.hpp"
 #include "loopstone/report/map_figures.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
@@ -115,7 +117,9 @@ std::optional<FloorTexture> colour(CameraFrames& camera, const MapArguments& arg
                                    TextureOptions options, const RobotModel& robot,
                                    const AppContext& context, ProgressDisplay& display,
                                    MapResult& result, RunInfo& info) {
-  if (arguments.no_texture || camera.complete() == 0 || !result.complete) return {};
+  // Its pictures have the clock of the newest drive, the trajectory the map's.
+  const bool has_drives = !result.drives.empty();
+  if (arguments.no_texture || has_drives || camera.complete() == 0 || !result.complete) return {};
   if (!context.robot_given() && !camera.fault().empty()) {
     result.warnings.push_back("the floor is not coloured: " + camera.fault() +
                               "; --robot FILE can tell it");
@@ -178,6 +182,7 @@ SessionTerms terms_of(const MapArguments& arguments, MapPipeline& pipeline, cons
 Outputs outputs_of(const MapArguments& arguments, RunStart begin, const AppContext& context) {
   Outputs outputs(context, arguments.force);
   outputs.reads_log(arguments.log);
+  if (!arguments.drives.from.empty()) outputs.reads(state_path(arguments.drives.from));
   outputs.add_folder("-o", arguments.out, begin != RunStart::kLog);
   if (!arguments.mcap.empty()) outputs.add_file("--mcap", arguments.mcap);
   return outputs;
@@ -196,16 +201,61 @@ std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppCont
 /// A map whose beams are bent or mirrored is made anew from the beginning of the log.
 void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
                    const RobotModel& robot, RunRecording& recording, ProgressDisplay& display,
-                   MapResult& result, const AppContext& context) {
+                   MapResult& result, std::optional<MapperState>& kept, const AppContext& context) {
   const Calibration found = result.calibration;
-  if (!found.map_is_bent() || !result.complete) return;
+  // The drives before are not at hand.
+  const bool continues = !arguments.drives.from.empty();
+  if (continues || !found.map_is_bent() || !result.complete) return;
   result = {};  // its memory is needed
   LogFlags flags = arguments.reading;
   flags.pictures = false;
   const auto reader = open_log(arguments.log, log_options(flags, context));
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping anew", display);
-  result = pipeline.map_anew(log, recording, robot, found, context.threads());
+  result = pipeline.map_anew(log, recording, robot, found, context.threads(), kept);
   ProgressDisplay::clear_line();
+}
+
+std::optional<Pace> pace_of(const MapArguments& arguments) {
+  if (!(arguments.realtime > 0.0)) return {};
+  return std::optional<Pace>(std::in_place, arguments.realtime);
+}
+
+/// By what the results are known again; those that go on with others are of more than one log.
+void note_terms(const Checkpoint& checkpoint, const MapArguments& arguments,
+                const MapPipeline& pipeline, RunInfo& info) {
+  info.options_toml = checkpoint.terms().options_toml;
+  if (pipeline.has_sessions() && arguments.drives.from.empty())
+    info.terms = result_terms(checkpoint.terms(), colour_of(arguments), checkpoint.log());
+}
+
+/// What the states have in common that --continue goes on from.
+SessionTerms state_terms(MapPipeline& pipeline) {
+  return {.version = std::string(kVersion), .options_toml = pipeline.options_toml()};
+}
+
+std::optional<MapperState> state_before(const MapArguments& arguments, MapPipeline& pipeline,
+                                        const AppContext& context) {
+  if (arguments.drives.from.empty()) return {};
+  return read_state(arguments.drives.from, state_terms(pipeline), context);
+}
+
+void prepare(const Outputs& outputs, RunStart begin, const MapArguments& arguments,
+             const AppContext& context) {
+  if (begin == RunStart::kLog && arguments.checkpoint.resume)
+    context.note(arguments.out + ": holds no session yet; from the beginning");
+  outputs.prepare();
+  if (begin == RunStart::kLog) remove_session(arguments.out);
+}
+
+/// A state beside the results is theirs: one of an older map goes.
+void leave_state(std::optional<MapperState> kept, const MapResult& result,
+                 const MapArguments& arguments, MapPipeline& pipeline) {
+  const std::string path = state_path(arguments.out);
+  if (kept && result.complete) {
+    write_session(path, {.terms = state_terms(pipeline), .mapper = std::move(*kept)});
+  } else {
+    std::filesystem::remove(path);
+  }
 }
 
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
@@ -226,16 +276,14 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   Checkpoint checkpoint(session_in(arguments.out, arguments.checkpoint, context),
                         terms_of(arguments, pipeline, robot, context));
   if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
-  if (begin == RunStart::kLog && arguments.checkpoint.resume)
-    context.note(arguments.out + ": holds no session yet; from the beginning");
-  outputs.prepare();
-  if (begin == RunStart::kLog) remove_session(arguments.out);
+  std::optional<MapperState> before = state_before(arguments, pipeline, context);
+  prepare(outputs, begin, arguments, context);
 
   CameraFrames camera;
-  std::optional<Pace> pace;
-  if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
+  std::optional<Pace> pace = pace_of(arguments);
   RunRecording recording(arguments.mcap, robot, pipeline.map_options());
   std::optional<HeldInterrupt> held;
+  std::optional<MapperState> kept;
   MapResult result = pipeline.map({.log = log,
                                    .camera = camera,
                                    .checkpoint = checkpoint,
@@ -243,11 +291,14 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                    .display = display,
                                    .recording = recording,
                                    .out = arguments.out,
-                                   .resumes = begin == RunStart::kSession},
-                                  robot, context.threads(), held);
+                                   .resumes = begin == RunStart::kSession,
+                                   .continues = arguments.drives.from,
+                                   .begins_with = std::move(before),
+                                   .keeps_state = arguments.drives.keep_state},
+                                  robot, context.threads(), held, kept);
   ProgressDisplay::clear_line();
   const LogSummary judged = log.judge(arguments.log);
-  correct_beams(arguments, pipeline, robot, recording, display, result, context);
+  correct_beams(arguments, pipeline, robot, recording, display, result, kept, context);
   camera.take_pictures(*reader);
   add_judgement(judged, log_files.changes(), log.interrupted(), result);
 
@@ -259,12 +310,11 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   finish(recording, result, info);
 
   if (pace) info.pace = pace->figures();
-  info.options_toml = checkpoint.terms().options_toml;
-  if (pipeline.has_sessions())
-    info.terms = result_terms(checkpoint.terms(), colour_of(arguments), checkpoint.log());
+  note_terms(checkpoint, arguments, pipeline, info);
   note_cost(start, checkpoint, info);
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, floor);
+  leave_state(std::move(kept), result, arguments, pipeline);
   info.peak_memory_bytes = peak_memory_bytes();
   end_session(arguments.out, arguments.checkpoint, checkpoint,
               result.complete && info.failure.empty(), context);
@@ -310,6 +360,7 @@ void add_map_command(CLI::App& app, AppContext& context) {
                    "transforms, the map as it grows, path, closures, faults")
       ->type_name("FILE");
   add_checkpoint_flags(*command, arguments->checkpoint);
+  add_continue_flags(*command, arguments->drives);
   add_log_flags(*command, arguments->reading);
   command->add_flag("--force", arguments->force, "write into a folder that is not empty");
   context.add_common_flags(*command);

@@ -28,6 +28,9 @@ void refuse_flags_of_submaps(const MapArguments& arguments) {
   if (arguments.checkpoint.any()) {
     throw UsageError("--checkpoint, --resume: the textbook pipeline can't go on from a session");
   }
+  if (arguments.drives.keep_state || !arguments.drives.from.empty()) {
+    throw UsageError("--keep-state, --continue: the textbook pipeline can't go on with a map");
+  }
   if (arguments.odometry) {
     throw UsageError("--odometry says how submaps use it; --pipeline scan_to_scan always does");
   }
@@ -81,6 +84,10 @@ MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& contex
         "--mcap records a run from its beginning, and --resume goes on in its midst: leave out one "
         "of them");
   }
+  if (!arguments.drives.from.empty() && (arguments.checkpoint.any() || !arguments.mcap.empty())) {
+    throw UsageError(
+        "--continue: --checkpoint, --resume and --mcap are of runs with one drive; leave them out");
+  }
   auto options = context.load_options<MapOptions>();
   options.map.most_cells = most_cells(context);
   if (arguments.no_loop_closure) options.loop_closure = false;
@@ -103,8 +110,9 @@ const OccupancyOptions& MapPipeline::map_options() const {
                     options_);
 }
 
-MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Threads threads,
-                           std::optional<HeldInterrupt>& held) const {
+MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threads,
+                           std::optional<HeldInterrupt>& held,
+                           std::optional<MapperState>& kept) const {
   if (const auto* options = std::get_if<ScanToScanOptions>(&options_)) {
     held.emplace();
     ScanToScanMapper mapper(robot, *options, threads);
@@ -114,10 +122,14 @@ MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Thread
   Mapper mapper(robot, std::get<MapOptions>(options_), threads);
   if (source.resumes)
     resume_from(source.out, source.checkpoint, mapper, source.log, source.camera, context_);
+  const bool continues = source.begins_with.has_value();
+  if (continues) continue_from(source.continues, std::move(*source.begins_with), mapper, context_);
   held.emplace();
   feed(source, mapper);
+  if (source.keeps_state) kept = mapper.save_state().get();
   Calibration found;
-  if (!source.log.interrupted() && !interrupted()) found = mapper.judge_robot();
+  // Beams of another drive are not made anew.
+  if (!continues && !source.log.interrupted() && !interrupted()) found = mapper.judge_robot();
   MapResult result;
   // Who interrupts a run wants what there is.
   if (found.map_is_bent() && !interrupted()) {
@@ -130,7 +142,8 @@ MapResult MapPipeline::map(const Source& source, const RobotModel& robot, Thread
 }
 
 MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
-                                const Calibration& found, Threads threads) const {
+                                const Calibration& found, Threads threads,
+                                std::optional<MapperState>& kept) const {
   const RobotModel corrected = corrected_robot(robot, found);
   recording.begin_anew(corrected);
   Mapper mapper(corrected, std::get<MapOptions>(options_), threads);
@@ -142,6 +155,7 @@ MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const Robo
     mapper.add(*message);
     record_updates();
   }
+  if (kept) kept = mapper.save_state().get();
   MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
   record_updates();
   result.complete = result.complete && !log.interrupted();

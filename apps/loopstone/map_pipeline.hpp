@@ -44,6 +44,7 @@ struct MapArguments {
   LogFlags reading;
   double realtime = 0.0;  ///< speed of the replay; 0: as fast as it goes
   CheckpointFlags checkpoint;
+  ContinueFlags drives;
 };
 
 /// How a log becomes a map: which pipeline, with which options. The choice is made here alone.
@@ -67,16 +68,23 @@ class MapPipeline {
     RunRecording& recording;
     std::string out;  ///< the session is there
     bool resumes = false;
+    std::string continues{};                   ///< the folder of drives before this one
+    std::optional<MapperState> begins_with{};  ///< and what they led to
+    bool keeps_state = false;
   };
   /// Reads the log to its end, or until the user interrupts.
   /// A result whose calibration says that the map is bent has nothing else: see map_anew().
   /// \param held  set once there is something that Ctrl-C must not lose
-  [[nodiscard]] MapResult map(const Source& source, const RobotModel& robot, Threads threads,
-                              std::optional<HeldInterrupt>& held) const;
+  /// \param kept  what the log has led to, where it is to be kept
+  [[nodiscard]] MapResult map(Source source, const RobotModel& robot, Threads threads,
+                              std::optional<HeldInterrupt>& held,
+                              std::optional<MapperState>& kept) const;
   /// The same log once more, with the beams that the first map's calibration asks for.
   /// \param robot  of the first map
+  /// \param kept   made anew, too, where there is one
   [[nodiscard]] MapResult map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
-                                   const Calibration& found, Threads threads) const;
+                                   const Calibration& found, Threads threads,
+                                   std::optional<MapperState>& kept) const;
 
  private:
   const AppContext& context_;

@@ -21,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSessionName = "session.loopstone";
+constexpr const char* kStateName = "state.loopstone";
 constexpr const char* kStartAnew =
     "; to start from the beginning, leave out --resume and add --force";
 
@@ -131,6 +132,46 @@ void resume_from(const std::string& out, Checkpoint& checkpoint, Mapper& mapper,
     throw std::runtime_error(std::string(error.what()) + kStartAnew);
   }
   context.note(fmt::format("goes on after {} scans of the session", mapper.scans()));
+}
+
+void add_continue_flags(CLI::App& command, ContinueFlags& flags) {
+  command.add_flag("--keep-state", flags.keep_state,
+                   "also OUT/state.loopstone, from which --continue goes on with the map");
+  command
+      .add_option("--continue", flags.from,
+                  "go on with the map in this folder (made with --keep-state): LOG is another "
+                  "drive in its building, which may begin anywhere in it; the folder stays as it "
+                  "is")
+      ->type_name("FOLDER");
+}
+
+std::string state_path(const std::string& out) { return (fs::path(out) / kStateName).string(); }
+
+MapperState read_state(const std::string& out, const SessionTerms& now, const AppContext& context) {
+  const std::string path = state_path(out);
+  if (!exists(path)) {
+    throw DataError({out},
+                    "holds no state.loopstone to go on from; `loopstone map LOG -o FOLDER "
+                    "--keep-state` leaves one");
+  }
+  Session session = read_session(path, context.memory());
+  SessionTerms then = now;
+  then.version = session.terms.version;
+  then.options_toml = session.terms.options_toml;
+  const std::string differs = difference(then, now);
+  if (!differs.empty()) throw DataError({path}, "is of another kind of run: " + differs);
+  return std::move(session.mapper);
+}
+
+void continue_from(const std::string& out, MapperState state, Mapper& mapper,
+                   const AppContext& context) {
+  try {
+    mapper.restore_state(std::move(state));
+  } catch (const UsageError& error) {
+    throw DataError({state_path(out)}, std::string("is damaged: ") + error.what());
+  }
+  mapper.begin_drive();
+  context.note(fmt::format("{}: {} scans; another drive begins", out, mapper.scans()));
 }
 
 void end_session(const std::string& out, const CheckpointFlags& flags, const Checkpoint& checkpoint,

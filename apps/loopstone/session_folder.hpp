@@ -57,6 +57,23 @@ void remove_session(const std::string& out);
 void resume_from(const std::string& out, Checkpoint& checkpoint, Mapper& mapper, CutLog& log,
                  CameraFrames& camera, const AppContext& context);
 
+/// --keep-state, --continue.
+struct ContinueFlags {
+  bool keep_state = false;
+  std::string from{};  ///< a folder with a state
+};
+void add_continue_flags(CLI::App& command, ContinueFlags& flags);
+
+/// The state that a finished map can be gone on from, beside its results.
+[[nodiscard]] std::string state_path(const std::string& out);
+/// Throws DataError when the folder has none, it is damaged or of another version, and UsageError
+/// when it is of other options.
+[[nodiscard]] MapperState read_state(const std::string& out, const SessionTerms& now,
+                                     const AppContext& context);
+/// Gives a mapper that was just made the state of a folder, and begins another drive.
+void continue_from(const std::string& out, MapperState state, Mapper& mapper,
+                   const AppContext& context);
+
 /// The results are written: says what saving cost, and removes the session when they are complete.
 void end_session(const std::string& out, const CheckpointFlags& flags, const Checkpoint& checkpoint,
                  bool complete, const AppContext& context);

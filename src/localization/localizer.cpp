@@ -31,10 +31,6 @@ namespace loopstone {
 
 namespace {
 
-/// Fewer returns say nothing.
-constexpr std::size_t kLeastReturns = 10;
-/// Belief in the rest of the map while more places look alike than can be followed.
-constexpr double kRestShare = 0.3;
 /// A refined pose so far from its particles has gone astray.
 constexpr double kAstrayM = 0.4;
 constexpr double kAstrayRad = 0.2;

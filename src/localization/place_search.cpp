@@ -37,8 +37,9 @@ std::vector<Eigen::Vector2d> seen_by_laser(const LocalizationScan& scan) {
 
 }  // namespace
 
-PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map) {
+PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map, int points_max) {
   MapMatchOptions options;
+  options.points_max = points_max;
   // A corridor alone has a place every metre, in two directions.
   options.poses_max = kPlacesMost;
   options.refined_max = 2 * kPlacesMost;
@@ -50,6 +51,7 @@ PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map
         .map_T_robot = {pose.target_T_source * lidar_T_robot, spread_of(pose.covariance)}};
     if (match.sure && !found.proposals.empty()) proposal.log_mass = -kSureLogOdds;
     found.proposals.push_back(proposal);
+    found.matched.push_back(compound({pose.target_T_source, pose.covariance}, {lidar_T_robot}));
   }
   if (!match.poses.empty()) found.best_score = match.poses.front().score;
   return found;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "loopstone/localization/localization_map.hpp"
@@ -12,16 +13,24 @@ namespace loopstone {
 
 /// Places that are followed at once.
 inline constexpr int kPlacesMost = 300;
+/// Fewer returns say nothing.
+inline constexpr std::size_t kLeastReturns = 10;
+/// Belief in the rest of the map while more places look alike than can be followed.
+inline constexpr double kRestShare = 0.3;
 
 /// Where on the map a scan may have been taken.
 struct PlacesFound {
   std::vector<PoseBelief::Proposal> proposals{};  ///< the best first
+  /// map_T_robot of each, as registration has it; a proposal is as wide as particles are drawn.
+  std::vector<PoseWithCovariance2> matched{};
   double best_score = 0.0;  ///< [0, 1], share of the scan that the best explains
   bool complete = true;     ///< false: more places look alike than are proposed
 };
 
 /// Compares the scan with every place of the map. Cost: see match_on_map.
-[[nodiscard]] PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map);
+/// \param points_max  of the scan that are searched with
+[[nodiscard]] PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map,
+                                      int points_max = MapMatchOptions{}.points_max);
 
 /// Where near a pose it may have been taken: map_T_robot, the best first.
 /// \param window  of map_T_robot

@@ -57,4 +57,16 @@ nlohmann::ordered_json path_breaks(const MapResult& result) {
   return list;
 }
 
+nlohmann::ordered_json drives_json(const MapResult& result) {
+  auto list = nlohmann::ordered_json::array();
+  for (const MappedDrive& drive : result.drives) {
+    list.push_back({{"first_scan", drive.first_scan},
+                    {"scans", drive.scans},
+                    {"clock_shift_s", 1e-9 * static_cast<double>(drive.clock_shift_ns.value_or(0))},
+                    {"joined", drive.is_joined()},
+                    {"closures", drive.closures}});
+  }
+  return list;
+}
+
 }  // namespace loopstone

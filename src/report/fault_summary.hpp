@@ -14,5 +14,7 @@ namespace loopstone {
 [[nodiscard]] nlohmann::ordered_json laser_faults(const MapResult& result);
 /// When the laser did not hold the pose, and what ties both sides.
 [[nodiscard]] nlohmann::ordered_json path_breaks(const MapResult& result);
+/// Drives after the first.
+[[nodiscard]] nlohmann::ordered_json drives_json(const MapResult& result);
 
 }  // namespace loopstone

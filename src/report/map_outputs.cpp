@@ -36,6 +36,13 @@ constexpr int kQualitySidePx = 1200;
 void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, FileSet& files) {
   files.add("trajectory.tum", "optimised pose of every scan: t x y z qx qy qz qw",
             format_tum(result.trajectory));
+  if (!result.drives.empty()) {
+    const std::vector<Trajectory> drives = result.trajectories();
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+      files.add("trajectory_drive_" + std::to_string(i + 1) + ".tum",
+                "the poses of one drive, stamps of its own log", format_tum(drives[i]));
+    }
+  }
   if (result.covariances.available()) {
     files.add("trajectory.csv", "the same with covariances against the first pose",
               format_trajectory_csv(result));

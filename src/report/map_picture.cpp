@@ -84,9 +84,13 @@ Image draw_map_picture(const MapResult& result, const MapPictureOptions& options
   canvas.paste(shade_map(result.map, view), 0, 0);
   if (options.loop_closures) draw_loop_closures(result, view, sizes, canvas);
   if (options.trajectory && !result.trajectory.empty()) {
-    draw_path_line(result.trajectory, view, sizes.path, canvas);
-    draw_start_and_end(result.trajectory.front().pose, result.trajectory.back().pose, view, sizes,
-                       canvas);
+    std::vector<Stamp> begins;
+    for (const MappedDrive& drive : result.drives) begins.push_back(drive.begins);
+    draw_path_line(result.trajectory, view, sizes.path, canvas, begins);
+    for (const Trajectory& drive : result.trajectories()) {
+      if (!drive.empty())
+        draw_start_and_end(drive.front().pose, drive.back().pose, view, sizes, canvas);
+    }
   }
   footer.draw(canvas, view.height_px);
   return canvas.image();

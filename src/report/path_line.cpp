@@ -7,7 +7,7 @@
 namespace loopstone {
 
 void draw_path_line(const Trajectory& trajectory, const MapView& view, double width_px,
-                    Canvas& canvas) {
+                    Canvas& canvas, std::span<const Stamp> lifted) {
   if (trajectory.size() < 2) return;
   const double duration_s = (trajectory.back().stamp - trajectory.front().stamp).seconds();
   constexpr int kColours = 96;
@@ -18,6 +18,10 @@ void draw_path_line(const Trajectory& trajectory, const MapView& view, double wi
     if (!run.empty()) run = {run.back()};
   };
   for (const StampedPose2& stamped : trajectory.poses()) {
+    if (std::ranges::find(lifted, stamped.stamp) != lifted.end()) {
+      finish_run();
+      run.clear();
+    }
     const double share =
         duration_s > 0.0 ? (stamped.stamp - trajectory.front().stamp).seconds() / duration_s : 0.0;
     const int colour = std::min(static_cast<int>(share * kColours), kColours - 1);

@@ -103,6 +103,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info,
                            const FloorTexture* texture) {
   Json summary = summary_json(result, info);
   for (const auto& [name, term] : info.terms) summary["result_of"][name] = term;
+  if (!result.drives.empty()) summary["drives"] = drives_json(result);
   if (!info.failure.empty()) summary["warnings"].push_back(info.failure);
   if (info.pace) summary["realtime"] = pace_json(*info.pace);
   if (texture != nullptr) summary["texture"] = texture_json(*texture);

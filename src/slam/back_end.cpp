@@ -8,6 +8,7 @@
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/graph/solver.hpp"
+#include "slam/drives.hpp"
 #include "slam/loop_candidates.hpp"
 #include "slam/loop_surroundings.hpp"
 #include "slam/pairwise_consistency.hpp"
@@ -20,6 +21,25 @@ namespace loopstone {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// From where to where along x of the map what was seen on a submap's stretch reaches.
+std::pair<double, double> width_of(const SubmapRecord& submap) {
+  double low = kInfinite;
+  double high = -kInfinite;
+  const Pose2 local_T_first = submap.keys.front().local_T_robot;
+  submap.scans.for_each([&](const MappedScan& mapped) {
+    double reach_m = 0.0;
+    for (const float range : mapped.scan.ranges_m) {
+      if (std::isfinite(range)) reach_m = std::max(reach_m, static_cast<double>(range));
+    }
+    const Pose2 map_T_robot =
+        submap.map_T_submap * (local_T_first.inverse() * mapped.local_T_robot);
+    reach_m += mapped.robot_T_lidar.translation().norm();
+    low = std::min(low, map_T_robot.x - reach_m);
+    high = std::max(high, map_T_robot.x + reach_m);
+  });
+  return {low, high};
+}
 
 }  // namespace
 
@@ -81,6 +101,7 @@ void BackEnd::finish(const std::function<bool()>& goes_on) {
     take(std::move(found));
   }
   accept_lone();
+  set_apart();
   loops_.drop_all(full_submaps());
 
   graph_ = chain_.expand();
@@ -133,6 +154,7 @@ PoseGraph BackEnd::outline() const {
 void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
   if (asked.empty()) return;
   const auto submaps = chain_.submaps();
+  const Drives drives(submaps);
   const std::vector<Eigen::Matrix3d> known = known_motions(outline(), asked);
   parallel_for(asked.size(), threads_, [&](std::size_t i) {
     LoopClosure& closure = asked[i];
@@ -140,6 +162,19 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
       return hold(surroundings_of(closure, submaps, submap_options_, match_options_),
                   map_pull_of(closure, submaps), kPairwiseConsistency.harmless_m);
     };
+    if (drives.are_adrift(closure.from_submap, closure.to_submap)) {
+      // No path leads there. Every other place was asked whether it is like the newer one, but one
+      // that the older place repeats may be where nobody was yet.
+      if (!is_held()) {
+        closure.reason = ClosureReason::kSurroundings;
+      } else if (repeats_itself(closure, submaps, loop_options_, submap_options_, match_options_)) {
+        closure.reason = ClosureReason::kAmbiguousPlace;
+      } else {
+        return;
+      }
+      closure.state = ClosureState::kRejected;
+      return;
+    }
     const auto leads_there = [&] {
       const double travel_m =
           travel_from(submaps, closure.from_submap, kInfinite)[closure.to_submap.index];
@@ -204,11 +239,55 @@ void BackEnd::take(std::vector<LoopClosure> found) {
   bool news = false;
   for (auto accepted = settle(); !accepted.empty(); accepted = settle()) {
     for (const std::size_t i : accepted) events_.emplace_back(ClosureChanged{closures_[i]});
+    lay_drives(accepted);
     news = true;
     if (unsolved_chi2() < kBackEnd.news_chi2) break;
     solve_outline();
   }
   if (news) loops_.set_closures(full_submaps(), closures_);
+}
+
+/// A drive that was recognised is laid where the first closure puts it, with all that hangs on it:
+/// solving has to turn it by little then.
+void BackEnd::lay_drives(std::span<const std::size_t> accepted) {
+  auto& submaps = chain_.submaps();
+  for (const std::size_t i : accepted) {
+    const LoopClosure& closure = closures_[i];
+    const Drives drives(submaps);
+    if (!drives.are_adrift(closure.from_submap, closure.to_submap)) continue;
+    const Pose2 to_T_from = submaps[closure.from_submap.index].map_T_submap * closure.from_T_to *
+                            submaps[closure.to_submap.index].map_T_submap.inverse();
+    for (const SubmapId submap : drives.with(closure.to_submap)) {
+      Pose2& map_T_submap = submaps[submap.index].map_T_submap;
+      map_T_submap = to_T_from * map_T_submap;
+    }
+    submaps[closure.from_submap.index].closed_with.push_back(closure.to_submap);
+    submaps[closure.to_submap.index].closed_with.push_back(closure.from_submap);
+  }
+}
+
+/// Drives that nothing ties are put side by side, with nothing of one on the other.
+void BackEnd::set_apart() {
+  auto& submaps = chain_.submaps();
+  const Drives drives(submaps);
+  if (!drives.any_adrift()) return;
+  double edge_m = -kInfinite;  // of all that has its place
+  std::vector<bool> placed(submaps.size());
+  for (std::size_t first = 0; first < submaps.size(); ++first) {
+    if (placed[first]) continue;
+    const std::vector<SubmapId> group = drives.with({first});
+    double low_m = kInfinite;
+    double high_m = -kInfinite;
+    for (const SubmapId id : group) {
+      placed[id.index] = true;
+      const auto [low, high] = width_of(submaps[id.index]);
+      low_m = std::min(low_m, low);
+      high_m = std::max(high_m, high);
+    }
+    const double shift_m = std::isfinite(edge_m) ? edge_m + kBackEnd.apart_m - low_m : 0.0;
+    for (const SubmapId id : group) submaps[id.index].map_T_submap.x += shift_m;
+    edge_m = high_m + shift_m;
+  }
 }
 
 /// How much the closures accepted since the last solution disagree with it.

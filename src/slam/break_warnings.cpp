@@ -33,6 +33,9 @@ std::optional<double> carried_m(const PathBreak& gap, const MapResult& result) {
 }
 
 std::string what_was_seen(const PathBreak& gap, const MapResult& result, const RunClock& clock) {
+  if (gap.cause == BreakCause::kNewDrive) {
+    return "another drive begins, anywhere in the building";
+  }
   const std::string when = clock.span(gap.from, gap.to);
   if (gap.cause == BreakCause::kCarried) {
     const bool is_found = gap.bridge == BreakBridge::kLaser || gap.closures > 0;
@@ -60,6 +63,14 @@ std::string what_was_seen(const PathBreak& gap, const MapResult& result, const R
 }
 
 std::string what_ties(const PathBreak& gap) {
+  if (gap.cause == BreakCause::kNewDrive) {
+    if (gap.closures == 0) {
+      return ": it was not recognised on the map of what came before, so it is drawn beside it; it "
+             "may be of another building, or show too little that is like nothing else";
+    }
+    return fmt::format(": {} loop closure{} it to what came before, within {}", gap.closures,
+                       gap.closures == 1 ? " ties" : "s tie", readable_metres(gap.tie_sigma_m));
+  }
   if (gap.bridge == BreakBridge::kLaser) return "; it was found again nearby";
   const std::string bridge =
       gap.bridge == BreakBridge::kOdometry

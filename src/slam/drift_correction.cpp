@@ -20,6 +20,11 @@ Pose2 DriftCorrection::at(std::size_t scan, Stamp stamp, const Pose2& local_T_ro
   const auto next = static_cast<std::size_t>(after - keys_.begin());
   const std::size_t last = next > 0 ? next - 1 : 0;
   if (next == keys_.size() || next == 0 || stamp <= keys_[last].stamp) return map_T_local_[last];
+  // Between two drives nobody moved: a scan belongs to the one that is nearer in time.
+  if (keys_[next].starts_drive) {
+    const bool is_before = stamp - keys_[last].stamp < keys_[next].stamp - stamp;
+    return map_T_local_[is_before ? last : next];
+  }
   // Stamps may repeat, or go back.
   if (stamp >= keys_[next].stamp) return map_T_local_[next];
   const double ratio =

@@ -50,6 +50,7 @@ FrontEnd::FrontEnd(const FrontEndOptions& options, const GridMatchOptions& match
     : options_(options),
       match_options_(match),
       submap_options_(submap),
+      odometry_scale_(odometry_scale),
       predictor_(options.odometry != OdometryUse::kTrust, odometry_scale) {}
 
 TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
@@ -520,6 +521,16 @@ std::vector<FinishedSubmap> FrontEnd::end_piece() {
   for (const auto& active : active_)
     finished.push_back({active.submap.freeze(), active.first_key, own_.key_count - 1, own_.piece});
   active_.clear();
+  return finished;
+}
+
+std::vector<FinishedSubmap> FrontEnd::begin_drive() {
+  std::vector<FinishedSubmap> finished = end_piece();
+  predictor_ = MotionPredictor(options_.odometry != OdometryUse::kTrust, odometry_scale_);
+  laser_check_ = {};
+  travelling_ = {};
+  views_.clear();
+  own_ = {.key_count = own_.key_count, .piece = own_.piece + 1};
   return finished;
 }
 

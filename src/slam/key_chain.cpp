@@ -34,7 +34,7 @@ void KeyChain::add(const KeyScan& key) {
   if (!submaps.empty()) {
     const PoseWithCovariance2 motion = motion_between(newest, key);
     submaps.back().across = compound(submaps.back().across, motion);
-    length_m += std::hypot(motion.pose.x, motion.pose.y);
+    if (!key.starts_drive) length_m += std::hypot(motion.pose.x, motion.pose.y);
     if (key.across) {
       double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));
       // What may face anywhere is found by appearance, which is asked where places may be far off.
@@ -124,7 +124,7 @@ PoseGraph KeyChain::expand() const {
       if (k > 0) add_edge(motion_between(keys[k - 1], keys[k]));
       const Pose2 motion = keys.front().local_T_robot.inverse() * keys[k].local_T_robot;
       Pose2 pose = submap.map_T_submap * motion;
-      if (next != nullptr) {
+      if (next != nullptr && !next->keys.front().starts_drive) {
         // What the next stretch's pose adds to the motions is shared out along the way.
         const double ratio = static_cast<double>(k) / static_cast<double>(keys.size());
         const Pose2 from_next = next->map_T_submap * submap.across.pose.inverse() * motion;

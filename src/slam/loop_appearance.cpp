@@ -32,6 +32,16 @@ LoopCandidate centred(LoopCandidate candidate, const SubmapRecord& older,
 
 }  // namespace
 
+std::vector<LoopCandidate> by_appearance(std::span<const SubmapRecord> submaps,
+                                         std::span<const LoopCandidate> candidates) {
+  std::vector<LoopCandidate> laid;
+  for (const LoopCandidate& candidate : candidates) {
+    laid.push_back(
+        centred(candidate, submaps[candidate.older.index], submaps[candidate.newer.index]));
+  }
+  return laid;
+}
+
 std::vector<LoopCandidate> most_alike(std::span<SubmapRecord> submaps, SubmapId newer,
                                       std::span<const LoopCandidate> far, int most) {
   if (most <= 0 || far.empty()) return {};

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
+#include "slam/drives.hpp"
 
 namespace loopstone {
 
@@ -94,6 +95,7 @@ LoopCandidates candidates_for(std::span<const SubmapRecord> submaps, SubmapId ne
   const Pose2 map_T_newer = query.map_T_submap;
   const Eigen::Vector2d centre = map_T_newer * query.centre;
   const auto travel = travel_from(submaps, newer, enough_travel_m(options));
+  const Drives drives(submaps);
   for (std::size_t older = 0; older < newer.index; ++older) {
     const SubmapRecord& target = submaps[older];
     if (target.state == SubmapState::kDropped || skips({older})) continue;
@@ -108,6 +110,10 @@ LoopCandidates candidates_for(std::span<const SubmapRecord> submaps, SubmapId ne
         .half_xy_m = std::min(uncertain_m, options.max_half_xy_m),
         .half_yaw_rad = std::min(uncertain_rad, kLoopCandidates.half_yaw_most_rad),
         .distance_m = (centre - map_T_older * target.centre).norm()};
+    if (drives.are_adrift({older}, newer)) {
+      candidates.adrift.push_back(candidate);
+      continue;
+    }
     const auto gap = break_between(submaps, older, newer.index);
     const bool at_break = gap && widen_across_break(*gap, options, candidate);
     if (uncertain_m > options.max_half_xy_m &&

@@ -78,12 +78,17 @@ struct LoopCandidate {
 struct LoopCandidates {
   std::vector<LoopCandidate> near{};  ///< where the window holds what drift explains, nearest first
   std::vector<LoopCandidate> far{};   ///< where drift may exceed the largest window
+  std::vector<LoopCandidate> adrift{};  ///< of drives that nothing ties yet: anywhere
 };
 
 /// \param skips  pairs that need no comparing: closed already
 [[nodiscard]] LoopCandidates candidates_for(std::span<const SubmapRecord> submaps, SubmapId newer,
                                             const LoopOptions& options,
                                             const std::function<bool(SubmapId older)>& skips);
+
+/// All of them, to be compared by appearance.
+[[nodiscard]] std::vector<LoopCandidate> by_appearance(std::span<const SubmapRecord> submaps,
+                                                       std::span<const LoopCandidate> candidates);
 
 /// The few of the far ones whose place descriptors are nearest, best first. Which these are does
 /// not depend on poses. Describes submaps that were not described yet.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "slam/drives.hpp"
 #include "slam/loop_candidates.hpp"
 #include "slam/loop_coverage.hpp"
 #include "slam/loop_verification.hpp"
@@ -54,6 +55,9 @@ std::vector<LoopCandidate> LoopCloser::untried_for(SubmapId newer,
                     [&](const LoopCandidate& other) { return other.older == alike.older; });
     if (!is_near && !was_tried(alike)) untried.push_back(alike);
   }
+  for (const LoopCandidate& anywhere : by_appearance(submaps, candidates.adrift)) {
+    if (!was_tried(anywhere)) untried.push_back(anywhere);
+  }
   return std::move(untried);
 }
 
@@ -77,6 +81,11 @@ void LoopCloser::note_tried(const LoopCandidate& candidate) {
 std::vector<LoopClosure> LoopCloser::close_newest(std::span<SubmapRecord> submaps) {
   const SubmapId newest{submaps.size() - 1};
   const std::vector<LoopCandidate> candidates = untried_for(newest, submaps);
+  // Where a drive is to be found, every place is asked: another one may look the same.
+  const Drives drives(submaps);
+  const bool asks_all = std::ranges::any_of(candidates, [&](const LoopCandidate& candidate) {
+    return drives.are_adrift(candidate.older, newest);
+  });
   std::vector<LoopClosure> closures;
   std::vector<bool> seen(submaps[newest.index].surface_count());
   for (std::size_t first = 0; first < candidates.size(); first += kLoopCloser.beside) {
@@ -87,7 +96,7 @@ std::vector<LoopClosure> LoopCloser::close_newest(std::span<SubmapRecord> submap
         add_to(seen, state_.seen.at(pair_of(closure)));
       closures.push_back(closure);
     }
-    if (share_of(seen) >= kLoopCloser.covered) break;
+    if (!asks_all && share_of(seen) >= kLoopCloser.covered) break;
   }
   reject_rivals(closures, submaps);
   return closures;
@@ -116,14 +125,16 @@ std::vector<LoopClosure> LoopCloser::close_all(std::span<SubmapRecord> submaps,
 void LoopCloser::reject_rivals(std::vector<LoopClosure>& closures,
                                std::span<const SubmapRecord> submaps) const {
   std::vector<std::size_t> rejected;
+  const Drives drives(submaps);
   for (std::size_t i = 0; i < closures.size(); ++i) {
     const LoopClosure& a = closures[i];
+    const bool is_adrift = drives.are_adrift(a.from_submap, a.to_submap);
     if (a.state != ClosureState::kWaiting || !a.by_appearance) continue;
     for (const LoopClosure& b : closures) {
       if (b.state != ClosureState::kWaiting || b.to_submap != a.to_submap) continue;
       const SubmapRecord& of_a = submaps[a.from_submap.index];
       const SubmapRecord& of_b = submaps[b.from_submap.index];
-      const double between_m = std::abs(of_a.travelled_m - of_b.travelled_m);
+      const double between_m = is_adrift ? 0.0 : std::abs(of_a.travelled_m - of_b.travelled_m);
       const Pose2 apart =
           (of_a.map_T_submap * a.from_T_to).inverse() * (of_b.map_T_submap * b.from_T_to);
       if (std::hypot(apart.x, apart.y) > kLoopCloser.elsewhere_m + options_.drift_per_m * between_m)

@@ -14,4 +14,15 @@ Eigen::Matrix3d MapResult::covariance_at(Stamp stamp) const {
   return (1.0 - share) * covariances.of(node(earlier)) + share * covariances.of(node(later));
 }
 
+std::vector<Trajectory> MapResult::trajectories() const {
+  std::vector<Trajectory> all(drives.size() + 1);
+  std::size_t drive = 0;
+  for (const StampedPose2& pose : trajectory.poses()) {
+    while (drive < drives.size() && pose.stamp >= drives[drive].begins) ++drive;
+    const std::int64_t shift_ns = drive == 0 ? 0 : drives[drive - 1].clock_shift_ns.value_or(0);
+    all[drive].append(pose.stamp - Duration{shift_ns}, pose.pose);
+  }
+  return all;
+}
+
 }  // namespace loopstone

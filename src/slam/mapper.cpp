@@ -1,6 +1,7 @@
 #include "loopstone/slam/mapper.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <span>
@@ -21,6 +22,7 @@
 #include "slam/map_board.hpp"
 #include "slam/map_finish.hpp"
 #include "slam/mount_correction.hpp"
+#include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
 
 namespace loopstone {
@@ -77,9 +79,15 @@ class Mapper::Impl {
 
   void add(const SensorMessage& message) {
     const auto mounted = as_mounted(message, robot_);
-    scan_queue_.add(mounted ? *mounted : message);
-    while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
+    if (so_far_.drives.empty()) {
+      scan_queue_.add(mounted ? *mounted : message);
+    } else {
+      scan_queue_.add(on_maps_clock(mounted ? *mounted : message));
+    }
+    work_on_scans();
   }
+
+  void begin_drive();
 
   [[nodiscard]] std::optional<MapUpdate> next_update() {
     if (updates_.empty()) return {};
@@ -100,6 +108,13 @@ class Mapper::Impl {
   void restore_state(MapperState state);
 
  private:
+  void work_on_scans() {
+    while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
+  }
+  [[nodiscard]] SensorMessage on_maps_clock(SensorMessage message);
+  void lay_beside(TrackedScan& tracked) const;
+  [[nodiscard]] PathBreak break_before_drive(Stamp to) const;
+  void tell_drives(MapResult& result) const;
   void add_scan(LaserScan scan);
   void count_scan(const TrackedScan& tracked);
   void tell(const TrackedScan& tracked);
@@ -138,6 +153,11 @@ void Mapper::Impl::add_scan(LaserScan scan) {
   if (odometry && !odometry->has_translation) ++so_far_.gyro_scans;
 
   TrackedScan tracked = front_end_.add(scan, robot_T_lidar, odometry);
+  if (!so_far_.drives.empty()) lay_beside(tracked);
+  if (so_far_.drive_begins && tracked.key) {
+    tracked.path_break = break_before_drive(scan.stamp);
+    so_far_.drive_begins = false;
+  }
   count_scan(tracked);
   so_far_.track.push_back({scan.stamp, tracked.local_T_robot, odom_T_robot});
   if (tracked.path_break) {
@@ -150,6 +170,74 @@ void Mapper::Impl::add_scan(LaserScan scan) {
   so_far_.statistics.front_end_s += watch.seconds();
   take_out(tracked.taken_out, scan);
   hand_over(std::move(scan), robot_T_lidar, std::move(tracked));
+}
+
+void Mapper::Impl::begin_drive() {
+  scan_queue_.finish();
+  work_on_scans();
+  if (so_far_.track.empty()) {
+    scan_queue_ = ScanQueue(robot_.wheels);
+    return;
+  }
+  back_end_.add_submaps(front_end_.begin_drive());
+  scan_queue_ = ScanQueue(robot_.wheels);
+  odom_frame_ = {};
+  so_far_.lost_scans = 0;
+  // One without scans is none.
+  if (so_far_.drive_begins) so_far_.drives.pop_back();
+  double most_x = 0.0;
+  for (const TrackedPose& pose : so_far_.track) most_x = std::max(most_x, pose.local_T_robot.x);
+  so_far_.drives.push_back(
+      {.first_scan = so_far_.track.size(), .local_T_drive = {most_x + kMapper.beside_m, 0.0, 0.0}});
+  so_far_.drive_begins = true;
+}
+
+/// Other drives have other clocks: the newest one begins some time after the one before ended.
+SensorMessage Mapper::Impl::on_maps_clock(SensorMessage message) {
+  std::optional<std::int64_t>& shift_ns = so_far_.drives.back().clock_shift_ns;
+  if (!shift_ns) {
+    const Stamp begins =
+        so_far_.track.back().stamp + Duration::from_seconds(kMapper.between_drives_s);
+    shift_ns = (begins - stamp_of(message)).nanoseconds;
+  }
+  std::visit([&](auto& known) { known.stamp = known.stamp + Duration{*shift_ns}; }, message);
+  return message;
+}
+
+/// Its front end knows of no drive before it.
+void Mapper::Impl::lay_beside(TrackedScan& tracked) const {
+  const Pose2& local_T_drive = so_far_.drives.back().local_T_drive;
+  tracked.local_T_robot = local_T_drive * tracked.local_T_robot;
+  tracked.guess_local_T_robot = local_T_drive * tracked.guess_local_T_robot;
+}
+
+/// It may have begun anywhere on the map so far, facing anywhere.
+PathBreak Mapper::Impl::break_before_drive(Stamp to) const {
+  const Eigen::Vector2d from = so_far_.drives.back().local_T_drive.translation();
+  double sigma_m = kMapper.beside_m;
+  for (const TrackedPose& pose : so_far_.track)
+    sigma_m = std::max(sigma_m, (pose.local_T_robot.translation() - from).norm());
+  return {.from = so_far_.track.back().stamp,
+          .to = to,
+          .cause = BreakCause::kNewDrive,
+          .bridge = BreakBridge::kNothing,
+          .covariance = planar_covariance(sigma_m, kPi)};
+}
+
+void Mapper::Impl::tell_drives(MapResult& result) const {
+  result.drives = so_far_.drives;
+  std::size_t end = so_far_.track.size();
+  for (auto drive = result.drives.rbegin(); drive != result.drives.rend(); ++drive) {
+    drive->scans = static_cast<std::int64_t>(end - drive->first_scan);
+    if (drive->scans > 0) drive->begins = so_far_.track[drive->first_scan].stamp;
+    for (const PathBreak& gap : result.breaks) {
+      if (gap.cause == BreakCause::kNewDrive && gap.to_scan >= drive->first_scan &&
+          gap.to_scan < end)
+        drive->closures = gap.closures;
+    }
+    end = drive->first_scan;
+  }
+  std::erase_if(result.drives, [](const MappedDrive& drive) { return drive.scans == 0; });
 }
 
 void Mapper::Impl::count_scan(const TrackedScan& tracked) {
@@ -226,6 +314,7 @@ void Mapper::Impl::hand_over(LaserScan scan, const Pose2& robot_T_lidar, Tracked
     key = {scan.stamp, local_T_robot, tracked.covariance, index, tracked.starts_submap};
     if (tracked.path_break && tracked.path_break->bridge != BreakBridge::kLaser)
       key->across = tracked.path_break->covariance;
+    key->starts_drive = tracked.path_break && tracked.path_break->cause == BreakCause::kNewDrive;
   }
   // Standing still adds nothing to the map, and a fast scanner no more than a slow one.
   const Pose2 since = so_far_.last_mapped.inverse() * local_T_robot;
@@ -244,7 +333,9 @@ void Mapper::Impl::hand_over(LaserScan scan, const Pose2& robot_T_lidar, Tracked
 /// Where the robot is when the sweep of the newest scan ends, if it goes on as it came.
 Pose2 Mapper::Impl::end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const {
   const double sweep_s = sweep_seconds(scan);
-  if (so_far_.track.size() < 2 || sweep_s == 0.0) return local_T_robot;
+  const bool is_first_of_drive =
+      !so_far_.drives.empty() && so_far_.track.size() == so_far_.drives.back().first_scan + 1;
+  if (so_far_.track.size() < 2 || is_first_of_drive || sweep_s == 0.0) return local_T_robot;
   const TrackedPose& before = so_far_.track[so_far_.track.size() - 2];
   const double seconds = (scan.stamp - before.stamp).seconds();
   if (!(seconds > 0.0)) return local_T_robot;
@@ -277,7 +368,7 @@ void Mapper::Impl::restore_state(MapperState state) {
 void Mapper::Impl::end_log() {
   if (std::exchange(log_ended_, true)) return;
   scan_queue_.finish();
-  while (auto scan = scan_queue_.next()) add_scan(std::move(*scan));
+  work_on_scans();
   back_end_.add_submaps(front_end_.finish());
 }
 
@@ -304,6 +395,7 @@ MapResult Mapper::Impl::result_of_back_end() const {
   }
   result.breaks = so_far_.breaks;
   find_ties(result.breaks, result.graph, node_scans);
+  tell_drives(result);
   MapStatistics& statistics = result.statistics;
   statistics = so_far_.statistics;
   statistics.scans = scans();
@@ -423,6 +515,7 @@ Mapper::~Mapper() = default;
 
 void Mapper::add(const SensorMessage& message) { impl_->add(message); }
 std::optional<MapUpdate> Mapper::next_update() { return impl_->next_update(); }
+void Mapper::begin_drive() { impl_->begin_drive(); }
 Calibration Mapper::judge_robot() { return impl_->judge_robot(); }
 MapSnapshot Mapper::snapshot() const { return impl_->snapshot(); }
 MapResult Mapper::finish(const ProgressCallback& progress, const std::stop_token& cancel) {

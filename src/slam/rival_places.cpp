@@ -10,6 +10,7 @@
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/graph/marginals.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "slam/drives.hpp"
 #include "slam/loop_candidates.hpp"
 #include "slam/loop_coverage.hpp"
 #include "slam/scan_edges.hpp"
@@ -142,6 +143,31 @@ bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known,
     if (!again) continue;
     const Pose2 step = *again * map_T_older.inverse();
     if (is_near(step * map_T_found) || is_near(step.inverse() * map_T_found)) return true;
+  }
+  return false;
+}
+
+bool repeats_itself(const LoopClosure& closure, std::span<const SubmapRecord> submaps,
+                    const LoopOptions& options, const SubmapOptions& submap_options,
+                    const GridMatchOptions& match_options) {
+  const SubmapRecord& older = submaps[closure.from_submap.index];
+  if (!older.frozen) return false;
+  const Drives drives(submaps);
+  const Bar bar{std::max(options.min_score, kRivalPlaces.again_share * closure.score),
+                kRivalPlaces.again_overlap, kRivalPlaces.again_share * closure.agreement};
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    const SubmapRecord& place = submaps[i];
+    if (i == closure.from_submap.index || !place.frozen || place.frozen->surfaces.empty() ||
+        drives.are_adrift({i}, closure.from_submap))
+      continue;
+    const Pose2 place_T_older = place.map_T_submap.inverse() * older.map_T_submap;
+    const Eigen::Vector2d shift =
+        place.centre - Pose2{0.0, 0.0, place_T_older.yaw}.rotation() * older.centre;
+    const SearchWindow anywhere{
+        {shift.x(), shift.y(), place_T_older.yaw}, kLoopCandidates.place_half_m, kPi};
+    const ExcludedPoses itself{place_T_older, kRivalPlaces.elsewhere_m, kRivalPlaces.elsewhere_rad};
+    if (fitted(*place.frozen, *older.frozen, anywhere, itself, bar, submap_options, match_options))
+      return true;
   }
   return false;
 }

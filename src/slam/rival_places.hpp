@@ -92,4 +92,11 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
                                    const LoopOptions& options, const SubmapOptions& submap_options,
                                    const GridMatchOptions& match_options);
 
+/// Whether the older submap of a closure between drives that nothing ties fits on another place of
+/// its own drive as well: then the newer one may be on either, or on a third that nobody saw.
+/// Cost: a search by appearance for each submap of the drive.
+[[nodiscard]] bool repeats_itself(const LoopClosure& closure, std::span<const SubmapRecord> submaps,
+                                  const LoopOptions& options, const SubmapOptions& submap_options,
+                                  const GridMatchOptions& match_options);
+
 }  // namespace loopstone

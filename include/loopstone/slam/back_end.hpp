@@ -26,6 +26,7 @@ struct BackEndNumbers {
   double lone_agreement = 0.9;
   double news_chi2 = 6.0;
   int final_rounds = 2;
+  double apart_m = 5.0;
 };
 inline constexpr BackEndNumbers kBackEnd{};
 
@@ -43,6 +44,9 @@ void visit_numbers(const BackEndNumbers& n, Visitor&& visit) {
         "solving can wait");
   visit("final_rounds", n.final_rounds,
         "chosen: rounds of looking everywhere at the end, with ever better poses");
+  visit("apart_m", n.apart_m,
+        "chosen: between what was seen on drives that nothing ties, so that they are drawn beside "
+        "each other");
 }
 
 /// Keeps the graph: submaps with their key scans in a chain, closures across it, solved whenever a
@@ -105,6 +109,8 @@ class BackEnd {
   [[nodiscard]] std::span<SubmapRecord> full_submaps();
   void take(std::vector<LoopClosure> found);
   void ask_around(std::vector<LoopClosure>& asked) const;
+  void lay_drives(std::span<const std::size_t> accepted);
+  void set_apart();
   std::vector<std::size_t> settle();
   [[nodiscard]] PoseGraph outline() const;
   void thin_covered();

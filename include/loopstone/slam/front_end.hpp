@@ -143,6 +143,10 @@ class FrontEnd {
   /// FrozenSubmap::lies_within() of the submaps still open.
   [[nodiscard]] bool submaps_lie_within(double reach_m) const;
 
+  /// Another drive begins, of which nothing is known: the submaps still open end. The local frame
+  /// begins anew with its first scan.
+  [[nodiscard]] std::vector<FinishedSubmap> begin_drive();
+
   /// The submaps still open, as they are. Call once, at the end.
   [[nodiscard]] std::vector<FinishedSubmap> finish();
 
@@ -372,6 +376,7 @@ class FrontEnd {
   FrontEndOptions options_;
   GridMatchOptions match_options_;
   SubmapOptions submap_options_;
+  double odometry_scale_;
   BeamTable beams_{};
   std::vector<ActiveSubmap> active_{};  ///< oldest first; the oldest is what scans are aligned to
   MotionPredictor predictor_;

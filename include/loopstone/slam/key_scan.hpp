@@ -17,13 +17,14 @@ struct KeyScan {
       Eigen::Matrix3d::Zero();  ///< of that match, (x, y, yaw), local frame
   std::size_t scan = 0;         ///< its place among all scans
   bool starts_submap = false;
+  bool starts_drive = false;  ///< nothing is known of the motion from the key scan before
   /// Of the motion from the key scan before, where the laser did not hold it: (x, y, yaw), local
   /// frame.
   std::optional<Eigen::Matrix3d> across{};
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(stamp, local_T_robot, covariance, scan, starts_submap, across);
+    a(stamp, local_T_robot, covariance, scan, starts_submap, starts_drive, across);
   }
 };
 

@@ -62,6 +62,27 @@ struct MapStatistics {
   }
 };
 
+/// A drive that another one came before (Mapper::begin_drive).
+struct MappedDrive {
+  std::size_t first_scan = 0;  ///< its place among all scans
+  /// What is added to its stamps, so that it comes after those before; nothing until a message of
+  /// it has come.
+  std::optional<std::int64_t> clock_shift_ns{};
+  Pose2 local_T_drive{};  ///< where it was taken to begin
+  // Told when the map is finished:
+  Stamp begins{};  ///< its first scan, on the map's clock
+  std::int64_t scans = 0;
+  int closures = 0;  ///< that stand and tie it to those before
+
+  /// It was found on the map of those before: all is one map.
+  [[nodiscard]] bool is_joined() const { return closures > 0; }
+
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(first_scan, clock_shift_ns, local_T_drive);
+  }
+};
+
 /// What the mapper made of a log.
 struct MapResult {
   Trajectory trajectory;           ///< map_T_robot at every scan
@@ -76,6 +97,7 @@ struct MapResult {
   std::vector<OdometryEpisode> odometry_episodes;  ///< when odometry was found wrong, and how
   std::vector<LaserEpisode> laser_episodes;        ///< when the laser was blocked or frozen
   std::vector<PathBreak> breaks;                   ///< when the laser did not hold the pose
+  std::vector<MappedDrive> drives;                 ///< after the first; none: there was one
   Calibration calibration;  ///< how the sensors sit and count, as the drive tells
   MapStatistics statistics;
   MapQuality quality;                 ///< what the scans say about each other
@@ -84,6 +106,9 @@ struct MapResult {
   MapVerdict verdict;                 ///< of both, in plain words
   std::vector<std::string> warnings;  ///< in plain words, for the user
   bool complete = true;               ///< false when it was interrupted
+
+  /// The trajectory cut into its drives, each on its own clock.
+  [[nodiscard]] std::vector<Trajectory> trajectories() const;
 
   /// Covariance of map_T_robot at a stamp against the first pose: (x, y, yaw), axes of the map; in
   /// between key scans that of both. Covariances must be available.

@@ -25,6 +25,8 @@ struct MapperNumbers {
   double still_cells = 1.0;
   double still_rad = 0.04;
   double submap_travel_most_m = 300.0;
+  double between_drives_s = 60.0;
+  double beside_m = 100.0;
   std::size_t updates_most = 1000;
 };
 inline constexpr MapperNumbers kMapper{};
@@ -38,6 +40,11 @@ void visit_numbers(const MapperNumbers& n, Visitor&& visit) {
   visit("submap_travel_most_m", n.submap_travel_most_m,
         "chosen: from a submap's origin its robot is never farther; a saved state that says so is "
         "damaged");
+  visit("between_drives_s", n.between_drives_s,
+        "chosen: on the map's clock a drive begins so long after the one before it ended");
+  visit("beside_m", n.beside_m,
+        "chosen: so far beside all of the path a drive begins whose place is not known yet; the "
+        "same is its uncertainty at least");
   visit("updates_most", n.updates_most, "chosen: of updates that nobody takes, so many are kept");
 }
 
@@ -87,6 +94,12 @@ class Mapper {
   /// The map as it is now: submaps and key scans at their present poses, closures, faults so far.
   /// Consistent: all of it is of one moment. Cost: microseconds a submap; the scans are shared.
   [[nodiscard]] MapSnapshot snapshot() const;
+
+  /// Ends the drive so far: what is added next is of another one in the same building, which may
+  /// begin anywhere in it, on a day of its own: stamps may be earlier or later, of another clock.
+  /// It is mapped as a piece of the path of its own until it is recognised: then all is one map.
+  /// Call it any number of times; a drive without scans is none.
+  void begin_drive();
 
   /// What the drive tells of the robot's sensors, once the last message was added; nothing with
   /// MapOptions::calibration off. When the map is bent by them, it is to be made anew: to finish()

@@ -48,13 +48,15 @@ struct MapperState {
     std::int64_t gyro_scans = 0;  ///< whose heading alone was known
     std::vector<PathBreak> breaks{};
     std::int64_t lost_scans = 0;  ///< the last so many contradicted the map, and were left out
+    std::vector<MappedDrive> drives{};  ///< after the first
+    bool drive_begins = false;          ///< no scan of the newest was mapped yet
     std::size_t submaps_opened = 0;
     std::size_t submaps_frozen = 0;
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(track, last_mapped, statistics, gyro_scans, breaks, lost_scans, submaps_opened,
-        submaps_frozen);
+      a(track, last_mapped, statistics, gyro_scans, breaks, lost_scans, drives, drive_begins,
+        submaps_opened, submaps_frozen);
     }
   };
   ScanQueue::State scan_queue{};

@@ -18,12 +18,13 @@ enum class BreakCause {
   kContradicted,  ///< scans contradict what was seen before, wherever the robot is looked for
   kCarried,       ///< there were none, and the first one after contradicts what was seen before
                   ///< where odometry says that the robot stood
+  kNewDrive,      ///< another drive begins, nothing tells where
 };
 
 constexpr auto words_of(BreakCause /*any*/) {
   using enum BreakCause;
   return std::array{Word{kNoScans, "no_scans"}, Word{kContradicted, "contradicted"},
-                    Word{kCarried, "carried"}};
+                    Word{kCarried, "carried"}, Word{kNewDrive, "new_drive"}};
 }
 
 /// What carried the pose across.

@@ -1,0 +1,138 @@
+// Finds robots on maps by single scans, and prints how that went as one JSON object:
+//   measure_relocalize PLACE [key=value]...
+// Keys: seed, scans, clutter (things gone from the map, and as many that it lacks), map_seed (the
+// map is that of another place of the kind), prepared_times (of which the least time counts).
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "localization_runs.hpp"
+#include "loopstone/localization/relocalize.hpp"
+#include "registration_pairs.hpp"
+
+namespace loopstone::bench {
+namespace {
+
+double cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+struct Request {
+  std::string place;
+  std::uint64_t seed = 1;
+  int scans = 100;
+  int clutter = 0;
+  std::uint64_t map_seed = 0;
+  int prepared_times = 1;
+};
+
+Request parse(int argc, char** argv) {
+  if (argc < 2) throw std::invalid_argument("usage: measure_relocalize PLACE [key=value]...");
+  Request request{.place = argv[1]};
+  for (int i = 2; i < argc; ++i) {
+    const std::string text = argv[i];
+    const auto sign = text.find('=');
+    const std::string key = text.substr(0, sign);
+    const std::string value = sign == std::string::npos ? "" : text.substr(sign + 1);
+    if (key == "seed")
+      request.seed = std::stoull(value);
+    else if (key == "scans")
+      request.scans = std::stoi(value);
+    else if (key == "clutter")
+      request.clutter = std::stoi(value);
+    else if (key == "map_seed")
+      request.map_seed = std::stoull(value);
+    else if (key == "prepared_times")
+      request.prepared_times = std::stoi(value);
+    else
+      throw std::invalid_argument("unknown key: " + key);
+  }
+  return request;
+}
+
+/// The least of some.
+double preparing_ms(const Grid<std::int8_t>& map, int times) {
+  double least = 1e12;
+  for (int i = 0; i < times; ++i) {
+    const double start = cpu_ms();
+    const LocalizationMap prepared(map);
+    least = std::min(least, cpu_ms() - start);
+  }
+  return least;
+}
+
+bool is_right(const Pose2& pose, const Pose2& truth) {
+  const PoseError error{std::hypot(pose.x - truth.x, pose.y - truth.y),
+                        std::abs(wrap_angle(pose.yaw - truth.yaw))};
+  return error.right();
+}
+
+int measure(const Request& request) {
+  Rng rng = Rng(request.seed).fork(78);
+  World world = make_world(request.place, request.seed);
+  World mapped = world;
+  const Grid<std::int8_t> bare = true_map(world, 0.05);
+  Grid<std::int8_t> grid = bare;
+  if (request.clutter > 0) {
+    add_clutter(mapped, bare, request.clutter, rng);
+    add_clutter(world, bare, request.clutter, rng);
+    grid = true_map(mapped, 0.05);
+  }
+  if (request.map_seed != 0) grid = true_map(make_world(request.place, request.map_seed), 0.05);
+  const SurfaceIndex surfaces(world.plan);
+  const LocalizationMap map(grid);
+  nlohmann::json scans = nlohmann::json::array();
+  for (int i = 0; i < request.scans; ++i) {
+    const Eigen::Vector2d at = random_place(bare, surfaces, rng);
+    const Pose2 truth{at.x(), at.y(), rng.uniform(-kPi, kPi)};
+    const LaserScan scan = cast_scan(surfaces, truth, kSensor1081, rng);
+    const double start = cpu_ms();
+    const Relocalization found = relocalize(map, scan, Pose2{});
+    const double took_ms = cpu_ms() - start;
+    nlohmann::json said{{"ms", took_ms},
+                        {"none", found.none_probability},
+                        {"complete", found.complete},
+                        {"candidates", found.candidates.size()}};
+    bool listed = false;
+    nlohmann::json stated = nlohmann::json::array();
+    for (const PlaceCandidate& candidate : found.candidates) {
+      const bool right = request.map_seed == 0 && is_right(candidate.map_T_robot, truth);
+      listed = listed || right;
+      if (stated.size() < 10) stated.push_back({candidate.probability, right});
+    }
+    said["listed"] = listed;
+    said["stated"] = stated;
+    scans.push_back(std::move(said));
+  }
+  const nlohmann::json result{{"place", request.place},
+                              {"seed", request.seed},
+                              {"floor_m2", world.floor_area_m2},
+                              {"columns", grid.frame().columns},
+                              {"rows", grid.frame().rows},
+                              {"prepare_ms", preparing_ms(grid, request.prepared_times)},
+                              {"memory_bytes", map.memory_bytes()},
+                              {"scans", scans}};
+  fmt::print("{}\n", result.dump());
+  return 0;
+}
+
+}  // namespace
+}  // namespace loopstone::bench
+
+int main(int argc, char** argv) {
+  try {
+    return loopstone::bench::measure(loopstone::bench::parse(argc, argv));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "measure_relocalize: {}\n", error.what());
+    return 1;
+  }
+}
