@@ -52,6 +52,10 @@ class InverseColumns {
     return equations_.place_of(static_cast<std::size_t>(node.index));
   }
 
+  [[nodiscard]] int place_of(LandmarkId landmark) const {
+    return equations_.place_of_landmark(static_cast<std::size_t>(landmark.index));
+  }
+
  private:
   NormalEquations equations_;
   BlockCholesky cholesky_;
@@ -81,6 +85,29 @@ PoseMarginals marginal_covariances(const PoseGraph& graph, std::span<const NodeI
     const int place = inverse.place_of(node);
     result.covariances.push_back(place < 0 ? Eigen::Matrix3d(Eigen::Matrix3d::Zero())
                                            : symmetric(selected.block(place, place)));
+  }
+  return result;
+}
+
+LandmarkMarginals landmark_covariances(const PoseGraph& graph,
+                                       std::span<const LandmarkId> landmarks) {
+  check_graph(graph);
+  InverseColumns inverse(graph);
+  LandmarkMarginals result;
+  result.available = inverse.available();
+  std::vector<int> places;
+  for (const LandmarkId landmark : landmarks) {
+    const auto name = "covariance of landmark " + std::to_string(landmark.index);
+    if (landmark.index < 0 || landmark.index >= static_cast<int>(graph.landmarks.size()))
+      throw UsageError(name + ", which does not exist");
+    places.push_back(inverse.place_of(landmark));
+    if (places.back() < 0) throw UsageError(name + ", which no pose sees");
+  }
+  if (!result.available) return result;
+  const SelectedInverse selected = inverse.selected();
+  for (const int place : places) {
+    const Eigen::Matrix3d block = symmetric(selected.block(place, place));
+    result.covariances.emplace_back(block.topLeftCorner<2, 2>());
   }
   return result;
 }

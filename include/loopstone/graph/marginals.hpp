@@ -24,6 +24,15 @@ struct PoseMarginals {
 [[nodiscard]] PoseMarginals marginal_covariances(const PoseGraph& graph,
                                                  std::span<const NodeId> nodes);
 
+/// Covariances of the chosen landmarks, of (x, y) in the map frame [m^2], as above. Throws
+/// UsageError for a landmark that does not exist or that no pose sees.
+struct LandmarkMarginals {
+  bool available = false;
+  std::vector<Eigen::Matrix2d> covariances;
+};
+[[nodiscard]] LandmarkMarginals landmark_covariances(const PoseGraph& graph,
+                                                     std::span<const LandmarkId> landmarks);
+
 /// How well pairs of poses are known together.
 struct PairMarginals {
   bool available = false;
