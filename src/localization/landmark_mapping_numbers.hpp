@@ -18,9 +18,10 @@ struct LandmarkMappingNumbers {
   int weight_rounds = 4;
   double misfit_chi2 = 13.8;
   double through_share = 0.5;
+  double radius_least_m = 0.01;
   double radius_step_m = 0.02;
   double least_noise = 0.05;
-  double round_chi2 = 25.0;
+  double round_chi2 = 10.0;
 };
 inline constexpr LandmarkMappingNumbers kLandmarkMapping{};
 
@@ -54,13 +55,14 @@ void visit_numbers(const LandmarkMappingNumbers& n, Visitor&& visit) {
         "chosen: a thing whose median sighting is off by more (the gate) does not stay in place");
   visit("through_share", n.through_share,
         "chosen: a landmark that was seen through more often than this was not there for long");
+  visit("radius_least_m", n.radius_least_m, "chosen: thinner ones count as flat");
   visit("radius_step_m", n.radius_step_m,
         "chosen: radii are tried so far apart, and then by a tenth of it about the best");
   visit("least_noise", n.least_noise,
         "chosen: sightings are no better than this share of the variance that they are told to "
         "have");
   visit("round_chi2", n.round_chi2,
-        "chosen: a landmark is round when that explains so much chi-square: five sigmas");
+        "chosen: a landmark is round when that explains so much chi-square: three sigmas");
 }
 
 }  // namespace loopstone
