@@ -263,7 +263,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   RunInfo info = run_info(arguments.log, judged.left_out, may_overwrite, context);
   const auto texture =
       colour(camera, arguments, pipeline.texture(), robot, context, display, result, info);
-  const auto landmarks = pipeline.landmarks_of(result);
+  const auto landmarks = pipeline.landmarks_of(result, info.failure);
   const MapExtras extras{texture ? &*texture : nullptr, landmarks ? &*landmarks : nullptr};
   finish(recording, result, info);
 

@@ -87,6 +87,11 @@ MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& contex
         "--mcap records a run from its beginning, and --resume goes on in its midst: leave out one "
         "of them");
   }
+  if (!arguments.landmarks.on && (arguments.landmarks.nameless || arguments.landmarks.brightness))
+    throw UsageError("--nameless and --reflector-threshold need --landmarks");
+  if (arguments.landmarks.nameless) {
+    throw UsageError("--nameless: reflectors have no names to leave out; it is for MRCLAM's logs");
+  }
   if (arguments.landmarks.on && arguments.checkpoint.any()) {
     throw UsageError(
         "--landmarks: a session does not keep how bright beams were, by which reflectors are told; "
@@ -184,16 +189,18 @@ MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const Robo
   return result;
 }
 
-std::optional<LandmarkMapping> MapPipeline::landmarks_of(MapResult& result) const {
+std::optional<LandmarkMapping> MapPipeline::landmarks_of(MapResult& result,
+                                                         std::string& failure) const {
   if (!reflectors_) return {};
   LandmarkMapping mapping = reflectors_->settle(result);
   if (!result.complete) return mapping;
+  const auto fail = [&](const char* why) { failure += (failure.empty() ? "" : "; ") + std::string(why); };
   if (reflectors_->scans_with_intensities() == 0) {
-    result.warnings.emplace_back(
+    fail(
         "no landmarks: the scans have no intensities, by which reflectors are told; MCAP, ROS 1 "
         "bags and rosbag2 hold them where the driver tells them");
   } else if (mapping.figures.observations == 0) {
-    result.warnings.emplace_back(
+    fail(
         "no landmarks: no beam is bright enough to be one on a reflector; a lower "
         "--reflector-threshold takes fainter ones");
   } else if (mapping.landmarks.empty()) {

@@ -103,9 +103,10 @@ class MapPipeline {
   /// \param robot  of the first map
   [[nodiscard]] MapResult map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
                                    const Calibration& found, Threads threads);
-  /// What the last map has of landmarks; nothing when they are not asked for. Says among its
-  /// warnings why there are none.
-  [[nodiscard]] std::optional<LandmarkMapping> landmarks_of(MapResult& result) const;
+  /// What the last map has of landmarks; nothing when they are not asked for. Where the log can't
+  /// show any `failure` says why; where there are none, the map's warnings.
+  [[nodiscard]] std::optional<LandmarkMapping> landmarks_of(MapResult& result,
+                                                            std::string& failure) const;
 
  private:
   const AppContext& context_;

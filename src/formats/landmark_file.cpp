@@ -168,7 +168,7 @@ std::string format_found_landmarks(std::span<const FoundLandmark> landmarks) {
     const Eigen::Matrix2d& c = landmark->covariance;
     text += fmt::format("{},{:.6f},{:.6f},{:.6f},{:.3f},{:.5g},{:.5g},{:.5g},{},{}\n", landmark->id,
                         landmark->position.x() + 0.0, landmark->position.y() + 0.0,
-                        landmark->sigma_m(), landmark->radius_m, c(0, 0) + 0.0, c(0, 1) + 0.0,
+                        landmark->sigma_m, landmark->radius_m, c(0, 0) + 0.0, c(0, 1) + 0.0,
                         c(1, 1) + 0.0, landmark->sightings, landmark->visits);
   }
   return text;

@@ -33,15 +33,21 @@ class InverseColumns {
     const int place = place_of(column);
     if (place < 0) return result;
     for (int k = 0; k < 3; ++k) {
-      x_.assign(equations_.gradient().size(), Eigen::Vector3d::Zero());
-      x_[static_cast<std::size_t>(place)](k) = 1.0;
-      cholesky_.solve_in_place(x_);
+      (void)this->column(place, k);
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const int row = place_of(rows[i]);
         if (row >= 0) result[i].col(k) = x_[static_cast<std::size_t>(row)];
       }
     }
     return result;
+  }
+
+  /// A whole column; good until the next.
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& column(int place, int k) {
+    x_.assign(equations_.gradient().size(), Eigen::Vector3d::Zero());
+    x_[static_cast<std::size_t>(place)](k) = 1.0;
+    cholesky_.solve_in_place(x_);
+    return x_;
   }
 
   /// The blocks on the diagonal, among others, all at once.
@@ -110,6 +116,28 @@ LandmarkMarginals landmark_covariances(const PoseGraph& graph,
     result.covariances.emplace_back(block.topLeftCorner<2, 2>());
   }
   return result;
+}
+
+Eigen::MatrixXd joint_landmark_covariance(const PoseGraph& graph) {
+  check_graph(graph);
+  InverseColumns inverse(graph);
+  const int count = static_cast<int>(graph.landmarks.size());
+  std::vector<int> places;
+  for (int i = 0; i < count; ++i) {
+    places.push_back(inverse.place_of(LandmarkId{i}));
+    if (places.back() < 0)
+      throw UsageError("covariance of landmark " + std::to_string(i) + ", which no pose sees");
+  }
+  if (!inverse.available()) return {};
+  Eigen::MatrixXd joint(2 * count, 2 * count);
+  for (int column = 0; column < 2 * count; ++column) {
+    const auto& x = inverse.column(places[static_cast<std::size_t>(column / 2)], column % 2);
+    for (int i = 0; i < count; ++i) {
+      const auto place = static_cast<std::size_t>(places[static_cast<std::size_t>(i)]);
+      joint.block<2, 1>(2 * i, column) = x[place].head<2>();
+    }
+  }
+  return 0.5 * (joint + joint.transpose());
 }
 
 PairMarginals joint_covariances(const PoseGraph& graph,

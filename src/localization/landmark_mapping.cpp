@@ -1,7 +1,7 @@
 #include "loopstone/localization/landmark_mapping.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -363,11 +363,15 @@ class Mapping {
   }
 
   void find_covariances(std::vector<FoundLandmark>& landmarks) const {
-    std::vector<LandmarkId> ids;
-    for (std::size_t i = 0; i < landmarks.size(); ++i) ids.push_back({static_cast<int>(i)});
-    const LandmarkMarginals marginals = landmark_covariances(graph_, ids);
-    for (std::size_t i = 0; i < marginals.covariances.size(); ++i)
-      landmarks[i].covariance = marginals.covariances[i];
+    if (landmarks.empty()) return;
+    const Eigen::MatrixXd joint = joint_landmark_covariance(graph_);
+    if (joint.size() == 0) return;
+    const Eigen::MatrixXd among = without_common_motion(joint, graph_.landmarks);
+    for (std::size_t i = 0; i < landmarks.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(2 * i);
+      landmarks[i].covariance = joint.block<2, 2>(at, at);
+      landmarks[i].sigma_m = largest_sigma(among.block<2, 2>(at, at));
+    }
   }
 
   const LandmarkMappingOptions& options_;
@@ -386,9 +390,21 @@ class Mapping {
 
 }  // namespace
 
-double FoundLandmark::sigma_m() const {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
-  return std::sqrt(std::max(solver.eigenvalues()(1), 0.0));
+Eigen::MatrixXd without_common_motion(const Eigen::MatrixXd& joint,
+                                      std::span<const Eigen::Vector2d> points) {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& point : points) centre += point / static_cast<double>(points.size());
+  Eigen::MatrixXd motions(joint.rows(), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d arm = points[i] - centre;
+    motions.block<2, 3>(static_cast<Eigen::Index>(2 * i), 0) << 1.0, 0.0, -arm.y(), 0.0, 1.0,
+        arm.x();
+  }
+  // Of a single point, or of several in one place, there is no turn.
+  const Eigen::MatrixXd own = motions.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd kept =
+      Eigen::MatrixXd::Identity(joint.rows(), joint.cols()) - motions * own;
+  return kept * joint * kept.transpose();
 }
 
 LandmarkMapping map_landmarks(const PoseGraph& graph,
@@ -412,7 +428,7 @@ std::vector<MappedLandmark> as_mapped(std::span<const FoundLandmark> landmarks) 
   for (const FoundLandmark& landmark : landmarks) {
     mapped.push_back({.id = landmark.id,
                       .position = landmark.position,
-                      .sigma_m = landmark.sigma_m(),
+                      .sigma_m = landmark.sigma_m,
                       .radius_m = landmark.radius_m});
   }
   return mapped;

@@ -1,6 +1,5 @@
 #include "localization/landmark_recognition.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,11 +14,6 @@
 
 namespace loopstone {
 namespace {
-
-double largest_sigma(const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
-  return std::sqrt(std::max(solver.eigenvalues()(1), 0.0));
-}
 
 /// Where a group is by its own sightings, and the node in their midst.
 struct Placed {

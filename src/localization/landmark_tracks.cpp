@@ -1,10 +1,10 @@
 #include "localization/landmark_tracks.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "localization/landmark_group.hpp"
 #include "localization/landmark_mapping_numbers.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/localization/landmark_association.hpp"
@@ -22,10 +22,7 @@ struct Followed {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   double unseen_m = 0.0;
 
-  [[nodiscard]] double sigma_m() const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
-    return std::sqrt(std::max(solver.eigenvalues()(1), 0.0));
-  }
+  [[nodiscard]] double sigma_m() const { return largest_sigma(covariance); }
 };
 
 class Follower {

@@ -12,7 +12,7 @@ LandmarkFigures figures_of(const LandmarkMapping& mapping) {
   LandmarkFigures figures{.count = static_cast<std::int64_t>(mapping.landmarks.size())};
   for (const FoundLandmark& landmark : mapping.landmarks) {
     const auto count = static_cast<double>(figures.count);
-    figures.sigma_mean_m += landmark.sigma_m() / count;
+    figures.sigma_mean_m += landmark.sigma_m / count;
     figures.sightings_mean += landmark.sightings / count;
     if (landmark.radius_m > 0.0) ++figures.round;
   }
@@ -43,7 +43,7 @@ std::string html_landmarks(const LandmarkMapping& mapping) {
   html += html_key_table(
       "Found", {{"landmarks", with_thousands(of.count)},
                 {"of them round", with_thousands(of.round)},
-                {"σ against the first pose, mean", readable(1e3 * of.sigma_mean_m) + " mm"},
+                {"σ among themselves, mean", readable(1e3 * of.sigma_mean_m) + " mm"},
                 {"sightings of each, mean", readable(of.sightings_mean)},
                 {"χ² a degree of freedom", readable(f.chi2)}});
   html += html_key_table("Seen", {{"bright things, or sightings", with_thousands(f.observations)},

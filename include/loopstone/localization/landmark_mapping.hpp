@@ -21,12 +21,12 @@ struct FoundLandmark {
   Eigen::Vector2d position{0.0, 0.0};  ///< of its centre, map frame [m]
   /// Against the first pose [m^2].
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  /// Among the other landmarks: the same once the motion of all of them together, which nobody
+  /// notices who goes by them, is taken out; along the axis on which it is largest.
+  double sigma_m = 0.0;
   double radius_m = 0.0;  ///< 0: flat, or seen from one side only
   int sightings = 0;      ///< that agree with it
   int visits = 0;         ///< how often it came into view
-
-  /// Along the axis on which it is known least.
-  [[nodiscard]] double sigma_m() const;
 };
 
 /// What became of all that was seen.
@@ -82,6 +82,13 @@ using SeenThrough =
 
 /// What the algorithm decides by, for the record.
 [[nodiscard]] NumberGroup landmark_numbers();
+
+/// Covariance of points among themselves: that part of their joint one that moves and turns them
+/// all together is taken out (Baarda's S-transformation, all points being the datum).
+/// \param joint  of (x, y) of the first point, of the second and so on
+/// Source: Baarda 1973, "S-transformations and criterion matrices".
+[[nodiscard]] Eigen::MatrixXd without_common_motion(const Eigen::MatrixXd& joint,
+                                                    std::span<const Eigen::Vector2d> points);
 
 /// As a map to localise on.
 [[nodiscard]] std::vector<MappedLandmark> as_mapped(std::span<const FoundLandmark> landmarks);
