@@ -12,7 +12,9 @@ struct LandmarkMappingNumbers {
   double batch_m = 4.0;
   double density_reach_m = 6.0;
   double again_m = 1.5;
-  double odds = 100.0;
+  double odds = 20.0;
+  double together_share = 0.1;
+  int most_nodes = 500;
   double resolve_sigmas = 3.0;
   int rounds = 3;
   int weight_rounds = 4;
@@ -45,6 +47,11 @@ void visit_numbers(const LandmarkMappingNumbers& n, Visitor&& visit) {
         "chosen: two landmarks of the solved map that may be one stand no farther apart");
   visit("odds", n.odds,
         "chosen: a pairing is taken when it is so many times as probable as the best without it");
+  visit("together_share", n.together_share,
+        "chosen: two things that were seen at once more often, by share of the sightings of the "
+        "one seen less, are two: clutter is rarer");
+  visit("most_nodes", n.most_nodes,
+        "chosen: pairings tried; where more are possible the drift is too wide to tell");
   visit("resolve_sigmas", n.resolve_sigmas,
         "chosen: a pair this far apart moves the map, so that it is solved before the next");
   visit("rounds", n.rounds,

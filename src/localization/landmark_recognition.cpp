@@ -153,34 +153,39 @@ class Recognition {
                                    std::span<const LandmarkObservation> seen,
                                    const ClutterModel& clutter) const {
     if (older_.size() == 1) return static_cast<double>(seen.size()) * clutter.log_clutter();
-    return associate_jointly(prior_, map_without(landmark), seen, clutter).log_probability;
+    return associate_jointly(prior_, map_without(landmark), seen, clutter,
+                             kLandmarkMapping.most_nodes).log_probability;
   }
 
   [[nodiscard]] std::vector<GroupPair> judged_pairs() const {
     const std::vector<LandmarkObservation> seen = as_observations();
     const ClutterModel clutter = new_ones();
-    const JointAssociation best = associate_jointly(prior_, map_without({}), seen, clutter);
+    const JointAssociation best = associate_jointly(prior_, map_without({}), seen, clutter, kLandmarkMapping.most_nodes);
     std::vector<GroupPair> pairs;
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (!best.landmarks[i]) continue;
       const std::size_t k = *best.landmarks[i];
       const Placed& old = older_[k];
-      if (were_seen_together(newer_[i].group, old.group)) continue;
       const double gain = best.log_probability - log_without(k, seen, clutter);
+      if (were_seen_together(newer_[i].group, old.group)) continue;
       if (!best.complete || gain < std::log(kLandmarkMapping.odds)) continue;
       pairs.push_back({newer_[i].group, old.group, moves_map(newer_[i], old)});
     }
     return pairs;
   }
 
+  /// More often than clutter has it that strays into one of them.
   [[nodiscard]] bool were_seen_together(std::size_t a, std::size_t b) const {
     std::vector<std::size_t> nodes;
     for (const Sighting& sighting : sightings_of(groups_[a], scene_))
       nodes.push_back(sighting.node);
     std::ranges::sort(nodes);
-    return std::ranges::any_of(sightings_of(groups_[b], scene_), [&](const Sighting& sighting) {
+    const std::vector<Sighting> others = sightings_of(groups_[b], scene_);
+    const auto together = std::ranges::count_if(others, [&](const Sighting& sighting) {
       return std::ranges::binary_search(nodes, sighting.node);
     });
+    const auto fewer = static_cast<double>(std::min(nodes.size(), others.size()));
+    return static_cast<double>(together) > kLandmarkMapping.together_share * fewer;
   }
 
   [[nodiscard]] bool moves_map(const Placed& newer, const Placed& older) const {
