@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "localization/landmark_group.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/sensor/reflectors.hpp"
@@ -17,13 +18,42 @@ constexpr double kBeyondM = 0.3;
 /// Beams are no farther apart than half of the smallest reflector.
 constexpr double kBeamsApartM = 0.04;
 
-/// How far the pose of a node, as the map knows it, lets a point that is fixed to it stray.
-Eigen::Matrix2d carried_to(const Eigen::Vector2d& point, const Pose2& pose,
-                           const Eigen::Matrix3d& covariance) {
-  const Eigen::Vector2d arm = point - pose.translation();
+/// How far a pose that is known so well lets a point stray that is fixed to it at `arm`.
+Eigen::Matrix2d carried_to(const Eigen::Vector2d& arm, const Eigen::Matrix3d& covariance) {
   Eigen::Matrix<double, 2, 3> swung = Eigen::Matrix<double, 2, 3>::Identity();
   swung.col(2) << -arm.y(), arm.x();
   return swung * covariance * swung.transpose();
+}
+
+/// Against the first pose: by that of the poses that saw it which holds it best, and by all
+/// sightings from there. Among the others: two ends of the path from which it was seen, that may
+/// be off against one another, put it in two places, and it is in their midst.
+void judge(FoundLandmark& landmark, std::span<const LandmarkEdge* const> sightings,
+           std::span<const Pose2> poses, const PoseCovariances& covariances) {
+  const auto pose = [&](NodeId node) { return poses[static_cast<std::size_t>(node.index)]; };
+  const auto arm = [&](NodeId node) -> Eigen::Vector2d {
+    return landmark.position - pose(node).translation();
+  };
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d best = Eigen::Matrix2d::Constant(std::numeric_limits<double>::infinity());
+  for (const LandmarkEdge* edge : sightings) {
+    const Eigen::Matrix2d turn = pose(edge->from).rotation();
+    information += turn * edge->information * turn.transpose();
+    const Eigen::Matrix2d held = carried_to(arm(edge->from), covariances.of(edge->from));
+    if (held.trace() < best.trace()) best = held;
+  }
+  const NodeId first = sightings.front()->from;
+  const NodeId last = (*std::ranges::max_element(sightings, {}, [&](const LandmarkEdge* edge) {
+                        return (pose(edge->from).translation() - pose(first).translation()).norm();
+                      }))->from;
+  const Eigen::Matrix2d own = information.inverse();
+  landmark.covariance = best + own;
+  const Eigen::Matrix2d first_R_map = pose(first).rotation().transpose();
+  const Eigen::Matrix2d apart =
+      first == last ? Eigen::Matrix2d(Eigen::Matrix2d::Zero())
+                    : carried_to(first_R_map * arm(last), covariances.between(first, last));
+  landmark.sigma_m =
+      largest_sigma(first_R_map * own * first_R_map.transpose() + 0.25 * apart);
 }
 
 }  // namespace
@@ -57,16 +87,11 @@ LandmarkMapping ReflectorMapper::settle(const MapResult& result) const {
   for (std::size_t i = 0; i < mapping.landmarks.size(); ++i)
     mapping.landmarks[i].position = graph.landmarks[i];
   if (!result.covariances.available()) return mapping;
-  // Of the poses that saw it the one that holds it best.
-  for (FoundLandmark& landmark : mapping.landmarks)
-    landmark.covariance = Eigen::Matrix2d::Constant(std::numeric_limits<double>::infinity());
-  for (const LandmarkEdge& edge : graph.landmark_edges) {
-    FoundLandmark& landmark = mapping.landmarks[static_cast<std::size_t>(edge.landmark.index)];
-    const Pose2& pose = graph.poses[static_cast<std::size_t>(edge.from.index)];
-    const Eigen::Matrix2d covariance =
-        carried_to(landmark.position, pose, result.covariances.of(edge.from));
-    if (covariance.trace() < landmark.covariance.trace()) landmark.covariance = covariance;
-  }
+  std::vector<std::vector<const LandmarkEdge*>> sightings(mapping.landmarks.size());
+  for (const LandmarkEdge& edge : graph.landmark_edges)
+    sightings[static_cast<std::size_t>(edge.landmark.index)].push_back(&edge);
+  for (std::size_t i = 0; i < mapping.landmarks.size(); ++i)
+    judge(mapping.landmarks[i], sightings[i], graph.poses, result.covariances);
   return mapping;
 }
 
