@@ -199,9 +199,9 @@ std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppCont
 }
 
 /// A map whose beams are bent or mirrored is made anew from the beginning of the log.
-void correct_beams(const MapArguments& arguments, MapPipeline& pipeline,
-                   const RobotModel& robot, RunRecording& recording, ProgressDisplay& display,
-                   MapResult& result, const AppContext& context) {
+void correct_beams(const MapArguments& arguments, MapPipeline& pipeline, const RobotModel& robot,
+                   RunRecording& recording, ProgressDisplay& display, MapResult& result,
+                   const AppContext& context) {
   const Calibration found = result.calibration;
   if (!found.map_is_bent() || !result.complete) return;
   result = {};  // its memory is needed

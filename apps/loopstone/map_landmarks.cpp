@@ -58,13 +58,13 @@ std::vector<LandmarkReading> readings_of(const MrclamLog& log, const LogCut& cut
 MrclamLog read_log(const MapArguments& arguments, const SightingNoise& noise,
                    const AppContext& context) {
   ProblemPrinter print_problem(context);
-  MrclamLog log = read_mrclam_log(
-      arguments.log,
-      {.range_sigma_m = noise.range_sigma_m,
-       .bearing_sigma_rad = noise.bearing_sigma_rad,
-       .strict = arguments.reading.strict,
-       .on_problem = [&](const LogProblem& problem) { print_problem(problem); }},
-      context.memory());
+  MrclamLog log =
+      read_mrclam_log(arguments.log,
+                      {.range_sigma_m = noise.range_sigma_m,
+                       .bearing_sigma_rad = noise.bearing_sigma_rad,
+                       .strict = arguments.reading.strict,
+                       .on_problem = [&](const LogProblem& problem) { print_problem(problem); }},
+                      context.memory());
   context.note(
       fmt::format("{}: robot {}, {} readings of landmarks; {} sightings of other robots are left "
                   "out",
@@ -126,8 +126,9 @@ ExitCode map_mrclam(const MapArguments& arguments, const AppContext& context) {
   const MrclamLog log = read_log(arguments, options.landmarks.sightings, context);
   const auto readings = readings_of(log, arguments.cut, arguments.landmarks.nameless);
   if (readings.empty()) {
-    throw DataError({arguments.log}, "nothing was seen in the part that --start, --duration and "
-                                     "--max-scans leave");
+    throw DataError({arguments.log},
+                    "nothing was seen in the part that --start, --duration and "
+                    "--max-scans leave");
   }
   outputs.prepare();
   const LandmarkDriveMap map =

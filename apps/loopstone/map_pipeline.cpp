@@ -194,7 +194,9 @@ std::optional<LandmarkMapping> MapPipeline::landmarks_of(MapResult& result,
   if (!reflectors_) return {};
   LandmarkMapping mapping = reflectors_->settle(result);
   if (!result.complete) return mapping;
-  const auto fail = [&](const char* why) { failure += (failure.empty() ? "" : "; ") + std::string(why); };
+  const auto fail = [&](const char* why) {
+    failure += (failure.empty() ? "" : "; ") + std::string(why);
+  };
   if (reflectors_->scans_with_intensities() == 0) {
     fail(
         "no landmarks: the scans have no intensities, by which reflectors are told; MCAP, ROS 1 "

@@ -76,8 +76,7 @@ LandmarkDriveMap map_drive(const LandmarkDrive& drive, const LandmarkMappingOpti
   for (std::size_t i = 0; i < poses.size(); ++i) {
     map.trajectory.append(drive.stamps[i], poses[i]);
     map.odometry.append(drive.stamps[i], drive.graph.poses[i]);
-    if (i > 0)
-      map.path_length_m += (poses[i].translation() - poses[i - 1].translation()).norm();
+    if (i > 0) map.path_length_m += (poses[i].translation() - poses[i - 1].translation()).norm();
   }
   if (!drive.stamps.empty())
     map.duration_s = (drive.stamps.back() - drive.stamps.front()).seconds();

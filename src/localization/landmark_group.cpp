@@ -11,7 +11,7 @@
 namespace loopstone {
 namespace {
 
-/// Sum of squares by which the beams of a sighting miss the best straight line, wherever and however
+/// Sum of squares by which the beams of a sighting miss the best straight line, however it faces.
 /// it faces.
 double line_misfit(const LandmarkObservation& seen) {
   const std::vector<double>& x = seen.beams_beyond_m;
@@ -108,8 +108,8 @@ UncertainPoint place_of(std::span<const Sighting> sightings, double radius_m,
 double baseline_m(std::span<const Sighting> sightings, std::span<const Pose2> map_T_node) {
   double longest = 0.0;
   for (const Sighting& sighting : sightings) {
-    const Eigen::Vector2d way = map_T_node[sighting.node].translation() -
-                                map_T_node[sightings.front().node].translation();
+    const Eigen::Vector2d way =
+        map_T_node[sighting.node].translation() - map_T_node[sightings.front().node].translation();
     longest = std::max(longest, way.norm());
   }
   return longest;
@@ -131,8 +131,7 @@ double radius_of(std::span<const Sighting> sightings, double radius_max_m,
       const double tried = from + step * i;
       const double round = misfit(sightings, tried, scene, map_T_node);
       const double noise = std::max(kLandmarkMapping.least_noise, round / freedom);
-      const double gain =
-          (flat - round) / noise + straight - shape_misfit(sightings, tried, scene);
+      const double gain = (flat - round) / noise + straight - shape_misfit(sightings, tried, scene);
       if (gain <= best) continue;
       best = gain;
       radius = tried;

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "localization/landmark_tracks.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/sensor/landmark_reading.hpp"
-#include "localization/landmark_tracks.hpp"
 
 namespace loopstone {
 

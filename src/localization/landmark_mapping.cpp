@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
@@ -32,6 +31,8 @@ constexpr double kMedianChi2 = 1.3863;
 /// Of a motion that no edge tells.
 constexpr double kUnknownM = 0.5;
 constexpr double kUnknownRad = 0.2;
+/// As bad as a misfit can be.
+constexpr double kWandering = 1e3;
 
 /// From each pose to the next: by the poses, as well known as the path's edges say.
 std::vector<PoseWithCovariance2> motions_of(const PoseGraph& graph) {
@@ -109,8 +110,10 @@ class Mapping {
       while (last < candidates.size() &&
              began_at(candidates[last]) <= began_at(candidates[first]) + kLandmarkMapping.batch_m)
         ++last;
-      std::vector<std::size_t> older(groups_.size());
-      std::iota(older.begin(), older.end(), std::size_t{0});
+      std::vector<std::size_t> older;
+      for (std::size_t i = 0; i < groups_.size(); ++i) {
+        if (!groups_[i].tracks.empty()) older.push_back(i);
+      }
       std::vector<std::size_t> newer;
       bool moved = false;
       for (std::size_t i = first; i < last; ++i) moved = add_track(candidates[i], newer) || moved;
@@ -126,8 +129,8 @@ class Mapping {
   [[nodiscard]] std::vector<double> way_to_each_node() const {
     std::vector<double> way(base_.poses.size(), 0.0);
     for (std::size_t i = 1; i < way.size(); ++i) {
-      way[i] = way[i - 1] +
-               (base_.poses[i].translation() - base_.poses[i - 1].translation()).norm();
+      way[i] =
+          way[i - 1] + (base_.poses[i].translation() - base_.poses[i - 1].translation()).norm();
     }
     return way;
   }
@@ -236,8 +239,8 @@ class Mapping {
   [[nodiscard]] double chi2_of(const Sighting& sighting, const LandmarkGroup& group,
                                const Eigen::Vector2d& landmark) const {
     const LandmarkObservation& seen = scene_.of(sighting);
-    const Eigen::Vector2d off = graph_.poses[sighting.node].inverse() * landmark -
-                                centre_of(seen, group.radius_m);
+    const Eigen::Vector2d off =
+        graph_.poses[sighting.node].inverse() * landmark - centre_of(seen, group.radius_m);
     return off.dot(seen.covariance.inverse() * off);
   }
 
@@ -267,10 +270,9 @@ class Mapping {
       noise_ = std::max(1.0, median_of(all) / kMedianChi2);
       for_each_landmark([&](const LandmarkGroup& group, const Eigen::Vector2d& landmark) {
         for (const Sighting& s : sightings_of(group, scene_)) {
-          weights_[s.node][s.observation] =
-              evaluate(RobustKernel::kCauchy, options_.robust_width,
-                       chi2_of(s, group, landmark) / noise_)
-                  .weight;
+          weights_[s.node][s.observation] = evaluate(RobustKernel::kCauchy, options_.robust_width,
+                                                     chi2_of(s, group, landmark) / noise_)
+                                                .weight;
         }
       });
     }
@@ -283,7 +285,23 @@ class Mapping {
     std::vector<double> chi2;
     for (const Sighting& sighting : tracks_[track].sightings)
       chi2.push_back(chi2_of(sighting, group, landmark) / noise_);
-    return median_of(chi2);
+    const double typical = median_of(chi2);
+    return wanders(tracks_[track].sightings, group) ? std::max(typical, kWandering) : typical;
+  }
+
+  /// Whether it is elsewhere in the second half of a visit: slow things are followed, too.
+  [[nodiscard]] bool wanders(std::span<const Sighting> sightings,
+                             const LandmarkGroup& group) const {
+    const std::size_t half = sightings.size() / 2;
+    if (half < 2) return false;
+    const auto place = [&](std::span<const Sighting> part) {
+      return place_of(part, group.radius_m, scene_, graph_.poses);
+    };
+    const UncertainPoint before = place(sightings.first(half));
+    const UncertainPoint after = place(sightings.subspan(half));
+    const double sigma_m = std::sqrt(noise_) * largest_sigma(before.covariance + after.covariance);
+    const double way_m = (after.position - before.position).norm();
+    return way_m > kLandmarkMapping.wander_m && way_m > kLandmarkMapping.wander_sigmas * sigma_m;
   }
 
   /// Of each landmark what does not agree with it, the worst first; whether there was any.

@@ -19,6 +19,8 @@ struct LandmarkMappingNumbers {
   int rounds = 3;
   int weight_rounds = 4;
   double misfit_chi2 = 13.8;
+  double wander_m = 0.05;
+  double wander_sigmas = 4.0;
   double through_share = 0.5;
   double radius_least_m = 0.01;
   double radius_step_m = 0.02;
@@ -33,9 +35,10 @@ void visit_numbers(const LandmarkMappingNumbers& n, Visitor&& visit) {
         "chosen: what was not seen for so far is looked for again as if it were new");
   visit("forget_sigma_m", n.forget_sigma_m,
         "chosen: the same of what is known no better than this: landmarks stand 1 m apart");
-  visit("stray_m", n.stray_m,
-        "chosen: a thing seems to move by so much from one pose to the next, as round ones do whose "
-        "surface is seen");
+  visit(
+      "stray_m", n.stray_m,
+      "chosen: a thing seems to move by so much from one pose to the next, as round ones do whose "
+      "surface is seen");
   visit("least_sigma_m", n.least_sigma_m, "chosen: nothing is followed more narrowly");
   visit("gate_chi2", n.gate_chi2,
         "derived: chi-square of two degrees of freedom, exceeded by 1e-3 of true pairs");
@@ -60,6 +63,9 @@ void visit_numbers(const LandmarkMappingNumbers& n, Visitor&& visit) {
         "chosen: of weighing sightings anew; weights change little after three");
   visit("misfit_chi2", n.misfit_chi2,
         "chosen: a thing whose median sighting is off by more (the gate) does not stay in place");
+  visit("wander_m", n.wander_m,
+        "chosen: the two halves of a visit see a thing no farther apart; poses are better known");
+  visit("wander_sigmas", n.wander_sigmas, "chosen: nor so many standard deviations");
   visit("through_share", n.through_share,
         "chosen: a landmark that was seen through more often than this was not there for long");
   visit("radius_least_m", n.radius_least_m, "chosen: thinner ones count as flat");

@@ -35,9 +35,8 @@ class Recognition {
     if (newer_.empty() || all.empty()) return {};
     here_ = newer_[newer_.size() / 2].anchor;
     // The pose is told against the nearest of them.
-    const auto nearest = std::ranges::min_element(all, {}, [&](const Placed& old) {
-      return distance_to_newer(old.on_map.position);
-    });
+    const auto nearest = std::ranges::min_element(
+        all, {}, [&](const Placed& old) { return distance_to_newer(old.on_map.position); });
     there_ = nearest->anchor;
     const PairMarginals joint = joint_covariances(graph_, std::vector{std::pair{there_, here_}});
     if (!joint.available) return {};
@@ -130,8 +129,7 @@ class Recognition {
       const UncertainPoint& point = older_[i].on_map;
       const double sigma_m =
           std::max(largest_sigma(point.covariance), kLandmarkMapping.least_sigma_m);
-      map.push_back(
-          {.id = static_cast<int>(i), .position = point.position, .sigma_m = sigma_m});
+      map.push_back({.id = static_cast<int>(i), .position = point.position, .sigma_m = sigma_m});
     }
     return LandmarkMap(std::move(map));
   }
@@ -143,24 +141,26 @@ class Recognition {
     const auto near = std::ranges::count_if(older_, [&](const Placed& thing) {
       return (thing.on_map.position - centre).norm() < reach_m;
     });
-    return {.share = 0.5,
-            .max_range_m = reach_m / std::sqrt(static_cast<double>(std::max<std::int64_t>(near, 1))),
-            .gate_chi2 = kLandmarkMapping.gate_chi2};
+    return {
+        .share = 0.5,
+        .max_range_m = reach_m / std::sqrt(static_cast<double>(std::max<std::int64_t>(near, 1))),
+        .gate_chi2 = kLandmarkMapping.gate_chi2};
   }
 
   /// Log of how probable the best pairing is where one landmark is taken away.
-  [[nodiscard]] double log_without(std::size_t landmark,
-                                   std::span<const LandmarkObservation> seen,
+  [[nodiscard]] double log_without(std::size_t landmark, std::span<const LandmarkObservation> seen,
                                    const ClutterModel& clutter) const {
     if (older_.size() == 1) return static_cast<double>(seen.size()) * clutter.log_clutter();
     return associate_jointly(prior_, map_without(landmark), seen, clutter,
-                             kLandmarkMapping.most_nodes).log_probability;
+                             kLandmarkMapping.most_nodes)
+        .log_probability;
   }
 
   [[nodiscard]] std::vector<GroupPair> judged_pairs() const {
     const std::vector<LandmarkObservation> seen = as_observations();
     const ClutterModel clutter = new_ones();
-    const JointAssociation best = associate_jointly(prior_, map_without({}), seen, clutter, kLandmarkMapping.most_nodes);
+    const JointAssociation best =
+        associate_jointly(prior_, map_without({}), seen, clutter, kLandmarkMapping.most_nodes);
     std::vector<GroupPair> pairs;
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (!best.landmarks[i]) continue;
@@ -189,8 +189,7 @@ class Recognition {
   }
 
   [[nodiscard]] bool moves_map(const Placed& newer, const Placed& older) const {
-    const double sigma_m =
-        std::hypot(own_sigma(newer.group), own_sigma(older.group));
+    const double sigma_m = std::hypot(own_sigma(newer.group), own_sigma(older.group));
     return (newer.on_map.position - older.on_map.position).norm() >
            kLandmarkMapping.resolve_sigmas * sigma_m;
   }

@@ -85,11 +85,9 @@ class Follower {
 
   /// Kalman's filter.
   void take_in(const LandmarkObservation& seen, Followed& thing, const Sighting& sighting) {
-    const Eigen::Matrix2d gain =
-        thing.covariance * (thing.covariance + seen.covariance).inverse();
+    const Eigen::Matrix2d gain = thing.covariance * (thing.covariance + seen.covariance).inverse();
     thing.position += gain * (seen.point - thing.position);
-    const Eigen::Matrix2d covariance =
-        (Eigen::Matrix2d::Identity() - gain) * thing.covariance;
+    const Eigen::Matrix2d covariance = (Eigen::Matrix2d::Identity() - gain) * thing.covariance;
     thing.covariance = 0.5 * (covariance + covariance.transpose());
     thing.unseen_m = 0.0;
     tracks_[thing.track].sightings.push_back(sighting);
@@ -99,10 +97,8 @@ class Follower {
     const int id = seen.id.value_or(-1 - static_cast<int>(tracks_.size()));
     // Where it is told to be by name, it isn't any more.
     std::erase_if(followed_, [&](const Followed& thing) { return thing.id == id; });
-    followed_.push_back({.track = tracks_.size(),
-                         .id = id,
-                         .position = seen.point,
-                         .covariance = seen.covariance});
+    followed_.push_back(
+        {.track = tracks_.size(), .id = id, .position = seen.point, .covariance = seen.covariance});
     tracks_.push_back({seen.id, {sighting}});
   }
 

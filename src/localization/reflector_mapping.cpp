@@ -52,8 +52,7 @@ void judge(FoundLandmark& landmark, std::span<const LandmarkEdge* const> sightin
   const Eigen::Matrix2d apart =
       first == last ? Eigen::Matrix2d(Eigen::Matrix2d::Zero())
                     : carried_to(first_R_map * arm(last), covariances.between(first, last));
-  landmark.sigma_m =
-      largest_sigma(first_R_map * own * first_R_map.transpose() + 0.25 * apart);
+  landmark.sigma_m = largest_sigma(first_R_map * own * first_R_map.transpose() + 0.25 * apart);
 }
 
 }  // namespace
@@ -73,10 +72,10 @@ void ReflectorMapper::add_to(PoseGraph& graph, std::span<const KeyView> keys) {
     seen.push_back(
         find_reflectors(*key.scan, key.robot_T_lidar, key.velocity, options_.reflectors));
   }
-  mapping_ = map_landmarks(graph, seen, options_,
-                           [&](std::size_t node, const Eigen::Vector2d& point) {
-                             return sees_through(keys[node], point);
-                           });
+  mapping_ =
+      map_landmarks(graph, seen, options_, [&](std::size_t node, const Eigen::Vector2d& point) {
+        return sees_through(keys[node], point);
+      });
   graph = std::move(mapping_.graph);
   mapping_.graph = {};
 }

@@ -40,12 +40,12 @@ std::string html_landmarks(const LandmarkMapping& mapping) {
   const LandmarkFigures of = figures_of(mapping);
   const LandmarkMappingFigures& f = mapping.figures;
   std::string html = "<h2>Landmarks</h2>\n<div class=\"figures\">\n";
-  html += html_key_table(
-      "Found", {{"landmarks", with_thousands(of.count)},
-                {"of them round", with_thousands(of.round)},
-                {"σ among themselves, mean", readable(1e3 * of.sigma_mean_m) + " mm"},
-                {"sightings of each, mean", readable(of.sightings_mean)},
-                {"χ² a degree of freedom", readable(f.chi2)}});
+  html += html_key_table("Found",
+                         {{"landmarks", with_thousands(of.count)},
+                          {"of them round", with_thousands(of.round)},
+                          {"σ among themselves, mean", readable(1e3 * of.sigma_mean_m) + " mm"},
+                          {"sightings of each, mean", readable(of.sightings_mean)},
+                          {"χ² a degree of freedom", readable(f.chi2)}});
   html += html_key_table("Seen", {{"bright things, or sightings", with_thousands(f.observations)},
                                   {"of them of a landmark", with_thousands(f.used)},
                                   {"followed", with_thousands(f.tracks)},

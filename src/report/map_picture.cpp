@@ -70,12 +70,12 @@ void draw_landmark(Point at, const PictureSizes& sizes, Canvas& canvas) {
 }
 
 void add_landmarks(Footer& footer, const PictureSizes& sizes, std::size_t count) {
-  footer.add("", 0.8 * sizes.text,
-             count == 1 ? "1 landmark"
-                        : with_thousands(static_cast<std::int64_t>(count)) + " landmarks",
-             [=](Canvas& canvas, Point at) {
-               draw_landmark({at.x + 0.4 * sizes.text, at.y}, sizes, canvas);
-             });
+  footer.add(
+      "", 0.8 * sizes.text,
+      count == 1 ? "1 landmark" : with_thousands(static_cast<std::int64_t>(count)) + " landmarks",
+      [=](Canvas& canvas, Point at) {
+        draw_landmark({at.x + 0.4 * sizes.text, at.y}, sizes, canvas);
+      });
 }
 
 }  // namespace

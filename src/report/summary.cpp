@@ -100,8 +100,7 @@ Json summary_json(const MapResult& result, const RunInfo& info) {
 
 }  // namespace
 
-std::string format_summary(const MapResult& result, const RunInfo& info,
-                           const MapExtras& extras) {
+std::string format_summary(const MapResult& result, const RunInfo& info, const MapExtras& extras) {
   Json summary = summary_json(result, info);
   for (const auto& [name, term] : info.terms) summary["result_of"][name] = term;
   if (!info.failure.empty()) summary["warnings"].push_back(info.failure);

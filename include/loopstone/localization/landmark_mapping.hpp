@@ -32,13 +32,13 @@ struct FoundLandmark {
 /// What became of all that was seen.
 struct LandmarkMappingFigures {
   std::int64_t observations = 0;
-  std::int64_t used = 0;      ///< of a landmark
-  std::int64_t tracks = 0;    ///< things that were followed for more than one reading
-  std::int64_t too_few = 0;   ///< of them, seen too seldom or from one place only
-  std::int64_t moving = 0;    ///< that did not stay where they were
+  std::int64_t used = 0;         ///< of a landmark
+  std::int64_t tracks = 0;       ///< things that were followed for more than one reading
+  std::int64_t too_few = 0;      ///< of them, seen too seldom or from one place only
+  std::int64_t moving = 0;       ///< that did not stay where they were
   std::int64_t see_through = 0;  ///< through which the laser saw too often: they were carried away
-  std::int64_t merged = 0;    ///< that are of a landmark known before
-  double chi2 = 0.0;          ///< of the sightings used, at the solution, a degree of freedom
+  std::int64_t merged = 0;       ///< that are of a landmark known before
+  double chi2 = 0.0;             ///< of the sightings used, at the solution, a degree of freedom
 };
 
 /// A graph with landmarks, solved.
