@@ -449,15 +449,16 @@ def by_drive_table(sections):
     return table([*header, "times real time>"], rows)
 
 
-def write_blocks(sections, quick):
+def write_blocks(sections, measured, quick):
+    """Of those kinds of which something was measured now."""
     mapped = {name: sections[name] for name in [*MAPPED, *MRCLAM] if name in sections}
     followed = {name: sections[name] for name in CASES if name in sections}
     blocks = {}
-    if followed:
+    if any(name in CASES for name in measured) and followed:
         told = provenance(*followed.values())
         blocks["landmarks-in-view"] = f"{told}\n\n{by_view_table(followed)}"
         blocks["landmarks-drives"] = f"{told}\n\n{by_drive_table(followed)}"
-    if mapped:
+    if any(name not in CASES for name in measured) and mapped:
         blocks["landmarks-mapped"] = f"{provenance(*mapped.values())}\n\n{mapped_table(mapped)}"
     for name, block in blocks.items():
         if quick:
@@ -478,7 +479,7 @@ def main():
         lambda name: measure_any(name, loopstone, arguments.quick),
         leave_out=lambda name, kept: arguments.resume and name in kept,
     )
-    write_blocks(sections, arguments.quick)
+    write_blocks(sections, arguments.only, arguments.quick)
     raise SystemExit(1 if failed else 0)
 
 
