@@ -180,8 +180,8 @@ def places_of(path):
 
 
 def landmark_errors(found, true, start):
-    """Distances of the landmarks found from the true ones, after the best motion of all; and how
-    many lie where none is, or where another one lies already.
+    """Distances of the landmarks found from the true ones, after the best motion of all; how many
+    lie where none is, or where another one lies already; and that motion.
     start:  a motion of the path onto the true one, to pair them by"""
     motion = start
     for _ in range(3):
@@ -195,7 +195,7 @@ def landmark_errors(found, true, start):
                 taken.add(index)
                 pairs.append((point, true[index]))
         motion = best_motion(*zip(*pairs))
-    return [math.dist(moved(motion, p), q) for p, q in pairs], others
+    return [math.dist(moved(motion, p), q) for p, q in pairs], others, motion
 
 
 def path_motion(estimate, truth):
@@ -214,10 +214,9 @@ def mrclam_truth(path):
     return {t: (float(x), float(y)) for t, x, y, _ in map(str.split, lines)}
 
 
-def errors_after_motion(folder, where):
-    """Of the poses of another drive: landmarks in view, error [m] after the best motion, state."""
+def errors_after_motion(folder, where, motion):
+    """Of the poses of another drive: landmarks in view, error [m] after the motion, state."""
     truth = truth_of(folder / "truth.tum")
-    motion = path_motion(where.with_suffix(".tum"), folder / "truth.tum")
     errors = []
     with open(where.with_suffix(".csv"), encoding="utf-8") as file:
         for row in csv.DictReader(file):
@@ -251,7 +250,7 @@ def measure_mapped(name, loopstone, quick):
         folder = loopstone.simulate(world, seed, arguments)
         out, summary, cost = mapped_run(loopstone, folder / "log.mcap")
         start = path_motion(out / "trajectory.tum", folder / "truth.tum")
-        errors, others = landmark_errors(
+        errors, others, motion = landmark_errors(
             places_of(out / "landmarks.csv"), places_of(folder / "landmarks.csv"), start
         )
         again = loopstone.simulate(world, seed, [*arguments, "--drive-seed", str(seed + 100)])
@@ -267,7 +266,7 @@ def measure_mapped(name, loopstone, quick):
                 "seed": seed,
                 "errors": errors,
                 "others": others,
-                "again": errors_after_motion(again, where),
+                "again": errors_after_motion(again, where, motion),
                 "duration_s": summary["duration_s"],
                 "wall_s": cost["wall_s"],
             }
@@ -334,7 +333,7 @@ def measure_mrclam(name, loopstone, quick):
         true = mrclam_folder(folder, seed, 120.0 if quick else 600.0)
         out, summary, cost = mapped_run(loopstone, folder, MRCLAM[name])
         start = path_motion(out / "trajectory.tum", folder / "Robot1_Groundtruth.dat")
-        errors, others = landmark_errors(places_of(out / "landmarks.csv"), true, start)
+        errors, others, _ = landmark_errors(places_of(out / "landmarks.csv"), true, start)
         runs.append(
             {
                 **{"seed": seed, "errors": errors, "others": others, "again": []},

@@ -216,7 +216,6 @@ void correct_beams(const MapArguments& arguments, MapPipeline& pipeline, const R
 }
 
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
-  if (is_mrclam_log(arguments.log)) return map_mrclam(arguments, context);
   const auto start = std::chrono::steady_clock::now();
   MapPipeline pipeline(arguments, context);
 
@@ -238,7 +237,6 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
     context.note(arguments.out + ": holds no session yet; from the beginning");
   outputs.prepare();
   if (begin == RunStart::kLog) remove_session(arguments.out);
-
   CameraFrames camera;
   std::optional<Pace> pace;
   if (arguments.realtime > 0.0) pace.emplace(arguments.realtime);
@@ -326,7 +324,10 @@ void add_map_command(CLI::App& app, AppContext& context) {
   context.add_threads_flag(*command);
   context.add_option_flags(*command);
   context.add_robot_flag(*command);
-  context.on_run(*command, [arguments, &context] { return run_map(*arguments, context); });
+  context.on_run(*command, [arguments, &context] {
+    return is_mrclam_log(arguments->log) ? map_mrclam(*arguments, context)
+                                         : run_map(*arguments, context);
+  });
 }
 
 }  // namespace loopstone::app
