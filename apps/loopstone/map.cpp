@@ -19,6 +19,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/release_memory.hpp"
 #include "loopstone/formats/log_reader.hpp"
+#include "loopstone/formats/mrclam.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/formats/session_file.hpp"
@@ -27,6 +28,7 @@
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/version.hpp"
+#include "map_landmarks.hpp"
 #include "map_pipeline.hpp"
 #include "output_path.hpp"
 #include "pace.hpp"
@@ -38,10 +40,10 @@ namespace loopstone::app {
 
 namespace {
 
-void print_result(const MapResult& result, const FloorTexture* texture, const RunInfo& info,
+void print_result(const MapResult& result, const MapExtras& extras, const RunInfo& info,
                   const MapArguments& arguments, const AppContext& context) {
   if (context.json()) {
-    print_to_stdout(format_summary(result, info, texture));
+    print_to_stdout(format_summary(result, info, extras));
     return;
   }
   const MapStatistics& s = result.statistics;
@@ -58,7 +60,8 @@ void print_result(const MapResult& result, const FloorTexture* texture, const Ru
   table.add_row("loop closures", fmt::format("{} accepted, {} rejected", s.loop_closures_accepted,
                                              s.loop_closures_rejected));
   if (!result.verdict.sentence.empty()) table.add_row("quality", result.verdict.sentence);
-  if (texture != nullptr) add_texture_rows(*texture, table);
+  if (extras.landmarks != nullptr) add_landmark_rows(*extras.landmarks, table);
+  if (extras.texture != nullptr) add_texture_rows(*extras.texture, table);
   table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", info.wall_time_s,
                                     s.duration_s / std::max(info.wall_time_s, 1e-9)));
   if (info.pace) {
@@ -155,10 +158,10 @@ void note_cost(std::chrono::steady_clock::time_point start, const Checkpoint& ch
 }
 
 /// Prints warnings and figures; the exit code says how the run ended.
-ExitCode tell(const MapResult& result, const FloorTexture* floor, const RunInfo& info,
+ExitCode tell(const MapResult& result, const MapExtras& extras, const RunInfo& info,
               const MapArguments& arguments, const AppContext& context) {
   for (const auto& warning : result.warnings) context.warn(warning);
-  print_result(result, floor, info, arguments, context);
+  print_result(result, extras, info, arguments, context);
   if (!info.failure.empty()) {
     throw std::runtime_error(info.failure + "; all else is in " + arguments.out);
   }
@@ -193,15 +196,17 @@ std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppCont
   const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
   LogFlags flags = arguments.reading;
   flags.pictures = !arguments.no_texture;
-  auto reader = open(arguments.log, log_options(flags, context, &print_problem));
+  LogOptions how = log_options(flags, context, &print_problem);
+  how.intensities = arguments.landmarks.on;
+  auto reader = open(arguments.log, how);
   tell_choices(*reader, context);
   return reader;
 }
 
 /// A map whose beams are bent or mirrored is made anew from the beginning of the log.
-void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
-                   const RobotModel& robot, RunRecording& recording, ProgressDisplay& display,
-                   MapResult& result, std::optional<MapperState>& kept, const AppContext& context) {
+void correct_beams(const MapArguments& arguments, MapPipeline& pipeline, const RobotModel& robot,
+                   RunRecording& recording, ProgressDisplay& display, MapResult& result,
+                   std::optional<MapperState>& kept, const AppContext& context) {
   const Calibration found = result.calibration;
   // The drives before are not at hand.
   const bool continues = !arguments.drives.from.empty();
@@ -209,7 +214,9 @@ void correct_beams(const MapArguments& arguments, const MapPipeline& pipeline,
   result = {};  // its memory is needed
   LogFlags flags = arguments.reading;
   flags.pictures = false;
-  const auto reader = open_log(arguments.log, log_options(flags, context));
+  LogOptions how = log_options(flags, context);
+  how.intensities = arguments.landmarks.on;
+  const auto reader = open_log(arguments.log, how);
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping anew", display);
   result = pipeline.map_anew(log, recording, robot, found, context.threads(), kept);
   ProgressDisplay::clear_line();
@@ -306,19 +313,20 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   RunInfo info = run_info(arguments.log, judged.left_out, may_overwrite, context);
   const auto texture =
       colour(camera, arguments, pipeline.texture(), robot, context, display, result, info);
-  const FloorTexture* floor = texture ? &*texture : nullptr;
+  const auto landmarks = pipeline.landmarks_of(result, info.failure);
+  const MapExtras extras{texture ? &*texture : nullptr, landmarks ? &*landmarks : nullptr};
   finish(recording, result, info);
 
   if (pace) info.pace = pace->figures();
   note_terms(checkpoint, arguments, pipeline, info);
   note_cost(start, checkpoint, info);
   release_unused_memory();
-  write_map_outputs(result, info, arguments.out, floor);
+  write_map_outputs(result, info, arguments.out, extras);
   leave_state(std::move(kept), result, arguments, pipeline);
   info.peak_memory_bytes = peak_memory_bytes();
   end_session(arguments.out, arguments.checkpoint, checkpoint,
               result.complete && info.failure.empty(), context);
-  return tell(result, floor, info, arguments, context);
+  return tell(result, extras, info, arguments, context);
 }
 
 }  // namespace
@@ -359,6 +367,7 @@ void add_map_command(CLI::App& app, AppContext& context) {
                    "also the run as a recording to watch in Foxglove, Lichtblick or RViz: scans, "
                    "transforms, the map as it grows, path, closures, faults")
       ->type_name("FILE");
+  add_landmark_map_flags(*command, arguments->landmarks);
   add_checkpoint_flags(*command, arguments->checkpoint);
   add_continue_flags(*command, arguments->drives);
   add_log_flags(*command, arguments->reading);
@@ -367,7 +376,10 @@ void add_map_command(CLI::App& app, AppContext& context) {
   context.add_threads_flag(*command);
   context.add_option_flags(*command);
   context.add_robot_flag(*command);
-  context.on_run(*command, [arguments, &context] { return run_map(*arguments, context); });
+  context.on_run(*command, [arguments, &context] {
+    return is_mrclam_log(arguments->log) ? map_mrclam(*arguments, context)
+                                         : run_map(*arguments, context);
+  });
 }
 
 }  // namespace loopstone::app

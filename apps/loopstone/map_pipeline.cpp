@@ -1,5 +1,7 @@
 #include "map_pipeline.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
 
@@ -36,6 +38,10 @@ void refuse_flags_of_submaps(const MapArguments& arguments) {
   }
   if (arguments.no_calibration) {
     throw UsageError("--no-calibration: the textbook pipeline does none; leave out --pipeline");
+  }
+  if (arguments.landmarks.on) {
+    throw UsageError(
+        "--landmarks: the textbook pipeline has no place for them; leave out --pipeline");
   }
   if (!arguments.mcap.empty()) {
     throw UsageError(
@@ -88,7 +94,29 @@ MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& contex
     throw UsageError(
         "--continue: --checkpoint, --resume and --mcap are of runs with one drive; leave them out");
   }
-  auto options = context.load_options<MapOptions>();
+  if (!arguments.landmarks.on && (arguments.landmarks.nameless || arguments.landmarks.brightness))
+    throw UsageError("--nameless and --reflector-threshold need --landmarks");
+  if (arguments.landmarks.nameless) {
+    throw UsageError("--nameless: reflectors have no names to leave out; it is for MRCLAM's logs");
+  }
+  if (arguments.landmarks.on && arguments.checkpoint.any()) {
+    throw UsageError(
+        "--landmarks: a session does not keep how bright beams were, by which reflectors are told; "
+        "leave out --checkpoint and --resume");
+  }
+  if (arguments.landmarks.on && (arguments.drives.keep_state || !arguments.drives.from.empty())) {
+    throw UsageError(
+        "--landmarks: a state does not keep how bright beams were, by which reflectors are told; "
+        "leave out --keep-state and --continue");
+  }
+  MapOptions options;
+  if (arguments.landmarks.on) {
+    auto both = landmark_map_options(arguments.landmarks, context);
+    options = both.map;
+    landmarks_ = both.landmarks;
+  } else {
+    options = context.load_options<MapOptions>();
+  }
   options.map.most_cells = most_cells(context);
   if (arguments.no_loop_closure) options.loop_closure = false;
   if (arguments.no_calibration) options.calibration = false;
@@ -96,7 +124,22 @@ MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& contex
   options_ = options;
 }
 
+LandmarkMapOptions landmark_map_options(const LandmarkMapFlags& flags, const AppContext& context) {
+  auto options = context.load_options<LandmarkMapOptions>();
+  std::vector<OptionProblem> problems;
+  if (flags.brightness) {
+    override_option(list_options(options), "--reflector-threshold",
+                    fmt::format("landmarks.reflectors.brightness={}", *flags.brightness), problems);
+  }
+  if (!problems.empty()) throw OptionsError(problems);
+  return options;
+}
+
 std::string MapPipeline::options_toml() {
+  if (landmarks_) {
+    LandmarkMapOptions both{std::get<MapOptions>(options_), *landmarks_};
+    return options_to_toml(list_options(both));
+  }
   return std::visit([](auto& options) { return options_to_toml(list_options(options)); }, options_);
 }
 
@@ -111,8 +154,7 @@ const OccupancyOptions& MapPipeline::map_options() const {
 }
 
 MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threads,
-                           std::optional<HeldInterrupt>& held,
-                           std::optional<MapperState>& kept) const {
+                           std::optional<HeldInterrupt>& held, std::optional<MapperState>& kept) {
   if (const auto* options = std::get_if<ScanToScanOptions>(&options_)) {
     held.emplace();
     ScanToScanMapper mapper(robot, *options, threads);
@@ -120,6 +162,7 @@ MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threa
     return mapper.finish(source.display.callback());
   }
   Mapper mapper(robot, std::get<MapOptions>(options_), threads);
+  if (landmarks_) mapper.set_graph_addition(reflectors_.emplace(*landmarks_).addition());
   if (source.resumes)
     resume_from(source.out, source.checkpoint, mapper, source.log, source.camera, context_);
   const bool continues = source.begins_with.has_value();
@@ -143,10 +186,11 @@ MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threa
 
 MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
                                 const Calibration& found, Threads threads,
-                                std::optional<MapperState>& kept) const {
+                                std::optional<MapperState>& kept) {
   const RobotModel corrected = corrected_robot(robot, found);
   recording.begin_anew(corrected);
   Mapper mapper(corrected, std::get<MapOptions>(options_), threads);
+  if (landmarks_) mapper.set_graph_addition(reflectors_.emplace(*landmarks_).addition());
   const auto record_updates = [&] {
     while (const auto update = mapper.next_update()) recording.add(*update, mapper);
   };
@@ -161,6 +205,30 @@ MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const Robo
   result.complete = result.complete && !log.interrupted();
   tell_of_correction(found, result);
   return result;
+}
+
+std::optional<LandmarkMapping> MapPipeline::landmarks_of(MapResult& result,
+                                                         std::string& failure) const {
+  if (!reflectors_) return {};
+  LandmarkMapping mapping = reflectors_->settle(result);
+  if (!result.complete) return mapping;
+  const auto fail = [&](const char* why) {
+    failure += (failure.empty() ? "" : "; ") + std::string(why);
+  };
+  if (reflectors_->scans_with_intensities() == 0) {
+    fail(
+        "no landmarks: the scans have no intensities, by which reflectors are told; MCAP, ROS 1 "
+        "bags and rosbag2 hold them where the driver tells them");
+  } else if (mapping.figures.observations == 0) {
+    fail(
+        "no landmarks: no beam is bright enough to be one on a reflector; a lower "
+        "--reflector-threshold takes fainter ones");
+  } else if (mapping.landmarks.empty()) {
+    result.warnings.emplace_back(
+        "no landmarks: nothing bright was seen often enough, from places far enough apart; see "
+        "landmarks.sightings_min and landmarks.baseline_min_m");
+  }
+  return mapping;
 }
 
 }  // namespace loopstone::app

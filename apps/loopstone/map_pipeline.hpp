@@ -9,6 +9,8 @@
 #include "interrupt.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/words.hpp"
+#include "loopstone/localization/landmark_mapping_options.hpp"
+#include "loopstone/localization/reflector_mapping.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/calibration.hpp"
@@ -29,6 +31,13 @@ constexpr auto words_of(Pipeline /*any*/) {
   return std::array{Word{kSubmaps, "submaps"}, Word{kScanToScan, "scan_to_scan"}};
 }
 
+/// What a user says of landmarks whose places are to be found.
+struct LandmarkMapFlags {
+  bool on = false;
+  bool nameless = false;               ///< identities of what was seen are not used
+  std::optional<double> brightness{};  ///< of a beam on a reflector
+};
+
 struct MapArguments {
   std::string log;
   std::string out;
@@ -45,7 +54,24 @@ struct MapArguments {
   double realtime = 0.0;  ///< speed of the replay; 0: as fast as it goes
   CheckpointFlags checkpoint;
   ContinueFlags drives;
+  LandmarkMapFlags landmarks;
 };
+
+/// The options of `map --landmarks`.
+struct LandmarkMapOptions {
+  MapOptions map{};
+  LandmarkMappingOptions landmarks{};
+};
+
+template <typename Visitor>
+void visit_options(LandmarkMapOptions& options, Visitor&& visit) {
+  visit_options(options.map, visit);
+  visit.group("landmarks", options.landmarks);
+}
+
+/// Those of the file and of --set, and --reflector-threshold over them. Throws OptionsError.
+[[nodiscard]] LandmarkMapOptions landmark_map_options(const LandmarkMapFlags& flags,
+                                                      const AppContext& context);
 
 /// How a log becomes a map: which pipeline, with which options. The choice is made here alone.
 class MapPipeline {
@@ -77,18 +103,23 @@ class MapPipeline {
   /// \param held  set once there is something that Ctrl-C must not lose
   /// \param kept  what the log has led to, where it is to be kept
   [[nodiscard]] MapResult map(Source source, const RobotModel& robot, Threads threads,
-                              std::optional<HeldInterrupt>& held,
-                              std::optional<MapperState>& kept) const;
+                              std::optional<HeldInterrupt>& held, std::optional<MapperState>& kept);
   /// The same log once more, with the beams that the first map's calibration asks for.
   /// \param robot  of the first map
   /// \param kept   made anew, too, where there is one
   [[nodiscard]] MapResult map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
                                    const Calibration& found, Threads threads,
-                                   std::optional<MapperState>& kept) const;
+                                   std::optional<MapperState>& kept);
+  /// What the last map has of landmarks; nothing when they are not asked for. Where the log can't
+  /// show any `failure` says why; where there are none, the map's warnings.
+  [[nodiscard]] std::optional<LandmarkMapping> landmarks_of(MapResult& result,
+                                                            std::string& failure) const;
 
  private:
   const AppContext& context_;
   std::variant<MapOptions, ScanToScanOptions> options_;
+  std::optional<LandmarkMappingOptions> landmarks_{};  ///< nothing: they are not asked for
+  std::optional<ReflectorMapper> reflectors_{};        ///< of the map in the making
 };
 
 }  // namespace loopstone::app

@@ -36,6 +36,7 @@ struct Arguments {
   std::string output;
   std::optional<std::string> format;
   std::uint64_t seed = 1;
+  std::optional<std::uint64_t> drive_seed;
   bool force = false;
   std::optional<double> duration_s;
   std::optional<int> laps;
@@ -258,7 +259,8 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   outputs.prepare();
   remove_simulation(folder.path);
 
-  SimulatedDrive drive = write_drive(folder, world, robot, options, arguments.seed, context);
+  SimulatedDrive drive = write_drive(folder, world, robot, options,
+                                     arguments.drive_seed.value_or(arguments.seed), context);
   drive.summary.realism.facts.insert(drive.summary.realism.facts.begin(), record.facts.begin(),
                                      record.facts.end());
   write_truth(folder, world, drive.truth);
@@ -276,6 +278,11 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
 void add_drive_flags(CLI::App& command, Arguments& arguments) {
   command
       .add_option("--seed", arguments.seed, "of the world, the people and the noise (default: 1)")
+      ->type_name("N");
+  command
+      .add_option("--drive-seed", arguments.drive_seed,
+                  "of people and noise alone: another drive in the same world (default: that of "
+                  "--seed)")
       ->type_name("N");
   command
       .add_option("--duration", arguments.duration_s, "cut the drive (default: the whole route)")

@@ -159,6 +159,21 @@ std::string format_landmarks(const std::vector<MappedLandmark>& landmarks) {
   return text;
 }
 
+std::string format_found_landmarks(std::span<const FoundLandmark> landmarks) {
+  std::vector<const FoundLandmark*> by_id;
+  for (const FoundLandmark& landmark : landmarks) by_id.push_back(&landmark);
+  std::ranges::stable_sort(by_id, {}, [](const FoundLandmark* landmark) { return landmark->id; });
+  std::string text = "id,x_m,y_m,sigma_m,radius_m,xx_m2,xy_m2,yy_m2,sightings,visits\n";
+  for (const FoundLandmark* landmark : by_id) {
+    const Eigen::Matrix2d& c = landmark->covariance;
+    text += fmt::format("{},{:.6f},{:.6f},{:.6f},{:.3f},{:.5g},{:.5g},{:.5g},{},{}\n", landmark->id,
+                        landmark->position.x() + 0.0, landmark->position.y() + 0.0,
+                        landmark->sigma_m, landmark->radius_m, c(0, 0) + 0.0, c(0, 1) + 0.0,
+                        c(1, 1) + 0.0, landmark->sightings, landmark->visits);
+  }
+  return text;
+}
+
 std::vector<MappedLandmark> read_landmarks(const std::string& path, const MemoryBudget& budget) {
   if (is_folder(path)) {
     const fs::path own = fs::path(path) / "landmarks.csv";

@@ -33,9 +33,7 @@ class InverseColumns {
     const int place = place_of(column);
     if (place < 0) return result;
     for (int k = 0; k < 3; ++k) {
-      x_.assign(equations_.gradient().size(), Eigen::Vector3d::Zero());
-      x_[static_cast<std::size_t>(place)](k) = 1.0;
-      cholesky_.solve_in_place(x_);
+      (void)this->column(place, k);
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const int row = place_of(rows[i]);
         if (row >= 0) result[i].col(k) = x_[static_cast<std::size_t>(row)];
@@ -44,12 +42,24 @@ class InverseColumns {
     return result;
   }
 
+  /// A whole column; good until the next.
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& column(int place, int k) {
+    x_.assign(equations_.gradient().size(), Eigen::Vector3d::Zero());
+    x_[static_cast<std::size_t>(place)](k) = 1.0;
+    cholesky_.solve_in_place(x_);
+    return x_;
+  }
+
   /// The blocks on the diagonal, among others, all at once.
   [[nodiscard]] SelectedInverse selected() { return SelectedInverse(cholesky_); }
 
   /// Row of a pose's block; negative where the pose is fixed.
   [[nodiscard]] int place_of(NodeId node) const {
     return equations_.place_of(static_cast<std::size_t>(node.index));
+  }
+
+  [[nodiscard]] int place_of(LandmarkId landmark) const {
+    return equations_.place_of_landmark(static_cast<std::size_t>(landmark.index));
   }
 
  private:
@@ -83,6 +93,51 @@ PoseMarginals marginal_covariances(const PoseGraph& graph, std::span<const NodeI
                                            : symmetric(selected.block(place, place)));
   }
   return result;
+}
+
+LandmarkMarginals landmark_covariances(const PoseGraph& graph,
+                                       std::span<const LandmarkId> landmarks) {
+  check_graph(graph);
+  InverseColumns inverse(graph);
+  LandmarkMarginals result;
+  result.available = inverse.available();
+  std::vector<int> places;
+  for (const LandmarkId landmark : landmarks) {
+    const auto name = "covariance of landmark " + std::to_string(landmark.index);
+    if (landmark.index < 0 || landmark.index >= static_cast<int>(graph.landmarks.size()))
+      throw UsageError(name + ", which does not exist");
+    places.push_back(inverse.place_of(landmark));
+    if (places.back() < 0) throw UsageError(name + ", which no pose sees");
+  }
+  if (!result.available) return result;
+  const SelectedInverse selected = inverse.selected();
+  for (const int place : places) {
+    const Eigen::Matrix3d block = symmetric(selected.block(place, place));
+    result.covariances.emplace_back(block.topLeftCorner<2, 2>());
+  }
+  return result;
+}
+
+Eigen::MatrixXd joint_landmark_covariance(const PoseGraph& graph) {
+  check_graph(graph);
+  InverseColumns inverse(graph);
+  const int count = static_cast<int>(graph.landmarks.size());
+  std::vector<int> places;
+  for (int i = 0; i < count; ++i) {
+    places.push_back(inverse.place_of(LandmarkId{i}));
+    if (places.back() < 0)
+      throw UsageError("covariance of landmark " + std::to_string(i) + ", which no pose sees");
+  }
+  if (!inverse.available()) return {};
+  Eigen::MatrixXd joint(2 * count, 2 * count);
+  for (int column = 0; column < 2 * count; ++column) {
+    const auto& x = inverse.column(places[static_cast<std::size_t>(column / 2)], column % 2);
+    for (int i = 0; i < count; ++i) {
+      const auto place = static_cast<std::size_t>(places[static_cast<std::size_t>(i)]);
+      joint.block<2, 1>(2 * i, column) = x[place].head<2>();
+    }
+  }
+  return 0.5 * (joint + joint.transpose());
 }
 
 PairMarginals joint_covariances(const PoseGraph& graph,

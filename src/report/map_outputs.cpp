@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/formats/g2o.hpp"
 #include "loopstone/formats/image.hpp"
+#include "loopstone/formats/landmark_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/report/map_picture.hpp"
@@ -17,6 +19,7 @@
 #include "loopstone/report/texture_picture.hpp"
 #include "report/closure_csv.hpp"
 #include "report/decisions.hpp"
+#include "report/landmark_summary.hpp"
 #include "report/output_files.hpp"
 #include "report/quality_summary.hpp"
 #include "report/report_html.hpp"
@@ -33,7 +36,8 @@ namespace {
 constexpr int kQualitySidePx = 1200;
 
 /// What took the run its time and no disk any room: it is kept, whatever becomes of the rest.
-void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, FileSet& files) {
+void add_trajectory_and_graph(const MapResult& result, const RunInfo& info,
+                              const LandmarkMapping* landmarks, FileSet& files) {
   files.add("trajectory.tum", "optimised pose of every scan: t x y z qx qy qz qw",
             format_tum(result.trajectory));
   if (!result.drives.empty()) {
@@ -53,21 +57,30 @@ void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, File
   files.add("loop_closures.csv", "every place that was recognised or looked like it",
             format_closure_csv(result));
   files.add("options.toml", "the effective options", info.options_toml);
+  std::vector<NumberGroup> decisions = decision_numbers();
+  if (landmarks != nullptr) {
+    files.add("landmarks.csv", "the landmarks, as loopstone localize --landmarks reads them",
+              format_found_landmarks(landmarks->landmarks));
+    decisions.push_back(landmark_numbers());
+  }
   files.add("decisions.toml", "what else the map was made and judged by",
-            format_decisions(decision_numbers()));
+            format_decisions(decisions));
 }
 
-void add_map_and_report(const MapResult& result, const RunInfo& info, const FloorTexture* texture,
+void add_map_and_report(const MapResult& result, const RunInfo& info, const MapExtras& extras,
                         FileSet& files) {
+  const FloorTexture* const texture = extras.texture;
   if (!result.map_failure.empty()) throw std::runtime_error(result.map_failure);
   const CellStates cells = states_to_write(result.map);
   std::string picture;
   std::string quality_picture;
   std::string floor_picture;
   std::string pgm;
+  const std::span<const FoundLandmark> landmarks =
+      extras.landmarks == nullptr ? std::span<const FoundLandmark>{} : extras.landmarks->landmarks;
   // The pictures take longest, so they come first.
   const std::vector<std::function<void()>> makers = {
-      [&] { picture = encode_png(draw_map_picture(result), kPngCompression); },
+      [&] { picture = encode_png(draw_map_picture(result, {}, landmarks), kPngCompression); },
       [&] {
         if (result.verdict.measures.empty()) return;
         quality_picture = encode_png(
@@ -100,9 +113,10 @@ void add_map_and_report(const MapResult& result, const RunInfo& info, const Floo
     }
     floor_html = html_texture(*texture, floor_picture);
   }
+  if (extras.landmarks != nullptr) floor_html += html_landmarks(*extras.landmarks);
   const RunInfo until_now = with_peak_memory(info);
   files.add("summary.json", "every figure of the run, for programs",
-            format_summary(result, until_now, texture));
+            format_summary(result, until_now, extras));
   files.add("report.html", "this page",
             format_report(result, until_now, picture, files.listed(), quality_html, floor_html));
   files.make_safe();
@@ -111,21 +125,21 @@ void add_map_and_report(const MapResult& result, const RunInfo& info, const Floo
 }  // namespace
 
 void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir,
-                       const FloorTexture* texture) {
+                       const MapExtras& extras) {
   OutputFolder folder(out_dir, info.force);
   FileSet files(folder);
-  add_trajectory_and_graph(result, info, files);
+  add_trajectory_and_graph(result, info, extras.landmarks, files);
   files.make_safe();
   std::string failure;
   try {
-    add_map_and_report(result, info, texture, files);
+    add_map_and_report(result, info, extras, files);
   } catch (const std::exception& error) {
     failure = error.what();
     files.forget_the_rest();
     RunInfo incomplete = with_peak_memory(info);
     incomplete.failure = failure;
     files.add("summary.json", "every figure of the run, for programs",
-              format_summary(result, incomplete, nullptr));
+              format_summary(result, incomplete, {}));
   }
   files.commit();
   folder.keep();

@@ -15,6 +15,7 @@ namespace loopstone {
 namespace {
 
 const Colour kClosure = hex_colour(0x059669);
+const Colour kLandmark = hex_colour(0xb45309);
 
 void draw_loop_closures(const MapResult& result, const MapView& view, const PictureSizes& sizes,
                         Canvas& canvas) {
@@ -64,9 +65,23 @@ void add_loop_closures(Footer& footer, const PictureSizes& sizes, std::int64_t c
              });
 }
 
+void draw_landmark(Point at, const PictureSizes& sizes, Canvas& canvas) {
+  canvas.disc(at, 1.1 * sizes.path, kLandmark, 0.3 * sizes.path, kPaper);
+}
+
+void add_landmarks(Footer& footer, const PictureSizes& sizes, std::size_t count) {
+  footer.add(
+      "", 0.8 * sizes.text,
+      count == 1 ? "1 landmark" : with_thousands(static_cast<std::int64_t>(count)) + " landmarks",
+      [=](Canvas& canvas, Point at) {
+        draw_landmark({at.x + 0.4 * sizes.text, at.y}, sizes, canvas);
+      });
+}
+
 }  // namespace
 
-Image draw_map_picture(const MapResult& result, const MapPictureOptions& options) {
+Image draw_map_picture(const MapResult& result, const MapPictureOptions& options,
+                       std::span<const FoundLandmark> landmarks) {
   const MapView view =
       view_of(result.map, result.trajectory, options.target_side_px, options.most_side_px);
   const PictureSizes sizes(std::max(view.width_px, view.height_px));
@@ -79,6 +94,7 @@ Image draw_map_picture(const MapResult& result, const MapPictureOptions& options
   const auto accepted = std::count_if(result.loop_closures.begin(), result.loop_closures.end(),
                                       [](const LoopClosure& closure) { return closure.stands(); });
   if (options.loop_closures && accepted > 0) add_loop_closures(footer, sizes, accepted);
+  if (!landmarks.empty()) add_landmarks(footer, sizes, landmarks.size());
 
   Canvas canvas(width, view.height_px + static_cast<int>(footer.height()), kUnseenGround);
   canvas.paste(shade_map(result.map, view), 0, 0);
@@ -92,6 +108,8 @@ Image draw_map_picture(const MapResult& result, const MapPictureOptions& options
         draw_start_and_end(drive.front().pose, drive.back().pose, view, sizes, canvas);
     }
   }
+  for (const FoundLandmark& landmark : landmarks)
+    draw_landmark(view.pixel_of(landmark.position), sizes, canvas);
   footer.draw(canvas, view.height_px);
   return canvas.image();
 }

@@ -6,6 +6,7 @@
 #include "loopstone/report/map_outputs.hpp"
 #include "report/calibration_summary.hpp"
 #include "report/fault_summary.hpp"
+#include "report/landmark_summary.hpp"
 #include "report/quality_summary.hpp"
 #include "report/texture_summary.hpp"
 
@@ -99,14 +100,14 @@ Json summary_json(const MapResult& result, const RunInfo& info) {
 
 }  // namespace
 
-std::string format_summary(const MapResult& result, const RunInfo& info,
-                           const FloorTexture* texture) {
+std::string format_summary(const MapResult& result, const RunInfo& info, const MapExtras& extras) {
   Json summary = summary_json(result, info);
   for (const auto& [name, term] : info.terms) summary["result_of"][name] = term;
   if (!result.drives.empty()) summary["drives"] = drives_json(result);
   if (!info.failure.empty()) summary["warnings"].push_back(info.failure);
   if (info.pace) summary["realtime"] = pace_json(*info.pace);
-  if (texture != nullptr) summary["texture"] = texture_json(*texture);
+  if (extras.texture != nullptr) summary["texture"] = texture_json(*extras.texture);
+  if (extras.landmarks != nullptr) summary["landmarks"] = landmarks_json(*extras.landmarks);
   // Paths need not be UTF-8; JSON must.
   return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -125,10 +125,12 @@ LandmarkObservation observation_of(const LaserScan& scan, const Cluster& cluster
   const double bearing = scan.angle_min_rad + beam * scan.angle_increment_rad;
   double range = 0.0;
   std::vector<double> beside;
+  std::vector<double> along;
   for (const std::size_t index : cluster) {
     const double off = scan.angle_rad(index) - bearing;
     const auto way = static_cast<double>(scan.ranges_m[index]);
-    range += way * std::cos(off) / count;
+    along.push_back(way * std::cos(off));
+    range += along.back() / count;
     beside.push_back(way * std::sin(off));
   }
   const double beam_sigma = scan.angle_increment_rad / std::sqrt(12.0);
@@ -138,6 +140,8 @@ LandmarkObservation observation_of(const LaserScan& scan, const Cluster& cluster
   LandmarkObservation seen =
       observed(range, bearing, options.range_sigma_m, bearing_sigma, robot_T_then * robot_T_lidar);
   seen.beams_beside_m = std::move(beside);
+  for (double& way : along) way -= range;
+  seen.beams_beyond_m = std::move(along);
   const Eigen::Vector2d passing(velocity.x() - velocity.z() * seen.point.y(),
                                 velocity.y() + velocity.z() * seen.point.x());
   seen.covariance += options.stamp_sigma_s * options.stamp_sigma_s * passing * passing.transpose();

@@ -1,8 +1,6 @@
 #include "loopstone/slam/decision_numbers.hpp"
 
 #include <string_view>
-#include <type_traits>
-#include <utility>
 
 #include "loopstone/mapping/map_quality.hpp"
 #include "loopstone/odometry/differential_drive.hpp"
@@ -50,17 +48,7 @@ namespace {
 
 template <typename Numbers>
 NumberGroup group(std::string_view name, const Numbers& numbers) {
-  NumberGroup listed{std::string(name), {}};
-  visit_numbers(numbers, [&](std::string_view number, auto value, std::string_view origin) {
-    DecisionNumber entry{.name = std::string(number), .origin = std::string(origin)};
-    if constexpr (std::is_integral_v<decltype(value)> && !std::is_same_v<decltype(value), bool>) {
-      entry.value = static_cast<int>(value);
-    } else {
-      entry.value = value;
-    }
-    listed.numbers.push_back(std::move(entry));
-  });
-  return listed;
+  return number_group(name, numbers);
 }
 
 }  // namespace

@@ -73,8 +73,11 @@ GraphQuality assess_graph(const PoseGraph& solved, std::span<const Pose2> delive
   if (solved.poses.size() < 2) return quality;
   quality.loops = independent_loops(solved);
   if (quality.loops < 1) return quality;
-  // Each loop closes with three numbers.
-  quality.reduced_chi2 = graph_cost(solved) / (3.0 * quality.loops);
+  // Each loop closes with three numbers, each sighting of a landmark but the first with two.
+  const double sightings = static_cast<double>(solved.landmark_edges.size()) -
+                           static_cast<double>(solved.landmarks.size());
+  quality.reduced_chi2 =
+      graph_cost(solved) / (3.0 * quality.loops + 2.0 * std::max(sightings, 0.0));
   quality.adjusted_shift_m = largest_shift_m(delivered, solved.poses);
   if (solved.poses.size() > static_cast<std::size_t>(kGraphQuality.most_nodes)) return quality;
   const CertifiedSolution proven =

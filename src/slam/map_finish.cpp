@@ -1,5 +1,6 @@
 #include "slam/map_finish.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -22,6 +23,16 @@ constexpr std::size_t kMostScansInterrupted = 4000;
 template <typename Visit>
 void for_each_scan(std::span<const SubmapRecord> submaps, Visit&& visit) {
   for (const SubmapRecord& submap : submaps) submap.scans.for_each(visit);
+}
+
+/// From the scan before to the one after.
+Tangent2 velocity_at(const std::deque<TrackedPose>& track, std::size_t index) {
+  if (track.empty()) return Tangent2::Zero();
+  const TrackedPose& before = track[index > 0 ? index - 1 : 0];
+  const TrackedPose& after = track[std::min(index + 1, track.size() - 1)];
+  const double seconds = (after.stamp - before.stamp).seconds();
+  if (!(seconds > 0.0)) return Tangent2::Zero();
+  return log(before.local_T_robot.inverse() * after.local_T_robot) / seconds;
 }
 
 /// How the run fared.
@@ -78,6 +89,16 @@ std::vector<std::vector<SurfacePoint>> key_surfaces(std::span<const SubmapRecord
     surfaces.push_back(surface_points(mapped.scan, mapped.robot_T_lidar, velocity, options, beams));
   });
   return surfaces;
+}
+
+std::vector<KeyView> key_views(std::span<const SubmapRecord> submaps,
+                               const std::deque<TrackedPose>& track) {
+  std::vector<KeyView> keys;
+  for_each_scan(submaps, [&](const MappedScan& mapped) {
+    if (!mapped.is_key) return;
+    keys.push_back({&mapped.scan, mapped.robot_T_lidar, velocity_at(track, mapped.index)});
+  });
+  return keys;
 }
 
 PlacedScans place_scans(const std::deque<TrackedPose>& track, std::vector<KeyScan> keys,

@@ -8,6 +8,7 @@
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/odometry/trajectory.hpp"
+#include "loopstone/slam/graph_addition.hpp"
 #include "loopstone/slam/key_scan.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
@@ -25,6 +26,10 @@ namespace loopstone {
 /// scan", some hundredths of a millisecond each.
 [[nodiscard]] std::vector<std::vector<SurfacePoint>> key_surfaces(
     std::span<const SubmapRecord> submaps, const SurfaceOptions& options);
+
+/// Each key scan, and how the robot moved then.
+[[nodiscard]] std::vector<KeyView> key_views(std::span<const SubmapRecord> submaps,
+                                             const std::deque<TrackedPose>& track);
 
 struct PlacedScans {
   Trajectory trajectory{};          ///< map_T_robot at every scan

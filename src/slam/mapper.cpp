@@ -104,6 +104,7 @@ class Mapper::Impl {
 
   [[nodiscard]] Calibration judge_robot();
   [[nodiscard]] MapResult finish(const ProgressCallback& progress, const std::stop_token& cancel);
+  void set_graph_addition(GraphAddition addition) { addition_ = std::move(addition); }
   [[nodiscard]] std::future<MapperState> save_state();
   void restore_state(MapperState state);
 
@@ -125,6 +126,7 @@ class Mapper::Impl {
   void end_log();
   [[nodiscard]] Pose2 end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const;
   [[nodiscard]] MapResult result_of_back_end() const;
+  void add_to_graph(MapResult& result) const;
   void adjust(MapResult& result) const;
   void find_calibration(MapResult& result) const;
   [[nodiscard]] PlacedScans place(MapResult& result) const;
@@ -141,6 +143,7 @@ class Mapper::Impl {
   FaultEvents fault_events_{};
   std::deque<MapUpdate> updates_{};
   std::int64_t updates_missed_ = 0;
+  GraphAddition addition_{};
   bool log_ended_ = false;
 };
 
@@ -409,6 +412,13 @@ MapResult Mapper::Impl::result_of_back_end() const {
   return result;
 }
 
+/// Landmarks and the like, by what the key scans show.
+void Mapper::Impl::add_to_graph(MapResult& result) const {
+  if (!addition_) return;
+  const std::vector<KeyView> keys = key_views(back_end_.back_end().submaps(), so_far_.track);
+  if (keys.size() == result.graph.poses.size()) addition_(result.graph, keys);
+}
+
 /// Moves all key scans onto the surfaces that they share.
 void Mapper::Impl::adjust(MapResult& result) const {
   if (!options_.adjustment.enabled) {
@@ -422,6 +432,7 @@ void Mapper::Impl::adjust(MapResult& result) const {
       adjust_to_surfaces(result.graph, key_surfaces(back_end_.back_end().submaps(), surfaces),
                          options_.adjustment, threads_);
   result.graph.poses = std::move(adjusted.poses);
+  result.graph.landmarks = std::move(adjusted.landmarks);
   result.covariances = std::move(adjusted.covariances);
   result.statistics.surface_spread_before_m = adjusted.spread_before_m;
   result.statistics.surface_spread_m = adjusted.spread_after_m;
@@ -465,6 +476,7 @@ MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop
   MapResult result = result_of_back_end();
 
   release_unused_memory();
+  if (complete) add_to_graph(result);
   const PoseGraph solved = result.graph;
   if (goes_on_to(1)) adjust(result);
   // How well edges agree is judged at the graph's own solution: the adjustment knows more than they
@@ -520,6 +532,9 @@ Calibration Mapper::judge_robot() { return impl_->judge_robot(); }
 MapSnapshot Mapper::snapshot() const { return impl_->snapshot(); }
 MapResult Mapper::finish(const ProgressCallback& progress, const std::stop_token& cancel) {
   return impl_->finish(progress, cancel);
+}
+void Mapper::set_graph_addition(GraphAddition addition) {
+  impl_->set_graph_addition(std::move(addition));
 }
 std::future<MapperState> Mapper::save_state() { return impl_->save_state(); }
 void Mapper::restore_state(MapperState state) { impl_->restore_state(std::move(state)); }

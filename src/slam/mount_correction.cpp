@@ -117,6 +117,12 @@ void correct_mount(const Pose2& given, const Pose2& corrected, MapResult& result
     edge.from_T_to = other.told(edge.from_T_to);
     edge.information = other.information(edge.information);
   }
+  for (Eigen::Vector2d& landmark : result.graph.landmarks) landmark = new_T_old * landmark;
+  const Eigen::Matrix2d new_R_old = new_T_old.rotation();
+  for (LandmarkEdge& edge : result.graph.landmark_edges) {
+    edge.point_in_from = new_T_old * edge.point_in_from;
+    edge.information = new_R_old * edge.information * new_R_old.transpose();
+  }
   for (LoopClosure& closure : result.loop_closures) {
     closure.from_T_to = other.told(closure.from_T_to);
     closure.covariance = other.covariance(closure.covariance);

@@ -170,7 +170,8 @@ PoseCovariances::PoseCovariances(const PoseGraph& graph, const SurfaceSystem* su
   std::vector<int> places;
   for (int i = 0; i < static_cast<int>(graph.poses.size()); ++i)
     places.push_back(equations.place_of(NodeId{i}));
-  Knowledge knowledge{graph.poses, places, {}, SurfaceSegments(graph.poses, places)};
+  Knowledge knowledge{
+      graph.poses, places, {}, SurfaceSegments(graph.poses, places, equations.gradient().size())};
   for (const int place : places) {
     knowledge.own.emplace_back(Eigen::Matrix3d::Zero());
     if (place < 0) continue;

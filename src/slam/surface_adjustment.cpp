@@ -57,6 +57,7 @@ class Adjustment {
     }
     result_.covariances = covariances();
     result_.poses = std::move(state_.poses);
+    result_.landmarks = std::move(state_.landmarks);
     return std::move(result_);
   }
 
@@ -87,6 +88,7 @@ class Adjustment {
   /// Of the poses that were found.
   [[nodiscard]] PoseCovariances covariances() {
     graph_.poses = state_.poses;
+    graph_.landmarks = state_.landmarks;
     if (step_.empty()) return PoseCovariances(graph_);
     const auto keys = placed(state_.poses);
     const SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
@@ -103,7 +105,7 @@ class Adjustment {
     for (std::size_t i = 0; i < matrix.diagonal.size(); ++i) {
       matrix.diagonal[i] += kSurfaceAdjustment.own_surfaces * system.diagonal()[i];
     }
-    segments_.emplace(state_.poses, places_);
+    segments_.emplace(state_.poses, places_, step_.size());
     return solver_.factorise(matrix) && segments_->factorise(system, equations_.hessian());
   }
 

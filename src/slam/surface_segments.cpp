@@ -14,9 +14,8 @@ struct SurfaceSegments::Group {
   Eigen::Matrix<double, 3, 2> b = Eigen::Matrix<double, 3, 2>::Zero();  // sum w J^T (1, t)
 };
 
-SurfaceSegments::SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places) {
-  std::size_t size = 0;
-  for (const int place : places) size += place >= 0 ? 1 : 0;
+SurfaceSegments::SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places,
+                                 std::size_t size) {
   members_.resize(size);
   constexpr auto kKeys = static_cast<std::size_t>(kSurfaceAdjustment.keys_per_segment);
   std::size_t inside = kKeys;
@@ -106,7 +105,9 @@ void SurfaceSegments::build_pattern(const SurfaceSystem* surfaces,
   }
   for (const auto& [a, b] : linked) join(segment_of(a), segment_of(b));
   const std::vector<int> order = fill_reducing_order(static_cast<int>(count), pairs);
-  for (Member& member : members_) member.segment = order[static_cast<std::size_t>(member.segment)];
+  for (Member& member : members_) {
+    if (member.segment >= 0) member.segment = order[static_cast<std::size_t>(member.segment)];
+  }
   for (auto& [a, b] : pairs) {
     a = order[static_cast<std::size_t>(a)];
     b = order[static_cast<std::size_t>(b)];
@@ -151,18 +152,23 @@ void SurfaceSegments::add_surfaces(const SurfaceSystem& surfaces) {
 bool SurfaceSegments::factorise(const SurfaceSystem& surfaces, const BlockMatrix& graph) {
   std::vector<std::pair<int, int>> linked;
   for (std::size_t column = 0; column < graph.diagonal.size(); ++column) {
-    for (int k = graph.column_start[column]; k < graph.column_start[column + 1]; ++k)
-      linked.emplace_back(graph.rows[static_cast<std::size_t>(k)], static_cast<int>(column));
+    for (int k = graph.column_start[column]; k < graph.column_start[column + 1]; ++k) {
+      const int row = graph.rows[static_cast<std::size_t>(k)];
+      const int other = static_cast<int>(column);
+      if (segment_of(row) >= 0 && segment_of(other) >= 0) linked.emplace_back(row, other);
+    }
   }
   build_pattern(&surfaces, linked);
   add_surfaces(surfaces);
   for (std::size_t column = 0; column < graph.diagonal.size(); ++column) {
     const Member& to = members_[column];
+    if (to.segment < 0) continue;
     const Eigen::Matrix3d right = motion_of(to);
     add(to.segment, to.segment, right.transpose() * graph.diagonal[column] * right);
     for (int k = graph.column_start[column]; k < graph.column_start[column + 1]; ++k) {
       const auto at = static_cast<std::size_t>(k);
       const Member& from = members_[static_cast<std::size_t>(graph.rows[at])];
+      if (from.segment < 0) continue;
       const Eigen::Matrix3d value = motion_of(from).transpose() * graph.below[at] * right;
       add(from.segment, to.segment, value);
       if (from.segment == to.segment) add(to.segment, to.segment, value.transpose());
@@ -201,12 +207,14 @@ void SurfaceSegments::add_correction(std::span<const Eigen::Vector3d> r,
   std::fill(moved_.begin(), moved_.end(), Eigen::Vector3d::Zero());
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Member& m = members_[i];
+    if (m.segment < 0) continue;
     moved_[static_cast<std::size_t>(m.segment)] +=
         Eigen::Vector3d(r[i].x(), r[i].y(), r[i].z() - m.y * r[i].x() + m.x * r[i].y());
   }
   solver_->solve_in_place(moved_);
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Member& m = members_[i];
+    if (m.segment < 0) continue;
     const Eigen::Vector3d& d = moved_[static_cast<std::size_t>(m.segment)];
     z[i] += Eigen::Vector3d(d.x() - m.y * d.z(), d.y() + m.x * d.z(), d.z());
   }

@@ -20,7 +20,9 @@ namespace loopstone {
 class SurfaceSegments {
  public:
   /// \param places  of each key scan in vectors, -1 where it is held
-  SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places);
+  /// \param size    of the vectors; places that no key scan has are of landmarks, which are no part
+  ///                of any segment: as seen from afar they stand still
+  SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places, std::size_t size);
 
   /// What is measured between two key scans, or of one (from < 0) against those that are held.
   struct Link {

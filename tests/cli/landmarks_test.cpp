@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "loopstone/formats/landmark_file.hpp"
@@ -20,6 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using Json = nlohmann::json;
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 /// Some seconds in an office with reflectors, as an MCAP file; made once.
 class LandmarksCommand : public testing::Test {
@@ -175,6 +182,105 @@ TEST_F(LandmarksCommand, OptionsAreShown) {
   EXPECT_THAT(result.out, HasSubstr("brightness = 3.0"));
 }
 
+/// A mapped minute of an office with reflectors; made once.
+class MapLandmarksCommand : public LandmarksCommand {
+ protected:
+  static void SetUpTestSuite() {
+    LandmarksCommand::SetUpTestSuite();
+    out_ = *folder_ / "mapped";
+    const ProgramResult result = run_program(
+        {"map", log_, "-o", out_, "--landmarks", "--threads", "1", "--json", "--quiet"});
+    ASSERT_EQ(result.exit_code, 0) << result.error;
+    summary_ = Json::parse(result.out);
+  }
+  static inline std::string out_;
+  static inline Json summary_;
+};
+
+TEST_F(MapLandmarksCommand, ReflectorsAreWhereTheyAre) {
+  EXPECT_TRUE(summary_.at("complete"));
+  EXPECT_GT(summary_.at("landmarks").at("count").get<int>(), 8);
+  EXPECT_LT(summary_.at("landmarks").at("sigma_mean_m").get<double>(), 0.05);
+  const std::vector<MappedLandmark> truth = read_landmarks(landmarks_);
+  // The map begins at the first pose.
+  const Pose2 world_T_map =
+      truth_.front().pose * read_tum(out_ + "/trajectory.tum").front().pose.inverse();
+  std::vector<double> off;
+  for (const MappedLandmark& found : read_landmarks(out_)) {
+    double nearest = 100.0;
+    for (const MappedLandmark& landmark : truth)
+      nearest = std::min(nearest, (world_T_map * found.position - landmark.position).norm());
+    off.push_back(nearest);
+  }
+  std::ranges::sort(off);
+  EXPECT_LT(off[off.size() / 2], 0.02);
+  EXPECT_LT(off.back(), 0.15) << "none that is not there";
+}
+
+TEST_F(MapLandmarksCommand, LocalisesOnItsOwnLandmarks) {
+  const TempDir out;
+  const ProgramResult result = run_program({"localize", log_, "--landmarks", out_, "-o",
+                                            out / "where.tum", "--global", "--json", "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_GT(Json::parse(result.out).at("tracking_share").get<double>(), 0.8);
+}
+
+TEST_F(MapLandmarksCommand, TheSameBytesWithAnyThreads) {
+  const TempDir out;
+  ASSERT_EQ(
+      run_program({"map", log_, "-o", out / "map", "--landmarks", "--threads", "4", "--quiet"})
+          .exit_code,
+      0);
+  for (const std::string name : {"landmarks.csv", "trajectory.tum", "graph.g2o", "map.pgm"})
+    EXPECT_EQ(text_of(out / ("map/" + name)), text_of(out_ + "/" + name)) << name;
+}
+
+TEST_F(MapLandmarksCommand, WithoutTheFlagNothingIsSaidOfLandmarks) {
+  const TempDir out;
+  const ProgramResult result = run_program({"map", log_, "-o", out / "map", "--json", "--quiet"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_FALSE(Json::parse(result.out).contains("landmarks"));
+  EXPECT_FALSE(fs::exists(out / "map/landmarks.csv"));
+  EXPECT_EQ(text_of(out / "map/options.toml").find("[landmarks"), std::string::npos);
+  EXPECT_EQ(text_of(out / "map/decisions.toml").find("[landmark"), std::string::npos);
+}
+
+TEST_F(MapLandmarksCommand, OptionsAreReadBack) {
+  EXPECT_THAT(text_of(out_ + "/options.toml"), HasSubstr("[landmarks.reflectors]"));
+  EXPECT_THAT(text_of(out_ + "/decisions.toml"), HasSubstr("[landmark_mapping]"));
+  EXPECT_THAT(text_of(out_ + "/report.html"), HasSubstr("<h2>Landmarks</h2>"));
+  EXPECT_THAT(text_of(out_ + "/graph.g2o"), HasSubstr("EDGE_SE2_XY"));
+}
+
+TEST_F(MapLandmarksCommand, WhatCantBeIsSaidInWords) {
+  const TempDir out;
+  const auto expect = [&](std::vector<std::string> flags, int exit_code, const char* text) {
+    std::vector<std::string> arguments{"map", log_, "-o", out / "map", "--quiet"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const ProgramResult result = run_program(arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << result.error;
+    EXPECT_THAT(result.error, HasSubstr(text));
+    EXPECT_FALSE(fs::exists(out / "map"));
+  };
+  expect({"--nameless"}, 2, "need --landmarks");
+  expect({"--landmarks", "--nameless"}, 2, "reflectors have no names");
+  expect({"--landmarks", "--pipeline", "scan_to_scan"}, 2, "leave out --pipeline");
+  expect({"--landmarks", "--checkpoint", "10"}, 2, "leave out --checkpoint");
+  expect({"--landmarks", "--reflector-threshold", "0.2"}, 2, "reflectors.brightness");
+  expect({"--landmarks", "--set", "landmarks.sightings_min=1"}, 2, "landmarks.sightings_min");
+}
+
+TEST_F(MapLandmarksCommand, WithoutIntensitiesTheMapIsLeftAndTheReasonSaid) {
+  const TempDir out;
+  ASSERT_EQ(run_program({"convert", log_, out / "log.clf", "--quiet"}).exit_code, 0);
+  const ProgramResult result =
+      run_program({"map", out / "log.clf", "-o", out / "map", "--landmarks", "--quiet"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.error, HasSubstr("the scans have no intensities"));
+  EXPECT_TRUE(fs::exists(out / "map/map.pgm"));
+  EXPECT_EQ(Json::parse(text_of(out / "map/summary.json")).at("complete"), false);
+}
+
 /// A folder as MRCLAM has them: a robot on a circle among six landmarks, each seen in its turn.
 class MrclamCommand : public testing::Test {
  protected:
@@ -238,6 +344,47 @@ TEST_F(MrclamCommand, NamelessFromAGuess) {
   const ProgramResult result = localize({"--initial", "2.1,0.1,1.5", "--nameless"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   EXPECT_LT(rmse_m(), 0.1);
+}
+
+TEST_F(MrclamCommand, LandmarksOfUnknownPlacesAreFound) {
+  const std::string folder = dir_.path().string();
+  for (const bool nameless : {false, true}) {
+    std::vector<std::string> arguments{"map",         folder,   "-o",      out_ / "map",
+                                       "--landmarks", "--json", "--quiet", "--force"};
+    if (nameless) arguments.emplace_back("--nameless");
+    const ProgramResult result = run_program(arguments);
+    ASSERT_EQ(result.exit_code, 0) << result.error;
+    EXPECT_EQ(Json::parse(result.out).at("landmarks").at("count"), 6);
+    const auto found = read_landmarks(out_ / "map");
+    const auto truth = read_landmarks(folder);
+    ASSERT_EQ(found.size(), truth.size());
+    // Distances between them do not depend on the frame.
+    for (std::size_t i = 1; i < found.size() && !nameless; ++i) {
+      EXPECT_EQ(found[i].id, truth[i].id);
+      EXPECT_NEAR((found[i].position - found[0].position).norm(),
+                  (truth[i].position - truth[0].position).norm(), 0.08);
+    }
+    const ProgramResult error =
+        run_program({"evaluate", "--estimate", out_ / "map/trajectory.tum", "--reference",
+                     dir_ / "Robot1_Groundtruth.dat", "--align", "se2", "--json"});
+    EXPECT_LT(Json::parse(error.out).at("ate_rmse_m").get<double>(), 0.1);
+    for (const char* name : {"map.png", "report.html", "graph.g2o", "odometry.tum", "options.toml"})
+      EXPECT_TRUE(fs::exists(out_ / ("map/" + std::string(name)))) << name;
+  }
+}
+
+TEST_F(MrclamCommand, AMapOfItNeedsLandmarksAndNoScans) {
+  const std::string folder = dir_.path().string();
+  const auto expect = [&](std::vector<std::string> flags, const char* text) {
+    std::vector<std::string> arguments{"map", folder, "-o", out_ / "map"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const ProgramResult result = run_program(arguments);
+    EXPECT_EQ(result.exit_code, 2) << result.error;
+    EXPECT_THAT(result.error, HasSubstr(text));
+  };
+  expect({}, "--landmarks maps them");
+  expect({"--landmarks", "--checkpoint", "10"}, "holds landmarks and odometry, no scans");
+  expect({"--landmarks", "--reflector-threshold", "4"}, "--reflector-threshold");
 }
 
 TEST_F(MrclamCommand, DamageIsCountedOrNamed) {

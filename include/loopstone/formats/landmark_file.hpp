@@ -1,11 +1,13 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "loopstone/base/memory_budget.hpp"
 #include "loopstone/localization/landmark_map.hpp"
+#include "loopstone/localization/landmark_mapping.hpp"
 
 namespace loopstone {
 
@@ -24,6 +26,15 @@ namespace loopstone {
 
 /// What parse_landmarks reads; numbers have as many digits as bring the same value back.
 [[nodiscard]] std::string format_landmarks(const std::vector<MappedLandmark>& landmarks);
+
+/// Landmarks that were found, in the order of their ids. What parse_landmarks reads, and behind it
+/// columns that it passes over:
+///
+///   xx_m2,xy_m2,yy_m2  covariance against the first pose, axes of the map; sigma_m is its largest
+///   sightings,visits   how often it was seen, and how often it came into view
+///
+/// With every landmark left out, as where none was found, the line of names alone.
+[[nodiscard]] std::string format_found_landmarks(std::span<const FoundLandmark> landmarks);
 
 /// From a file, or of a folder its landmarks.csv; or UTIAS MRCLAM's Landmark_Groundtruth.dat, by
 /// that name or the folder that holds it (mrclam.hpp).

@@ -24,6 +24,20 @@ struct PoseMarginals {
 [[nodiscard]] PoseMarginals marginal_covariances(const PoseGraph& graph,
                                                  std::span<const NodeId> nodes);
 
+/// Covariances of the chosen landmarks, of (x, y) in the map frame [m^2], as above. Throws
+/// UsageError for a landmark that does not exist or that no pose sees.
+struct LandmarkMarginals {
+  bool available = false;
+  std::vector<Eigen::Matrix2d> covariances;
+};
+[[nodiscard]] LandmarkMarginals landmark_covariances(const PoseGraph& graph,
+                                                     std::span<const LandmarkId> landmarks);
+
+/// Of all landmarks together: of (x, y) of the first, of the second and so on, the map frame [m^2].
+/// Empty when some pose is not held by any measurement. Cost: a factorisation, and two solutions a
+/// landmark. Throws UsageError as check_graph does, and for a landmark that no pose sees.
+[[nodiscard]] Eigen::MatrixXd joint_landmark_covariance(const PoseGraph& graph);
+
 /// How well pairs of poses are known together.
 struct PairMarginals {
   bool available = false;

@@ -2,11 +2,18 @@
 
 #include <string>
 
+#include "loopstone/localization/landmark_mapping.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/report/run_info.hpp"
 #include "loopstone/slam/map_result.hpp"
 
 namespace loopstone {
+
+/// What else was made of a log, where it was asked for; null: it was not.
+struct MapExtras {
+  const FloorTexture* texture = nullptr;
+  const LandmarkMapping* landmarks = nullptr;
+};
 
 /// Writes trajectory.tum, odometry.tum, graph.g2o, map.pgm, map.yaml, map.png, report.html,
 /// summary.json, options.toml and decisions.toml. All of them are complete on disk before the first
@@ -16,14 +23,15 @@ namespace loopstone {
 /// was. An older set of results is replaced as a whole. Makes the folder when it is missing. Throws
 /// UsageError when it holds something and `force` is false, else std::runtime_error naming what
 /// can't be written.
-/// \param texture  when given: texture.png and what belongs to it as well (texture_outputs.hpp)
+/// \param extras  of the floor: texture.png and what belongs to it as well (texture_outputs.hpp);
+///                of landmarks: landmarks.csv
 void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir,
-                       const FloorTexture* texture = nullptr);
+                       const MapExtras& extras = {});
 
 /// The text of summary.json: one object, every figure of the run, units in the key names, keys in a
 /// fixed order.
-/// \param texture  when given: an object "texture" with its figures
+/// \param extras  of each that is given an object with its figures, "texture" and "landmarks"
 [[nodiscard]] std::string format_summary(const MapResult& result, const RunInfo& info,
-                                         const FloorTexture* texture = nullptr);
+                                         const MapExtras& extras = {});
 
 }  // namespace loopstone

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <span>
+
 #include "loopstone/formats/image.hpp"
+#include "loopstone/localization/landmark_mapping.hpp"
 #include "loopstone/slam/map_result.hpp"
 
 namespace loopstone {
@@ -15,7 +18,8 @@ struct MapPictureOptions {
 
 /// The occupancy map cropped to what was seen, the path coloured from start to end, accepted loop
 /// closures, scale bar, axes and legend. 8-bit RGB; the top of the picture is the largest y.
-[[nodiscard]] Image draw_map_picture(const MapResult& result,
-                                     const MapPictureOptions& options = {});
+/// \param landmarks  dots, where there are any
+[[nodiscard]] Image draw_map_picture(const MapResult& result, const MapPictureOptions& options = {},
+                                     std::span<const FoundLandmark> landmarks = {});
 
 }  // namespace loopstone

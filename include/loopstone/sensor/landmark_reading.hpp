@@ -19,6 +19,8 @@ struct LandmarkObservation {
   std::optional<int> id{};  ///< which landmark; nothing: it looks like all the others
   /// How far beside the direction each beam met it [m]; empty: the point is its centre already.
   std::vector<double> beams_beside_m{};
+  /// And how far beyond the point; as many.
+  std::vector<double> beams_beyond_m{};
 };
 
 /// All that was seen at one moment.

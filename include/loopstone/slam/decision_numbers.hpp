@@ -1,6 +1,9 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -35,6 +38,22 @@ struct NumberGroup {
   std::string name{};
   std::vector<DecisionNumber> numbers{};
 };
+
+/// The numbers of a struct that visit_numbers tells.
+template <typename Numbers>
+[[nodiscard]] NumberGroup number_group(std::string_view name, const Numbers& numbers) {
+  NumberGroup listed{std::string(name), {}};
+  visit_numbers(numbers, [&](std::string_view number, auto value, std::string_view origin) {
+    DecisionNumber entry{.name = std::string(number), .origin = std::string(origin)};
+    if constexpr (std::is_integral_v<decltype(value)> && !std::is_same_v<decltype(value), bool>) {
+      entry.value = static_cast<int>(value);
+    } else {
+      entry.value = value;
+    }
+    listed.numbers.push_back(std::move(entry));
+  });
+  return listed;
+}
 
 /// All that a map is made and judged by, beside the options, in the order of the pipeline.
 [[nodiscard]] std::vector<NumberGroup> decision_numbers();

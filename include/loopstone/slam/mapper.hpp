@@ -11,6 +11,7 @@
 #include "loopstone/base/progress.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/sensor/robot_model.hpp"
+#include "loopstone/slam/graph_addition.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
 #include "loopstone/slam/map_snapshot.hpp"
@@ -117,6 +118,10 @@ class Mapper {
   ///                  incomplete
   [[nodiscard]] MapResult finish(const ProgressCallback& progress = {},
                                  const std::stop_token& cancel = {});
+
+  /// What finish() brings into the graph beside the laser's own; not part of a saved state. What a
+  /// key scan's intensities tell is lost where a run goes on from one.
+  void set_graph_addition(GraphAddition addition);
 
   /// Everything that the messages so far have led to, as plain data (mapper_state.hpp). A new
   /// mapper of the same robot and options that is given it goes on to the same bytes. Returns once

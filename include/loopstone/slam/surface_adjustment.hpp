@@ -30,7 +30,8 @@ void visit_options(SurfaceAdjustmentOptions& options, Visitor&& visit) {
 }
 
 struct SurfaceAdjustment {
-  std::vector<Pose2> poses{};  ///< of the graph, adjusted
+  std::vector<Pose2> poses{};                ///< of the graph, adjusted
+  std::vector<Eigen::Vector2d> landmarks{};  ///< the same
   /// Of points about the surfaces that key scans share: the standard deviation of most of them,
   /// 1.48 times the median.
   double spread_before_m = 0.0;

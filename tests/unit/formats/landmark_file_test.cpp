@@ -77,6 +77,25 @@ TEST(LandmarkFile, ErrorsNameLineFaultAndRemedy) {
               testing::HasSubstr(std::string(40, 'z') + "...'"));
 }
 
+TEST(LandmarkFile, WhatWasFoundIsReadAsAMap) {
+  FoundLandmark one{.id = 9, .position = {1.25, -3.5}, .sigma_m = 0.004, .radius_m = 0.04};
+  one.covariance << 4e-6, 1e-6, 1e-6, 9e-6;
+  one.sightings = 12;
+  one.visits = 2;
+  const std::vector<FoundLandmark> found{one, {.id = 2, .position = {0.5, 0.25}}};
+  const std::string text = format_found_landmarks(found);
+  EXPECT_EQ(text,
+            "id,x_m,y_m,sigma_m,radius_m,xx_m2,xy_m2,yy_m2,sightings,visits\n"
+            "2,0.500000,0.250000,0.000000,0.000,0,0,0,0,0\n"
+            "9,1.250000,-3.500000,0.004000,0.040,4e-06,1e-06,9e-06,12,2\n");
+  const std::vector<MappedLandmark> read = parse_landmarks(text);
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[1].id, 9);
+  EXPECT_EQ(read[1].position, one.position);
+  EXPECT_EQ(read[1].sigma_m, one.sigma_m);
+  EXPECT_EQ(read[1].radius_m, one.radius_m);
+}
+
 TEST(LandmarkFile, AFolderWithoutLandmarksSaysWhatItLooksFor) {
   const test::TempDir dir;
   try {

@@ -84,6 +84,84 @@ TEST(Marginals, OfAChainAddUp) {
   EXPECT_LT((relative - graph.edges[1].information.inverse()).norm(), 1e-12);
 }
 
+/// Two landmarks seen from a chain of three poses.
+PoseGraph chain_with_landmarks() {
+  PoseGraph graph;
+  graph.poses = {{}, {1.0, 0.1, 0.2}, {1.9, 0.5, 0.5}};
+  for (int i = 0; i < 2; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    graph.edges.push_back({{i},
+                           {i + 1},
+                           graph.poses[at].inverse() * graph.poses[at + 1],
+                           Eigen::Vector3d(400.0, 900.0, 2500.0).asDiagonal()});
+  }
+  graph.landmarks = {{2.0, 3.0}, {4.0, -1.0}};
+  for (int pose = 0; pose < 3; ++pose) {
+    for (int landmark = 0; landmark < 2; ++landmark) {
+      Eigen::Matrix2d information;
+      information << 100.0 + pose, 5.0, 5.0, 60.0 + landmark;
+      graph.landmark_edges.push_back({{pose},
+                                      {landmark},
+                                      graph.poses[static_cast<std::size_t>(pose)].inverse() *
+                                          graph.landmarks[static_cast<std::size_t>(landmark)],
+                                      information});
+    }
+  }
+  return graph;
+}
+
+/// Of the landmarks, all together; from the definition, with the first pose held.
+Eigen::MatrixXd dense_landmark_covariance(const PoseGraph& graph) {
+  const auto poses = 3 * static_cast<Eigen::Index>(graph.poses.size());
+  const auto size = poses + 2 * static_cast<Eigen::Index>(graph.landmarks.size());
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(size, size);
+  for (const RelativePoseEdge& edge : graph.edges) {
+    const EdgeJacobians j =
+        edge_jacobians(edge, graph.poses[static_cast<std::size_t>(edge.from.index)],
+                       graph.poses[static_cast<std::size_t>(edge.to.index)]);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, size);
+    jacobian.middleCols<3>(3 * edge.from.index) = j.from;
+    jacobian.middleCols<3>(3 * edge.to.index) = j.to;
+    h += jacobian.transpose() * edge.information * jacobian;
+  }
+  for (const LandmarkEdge& edge : graph.landmark_edges) {
+    const LandmarkJacobians j =
+        landmark_jacobians(graph.poses[static_cast<std::size_t>(edge.from.index)],
+                           graph.landmarks[static_cast<std::size_t>(edge.landmark.index)]);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2, size);
+    jacobian.middleCols<3>(3 * edge.from.index) = j.from;
+    jacobian.middleCols<2>(poses + 2 * edge.landmark.index) = j.landmark;
+    h += jacobian.transpose() * edge.information * jacobian;
+  }
+  const Eigen::MatrixXd free = h.bottomRightCorner(size - 3, size - 3).inverse();
+  return free.bottomRightCorner(size - poses, size - poses);
+}
+
+TEST(Marginals, OfLandmarksEqualTheDenseInverse) {
+  const PoseGraph graph = chain_with_landmarks();
+  const Eigen::MatrixXd expected = dense_landmark_covariance(graph);
+  EXPECT_LT((joint_landmark_covariance(graph) - expected).norm(), 1e-9);
+  const std::vector<LandmarkId> both{{0}, {1}};
+  const LandmarkMarginals marginals = landmark_covariances(graph, both);
+  ASSERT_TRUE(marginals.available);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_LT(
+        (marginals.covariances[static_cast<std::size_t>(i)] - expected.block<2, 2>(2 * i, 2 * i))
+            .norm(),
+        1e-9);
+  }
+}
+
+TEST(Marginals, RefuseLandmarksThatNobodySees) {
+  PoseGraph graph = chain_with_landmarks();
+  graph.landmarks.emplace_back(1.0, 1.0);
+  const std::vector<LandmarkId> unseen{{2}};
+  const std::vector<LandmarkId> missing{{3}};
+  EXPECT_THROW((void)landmark_covariances(graph, unseen), UsageError);
+  EXPECT_THROW((void)landmark_covariances(graph, missing), UsageError);
+  EXPECT_THROW((void)joint_landmark_covariance(graph), UsageError);
+}
+
 TEST(Marginals, RefuseNodesThatDoNotExist) {
   PoseGraph graph;
   graph.poses.resize(1);

@@ -186,7 +186,7 @@ MapResult walled_map() {
 TEST(TextureOutputs, AMapsReportHasTheFloor) {
   const TempDir dir;
   const FloorTexture texture = texture_scene();
-  write_map_outputs(walled_map(), texture_info(), dir / "with", &texture);
+  write_map_outputs(walled_map(), texture_info(), dir / "with", {&texture});
   write_map_outputs(walled_map(), texture_info(), dir / "without");
   std::vector<std::string> more;
   const std::vector<std::string> with = names_in(dir / "with");
@@ -210,7 +210,7 @@ TEST(TextureOutputs, AMapsReportHasTheFloor) {
 TEST(TextureOutputs, AMapsReportWithoutFloorSaysSo) {
   const TempDir dir;
   const FloorTexture empty;
-  write_map_outputs(walled_map(), texture_info(), dir / "out", &empty);
+  write_map_outputs(walled_map(), texture_info(), dir / "out", {&empty});
   const std::string html = dir.read("out/report.html");
   EXPECT_THAT(html, HasSubstr("show no floor that could be put on the map"));
   test::expect_self_contained(html);

@@ -318,7 +318,7 @@ TEST(SurfaceSegments, SolveForRigidStretchesAsTheDenseProjectionDoes) {
   BlockMatrix graph = block_matrix(static_cast<int>(count), chain);
   for (auto& block : graph.diagonal) block = 50.0 * Eigen::Matrix3d::Identity();
   for (auto& block : graph.below) block = -20.0 * Eigen::Matrix3d::Identity();
-  SurfaceSegments segments(r.graph.poses, places);
+  SurfaceSegments segments(r.graph.poses, places, r.graph.poses.size() - 1);
   ASSERT_TRUE(segments.factorise(system, graph));
 
   Eigen::MatrixXd whole = dense(system, count);
