@@ -285,7 +285,6 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
   std::optional<MapperState> before = state_before(arguments, pipeline, context);
   prepare(outputs, begin, arguments, context);
-
   CameraFrames camera;
   std::optional<Pace> pace = pace_of(arguments);
   RunRecording recording(arguments.mcap, robot, pipeline.map_options());
