@@ -247,8 +247,8 @@ class Localizer::Impl {
     if (changed || astray()) restart_track(better_start(view, no_surer(mean)));
   }
 
-  /// Along a corridor few particles stand for a long way. Where the track says that the robot may be
-  /// anywhere about here, another of them says nothing new.
+  /// Along a corridor few particles stand for a long way. Where the track says that the robot may
+  /// be anywhere about here, another of them says nothing new.
   [[nodiscard]] PoseWithCovariance2 no_surer(PoseWithCovariance2 mean) const {
     constexpr double kWithin2 = 16.0;  // squared Mahalanobis distance
     if (!track_) return mean;

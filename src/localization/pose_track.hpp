@@ -38,8 +38,8 @@ class RangeOffset {
   double curvature_ = 0.0;  ///< likewise [1/m^2]
 };
 
-/// What a robot's odometry is wrong by all the time: wheels smaller than they are said to be, a gyro
-/// with a scale of its own, a robot that draws to one side. Learned from where scans fit.
+/// What a robot's odometry is wrong by all the time: wheels smaller than they are said to be, a
+/// gyro with a scale of its own, a robot that draws to one side. Learned from where scans fit.
 struct OdometryErrors {
   /// The way is longer by this share, turns are by this share, and it turns so much on the way
   /// [1, 1, rad/m].

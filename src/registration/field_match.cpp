@@ -108,9 +108,9 @@ struct Face {
 
 /// What the errors of the points and of the walls add up to in the gradient. A face is rounded to
 /// cells, so all points on it share one error of variance resolution^2 / 12, and one by which the
-/// face contradicts the others (a cluster-robust covariance: Liang and Zeger 1986). Points share a face
-/// when it looks the same way and lies as far along that way; a slanted wall falls into several
-/// pieces, as its rounding changes along it.
+/// face contradicts the others (a cluster-robust covariance: Liang and Zeger 1986). Points share a
+/// face when it looks the same way and lies as far along that way; a slanted wall falls into
+/// several pieces, as its rounding changes along it.
 Eigen::Matrix3d noise_of(std::span<const Pair> pairs, const Eigen::Vector2d& translation,
                          double sigma_m, double resolution_m) {
   constexpr double kEighth = kPi / 4.0;
