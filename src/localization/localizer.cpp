@@ -172,7 +172,7 @@ class Localizer::Impl {
   /// A pose given by hand may be wrong. Other places that explain the scan are kept in mind, as
   /// unlikely ones: where the given place is only similar to the true one, the true one wins soon.
   void start_around(const LocalizationScan& view, const InitialPose& initial) {
-    constexpr double kGivenIsWrong = 1e-3;
+    constexpr double kGivenIsWrong = 0.03;
     PoseBelief::Proposal given{.map_T_robot = {.pose = initial.map_T_robot}};
     given.map_T_robot.covariance.diagonal() << initial.sigma_m * initial.sigma_m,
         initial.sigma_m * initial.sigma_m, initial.sigma_rad * initial.sigma_rad;
