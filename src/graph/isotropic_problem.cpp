@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "loopstone/base/union_find.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -32,19 +34,12 @@ IsotropicEdge pose_edge(std::size_t from, std::size_t to, const Pose2& from_T_to
 
 /// The map where there are priors, else a pose that is held, else the first one.
 void choose_anchors(IsotropicProblem& problem, const PoseGraph& graph) {
-  std::vector<std::size_t> root(problem.nodes);
-  std::iota(root.begin(), root.end(), std::size_t{0});
-  const auto root_of = [&root](std::size_t node) {
-    while (root[node] != node) node = root[node] = root[root[node]];
-    return node;
-  };
-  for (const IsotropicEdge& edge : problem.edges) {
-    const auto [low, high] = std::minmax({root_of(edge.from), root_of(edge.to)});
-    root[high] = low;
-  }
+  std::vector<std::size_t> parents(problem.nodes);
+  std::iota(parents.begin(), parents.end(), std::size_t{0});
+  for (const IsotropicEdge& edge : problem.edges) join(parents, edge.from, edge.to);
   std::vector<std::size_t> anchor_of_root(problem.nodes, problem.nodes);
   const auto offer = [&](std::size_t node) {
-    std::size_t& anchor = anchor_of_root[root_of(node)];
+    std::size_t& anchor = anchor_of_root[root_of(parents, node)];
     anchor = anchor == problem.nodes ? node : anchor;
   };
   if (problem.headings > problem.poses) offer(problem.poses);
@@ -53,7 +48,7 @@ void choose_anchors(IsotropicProblem& problem, const PoseGraph& graph) {
   problem.anchor_of.resize(problem.nodes);
   problem.anchored.resize(problem.nodes);
   for (std::size_t node = 0; node < problem.nodes; ++node) {
-    problem.anchor_of[node] = anchor_of_root[root_of(node)];
+    problem.anchor_of[node] = anchor_of_root[root_of(parents, node)];
     problem.anchored[node] = problem.anchor_of[node] == node;
   }
 }

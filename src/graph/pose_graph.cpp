@@ -6,6 +6,7 @@
 #include <string>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/union_find.hpp"
 
 namespace loopstone {
 
@@ -189,33 +190,20 @@ void check_graph(const PoseGraph& graph) {
 }
 
 GraphComponents connected_components(const PoseGraph& graph) {
-  // Union-find with path halving; the lowest node is the root.
-  std::vector<int> root(graph.poses.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto root_of = [&root](int node) {
-    while (root[static_cast<std::size_t>(node)] != node) {
-      int& up = root[static_cast<std::size_t>(node)];
-      up = root[static_cast<std::size_t>(up)];
-      node = up;
-    }
-    return node;
-  };
-  const auto join = [&](int node, int other) {
-    const int a = root_of(node);
-    const int b = root_of(other);
-    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  };
-  for (const RelativePoseEdge& edge : graph.edges) join(edge.from.index, edge.to.index);
+  // The lowest node of a component is the root.
+  std::vector<int> parents(graph.poses.size());
+  std::iota(parents.begin(), parents.end(), 0);
+  for (const RelativePoseEdge& edge : graph.edges) join(parents, edge.from.index, edge.to.index);
   std::vector<int> first_seen_from(graph.landmarks.size(), -1);
   for (const LandmarkEdge& edge : graph.landmark_edges) {
     int& first = first_seen_from[static_cast<std::size_t>(edge.landmark.index)];
     if (first < 0) first = edge.from.index;
-    join(first, edge.from.index);
+    join(parents, first, edge.from.index);
   }
   GraphComponents result;
   result.of_node.resize(graph.poses.size());
   for (std::size_t node = 0; node < graph.poses.size(); ++node) {
-    const int r = root_of(static_cast<int>(node));
+    const int r = root_of(parents, static_cast<int>(node));
     result.of_node[node] =
         r == static_cast<int>(node) ? result.count++ : result.of_node[static_cast<std::size_t>(r)];
   }

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "loopstone/base/union_find.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/localization/motion_models.hpp"
@@ -50,14 +51,6 @@ class PoseLattice {
   double cell_m_;
   int headings_;
 };
-
-std::size_t root_of(std::vector<std::size_t>& parents, std::size_t index) {
-  while (parents[index] != index) {
-    parents[index] = parents[parents[index]];
-    index = parents[index];
-  }
-  return index;
-}
 
 /// Fresh particles come from so far around a place ...
 constexpr double kInjectedM = 0.5;
