@@ -12,6 +12,7 @@
 #include "loopstone/formats/mrclam.hpp"
 #include "loopstone/localization/landmark_tracker.hpp"
 #include "loopstone/report/landmark_drawing.hpp"
+#include "mrclam_run.hpp"
 
 namespace loopstone::app {
 namespace {
@@ -38,46 +39,19 @@ LandmarkTrackingOptions options_of(const LandmarkArguments& arguments, double sn
   return options;
 }
 
-/// Readings within the cut, which wait in the tracker for odometry of their time.
-void follow(const MrclamLog& log, const LogCut& cut, bool nameless, LandmarkTracker& tracker) {
-  const Stamp first = std::min(log.odometry.front().stamp, log.readings.front().stamp);
-  std::int64_t readings = 0;
-  for (LandmarkReading reading : log.readings) {
-    const double time_s = (reading.stamp - first).seconds();
-    if (time_s < cut.start_s) continue;
-    if (cut.duration_s > 0.0 && time_s > cut.start_s + cut.duration_s) break;
-    if (cut.max_scans > 0 && readings++ == cut.max_scans) break;
-    if (nameless) {
-      for (LandmarkObservation& seen : reading.observations) seen.id.reset();
-    }
-    tracker.add(reading);
-  }
+/// Readings wait in the tracker for odometry of their time.
+void follow_mrclam(LandmarkRun& run, LandmarkTracker& tracker, const LandmarkArguments& arguments,
+                   const std::string& path, const LogFlags& reading, const LogCut& cut,
+                   const SightingNoise& noise, const AppContext& context) {
+  const MrclamLog log = read_mrclam_run(path, reading, noise, context);
+  for (const LandmarkReading& seen : readings_within(log, cut, arguments.nameless))
+    tracker.add(seen);
   for (const OdometryPose& pose : log.odometry) {
     if (interrupted()) break;
     tracker.add(pose);
   }
-}
-
-void follow_mrclam(LandmarkRun& run, LandmarkTracker& tracker, const LandmarkArguments& arguments,
-                   const std::string& path, const LogFlags& reading, const LogCut& cut,
-                   const SightingNoise& noise, const AppContext& context) {
-  ProblemPrinter print_problem(context);
-  const MrclamLog log =
-      read_mrclam_log(path,
-                      {.range_sigma_m = noise.range_sigma_m,
-                       .bearing_sigma_rad = noise.bearing_sigma_rad,
-                       .strict = reading.strict,
-                       .on_problem = [&](const LogProblem& problem) { print_problem(problem); }},
-                      context.memory());
-  context.note(
-      fmt::format("{}: robot {}, {} readings of landmarks; {} sightings of other robots "
-                  "are left out",
-                  path, log.robot, log.readings.size(), log.of_robots));
-  if (log.readings.empty()) throw DataError({path}, "none of what was seen is a landmark");
-  follow(log, cut, arguments.nameless, tracker);
   run.result = tracker.finish();
-  run.left_out.skipped = log.skipped;
-  run.left_out.records_read = static_cast<std::int64_t>(log.odometry.size() + log.readings.size());
+  run.left_out = left_out_of(log);
 }
 
 /// Reflectors need intensities, and enough of them.

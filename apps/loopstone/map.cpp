@@ -191,14 +191,21 @@ Outputs outputs_of(const MapArguments& arguments, RunStart begin, const AppConte
   return outputs;
 }
 
+/// How the log is read, the first time and again.
+LogOptions how_to_read(const MapArguments& arguments, bool pictures, const AppContext& context,
+                       ProblemPrinter* print_problem = nullptr) {
+  LogFlags flags = arguments.reading;
+  flags.pictures = pictures;
+  LogOptions how = log_options(flags, context, print_problem);
+  how.intensities = arguments.landmarks.on;
+  return how;
+}
+
 std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppContext& context,
                                     ProblemPrinter& print_problem) {
   const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
-  LogFlags flags = arguments.reading;
-  flags.pictures = !arguments.no_texture;
-  LogOptions how = log_options(flags, context, &print_problem);
-  how.intensities = arguments.landmarks.on;
-  auto reader = open(arguments.log, how);
+  auto reader =
+      open(arguments.log, how_to_read(arguments, !arguments.no_texture, context, &print_problem));
   tell_choices(*reader, context);
   return reader;
 }
@@ -212,11 +219,7 @@ void correct_beams(const MapArguments& arguments, MapPipeline& pipeline, const R
   const bool continues = !arguments.drives.from.empty();
   if (continues || !found.map_is_bent() || !result.complete) return;
   result = {};  // its memory is needed
-  LogFlags flags = arguments.reading;
-  flags.pictures = false;
-  LogOptions how = log_options(flags, context);
-  how.intensities = arguments.landmarks.on;
-  const auto reader = open_log(arguments.log, how);
+  const auto reader = open_log(arguments.log, how_to_read(arguments, false, context));
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping anew", display);
   result = pipeline.map_anew(log, recording, robot, found, context.threads(), kept);
   ProgressDisplay::clear_line();

@@ -15,6 +15,7 @@
 #include "loopstone/report/landmark_figures.hpp"
 #include "loopstone/report/landmark_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
+#include "mrclam_run.hpp"
 #include "output_path.hpp"
 
 namespace loopstone::app {
@@ -37,40 +38,6 @@ void refuse_flags_of_scans(const MapArguments& arguments) {
   if (arguments.cloud) refuse("--cloud");
   if (arguments.odometry) refuse("--odometry");
   if (arguments.landmarks.brightness) refuse("--reflector-threshold");
-}
-
-/// Readings within the cut.
-std::vector<LandmarkReading> readings_of(const MrclamLog& log, const LogCut& cut, bool nameless) {
-  const Stamp first = std::min(log.odometry.front().stamp, log.readings.front().stamp);
-  std::vector<LandmarkReading> readings;
-  for (const LandmarkReading& reading : log.readings) {
-    const double time_s = (reading.stamp - first).seconds();
-    if (time_s < cut.start_s) continue;
-    if (cut.duration_s > 0.0 && time_s > cut.start_s + cut.duration_s) break;
-    if (cut.max_scans > 0 && static_cast<std::int64_t>(readings.size()) == cut.max_scans) break;
-    readings.push_back(reading);
-    if (!nameless) continue;
-    for (LandmarkObservation& seen : readings.back().observations) seen.id.reset();
-  }
-  return readings;
-}
-
-MrclamLog read_log(const MapArguments& arguments, const SightingNoise& noise,
-                   const AppContext& context) {
-  ProblemPrinter print_problem(context);
-  MrclamLog log =
-      read_mrclam_log(arguments.log,
-                      {.range_sigma_m = noise.range_sigma_m,
-                       .bearing_sigma_rad = noise.bearing_sigma_rad,
-                       .strict = arguments.reading.strict,
-                       .on_problem = [&](const LogProblem& problem) { print_problem(problem); }},
-                      context.memory());
-  context.note(
-      fmt::format("{}: robot {}, {} readings of landmarks; {} sightings of other robots are left "
-                  "out",
-                  arguments.log, log.robot, log.readings.size(), log.of_robots));
-  if (log.readings.empty()) throw DataError({arguments.log}, "none of what was seen is a landmark");
-  return log;
 }
 
 ExitCode tell(const LandmarkDriveMap& map, const RunInfo& info, bool complete,
@@ -123,8 +90,9 @@ ExitCode map_mrclam(const MapArguments& arguments, const AppContext& context) {
   for (const std::string& file : mrclam_log_files(arguments.log)) outputs.reads(file);
   outputs.add_folder("-o", arguments.out, false);
   outputs.check();
-  const MrclamLog log = read_log(arguments, options.landmarks.sightings, context);
-  const auto readings = readings_of(log, arguments.cut, arguments.landmarks.nameless);
+  const MrclamLog log =
+      read_mrclam_run(arguments.log, arguments.reading, options.landmarks.sightings, context);
+  const auto readings = readings_within(log, arguments.cut, arguments.landmarks.nameless);
   if (readings.empty()) {
     throw DataError({arguments.log},
                     "nothing was seen in the part that --start, --duration and "
@@ -133,10 +101,7 @@ ExitCode map_mrclam(const MapArguments& arguments, const AppContext& context) {
   outputs.prepare();
   const LandmarkDriveMap map =
       map_drive(drive_among_landmarks(log.odometry, readings), options.landmarks);
-  LeftOut left_out;
-  left_out.skipped = log.skipped;
-  left_out.records_read = static_cast<std::int64_t>(log.odometry.size() + log.readings.size());
-  RunInfo info = run_info(arguments.log, left_out, arguments.force, context);
+  RunInfo info = run_info(arguments.log, left_out_of(log), arguments.force, context);
   info.options_toml = options_to_toml(list_options(options));
   info.cpu_time_s = cpu_seconds();
   info.wall_time_s =

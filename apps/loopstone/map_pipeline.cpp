@@ -30,7 +30,7 @@ void refuse_flags_of_submaps(const MapArguments& arguments) {
   if (arguments.checkpoint.any()) {
     throw UsageError("--checkpoint, --resume: the textbook pipeline can't go on from a session");
   }
-  if (arguments.drives.keep_state || !arguments.drives.from.empty()) {
+  if (arguments.drives.any()) {
     throw UsageError("--keep-state, --continue: the textbook pipeline can't go on with a map");
   }
   if (arguments.odometry) {
@@ -104,7 +104,7 @@ MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& contex
         "--landmarks: a session does not keep how bright beams were, by which reflectors are told; "
         "leave out --checkpoint and --resume");
   }
-  if (arguments.landmarks.on && (arguments.drives.keep_state || !arguments.drives.from.empty())) {
+  if (arguments.landmarks.on && arguments.drives.any()) {
     throw UsageError(
         "--landmarks: a state does not keep how bright beams were, by which reflectors are told; "
         "leave out --keep-state and --continue");

@@ -61,6 +61,7 @@ void resume_from(const std::string& out, Checkpoint& checkpoint, Mapper& mapper,
 struct ContinueFlags {
   bool keep_state = false;
   std::string from{};  ///< a folder with a state
+  [[nodiscard]] bool any() const { return keep_state || !from.empty(); }
 };
 void add_continue_flags(CLI::App& command, ContinueFlags& flags);
 
