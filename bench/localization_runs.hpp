@@ -237,10 +237,23 @@ struct PoseError {
   [[nodiscard]] bool right() const { return metres <= 0.2 && radians <= 5.0 * kPi / 180.0; }
 };
 
+[[nodiscard]] inline PoseError error_of(const Pose2& pose, const Pose2& truth) {
+  return {std::hypot(pose.x - truth.x, pose.y - truth.y),
+          std::abs(wrap_angle(pose.yaw - truth.yaw))};
+}
+
 [[nodiscard]] inline PoseError error_of(const LocalizationEstimate& estimate, const Run& run) {
-  const Pose2 truth = *run.truth.at_clamped(estimate.stamp);
-  return {std::hypot(estimate.map_T_robot.x - truth.x, estimate.map_T_robot.y - truth.y),
-          std::abs(wrap_angle(estimate.map_T_robot.yaw - truth.yaw))};
+  return error_of(estimate.map_T_robot, *run.truth.at_clamped(estimate.stamp));
+}
+
+/// Calls set(key, value) for each KEY=VALUE after the first argument of a program.
+template <typename Set>
+void for_each_setting(int argc, char** argv, Set&& set) {
+  for (int i = 2; i < argc; ++i) {
+    const std::string text = argv[i];
+    const auto sign = text.find('=');
+    set(text.substr(0, sign), sign == std::string::npos ? "" : text.substr(sign + 1));
+  }
 }
 
 }  // namespace loopstone::bench

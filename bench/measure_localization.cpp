@@ -40,11 +40,7 @@ Arguments parse(int argc, char** argv) {
   if (argc < 2) throw std::invalid_argument("usage: measure_localization PLACE [key=value]...");
   Arguments arguments;
   arguments.request.place = argv[1];
-  for (int i = 2; i < argc; ++i) {
-    const std::string text = argv[i];
-    const auto sign = text.find('=');
-    const std::string key = text.substr(0, sign);
-    const std::string value = sign == std::string::npos ? "" : text.substr(sign + 1);
+  for_each_setting(argc, argv, [&](const std::string& key, const std::string& value) {
     RunRequest& r = arguments.request;
     if (key == "seed")
       r.seed = std::stoull(value);
@@ -74,7 +70,7 @@ Arguments parse(int argc, char** argv) {
       arguments.options.sensor = find_word<ScanModel>(value).value();
     else
       throw std::invalid_argument("unknown key: " + key);
-  }
+  });
   return arguments;
 }
 

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -38,11 +37,7 @@ struct Request {
 Request parse(int argc, char** argv) {
   if (argc < 2) throw std::invalid_argument("usage: measure_relocalize PLACE [key=value]...");
   Request request{.place = argv[1]};
-  for (int i = 2; i < argc; ++i) {
-    const std::string text = argv[i];
-    const auto sign = text.find('=');
-    const std::string key = text.substr(0, sign);
-    const std::string value = sign == std::string::npos ? "" : text.substr(sign + 1);
+  for_each_setting(argc, argv, [&](const std::string& key, const std::string& value) {
     if (key == "seed")
       request.seed = std::stoull(value);
     else if (key == "scans")
@@ -55,7 +50,7 @@ Request parse(int argc, char** argv) {
       request.prepared_times = std::stoi(value);
     else
       throw std::invalid_argument("unknown key: " + key);
-  }
+  });
   return request;
 }
 
@@ -68,12 +63,6 @@ double preparing_ms(const Grid<std::int8_t>& map, int times) {
     least = std::min(least, cpu_ms() - start);
   }
   return least;
-}
-
-bool is_right(const Pose2& pose, const Pose2& truth) {
-  const PoseError error{std::hypot(pose.x - truth.x, pose.y - truth.y),
-                        std::abs(wrap_angle(pose.yaw - truth.yaw))};
-  return error.right();
 }
 
 int measure(const Request& request) {
@@ -105,7 +94,7 @@ int measure(const Request& request) {
     bool listed = false;
     nlohmann::json stated = nlohmann::json::array();
     for (const PlaceCandidate& candidate : found.candidates) {
-      const bool right = request.map_seed == 0 && is_right(candidate.map_T_robot, truth);
+      const bool right = request.map_seed == 0 && error_of(candidate.map_T_robot, truth).right();
       listed = listed || right;
       if (stated.size() < 10) stated.push_back({candidate.probability, right});
     }

@@ -9,11 +9,11 @@ import dataclasses
 import math
 import os
 import pathlib
-import re
 import threading
 from functools import partial
 
 from largest_error import wrap
+from map_cells import FREE, cells_of
 from program import Failed, log_of, run, say
 from unkind import ROBOTS
 
@@ -100,19 +100,13 @@ def laid_over(whole, part):
 def knows_place(folder):
     """Whether a map knows a place: the robot's cell is free, and so are three fifths of the circle
     of half a metre around it."""
-    text = (folder / "map.yaml").read_text()
-    cell = float(re.search(r"^resolution:\s*(\S+)", text, re.M).group(1))
-    origin = re.search(r"^origin:\s*\[([^\]]*)\]", text, re.M).group(1)
-    left, low = (float(word) for word in origin.split(",")[:2])
-    data = (folder / "map.pgm").read_bytes()
-    head = re.match(rb"P5\s+(?:#[^\n]*\n)?(\d+)\s+(\d+)\s+\d+\s", data)
-    width, height = int(head.group(1)), int(head.group(2))
-    pixels = data[head.end() :]
+    cells = cells_of(folder)
 
     def is_free(x, y):
-        column, row = math.floor((x - left) / cell), math.floor((y - low) / cell)
-        inside = 0 <= column < width and 0 <= row < height
-        return inside and pixels[(height - 1 - row) * width + column] > 250
+        column = math.floor((x - cells.x_m) / cells.resolution_m)
+        row = math.floor((y - cells.y_m) / cells.resolution_m)
+        inside = 0 <= column < cells.width and 0 <= row < cells.height
+        return inside and cells.states[row * cells.width + column] == FREE
 
     def known(x, y):
         angles = [math.pi * i / 8.0 for i in range(16)]
