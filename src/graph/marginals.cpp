@@ -77,6 +77,20 @@ void check_node(const PoseGraph& graph, NodeId node) {
 
 Eigen::Matrix3d symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transpose()); }
 
+/// Where landmarks stand in the equations. Throws for one that does not exist or that no pose sees.
+std::vector<int> places_of(const PoseGraph& graph, const InverseColumns& inverse,
+                           std::span<const LandmarkId> landmarks) {
+  std::vector<int> places;
+  for (const LandmarkId landmark : landmarks) {
+    const auto name = "covariance of landmark " + std::to_string(landmark.index);
+    if (landmark.index < 0 || landmark.index >= static_cast<int>(graph.landmarks.size()))
+      throw UsageError(name + ", which does not exist");
+    places.push_back(inverse.place_of(landmark));
+    if (places.back() < 0) throw UsageError(name + ", which no pose sees");
+  }
+  return places;
+}
+
 }  // namespace
 
 PoseMarginals marginal_covariances(const PoseGraph& graph, std::span<const NodeId> nodes) {
@@ -101,14 +115,7 @@ LandmarkMarginals landmark_covariances(const PoseGraph& graph,
   InverseColumns inverse(graph);
   LandmarkMarginals result;
   result.available = inverse.available();
-  std::vector<int> places;
-  for (const LandmarkId landmark : landmarks) {
-    const auto name = "covariance of landmark " + std::to_string(landmark.index);
-    if (landmark.index < 0 || landmark.index >= static_cast<int>(graph.landmarks.size()))
-      throw UsageError(name + ", which does not exist");
-    places.push_back(inverse.place_of(landmark));
-    if (places.back() < 0) throw UsageError(name + ", which no pose sees");
-  }
+  const std::vector<int> places = places_of(graph, inverse, landmarks);
   if (!result.available) return result;
   const SelectedInverse selected = inverse.selected();
   for (const int place : places) {
@@ -122,12 +129,9 @@ Eigen::MatrixXd joint_landmark_covariance(const PoseGraph& graph) {
   check_graph(graph);
   InverseColumns inverse(graph);
   const int count = static_cast<int>(graph.landmarks.size());
-  std::vector<int> places;
-  for (int i = 0; i < count; ++i) {
-    places.push_back(inverse.place_of(LandmarkId{i}));
-    if (places.back() < 0)
-      throw UsageError("covariance of landmark " + std::to_string(i) + ", which no pose sees");
-  }
+  std::vector<LandmarkId> all;
+  for (int i = 0; i < count; ++i) all.push_back(LandmarkId{i});
+  const std::vector<int> places = places_of(graph, inverse, all);
   if (!inverse.available()) return {};
   Eigen::MatrixXd joint(2 * count, 2 * count);
   for (int column = 0; column < 2 * count; ++column) {

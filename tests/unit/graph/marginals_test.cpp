@@ -11,9 +11,8 @@
 namespace loopstone {
 namespace {
 
-/// From the definition, everything dense; the first pose fixed unless there is a prior.
-Eigen::MatrixXd dense_covariance(const PoseGraph& graph) {
-  const auto size = 3 * static_cast<Eigen::Index>(graph.poses.size());
+/// What the edges between poses tell, dense, in a system of so many unknowns.
+Eigen::MatrixXd information_of_edges(const PoseGraph& graph, Eigen::Index size) {
   Eigen::MatrixXd h = Eigen::MatrixXd::Zero(size, size);
   for (const RelativePoseEdge& edge : graph.edges) {
     const EdgeJacobians j =
@@ -24,6 +23,13 @@ Eigen::MatrixXd dense_covariance(const PoseGraph& graph) {
     jacobian.middleCols<3>(3 * edge.to.index) = j.to;
     h += jacobian.transpose() * edge.information * jacobian;
   }
+  return h;
+}
+
+/// From the definition, everything dense; the first pose fixed unless there is a prior.
+Eigen::MatrixXd dense_covariance(const PoseGraph& graph) {
+  const auto size = 3 * static_cast<Eigen::Index>(graph.poses.size());
+  Eigen::MatrixXd h = information_of_edges(graph, size);
   for (const PosePrior& prior : graph.priors) {
     const Eigen::Matrix3d j = prior_jacobian(prior);
     h.block<3, 3>(3 * prior.node.index, 3 * prior.node.index) +=
@@ -114,16 +120,7 @@ PoseGraph chain_with_landmarks() {
 Eigen::MatrixXd dense_landmark_covariance(const PoseGraph& graph) {
   const auto poses = 3 * static_cast<Eigen::Index>(graph.poses.size());
   const auto size = poses + 2 * static_cast<Eigen::Index>(graph.landmarks.size());
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(size, size);
-  for (const RelativePoseEdge& edge : graph.edges) {
-    const EdgeJacobians j =
-        edge_jacobians(edge, graph.poses[static_cast<std::size_t>(edge.from.index)],
-                       graph.poses[static_cast<std::size_t>(edge.to.index)]);
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, size);
-    jacobian.middleCols<3>(3 * edge.from.index) = j.from;
-    jacobian.middleCols<3>(3 * edge.to.index) = j.to;
-    h += jacobian.transpose() * edge.information * jacobian;
-  }
+  Eigen::MatrixXd h = information_of_edges(graph, size);
   for (const LandmarkEdge& edge : graph.landmark_edges) {
     const LandmarkJacobians j =
         landmark_jacobians(graph.poses[static_cast<std::size_t>(edge.from.index)],
