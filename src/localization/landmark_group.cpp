@@ -12,7 +12,6 @@ namespace loopstone {
 namespace {
 
 /// Sum of squares by which the beams of a sighting miss the best straight line, however it faces.
-/// it faces.
 double line_misfit(const LandmarkObservation& seen) {
   const std::vector<double>& x = seen.beams_beyond_m;
   const std::vector<double>& y = seen.beams_beside_m;

@@ -19,6 +19,7 @@
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/base/robust_kernel.hpp"
 #include "loopstone/geometry/covariance.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/graph/marginals.hpp"
 #include "loopstone/graph/solver.hpp"
 #include "slam/scan_edges.hpp"
@@ -414,9 +415,8 @@ Eigen::MatrixXd without_common_motion(const Eigen::MatrixXd& joint,
   for (const Eigen::Vector2d& point : points) centre += point / static_cast<double>(points.size());
   Eigen::MatrixXd motions(joint.rows(), 3);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector2d arm = points[i] - centre;
-    motions.block<2, 3>(static_cast<Eigen::Index>(2 * i), 0) << 1.0, 0.0, -arm.y(), 0.0, 1.0,
-        arm.x();
+    motions.block<2, 3>(static_cast<Eigen::Index>(2 * i), 0) =
+        RigidMotion<2>::point_jacobian(points[i] - centre);
   }
   // Of a single point, or of several in one place, there is no turn.
   const Eigen::MatrixXd own = motions.completeOrthogonalDecomposition().pseudoInverse();

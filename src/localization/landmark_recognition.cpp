@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "localization/landmark_mapping_numbers.hpp"
-#include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/graph/marginals.hpp"
 #include "loopstone/localization/landmark_association.hpp"
 #include "loopstone/localization/landmark_map.hpp"
@@ -106,8 +106,7 @@ class Recognition {
     const Eigen::Matrix3d between =
         rotated(relative_covariance(pose(from), pose(thing.anchor), joint), pose(from).rotation());
     const Eigen::Vector2d arm = thing.on_map.position - pose(thing.anchor).translation();
-    Eigen::Matrix<double, 2, 3> swung = Eigen::Matrix<double, 2, 3>::Identity();
-    swung.col(2) << -arm.y(), arm.x();
+    const Eigen::Matrix<double, 2, 3> swung = RigidMotion<2>::point_jacobian(arm);
     thing.on_map.covariance += swung * between * swung.transpose();
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 
 namespace loopstone {
 namespace {
@@ -20,14 +21,6 @@ struct NormalEquations {
   double cost = 0.0;
 };
 
-Eigen::Vector3d difference(const Pose2& pose, const Pose2& from) {
-  return {pose.x - from.x, pose.y - from.y, wrap_angle(pose.yaw - from.yaw)};
-}
-
-Pose2 moved(const Pose2& pose, const Eigen::Vector3d& step) {
-  return {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.yaw + step.z())};
-}
-
 double log_determinant(const Eigen::MatrixXd& matrix) {
   const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
@@ -37,7 +30,7 @@ NormalEquations equations_at(const Pose2& pose, const PoseWithCovariance2& prior
                              const Eigen::Matrix3d& prior_information, const LandmarkMap& map,
                              std::span<const LandmarkObservation> observations,
                              const LandmarkAssociation& association) {
-  const Eigen::Vector3d off = difference(pose, prior.pose);
+  const Eigen::Vector3d off = RigidMotion<2>::difference(pose, prior.pose);
   NormalEquations equations{prior_information, -prior_information * off,
                             off.dot(prior_information * off)};
   for (std::size_t i = 0; i < observations.size(); ++i) {
@@ -87,14 +80,14 @@ LandmarkPosterior update_by_landmarks(const PoseWithCovariance2& prior, const La
   NormalEquations equations = at(pose);
   for (int i = 0; i < kMostSteps; ++i) {
     Eigen::Vector3d step = equations.information.ldlt().solve(equations.descent);
-    NormalEquations next = at(moved(pose, step));
+    NormalEquations next = at(RigidMotion<2>::moved(pose, step));
     // A step over a bend of the cost is halved until it leads down.
     for (int k = 0; k < kMostHalvings && next.cost > equations.cost; ++k) {
       step *= 0.5;
-      next = at(moved(pose, step));
+      next = at(RigidMotion<2>::moved(pose, step));
     }
     if (next.cost > equations.cost) break;
-    pose = moved(pose, step);
+    pose = RigidMotion<2>::moved(pose, step);
     equations = next;
     if (step.cwiseAbs().maxCoeff() < kSmallStep) break;
   }

@@ -22,6 +22,7 @@
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/pose_distance.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/pose_belief.hpp"
 #include "loopstone/odometry/scan_queue.hpp"
@@ -220,6 +221,11 @@ class Localizer::Impl {
 
   /// Keeps the track on the most probable place.
   void follow_best_place(const LocalizationScan& view) {
+    if (const auto mean = choose_best_place()) restart_track(better_start(view, no_surer(*mean)));
+  }
+
+  /// Where the most probable place is, when the track is not on it.
+  std::optional<PoseWithCovariance2> choose_best_place() {
     const PlaceBelief& best = belief_.places().front();
     PoseWithCovariance2 mean = compound(best.moments, motion_.since_weighing());
     // Few particles may stand on one spot; they don't know it that well.
@@ -244,7 +250,8 @@ class Localizer::Impl {
              std::abs(wrap_angle(pose.yaw - mean.pose.yaw)) >
                  kAstrayRad + 2.0 * std::sqrt(mean.covariance(2, 2));
     };
-    if (changed || astray()) restart_track(better_start(view, no_surer(mean)));
+    if (changed || astray()) return mean;
+    return {};
   }
 
   /// Along a corridor few particles stand for a long way. Where the track says that the robot may
@@ -253,8 +260,7 @@ class Localizer::Impl {
     constexpr double kWithin2 = 16.0;  // squared Mahalanobis distance
     if (!track_) return mean;
     const PoseWithCovariance2& track = track_->map_T_robot();
-    const Eigen::Vector3d apart(mean.pose.x - track.pose.x, mean.pose.y - track.pose.y,
-                                wrap_angle(mean.pose.yaw - track.pose.yaw));
+    const Eigen::Vector3d apart = RigidMotion<2>::difference(mean.pose, track.pose);
     const Eigen::Matrix3d covariance = mean.covariance + track.covariance;
     if (apart.dot(covariance.inverse() * apart) < kWithin2) mean.covariance = covariance;
     return mean;
@@ -303,7 +309,7 @@ class Localizer::Impl {
     // A place that is only similar may lie where the robot could have slipped to.
     constexpr double kJumpM = 0.5;
     jumped_ = (found->pose.translation() - foretold_.pose.translation()).norm() > kJumpM;
-    adopt(view, *found);
+    adopt(*found);
     return true;
   }
 
@@ -341,12 +347,12 @@ class Localizer::Impl {
     }
     near_pace_.found();
     untold_at_m_.reset();
-    if (!is_within(found->pose, track_->map_T_robot().pose, kSameM, kSameRad)) adopt(view, *found);
+    if (!is_within(found->pose, track_->map_T_robot().pose, kSameM, kSameRad)) adopt(*found);
     return true;
   }
 
   /// The robot is found where it may well be.
-  void adopt(const LocalizationScan& view, const PoseWithCovariance2& found) {
+  void adopt(const PoseWithCovariance2& found) {
     constexpr double kSpreadM = 0.05;
     constexpr double kSpreadRad = 0.03;
     PoseBelief::Proposal proposal{.map_T_robot = found};
@@ -355,7 +361,7 @@ class Localizer::Impl {
     move_particles();
     belief_.add(std::span(&proposal, 1), kSlippedShare);
     belief_.settle();
-    follow_best_place(view);
+    (void)choose_best_place();
     restart_track(found);
   }
 
@@ -376,7 +382,7 @@ class Localizer::Impl {
     if (here > kWell - kBetter) return false;
     const auto found = find_nearby(view, map_, ridden, kWell);
     if (!found || quality_of(fit_beams(view, map_, found->pose)) < here + kBetter) return false;
-    adopt(view, *found);
+    adopt(*found);
     return true;
   }
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/registration/field_match.hpp"
 
 namespace loopstone {
@@ -42,10 +42,6 @@ FieldMatchOptions options_for(const MapField& field) {
   FieldMatchOptions options;
   options.kernel_width_m = std::max(options.kernel_width_m, field.resolution_m(0));
   return options;
-}
-
-Eigen::Vector3d difference(const Pose2& to, const Pose2& from) {
-  return {to.x - from.x, to.y - from.y, wrap_angle(to.yaw - from.yaw)};
 }
 
 /// Registers a scan from the prediction, on the finest level and from one above; where legs of
@@ -131,17 +127,17 @@ Pose2 OdometryErrors::corrected(const Pose2& motion) const {
 }
 
 PoseTrack::PoseTrack(const PoseWithCovariance2& map_T_robot, const OdometryErrors& errors)
-    : map_T_robot_(map_T_robot), errors_(errors.mean), covariance_(Matrix6::Zero()) {
+    : map_T_robot_(map_T_robot.pose), errors_(errors.mean), covariance_(Matrix6::Zero()) {
   covariance_.topLeftCorner<3, 3>() = map_T_robot.covariance;
   covariance_.bottomRightCorner<3, 3>() = errors.covariance;
 }
 
 void PoseTrack::advance(const PoseWithCovariance2& motion, bool is_told) {
-  const Pose2 before = map_T_robot_.pose;
+  const Pose2 before = map_T_robot_;
   PoseWithCovariance2 step = motion;
   if (is_told) step.pose = errors().corrected(motion.pose);
-  map_T_robot_ = compound(map_T_robot_, step);
-  const Eigen::Vector2d way = map_T_robot_.pose.translation() - before.translation();
+  map_T_robot_ = before * step.pose;
+  const Eigen::Vector2d way = map_T_robot_.translation() - before.translation();
   Matrix6 change = Matrix6::Identity();
   change.block<2, 1>(0, 2) << -way.y(), way.x();
   Matrix6 noise = Matrix6::Zero();
@@ -153,7 +149,6 @@ void PoseTrack::advance(const PoseWithCovariance2& motion, bool is_told) {
     noise.diagonal().tail<3>() = odometry_walk(way.norm(), motion.pose.yaw);
   }
   covariance_ = change * covariance_ * change.transpose() + noise;
-  map_T_robot_.covariance = covariance_.topLeftCorner<3, 3>();
 }
 
 std::vector<Eigen::Vector2d> RangeOffset::applied(std::span<const Eigen::Vector2d> points_robot,
@@ -198,35 +193,35 @@ void SharedError::add(const Eigen::Matrix3d& covariance) {
 bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot,
                        const Eigen::Vector2d& laser_robot, const MapField& field,
                        RangeOffset& offset) {
-  const auto points = near_walls(offset.applied(points_robot, laser_robot), field, map_T_robot_);
+  const PoseWithCovariance2 foretold = map_T_robot();
+  const auto points = near_walls(offset.applied(points_robot, laser_robot), field, foretold);
   constexpr int kLookAroundEvery = 8;
   const bool look_around = ++registered_ % kLookAroundEvery == 0;
-  const MatchResult match = best_match(points, field, map_T_robot_.pose, look_around);
+  const MatchResult match = best_match(points, field, foretold.pose, look_around);
   if (!has_supported_pose(match.status) || match.score < kLeastExplained) {
     innovation_ += kNewest * (kGate / 3.0 - innovation_);
     return false;
   }
   const Eigen::Matrix3d noise = kCovarianceFactor * match.covariance;
   if (match.status == MatchStatus::kConverged) shared_.add(match.covariance);
-  const Eigen::Vector3d innovation = difference(match.target_T_source, map_T_robot_.pose);
-  const Eigen::LDLT<Eigen::Matrix3d> total(map_T_robot_.covariance + noise);
+  const Eigen::Vector3d innovation =
+      RigidMotion<2>::difference(match.target_T_source, foretold.pose);
+  const Eigen::LDLT<Eigen::Matrix3d> total(foretold.covariance + noise);
   const double distance2 = innovation.dot(total.solve(innovation));
   innovation_ += kNewest * (std::min(distance2, kGate) / 3.0 - innovation_);
   if (!(distance2 < kGate)) return false;
   const Eigen::Matrix<double, 6, 3> gain = total.solve(covariance_.topRows<3>()).transpose();
   const Eigen::Matrix<double, 6, 1> step = gain * innovation;
-  Pose2& pose = map_T_robot_.pose;
-  pose = {pose.x + step(0), pose.y + step(1), wrap_angle(pose.yaw + step(2))};
+  map_T_robot_ = RigidMotion<2>::moved(map_T_robot_, step.head<3>());
   errors_ += step.tail<3>();
   // Joseph's form stays symmetric and positive.
   Matrix6 rest = Matrix6::Identity();
   rest.leftCols<3>() -= gain;
   covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
-  map_T_robot_.covariance = covariance_.topLeftCorner<3, 3>();
   constexpr int kLearnEvery = 4;
   if (match.status == MatchStatus::kConverged && match.score > kWellExplained &&
       ++refined_ % kLearnEvery == 0) {
-    offset.learn(points_robot, laser_robot, field, pose);
+    offset.learn(points_robot, laser_robot, field, map_T_robot_);
   }
   return true;
 }

@@ -81,13 +81,15 @@ class PoseTrack {
   bool refine(std::span<const Eigen::Vector2d> points_robot, const Eigen::Vector2d& laser_robot,
               const MapField& field, RangeOffset& offset);
 
-  [[nodiscard]] const PoseWithCovariance2& map_T_robot() const { return map_T_robot_; }
+  [[nodiscard]] PoseWithCovariance2 map_T_robot() const {
+    return {map_T_robot_, covariance_.topLeftCorner<3, 3>()};
+  }
   [[nodiscard]] OdometryErrors errors() const {
     return {errors_, covariance_.bottomRightCorner<3, 3>()};
   }
   /// The same with what the registrations of the last scans have in common.
   [[nodiscard]] Eigen::Matrix3d covariance() const {
-    return map_T_robot_.covariance + shared_.covariance();
+    return map_T_robot().covariance + shared_.covariance();
   }
   /// Squared Mahalanobis distance of registrations from predictions, divided by 3, mean of the last
   /// ones: about 1 or less when all is well.
@@ -96,7 +98,7 @@ class PoseTrack {
  private:
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-  PoseWithCovariance2 map_T_robot_;
+  Pose2 map_T_robot_;
   Eigen::Vector3d errors_;  ///< of odometry
   Matrix6 covariance_;      ///< of pose and errors
   SharedError shared_{};

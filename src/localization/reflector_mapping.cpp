@@ -8,6 +8,7 @@
 #include "localization/landmark_group.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/sensor/reflectors.hpp"
 
 namespace loopstone {
@@ -20,8 +21,7 @@ constexpr double kBeamsApartM = 0.04;
 
 /// How far a pose that is known so well lets a point stray that is fixed to it at `arm`.
 Eigen::Matrix2d carried_to(const Eigen::Vector2d& arm, const Eigen::Matrix3d& covariance) {
-  Eigen::Matrix<double, 2, 3> swung = Eigen::Matrix<double, 2, 3>::Identity();
-  swung.col(2) << -arm.y(), arm.x();
+  const Eigen::Matrix<double, 2, 3> swung = RigidMotion<2>::point_jacobian(arm);
   return swung * covariance * swung.transpose();
 }
 

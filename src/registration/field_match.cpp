@@ -228,13 +228,13 @@ MatchResult match_to_field(std::span<const Eigen::Vector2d> source, const MapFie
        --above) {
     descend(descent, source, field, above - 1, options);
   }
-  const std::vector<Pair> pairs = pairs_at(source, field, 0, descent.pose, options.kernel_width_m);
+  std::vector<Pair> pairs = pairs_at(source, field, 0, descent.pose, options.kernel_width_m);
   if (pairs.size() < kMinPairs) {
     return {.target_T_source = guess,
             .iterations = descent.iterations,
             .status = MatchStatus::kTooFewPairs};
   }
-  return judged(descent, source, pairs, field, options);
+  return judged(descent, source, std::move(pairs), field, options);
 }
 
 FieldCost field_cost(std::span<const Eigen::Vector2d> source, const MapField& field,

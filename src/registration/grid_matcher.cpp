@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "geometry/symmetric_matrix.hpp"
-#include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 #include "registration/line_equations.hpp"
 #include "registration/open_translation.hpp"
 
@@ -69,10 +69,6 @@ Linearisation linearise(std::span<const SurfacePoint> source, const SurfaceGrid&
   return sum;
 }
 
-Eigen::Vector3d difference(const Pose2& pose, const Pose2& from) {
-  return {pose.x - from.x, pose.y - from.y, wrap_angle(pose.yaw - from.yaw)};
-}
-
 /// Takes out of the normal equations the direction of translation that the points leave open, if
 /// there is one. Then only a prior holds the pose there.
 bool remove_unobserved(Linearisation& sum) {
@@ -106,7 +102,8 @@ StepEquations step_equations(const Linearisation& points, const Pose2& pose,
   if (prior) {
     equations.pull += prior->information;
     equations.knowledge += prior->information;
-    equations.gradient += prior->information * difference(pose, prior->target_T_source);
+    equations.gradient +=
+        prior->information * RigidMotion<2>::difference(pose, prior->target_T_source);
   }
   return equations;
 }
@@ -145,7 +142,7 @@ bool descend(Descent& at, std::span<const SurfacePoint> source, const SurfaceGri
     at.degenerate = equations.degenerate;
     const Eigen::Vector3d step = step_of(equations);
     if (!step.allFinite()) break;
-    at.pose = {at.pose.x + step.x(), at.pose.y + step.y(), wrap_angle(at.pose.yaw + step.z())};
+    at.pose = RigidMotion<2>::moved(at.pose, step);
     at.converged =
         step.head<2>().norm() < enough * kStepM && std::abs(step.z()) < enough * kStepRad;
   }

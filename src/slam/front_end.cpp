@@ -7,6 +7,7 @@
 
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/registration/correlative_search.hpp"
 #include "slam/front_end_numbers.hpp"
 #include "slam/pose_search.hpp"
@@ -29,9 +30,8 @@ double merit(const MatchResult& match, std::span<const PosePrior2> priors) {
 
 /// Whether two differ by more than both admit. \param freed  by a match that the guess did not hold
 bool contradict(const PosePrior2& guess, const MatchResult& freed) {
-  const Eigen::Vector3d apart(freed.target_T_source.x - guess.target_T_source.x,
-                              freed.target_T_source.y - guess.target_T_source.y,
-                              wrap_angle(freed.target_T_source.yaw - guess.target_T_source.yaw));
+  const Eigen::Vector3d apart =
+      RigidMotion<2>::difference(freed.target_T_source, guess.target_T_source);
   const Eigen::Matrix3d covariance = guess.information.inverse() + freed.covariance;
   return apart.dot(covariance.inverse() * apart) > kFrontEnd.most_guess_chi2;
 }
