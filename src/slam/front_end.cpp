@@ -116,12 +116,20 @@ bool FrontEnd::odometry_may_lead() const {
                               [](const MotionAgreement::Piece& piece) { return piece.wrong; });
 }
 
+/// People stand about the robot, or did a moment ago: who goes with it is not always told.
+bool FrontEnd::is_crowded(const LaserScan& scan) const {
+  return std::ranges::any_of(laser_check_.episodes(), [&](const LaserEpisode& episode) {
+    return episode.fault == LaserFault::kCovered && episode.lidar == scan.lidar &&
+           (scan.stamp - episode.to).seconds() < kFrontEnd.crowd_rest_s;
+  });
+}
+
 /// What moves against the ground, where the robot could be held by little else.
 void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
   const MotionGuess& guess = sighting.likeliest();
   const bool is_likely = sighting.guesses.size() == 1;  // it may have jumped
   if (!guess.measured || !is_likely || !sighting.odometry || !odometry_may_lead()) return;
-  sighting.is_led = sighting.cover.is_fault && leave_open(sighting.surfaces);
+  sighting.is_led = is_crowded(scan) && leave_open(sighting.surfaces);
   Pose2 ground_T_robot = guess.local_T_robot;
   ground_T_robot.x += own_.local_to_ground_m.x();
   ground_T_robot.y += own_.local_to_ground_m.y();
@@ -247,10 +255,11 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
 FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
   const LaserScan& scan = *sighting.whole;
   const MotionGuess& guess = sighting.likeliest();
-  Alignment alignment =
-      sighting.is_led
-          ? align(sighting.matched(), std::span(sighting.guesses).first(1), {}, false)
-          : align(sighting.matched(), sighting.guesses, others_than_odometry(scan.stamp), true);
+  MotionGuess led = guess;
+  led.information *= kFrontEnd.led;
+  Alignment alignment = sighting.is_led ? align(sighting.matched(), std::span(&led, 1), {}, false)
+                                        : align(sighting.matched(), sighting.guesses,
+                                                others_than_odometry(scan.stamp), true);
   sighting.is_driven = is_driven(sighting);
   const bool is_decided = sighting.is_driven && !is_believed(alignment, sighting);
   if (is_decided) alignment = contest(sighting);

@@ -9,6 +9,8 @@ struct FrontEndNumbers {
   int min_points = 20;
   int most_lost = 5;
   double lost_m = 2.0;
+  double crowd_rest_s = 5.0;
+  double led = 4.0;
   double drives_m = 0.02;
   double turns_rad = 0.02;
   double leap_m = 0.15;
@@ -38,6 +40,11 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
         "second at ten scans a second, the place itself must have changed");
   visit("lost_m", n.lost_m,
         "chosen: how far a robot is looked for that was lost: it was seen a few scans ago");
+  visit("crowd_rest_s", n.crowd_rest_s,
+        "chosen: so long after people were last seen to stand about it the robot is not alone yet");
+  visit("led", n.led,
+        "chosen: weight of odometry that leads: what of a scan goes with the robot says that it "
+        "stands, and pulls half as far");
   visit("drives_m", n.drives_m,
         "chosen: a robot whose odometry goes so far from scan to scan drives: a fifth of a metre a "
         "second");
@@ -174,9 +181,7 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit("rival", n.rival,
         "chosen: share of the best score of a search that another place must reach to be asked");
   visit("alike", n.alike, "chosen: places that explain a scan so nearly alike do so equally well");
-  visit("usually_off", n.usually_off,
-        "chosen: of how far a robot may be from where it was going, as one that drives on is: who "
-        "stopped is off by two standard deviations, who turned back by four; it may face anywhere");
+  visit("usually_off", n.usually_off, "chosen: two sigmas to where it stopped, four to turn back");
   visit("usual_turn_rad", n.usual_turn_rad,
         "chosen: more than a robot turns while nobody sees it, mostly: half of a right angle");
   visit("turned_rad", n.turned_rad,

@@ -253,6 +253,7 @@ class FrontEnd {
 
   void show_rest(const LaserScan& scan, Sighting& sighting);
   [[nodiscard]] bool odometry_may_lead() const;
+  [[nodiscard]] bool is_crowded(const LaserScan& scan) const;
   void take_out_travelling(const LaserScan& scan, Sighting& sighting);
   // Who is at fault where laser and odometry disagree (front_end_contest.cpp).
   [[nodiscard]] bool is_driven(const Sighting& sighting) const;
