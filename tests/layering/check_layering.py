@@ -27,7 +27,7 @@ THIRD_PARTY = {
     "oneapi/tbb": ANY_PART,
     "tbb/": ANY_PART,
     "malloc.h": {"base"},
-    "nlohmann/": FILE_PARTS | {"apps"},
+    "nlohmann/": FILE_PARTS | {"live", "apps"},
     "toml++/": FILE_PARTS | {"apps"},
     "yaml-cpp/": FILE_PARTS,
     "png.h": FILE_PARTS,
@@ -42,6 +42,7 @@ THIRD_PARTY = {
     "jpeglib.h": {"formats"},
     "jerror.h": {"formats"},
     "cairo": FILE_PARTS,
+    "boost/": {"live"},
     "CLI/": {"apps"},
     "spdlog/": {"apps"},
 }
@@ -252,7 +253,7 @@ SELF_TESTS = [
         '#include "grid/detail.hpp"\n',
         "private",
     ),
-    ("unknown library", "src/grid/a.cpp", "#include <boost/any.hpp>\n", "not a known library"),
+    ("unknown library", "src/grid/a.cpp", "#include <folly/any.h>\n", "not a known library"),
     ("library of other parts", "src/grid/a.cpp", "#include <png.h>\n", "only for formats, report"),
     ("fstream in the core", "src/slam/a.cpp", "#include <fstream>\n", "touch files"),
     (
