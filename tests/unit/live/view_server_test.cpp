@@ -206,7 +206,7 @@ TEST_F(Server, WhoIsTooSlowForWhatItMustGetIsLetGo) {
   ViewServer server(options_, {.waiting_bytes = 1'000'000});
   const ChannelId all = server.add_channel({.topic = "/all", .policy = SendPolicy::kEvery});
   server.start();
-  WebClient slow(server.port(), 4096);
+  WebClient slow(server.port(), 1 << 16);
   ASSERT_EQ(slow.open_socket().status, 101);
   slow.send_text(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0}]})");
   slow.send_text(R"({"op":"dance"})");
