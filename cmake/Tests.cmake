@@ -52,7 +52,9 @@ function(loopstone_keep_suites list)
     # A suite that is added to a source, or renamed, counts at once.
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${source}")
     file(READ "${source}" text)
-    if(text MATCHES "(TEST|TEST_F|TEST_P|_PROP)\\([A-Za-z0-9_]*(${LOOPSTONE_TEST_SUITES})")
+    # One without a suite helps the others.
+    if(text MATCHES "(TEST|TEST_F|TEST_P|_PROP)\\([A-Za-z0-9_]*(${LOOPSTONE_TEST_SUITES})"
+       OR NOT text MATCHES "(TEST|TEST_F|TEST_P|_PROP)\\(")
       list(APPEND kept "${source}")
     endif()
   endforeach()

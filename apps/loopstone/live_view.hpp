@@ -61,6 +61,18 @@ class LiveView {
   ViewBoard board_;
 };
 
+/// Closes a view before that goes which its clients ask: stands behind it, so that it goes first.
+class ClosesFirst {
+ public:
+  explicit ClosesFirst(LiveView& view) : view_(view) {}
+  ~ClosesFirst() { view_.close(); }
+  ClosesFirst(const ClosesFirst&) = delete;
+  ClosesFirst& operator=(const ClosesFirst&) = delete;
+
+ private:
+  LiveView& view_;
+};
+
 /// What is said to the Ctrl-C that ends a view.
 inline constexpr const char* kViewEnds = "the view ends";
 

@@ -105,14 +105,15 @@ ExitCode show_results(CutLog& log, const MapArguments& arguments, const SessionT
   return kExitDone;
 }
 
-/// What the log itself gives reason to say of the map.
+/// What the log itself gives reason to say of the map, which is then known to who looks on.
 void add_judgement(const LogSummary& judged, std::vector<std::string> changes, bool interrupted_log,
-                   MapResult& result) {
+                   MapResult& result, MapFeed* feed) {
   const std::vector<std::string> of_log = warnings_of(judged);
   result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
   judge_left_out(result.verdict, judged.left_out.share());
   result.complete = result.complete && !interrupted_log;
   for (std::string& change : changes) result.warnings.push_back(std::move(change));
+  if (feed != nullptr) feed->finish(result);
 }
 
 /// The floor in colour, if the log has pictures. A failure leaves all else and is told in `info`.
@@ -268,6 +269,24 @@ void leave_state(std::optional<MapperState> kept, const MapResult& result,
   }
 }
 
+/// The results, and what they were made of where it is to be kept.
+void write_all(const MapResult& result, const MapExtras& extras, std::optional<MapperState> kept,
+               const MapArguments& arguments, MapPipeline& pipeline, const Checkpoint& checkpoint,
+               RunInfo& info, const AppContext& context) {
+  release_unused_memory();
+  write_map_outputs(result, info, arguments.out, extras);
+  leave_state(std::move(kept), result, arguments, pipeline);
+  info.peak_memory_bytes = peak_memory_bytes();
+  end_session(arguments.out, arguments.checkpoint, checkpoint,
+              result.complete && info.failure.empty(), context);
+}
+
+/// All is written: Ctrl-C ends the view, and nothing else.
+void stay_open(LiveView& view, std::optional<HeldInterrupt>& held, const AppContext& context) {
+  held.reset();
+  view.stay_open(context);
+}
+
 /// Who looks on while a map is made.
 struct MapWatch {
   LiveView view;
@@ -310,7 +329,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                         terms_of(arguments, pipeline, robot, context));
   if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
   std::optional<MapperState> before = state_before(arguments, pipeline, context);
-  const std::unique_ptr<MapWatch> watch = watch_of(arguments, pipeline, robot, context);
+  const auto watch = watch_of(arguments, pipeline, robot, context);
   MapFeed* const feed = watch ? &watch->feed : nullptr;
   prepare(outputs, begin, arguments, context);
   CameraFrames camera;
@@ -335,8 +354,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const LogSummary judged = log.judge(arguments.log);
   correct_beams(arguments, pipeline, robot, recording, feed, display, result, kept, context);
   camera.take_pictures(*reader);
-  add_judgement(judged, log_files.changes(), log.interrupted(), result);
-  if (feed != nullptr) feed->finish(result);
+  add_judgement(judged, log_files.changes(), log.interrupted(), result, feed);
 
   const bool may_overwrite = arguments.force || arguments.checkpoint.any();
   RunInfo info = run_info(arguments.log, judged.left_out, may_overwrite, context);
@@ -349,15 +367,9 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   if (pace) info.pace = pace->figures();
   note_terms(checkpoint, arguments, pipeline, info);
   note_cost(start, checkpoint, info);
-  release_unused_memory();
-  write_map_outputs(result, info, arguments.out, extras);
-  leave_state(std::move(kept), result, arguments, pipeline);
-  info.peak_memory_bytes = peak_memory_bytes();
-  end_session(arguments.out, arguments.checkpoint, checkpoint,
-              result.complete && info.failure.empty(), context);
+  write_all(result, extras, std::move(kept), arguments, pipeline, checkpoint, info, context);
   const ExitCode code = tell(result, extras, info, arguments, context);
-  held.reset();
-  if (watch) watch->view.stay_open(context);
+  if (watch) stay_open(watch->view, held, context);
   return code;
 }
 

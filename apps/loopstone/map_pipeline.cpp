@@ -189,6 +189,7 @@ MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threa
   Calibration found;
   // Beams of another drive are not made anew.
   if (!continues && !source.log.interrupted() && !interrupted()) found = mapper.judge_robot();
+  if (source.feed != nullptr) source.feed->end(mapper);
   MapResult result;
   // Who interrupts a run wants what there is.
   if (found.map_is_bent() && !interrupted()) {
@@ -223,6 +224,7 @@ MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, MapFeed* f
     record_updates();
   }
   if (kept) kept = mapper.save_state().get();
+  if (feed != nullptr) feed->end(mapper);
   MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
   record_updates();
   result.complete = result.complete && !log.interrupted();

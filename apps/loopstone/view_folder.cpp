@@ -1,6 +1,7 @@
 #include "view_folder.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -152,10 +153,10 @@ ExitCode view_folder(const ViewRequest& request, const AppContext& context) {
   FolderView shown(std::move(folder), robot, view.board());
   add_scans(request, log, shown, context);
   if (interrupted()) return kExitDone;
+  const ClosesFirst closes_first(view);
   view.open(context);
   tell_address(view, context);
   shown.play(clock, go_on);
-  view.close();
   return kExitDone;
 }
 

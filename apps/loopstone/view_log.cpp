@@ -28,14 +28,16 @@ bool go_on() { return !interrupted(); }
 class Recording {
  public:
   Recording(const ViewRequest& request, const AppContext& context)
-      : request_(request), context_(context), display_(context), print_problem_(context) {}
+      : request_(request), context_(context), print_problem_(context) {}
 
   /// From its beginning.
-  void rewind(std::string_view step, ProblemPrinter* printer = nullptr) {
+  /// \param is_shown  how far it is, on the terminal: not of what goes at a client's pace
+  void rewind(std::string_view step, bool is_shown, ProblemPrinter* printer = nullptr) {
     log_.reset();
+    display_.emplace(context_, is_shown);
     const auto open = context_.threads().resolved() > 1 ? open_log_ahead : open_log;
     reader_ = open(request_.what, log_options(request_.reading, context_, printer));
-    log_.emplace(*reader_, request_.cut, !context_.robot_given(), step, display_);
+    log_.emplace(*reader_, request_.cut, !context_.robot_given(), step, *display_);
   }
   [[nodiscard]] CutLog& log() { return *log_; }
   [[nodiscard]] RobotModel robot() const { return robot_of(*reader_, context_); }
@@ -43,7 +45,7 @@ class Recording {
   /// Reads it all: when its scans begin and end, and what is wrong with it. Nothing when the user
   /// interrupted.
   [[nodiscard]] std::optional<PlaybackRange> survey() {
-    rewind("reading", &print_problem_);
+    rewind("reading", true, &print_problem_);
     tell_choices(*reader_, context_);
     std::optional<PlaybackRange> range;
     while (const auto message = log_->next()) {
@@ -63,7 +65,7 @@ class Recording {
  private:
   const ViewRequest& request_;
   const AppContext& context_;
-  ProgressDisplay display_;
+  std::optional<ProgressDisplay> display_{};
   ProblemPrinter print_problem_;
   std::unique_ptr<LogReader> reader_{};
   std::optional<CutLog> log_{};
@@ -99,7 +101,7 @@ class LogReplay {
  private:
   /// kGoOn when the map is finished.
   Turn map_once() {
-    recording_.rewind("mapping");
+    recording_.rewind("mapping", false);
     // What the drive has told of the laser it need not tell again.
     feed_.begin_anew(robot_);
     auto mapper = std::make_unique<Mapper>(robot_, options_, threads_);
@@ -109,7 +111,7 @@ class LogReplay {
     if (found.map_is_bent()) {
       is_corrected_ = true;
       robot_ = corrected_robot(robot_, found);
-      recording_.rewind("mapping anew");
+      recording_.rewind("mapping anew", true);
       feed_.begin_anew(robot_);
       mapper = std::make_unique<Mapper>(robot_, options_, threads_);
       if (feed(*mapper, false) == Turn::kStopped) return Turn::kStopped;
@@ -119,6 +121,7 @@ class LogReplay {
   }
 
   void finish(Mapper& mapper) {
+    feed_.end(mapper);
     MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
     if (interrupted()) return;
     while (const auto update = mapper.next_update()) feed_.add(*update, mapper);
@@ -179,10 +182,14 @@ ExitCode view_log(const ViewRequest& request, const AppContext& context) {
                     [&](const PlaybackState& state) { view.server().set_playback(state); });
   view.server().on_playback([&](const PlaybackControl& control) { clock.control(control); });
   MapFeed feed(view.board(), robot, options.map);
+  const ClosesFirst closes_first(view);
   view.open(context);
   tell_address(view, context);
-  LogReplay(recording, options, clock, feed, robot, context).run();
-  view.close();
+  try {
+    LogReplay(recording, options, clock, feed, robot, context).run();
+  } catch (const ReadingStopped&) {
+    // By Ctrl-C, while the log was opened again.
+  }
   return kExitDone;
 }
 

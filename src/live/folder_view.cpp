@@ -50,11 +50,72 @@ std::vector<Gap> gaps_in(const Json& summary) {
     const auto from = one.find("from_s");
     const auto to = one.find("to_s");
     if (from == one.end() || to == one.end() || !from->is_number() || !to->is_number()) continue;
-    gaps.push_back(
-        {from->get<double>(), to->get<double>(), one.value("bridged_by", Json("")) == Json("nothing")});
+    gaps.push_back({from->get<double>(), to->get<double>(),
+                    one.value("bridged_by", Json("")) == Json("nothing")});
   }
   return gaps;
 }
+
+/// What the drive told of the laser, where the map was made with it.
+struct FoundLaser {
+  int index = 0;
+  bool is_mirrored = false;
+  std::optional<double> sweep_s{};
+  std::optional<double> x_m{};
+  std::optional<double> y_m{};
+  std::optional<double> yaw_rad{};
+
+  void correct(Pose2& mount) const {
+    mount = {x_m.value_or(mount.x), y_m.value_or(mount.y), yaw_rad.value_or(mount.yaw)};
+  }
+};
+
+FoundLaser found_laser(const Json& summary) {
+  FoundLaser found;
+  const auto at = [&](const char* pointer) {
+    const Json::json_pointer place(pointer);
+    return summary.contains(place) ? summary[place] : Json();
+  };
+  const auto is_so = [&](const char* pointer) { return at(pointer) == Json(true); };
+  const auto number = [&](const char* pointer) {
+    const Json value = at(pointer);
+    return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
+  };
+  constexpr double kMostLasers = 64.0;
+  found.index = static_cast<int>(
+      std::clamp(number("/calibration/lidar/index").value_or(0.0), 0.0, kMostLasers));
+  if (is_so("/calibration/beams/corrected")) {
+    found.is_mirrored = is_so("/calibration/beams/laser_is_mirrored");
+    if (is_so("/calibration/beams/sweep_is_off"))
+      found.sweep_s = number("/calibration/beams/sweep_s/value");
+  }
+  if (!is_so("/calibration/mount_corrected")) return found;
+  if (is_so("/calibration/lidar/yaw_is_off"))
+    found.yaw_rad = number("/calibration/lidar/yaw_rad/value");
+  if (is_so("/calibration/lidar/place_is_off")) {
+    found.x_m = number("/calibration/lidar/x_m/value");
+    found.y_m = number("/calibration/lidar/y_m/value");
+  }
+  return found;
+}
+
+/// Shows each pose once, and not too often.
+class Showing {
+ public:
+  explicit Showing(Clock::duration period) : period_(period) {}
+  [[nodiscard]] bool is_due(std::size_t pose) {
+    const Clock::time_point now = Clock::now();
+    if (shown_ == pose || now < due_) return false;
+    shown_ = pose;
+    due_ = now + period_;
+    return true;
+  }
+
+ private:
+  Clock::duration period_;
+  std::optional<std::size_t> shown_{};
+  Clock::time_point due_{};
+};
 
 ViewLayer layer_of(const PlacedPicture& picture) {
   return {picture.corner, picture.resolution_m, picture.png};
@@ -69,6 +130,7 @@ class FolderView::Impl {
     summary_ = Json::parse(folder_.summary_json, nullptr, /*allow_exceptions=*/false);
     if (!summary_.is_object()) summary_ = Json::object();
     gaps_ = gaps_in(summary_);
+    correct_robot();
     for (const StampedClosure& one : folder_.closures) {
       for (const auto& stamp : {one.from, one.to}) {
         if (stamp) closure_stamps_.insert(*stamp);
@@ -87,6 +149,7 @@ class FolderView::Impl {
   void play(ReplayClock& clock, const std::function<bool()>& go_on);
 
  private:
+  void correct_robot();
   void choose_nodes();
   void measure_path();
   [[nodiscard]] std::size_t node_at(Stamp stamp) const;
@@ -101,6 +164,7 @@ class FolderView::Impl {
   RobotModel robot_;
   ViewBoard& board_;
   Json summary_{};
+  FoundLaser found_{};
   std::vector<Gap> gaps_{};
   std::set<Stamp> closure_stamps_{};
   std::vector<std::size_t> nodes_{};   ///< which poses are nodes
@@ -108,6 +172,16 @@ class FolderView::Impl {
   std::map<Stamp, std::shared_ptr<const MappedScan>> scans_{};
   std::size_t scan_bytes_ = 0;
 };
+
+void FolderView::Impl::correct_robot() {
+  found_ = found_laser(summary_);
+  const auto index = static_cast<std::size_t>(found_.index);
+  while (robot_.lidars.size() <= index) robot_.lidars.push_back({.robot_T_lidar = Pose2{}});
+  LidarMount& lidar = robot_.lidars[index];
+  if (found_.is_mirrored) lidar.upside_down = !lidar.upside_down;
+  if (found_.sweep_s) lidar.sweep_s = *found_.sweep_s;
+  found_.correct(lidar.robot_T_lidar);
+}
 
 void FolderView::Impl::choose_nodes() {
   for (std::size_t i = 0; i < poses().size(); ++i) {
@@ -136,9 +210,11 @@ void FolderView::Impl::add_scan(const LaserScan& scan, std::size_t most_bytes) {
   const std::size_t bytes = sizeof(MappedScan) + scan.ranges_m.size() * sizeof(float);
   if (!closure_stamps_.contains(scan.stamp) && scan_bytes_ + bytes > most_bytes) return;
   MappedScan mapped{.scan = as_mounted(scan, robot_).value_or(scan),
-                    .index = static_cast<std::size_t>(pose - poses().begin()),
-                    .robot_T_lidar = mount_of(scan, robot_)};
+                    .index = static_cast<std::size_t>(pose - poses().begin())};
   mapped.scan.intensities.clear();
+  if (mapped.scan.robot_T_lidar && scan.lidar == found_.index)
+    found_.correct(*mapped.scan.robot_T_lidar);
+  mapped.robot_T_lidar = mount_of(mapped.scan, robot_);
   if (scans_.try_emplace(scan.stamp, std::make_shared<const MappedScan>(std::move(mapped))).second)
     scan_bytes_ += bytes;
 }
@@ -258,19 +334,13 @@ void FolderView::Impl::show_status(std::size_t index) {
 void FolderView::Impl::play(ReplayClock& clock, const std::function<bool()>& go_on) {
   show_map();
   std::size_t next = 0;
-  std::size_t shown = poses().size();  // none
-  Clock::time_point robot_due{};
-  Clock::time_point status_due{};
   // Asked while nothing is due, too, so that a robot that stops is shown where it stopped.
+  Showing robot(kRobotPeriod);
+  Showing status(kStatusPeriod);
   const auto show_last = [&] {
-    const Clock::time_point now = Clock::now();
-    if (next == 0 || shown == next - 1 || now < robot_due) return;
-    shown = next - 1;
-    robot_due = now + kRobotPeriod;
-    show_robot(shown);
-    if (now < status_due) return;
-    status_due = now + kStatusPeriod;
-    show_status(shown);
+    if (next == 0) return;
+    if (robot.is_due(next - 1)) show_robot(next - 1);
+    if (status.is_due(next - 1)) show_status(next - 1);
   };
   const auto goes_on = [&] {
     show_last();

@@ -109,7 +109,6 @@ class Drawer {
     grid_.emplace(map_.most_cells);
     shown_ = 0;
     outlines_.clear();
-    submaps_.clear();
     sigmas_.clear();
     next_sigmas_.clear();
     current_ = {};
@@ -117,7 +116,9 @@ class Drawer {
     standard_timer_.begin_anew();
   }
   [[nodiscard]] const Drawing& last() const { return current_; }
-  [[nodiscard]] const std::vector<ViewSubmap>& submaps() const { return submaps_; }
+  [[nodiscard]] std::vector<ViewSubmap> submaps_of(const MapSnapshot& snapshot) {
+    return outlines_.submaps_of(snapshot);
+  }
 
  private:
   void run(const std::stop_token& stop) {
@@ -160,8 +161,7 @@ class Drawer {
 
   void show_closures(Stamp stamp) {
     board_.show_closures(stamp, closures_of(current_.snapshot));
-    submaps_ = outlines_.submaps_of(current_.snapshot);
-    board_.show_submaps(stamp, submaps_);
+    board_.show_submaps(stamp, outlines_.submaps_of(current_.snapshot));
   }
 
   void show_standard(Stamp stamp) {
@@ -187,7 +187,6 @@ class Drawer {
   std::optional<LiveGrid> grid_{};
   std::int64_t shown_ = 0;
   SubmapOutlines outlines_{};
-  std::vector<ViewSubmap> submaps_{};
   NodeSigmas sigmas_{};
   Drawing current_{};
 
@@ -220,6 +219,10 @@ class MapFeed::Impl {
   void add(const LaserScan& scan);
   void add(const MapUpdate& update, const Mapper& mapper);
   void catch_up(const Mapper& mapper);
+  void end(const Mapper& mapper) {
+    final_ = mapper.snapshot();
+    if (last_) draw(*last_, mapper);
+  }
   void finish(const MapResult& result);
   void note_front_end(double seconds) { front_end_s_ = std::max(front_end_s_, seconds); }
   void flush() { drawer_.flush(); }
@@ -227,7 +230,8 @@ class MapFeed::Impl {
 
  private:
   void show_robot(const MapUpdate& update);
-  void show_status(const MapUpdate& update);
+  [[nodiscard]] const LaserScan* scan_at(Stamp stamp) const;
+  void show_status(Stamp stamp);
   void draw(const MapUpdate& update, const Mapper& mapper);
   void note(const MapUpdate& update);
   [[nodiscard]] double pace_at(Stamp stamp);
@@ -245,7 +249,8 @@ class MapFeed::Impl {
     bool robot = false;
     bool map = false;
     bool status = false;
-  } waits_{};                      ///< what of the last update is still to be shown
+  } waits_{};  ///< what of the last update is still to be shown
+  std::optional<MapSnapshot> final_{};
   std::deque<LaserScan> scans_{};  ///< whose updates are still to come
   NodeSigmas sigmas_{};            ///< since the last drawing
   std::vector<ViewWarning> warnings_{};
@@ -260,6 +265,7 @@ void MapFeed::Impl::begin_anew(const RobotModel& robot) {
   drawer_.begin_anew();
   robot_ = robot;
   last_.reset();
+  final_.reset();
   scans_.clear();
   sigmas_.clear();
   warnings_.clear();
@@ -293,7 +299,9 @@ void MapFeed::Impl::catch_up(const Mapper& mapper) {
     waits_.map = false;
   }
   if (waits_.status && status_timer_.is_due()) {
-    show_status(*last_);
+    status_.status = to_string(last_->status);
+    status_.figures["sigma_m"] = larger_half_axis(last_->covariance);
+    show_status(last_->stamp);
     waits_.status = false;
   }
   // Those of other lasers may have the same stamp.
@@ -319,9 +327,13 @@ void MapFeed::Impl::note(const MapUpdate& update) {
 }
 
 void MapFeed::Impl::show_robot(const MapUpdate& update) {
-  const auto scan = std::ranges::find(scans_, update.stamp, &LaserScan::stamp);
-  board_.show_robot(update.stamp, update.map_T_robot(), update.covariance,
-                    scan == scans_.end() ? nullptr : &*scan, robot_);
+  board_.show_robot(update.stamp, update.map_T_robot(), update.covariance, scan_at(update.stamp),
+                    robot_);
+}
+
+const LaserScan* MapFeed::Impl::scan_at(Stamp stamp) const {
+  const auto scan = std::ranges::find(scans_, stamp, &LaserScan::stamp);
+  return scan == scans_.end() ? nullptr : &*scan;
 }
 
 void MapFeed::Impl::draw(const MapUpdate& update, const Mapper& mapper) {
@@ -349,24 +361,22 @@ double MapFeed::Impl::pace_at(Stamp stamp) {
   return pace;
 }
 
-void MapFeed::Impl::show_status(const MapUpdate& update) {
+void MapFeed::Impl::show_status(Stamp stamp) {
   constexpr double kBytesPerMb = 1e6;
-  status_.stamp = update.stamp;
-  status_.status = to_string(update.status);
+  status_.stamp = stamp;
   status_.map_m2 = board_.known_area_m2();
-  status_.realtime = pace_at(update.stamp);
+  status_.realtime = pace_at(stamp);
   status_.memory_mb = static_cast<double>(memory_bytes()) / kBytesPerMb;
-  status_.figures = {{"sigma_m", larger_half_axis(update.covariance)},
-                     {"front_end_ms", 1e3 * std::exchange(front_end_s_, 0.0)}};
+  status_.figures["front_end_ms"] = 1e3 * std::exchange(front_end_s_, 0.0);
   board_.show_status(status_);
 }
 
 void MapFeed::Impl::finish(const MapResult& result) {
   drawer_.drop();
   const Stamp stamp = result.trajectory.empty() ? Stamp{} : result.trajectory.back().stamp;
-  const MapSnapshot& last = drawer_.last().snapshot;
+  const MapSnapshot last = final_ ? *std::exchange(final_, std::nullopt) : drawer_.last().snapshot;
   board_.show_nodes(stamp, nodes_of(result, last));
-  board_.show_submaps(stamp, moved_to(result, last, drawer_.submaps()));
+  board_.show_submaps(stamp, moved_to(result, last, drawer_.submaps_of(last)));
   board_.show_closures(stamp, closures_of(result, last));
   if (result.map_failure.empty()) {
     board_.replace_tiles(stamp, result.map);
@@ -378,11 +388,17 @@ void MapFeed::Impl::finish(const MapResult& result) {
   for (const std::string& warning : result.warnings) warnings_.push_back({std::nullopt, warning});
   board_.show_warnings(stamp, warnings_);
   if (const auto layer = quality_layer_of(result)) board_.show_quality(stamp, *layer);
-  last_.reset();
+  const MapStatistics& statistics = result.statistics;
+  status_.submaps = static_cast<std::size_t>(statistics.submaps);
+  status_.closures = static_cast<std::size_t>(statistics.loop_closures_accepted);
+  status_.rejected = static_cast<std::size_t>(statistics.loop_closures_rejected);
+  if (last_) status_.status = to_string(last_->status);
+  show_status(stamp);
   if (!result.trajectory.empty()) {
-    board_.show_robot(stamp, result.trajectory.back().pose, Eigen::Matrix3d::Zero(), nullptr,
+    board_.show_robot(stamp, result.trajectory.back().pose, Eigen::Matrix3d::Zero(), scan_at(stamp),
                       robot_);
   }
+  last_.reset();
 }
 
 MapFeed::MapFeed(ViewBoard& board, const RobotModel& robot, const OccupancyOptions& map,
@@ -399,6 +415,7 @@ void MapFeed::add(const SensorMessage& message) {
 }
 void MapFeed::add(const MapUpdate& update, const Mapper& mapper) { impl_->add(update, mapper); }
 void MapFeed::note_front_end(double seconds) { impl_->note_front_end(seconds); }
+void MapFeed::end(const Mapper& mapper) { impl_->end(mapper); }
 void MapFeed::finish(const MapResult& result) { impl_->finish(result); }
 void MapFeed::catch_up(const Mapper& mapper) { impl_->catch_up(mapper); }
 void MapFeed::flush() { impl_->flush(); }

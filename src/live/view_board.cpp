@@ -181,6 +181,9 @@ void ViewBoard::Impl::begin_anew(Stamp stamp, double resolution_m) {
   tell_locked(submaps_told_, stamp, submaps_json({}));
   tell_locked(verdict_, stamp, verdict_json({}));
   tell_locked(warnings_, stamp, warnings_json({}));
+  for (Told* layer : {&quality_, &texture_}) {
+    if (!layer->last.empty()) tell_locked(*layer, stamp, layer_json({}));
+  }
 }
 
 void ViewBoard::Impl::show_robot(Stamp stamp, const Pose2& map_T_robot,

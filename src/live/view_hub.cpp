@@ -46,7 +46,7 @@ void ViewHub::publish(ChannelId id, Stamp stamp, std::string bytes) {
   const std::scoped_lock lock(mutex_);
   Channel& channel = *channels_.at(id.index);
   const SendPolicy policy = channel.about.policy;
-  if (policy == SendPolicy::kLatest) {
+  if (policy == SendPolicy::kLatest || policy == SendPolicy::kDroppable) {
     channel.last_stamp = stamp;
     channel.last = body;
   }
@@ -149,7 +149,7 @@ void ViewHub::subscribe(Member& member, const SubscribeRequest& request) {
     member.channel_of[one.id] = one.channel;
     const Channel& channel = *channels_[one.channel];
     if (channel.last) {
-      send(member, one.id, SendPolicy::kLatest,
+      send(member, one.id, channel.about.policy,
            message_frame(one.id, channel.last_stamp, channel.last));
     }
     if (channel.about.policy == SendPolicy::kChanges && channel.about.whole) {

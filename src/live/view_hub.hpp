@@ -60,7 +60,7 @@ class ViewHub {
   struct Channel {
     ViewChannel about;
     Stamp last_stamp{};
-    std::shared_ptr<const std::string> last{};  ///< of kLatest
+    std::shared_ptr<const std::string> last{};  ///< of kLatest and kDroppable
   };
   struct Member {
     std::function<void()> wake;

@@ -48,7 +48,16 @@ THIRD_PARTY = {
 }
 
 # POSIX and C headers that reach files, the terminal or the process.
-SYSTEM_HEADERS = ("sys/", "unistd.h", "fcntl.h", "dirent.h", "stdio.h", "signal.h", "termios.h")
+SYSTEM_HEADERS = (
+    "sys/",
+    "unistd.h",
+    "fcntl.h",
+    "dirent.h",
+    "stdio.h",
+    "signal.h",
+    "termios.h",
+    "spawn.h",
+)
 FILE_HEADERS = {"fstream", "cstdio", "filesystem"}
 PRINT_HEADERS = {"iostream", "print", "syncstream"}
 

@@ -30,6 +30,7 @@ struct ViewPeriods {
 ///     mapper.add(*message);
 ///     while (auto update = mapper.next_update()) feed.add(*update, mapper);
 ///   }
+///   feed.end(mapper);
 ///   feed.finish(mapper.finish());
 ///
 /// The mapper's thread is kept for microseconds an update; the map is drawn, and all that is long
@@ -55,6 +56,9 @@ class MapFeed {
   /// While nothing comes: shows what was held back because it came too soon after what was shown.
   /// To be called several times a second.
   void catch_up(const Mapper& mapper);
+  /// The last message was added: what the mapper knows of scans and submaps is taken before it
+  /// finishes.
+  void end(const Mapper& mapper);
   /// The finished map takes the place of the one so far.
   void finish(const MapResult& result);
   /// Returns when all that was added is on the board.

@@ -11,7 +11,7 @@ namespace loopstone {
 
 /// The clock of a recording that clients play, pause and seek in.
 ///
-///   ReplayClock clock(range, speed, [&](const PlaybackState& state) { server.set_playback(state); });
+///   ReplayClock clock(range, speed, [&](const auto& state) { server.set_playback(state); });
 ///   server.on_playback([&](const PlaybackControl& control) { clock.control(control); });
 ///   while (true) {
 ///     switch (clock.wait_for(next_stamp, go_on)) { ... }

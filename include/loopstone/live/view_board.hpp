@@ -38,8 +38,8 @@ struct ViewSink {
 ///   board.show_nodes(stamp, nodes);
 ///
 /// How often is the caller's to say (MapFeed does). The server asks the board, so it must stop()
-/// before the board goes. Safe to be called from any thread. Messages that no clock of ROS 2 has a place for (after
-/// 2038) are left out.
+/// before the board goes. Safe to be called from any thread. Messages that no clock of ROS 2 has a
+/// place for (after 2038) are left out.
 class ViewBoard {
  public:
   explicit ViewBoard(ViewSink sink);

@@ -9,10 +9,11 @@
 
 namespace loopstone {
 
-/// What becomes of a channel's messages where a client takes them more slowly than they come.
+/// What becomes of a channel's messages where a client takes them more slowly than they come. Who
+/// subscribes later gets the last message of all but kEvery.
 enum class SendPolicy {
   kEvery,      ///< each is sent; a client that falls too far behind is let go
-  kLatest,     ///< the newest one is sent, also to whoever subscribes later
+  kLatest,     ///< the newest one is sent
   kDroppable,  ///< the oldest of those that wait are left out
   kChanges,    ///< each changes a state; who subscribes, or lets too many wait, gets all of it
 };

@@ -57,15 +57,15 @@ struct HttpAnswer {
 ///   while (drives()) server.publish(scans, stamp, bytes());
 ///
 /// Nobody waits for a client: what a slow one misses is said by the channels' policies. Who comes
-/// late gets the last message of each kLatest channel and all of each kChanges channel when it
-/// subscribes.
+/// late gets all of each kChanges channel, and of each kLatest and kDroppable channel the last
+/// message, when it subscribes.
 ///
 /// Who gets in: without a token only who calls this machine by a loopback name, so that no foreign
 /// name can be led here; with one, who brings it. Scripts of pages only from this server itself, a
 /// loopback host or `origins`.
 ///
 /// Threads: all calls from any, at any time; the server has one of its own, which ends with it.
-/// Memory: for each client what ViewServerLimits says, and one message a kLatest channel for all.
+/// Memory: for each client what ViewServerLimits says, and the last message of a channel for all.
 class ViewServer {
  public:
   /// Throws UsageError for an address that is none, or one that others can reach without a token.

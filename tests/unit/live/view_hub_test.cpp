@@ -120,11 +120,13 @@ TEST_F(Hub, WhoSubscribesLateGetsWhatCounts) {
   hub.publish({kLatest}, Stamp{1}, "old");
   hub.publish({kLatest}, Stamp{2}, "new");
   hub.publish({kDroppable}, Stamp{1}, "gone");
+  hub.publish({kDroppable}, Stamp{2}, "where the robot is");
   state = "tiles 1 and 2";
   hub.publish({kChanges}, Stamp{1}, "tile 2");
   const auto client = greeted();
   for (std::uint32_t i = 0; i < 4; ++i) hub.receive_text(client, subscribe(10 + i, i));
-  EXPECT_THAT(all_for(hub, client), ElementsAre("11:new", "13:tiles 1 and 2"));
+  EXPECT_THAT(all_for(hub, client),
+              ElementsAre("11:new", "12:where the robot is", "13:tiles 1 and 2"));
   hub.publish({kChanges}, Stamp{1}, "tile 3");
   EXPECT_THAT(all_for(hub, client), ElementsAre("13:tile 3"));
 }

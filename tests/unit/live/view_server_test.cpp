@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -206,7 +207,8 @@ TEST_F(Server, WhoIsTooSlowForWhatItMustGetIsLetGo) {
   ViewServer server(options_, {.waiting_bytes = 1'000'000});
   const ChannelId all = server.add_channel({.topic = "/all", .policy = SendPolicy::kEvery});
   server.start();
-  WebClient slow(server.port(), 1 << 16);
+  auto client = std::make_unique<WebClient>(server.port(), 1 << 16);
+  WebClient& slow = *client;
   ASSERT_EQ(slow.open_socket().status, 101);
   slow.send_text(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0}]})");
   slow.send_text(R"({"op":"dance"})");
@@ -215,11 +217,13 @@ TEST_F(Server, WhoIsTooSlowForWhatItMustGetIsLetGo) {
   while (slow.receive()) {
   }
   EXPECT_EQ(slow.close_code(), 1008);
+  client.reset();
   wait_until([&] { return server.clients() == 0; });
 }
 
 TEST_F(Server, HostileClientsHurtThemselvesOnly) {
-  ViewServer server(options_, {.clients = 4, .message_bytes = 1000, .handshake_s = 0.3, .idle_s = 4.0});
+  ViewServer server(options_,
+                    {.clients = 4, .message_bytes = 1000, .handshake_s = 0.3, .idle_s = 4.0});
   const ChannelId scans = server.add_channel({.topic = "/scan", .policy = SendPolicy::kEvery});
   server.start();
   WebClient good(server.port());
