@@ -46,7 +46,10 @@ set(LOOPSTONE_PRECOMPILED_HEADERS
     <vector>)
 
 # The page of the live view goes into the library as it was built: users need no Node.
-set(LOOPSTONE_PAGE "${PROJECT_SOURCE_DIR}/viewer/built/index.html")
+file(GLOB LOOPSTONE_PAGE CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/viewer/built/index.html")
+if(NOT LOOPSTONE_PAGE)
+  set(LOOPSTONE_PAGE "${PROJECT_SOURCE_DIR}/src/live/placeholder_page.html")
+endif()
 set(LOOPSTONE_PAGE_SOURCE "${PROJECT_BINARY_DIR}/page.cpp")
 add_custom_command(
   OUTPUT "${LOOPSTONE_PAGE_SOURCE}"
