@@ -19,6 +19,7 @@ struct ViewFlags {
   std::string token{};
   std::vector<std::string> origins{};
   bool no_open = false;
+  friend bool operator==(const ViewFlags&, const ViewFlags&) = default;
 };
 
 /// --port, --listen, --token, --origin, --no-open.

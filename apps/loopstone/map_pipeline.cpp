@@ -94,6 +94,8 @@ std::uint64_t most_cells(const AppContext& context) {
 
 MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& context)
     : context_(context) {
+  if (!arguments.view && arguments.view_flags != ViewFlags{})
+    throw UsageError("--port, --listen, --token, --origin and --no-open are of --view");
   if (arguments.pipeline == Pipeline::kScanToScan) {
     refuse_flags_of_submaps(arguments);
     auto options = context.load_options<ScanToScanOptions>();

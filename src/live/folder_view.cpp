@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "live/pace_meter.hpp"
 #include "live/snapshot_contents.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/report/peak_memory.hpp"
@@ -171,6 +172,7 @@ class FolderView::Impl {
   std::vector<double> travelled_m_{};  ///< up to each pose
   std::map<Stamp, std::shared_ptr<const MappedScan>> scans_{};
   std::size_t scan_bytes_ = 0;
+  PaceMeter pace_{};
 };
 
 void FolderView::Impl::correct_robot() {
@@ -322,6 +324,7 @@ void FolderView::Impl::show_status(std::size_t index) {
                     .closures = count(ClosureState::kStanding),
                     .rejected = count(ClosureState::kRejected) + count(ClosureState::kRevoked),
                     .map_m2 = board_.known_area_m2(),
+                    .realtime = pace_.at(poses()[index].stamp),
                     .memory_mb = static_cast<double>(memory_bytes()) / kBytesPerMb};
   if (const auto submaps = summary_.find("submaps");
       submaps != summary_.end() && submaps->is_number_unsigned())

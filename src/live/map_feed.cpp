@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "live/pace_meter.hpp"
 #include "live/snapshot_contents.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/report/peak_memory.hpp"
@@ -29,9 +30,9 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMostScansWaiting = 100;
 /// A robot that stands does not travel, whatever its pose does.
 constexpr double kTravelStepM = 0.02;
-constexpr double kPaceOverS = 1.0;
 /// Of messages that are sent whole, again and again.
 constexpr std::size_t kMostPathPoses = 5000;
+constexpr double kCellsPerS = 4e6;
 
 double seconds_between(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
@@ -48,6 +49,7 @@ class Timer {
     return true;
   }
   void begin_anew() { last_.reset(); }
+  void set_period(double period_s) { period_s_ = period_s; }
 
  private:
   double period_s_;
@@ -75,7 +77,8 @@ class Drawer {
       : board_(board),
         map_(map),
         footprint_radius_m_(footprint_radius_m),
-        period_s_(std::max(0.25 * periods.map_s, 0.005)),
+        period_s_(std::max(periods.map_s, 0.005)),
+        standard_s_(periods.standard_s),
         closures_timer_(periods.closures_s),
         standard_timer_(periods.standard_s) {
     begin_anew();
@@ -166,6 +169,9 @@ class Drawer {
 
   void show_standard(Stamp stamp) {
     if (grid_->update(*live_)) board_.show_grid(stamp, grid_->cells());
+    // A large map is sent less often.
+    const auto cells = static_cast<double>(grid_->cells().cells().size());
+    standard_timer_.set_period(std::max(standard_s_, cells / kCellsPerS));
     std::vector<StampedPose2> path;
     for (const KeyScanSnapshot& key : current_.snapshot.key_scans())
       path.push_back({key.stamp, key.map_T_robot});
@@ -179,6 +185,7 @@ class Drawer {
   OccupancyOptions map_;
   double footprint_radius_m_;
   double period_s_;
+  double standard_s_;
   Timer closures_timer_;
   Timer standard_timer_;
 
@@ -234,7 +241,6 @@ class MapFeed::Impl {
   void show_status(Stamp stamp);
   void draw(const MapUpdate& update, const Mapper& mapper);
   void note(const MapUpdate& update);
-  [[nodiscard]] double pace_at(Stamp stamp);
 
   ViewBoard& board_;
   RobotModel robot_;
@@ -257,7 +263,7 @@ class MapFeed::Impl {
   ViewStatus status_{};
   std::optional<Pose2> travelled_to_{};  ///< odom frame
   double front_end_s_ = 0.0;             ///< the longest since the last status
-  std::optional<std::pair<Clock::time_point, Stamp>> pace_from_{};
+  PaceMeter pace_{};
 };
 
 void MapFeed::Impl::begin_anew(const RobotModel& robot) {
@@ -271,7 +277,7 @@ void MapFeed::Impl::begin_anew(const RobotModel& robot) {
   warnings_.clear();
   status_ = {};
   travelled_to_.reset();
-  pace_from_.reset();
+  pace_ = {};
   for (Timer* timer : {&robot_timer_, &status_timer_, &map_timer_}) timer->begin_anew();
   board_.begin_anew({}, resolution_m_);
 }
@@ -351,21 +357,11 @@ void MapFeed::Impl::draw(const MapUpdate& update, const Mapper& mapper) {
   drawer_.draw(std::move(drawing), std::exchange(sigmas_, {}));
 }
 
-double MapFeed::Impl::pace_at(Stamp stamp) {
-  const Clock::time_point now = Clock::now();
-  if (!pace_from_) pace_from_ = {now, stamp};
-  const double wall_s = seconds_between(pace_from_->first, now);
-  if (wall_s < kPaceOverS) return status_.realtime;
-  const double pace = (stamp - pace_from_->second).seconds() / wall_s;
-  pace_from_ = {now, stamp};
-  return pace;
-}
-
 void MapFeed::Impl::show_status(Stamp stamp) {
   constexpr double kBytesPerMb = 1e6;
   status_.stamp = stamp;
   status_.map_m2 = board_.known_area_m2();
-  status_.realtime = pace_at(stamp);
+  status_.realtime = pace_.at(stamp);
   status_.memory_mb = static_cast<double>(memory_bytes()) / kBytesPerMb;
   status_.figures["front_end_ms"] = 1e3 * std::exchange(front_end_s_, 0.0);
   board_.show_status(status_);

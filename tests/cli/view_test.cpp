@@ -405,6 +405,7 @@ TEST_F(ViewCommand, SaysWhatIsWrong) {
   expect_error({"view", "/dev/stdin"}, 2, "a pipe can be read once only");
   expect_error({"map", log_, "-o", *dir_ / "x", "--view", "--pipeline", "scan_to_scan"}, 2,
                "--view");
+  expect_error({"map", log_, "-o", *dir_ / "x", "--port", "0"}, 2, "are of --view");
   const ProgramResult taken = view({"view", map_, "--port", "0", "--no-open"}, [&](std::uint16_t
                                                                                        port) {
     const std::string number = std::to_string(port);
