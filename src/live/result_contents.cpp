@@ -22,14 +22,27 @@ std::string text_in(const Json& object, std::string_view name) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string{};
 }
 
-/// Calls say(one) for each object of a list of that name, where there is one.
-template <typename Say>
+/// Parts that are certain to less than this are no place to look at [m].
+constexpr double kLeastSigmaM = 0.1;
+
+bool is_uncertain(const Json& part) { return number_in(part, "sigma_m") >= kLeastSigmaM; }
+
+bool counts(const Json& region) {
+  VisitContradiction one;
+  one.wall_m = number_in(region, "wall_m");
+  one.share = number_in(region, "share");
+  one.apart_m = number_in(region, "apart_m");
+  return is_contradiction(one);
+}
+
+/// Calls say(one) for each object of a list of that name, where there is one, that is one to tell.
+template <typename IsOne, typename Say>
 void add_places(const Json& quality, std::string_view name, std::vector<ViewPlace>& places,
-                const Say& say) {
+                const IsOne& is_one, const Say& say) {
   const auto list = quality.find(name);
   if (list == quality.end() || !list->is_array()) return;
   for (const Json& one : *list) {
-    if (!one.is_object()) continue;
+    if (!one.is_object() || !is_one(one)) continue;
     places.push_back({{number_in(one, "x_m"), number_in(one, "y_m")}, say(one)});
   }
 }
@@ -50,17 +63,17 @@ ViewVerdict verdict_of(const Json& quality, bool complete) {
         verdict.reasons.push_back(text_in(measure, "sentence"));
     }
   }
-  add_places(quality, "contradictions", verdict.places, [](const Json& one) {
+  add_places(quality, "contradictions", verdict.places, counts, [](const Json& one) {
     return fmt::format("two visits contradict each other over {:.1f} m of wall",
                        number_in(one, "wall_m"));
   });
-  add_places(quality, "loose_parts", verdict.places, [](const Json& one) {
+  add_places(quality, "loose_parts", verdict.places, is_uncertain, [](const Json& one) {
     return fmt::format(
         "{:.0f} m of the path hang on {}: they may be off by {:.1f} m", number_in(one, "path_m"),
         number_in(one, "closures") > 0.0 ? "a single loop closure" : "no loop closure",
         number_in(one, "sigma_m"));
   });
-  add_places(quality, "open_stretches", verdict.places, [](const Json& one) {
+  add_places(quality, "open_stretches", verdict.places, is_uncertain, [](const Json& one) {
     return fmt::format("a bare corridor of {:.0f} m, which may be {:.1f} m too long or too short",
                        number_in(one, "path_m"), number_in(one, "sigma_m"));
   });

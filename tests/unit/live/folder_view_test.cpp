@@ -56,8 +56,9 @@ TEST_F(FolderOnBoard, AllIsKnownAtOnce) {
     "quality":{"verdict":"doubtful","sentence":"Doubtful: why.",
       "measures":{"a":{"verdict":"good","sentence":"fine"},"b":{"verdict":"bad","sentence":"not fine"}},
       "loose_parts":[{"x_m":1,"y_m":2,"path_m":30,"closures":0,"sigma_m":0.7}],
-      "open_stretches":[{"x_m":1,"y_m":2,"path_m":30,"sigma_m":0.7}],
-      "contradictions":[{"x_m":3,"y_m":4,"wall_m":5}, 7]}})";
+      "open_stretches":[{"x_m":1,"y_m":2,"path_m":30,"sigma_m":0.7},{"x_m":1,"y_m":2,"sigma_m":0.01}],
+      "contradictions":[{"x_m":3,"y_m":4,"wall_m":9,"share":0.9,"apart_m":1.0},
+        {"x_m":3,"y_m":4,"wall_m":0.2}, 7]}})";
   folder.left_out = {"map.png: gone"};
   FolderView shown(std::move(folder), {}, board);
   EXPECT_EQ(shown.range().end, at(10));
