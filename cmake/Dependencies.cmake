@@ -13,6 +13,7 @@ find_package(hwy 1.0 REQUIRED CONFIG)
 find_package(BZip2 REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(Boost 1.74 REQUIRED) # headers alone: Beast and Asio
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(loopstone_libzip REQUIRED IMPORTED_TARGET libzip) # Debian's CMake config of libzip needs zipcmp installed
 pkg_check_modules(loopstone_cairo REQUIRED IMPORTED_TARGET cairo)
@@ -40,4 +41,4 @@ set(LOOPSTONE_LINKED_LIBRARIES
     JPEG::JPEG)
 
 # Header-only libraries, needed only while building.
-set(LOOPSTONE_HEADER_LIBRARIES nlohmann_json::nlohmann_json)
+set(LOOPSTONE_HEADER_LIBRARIES nlohmann_json::nlohmann_json Boost::headers)

@@ -16,11 +16,12 @@ set(LOOPSTONE_PARTS
     simulation
     messages
     formats
-    report)
+    report
+    live)
 
 # To work on a lower part while a higher one does not compile: -DLOOPSTONE_LAST_PART=grid builds the parts up to grid
 # and their unit tests, and nothing else.
-set(LOOPSTONE_LAST_PART "report" CACHE STRING "Build the parts up to this one only")
+set(LOOPSTONE_LAST_PART "live" CACHE STRING "Build the parts up to this one only")
 list(FIND LOOPSTONE_PARTS "${LOOPSTONE_LAST_PART}" last)
 if(last EQUAL -1)
   message(FATAL_ERROR "LOOPSTONE_LAST_PART: no part named '${LOOPSTONE_LAST_PART}' in ${LOOPSTONE_PARTS}")
@@ -44,9 +45,25 @@ set(LOOPSTONE_PRECOMPILED_HEADERS
     <variant>
     <vector>)
 
+# The page of the live view goes into the library as it was built: users need no Node.
+file(GLOB LOOPSTONE_PAGE CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/viewer/built/index.html")
+if(NOT LOOPSTONE_PAGE)
+  set(LOOPSTONE_PAGE "${PROJECT_SOURCE_DIR}/src/live/placeholder_page.html")
+endif()
+set(LOOPSTONE_PAGE_SOURCE "${PROJECT_BINARY_DIR}/page.cpp")
+add_custom_command(
+  OUTPUT "${LOOPSTONE_PAGE_SOURCE}"
+  COMMAND ${CMAKE_COMMAND} -D "PAGE=${LOOPSTONE_PAGE}" -D "SOURCE=${LOOPSTONE_PAGE_SOURCE}" -P
+          "${PROJECT_SOURCE_DIR}/cmake/EmbedPage.cmake"
+  DEPENDS "${LOOPSTONE_PAGE}" "${PROJECT_SOURCE_DIR}/cmake/EmbedPage.cmake"
+  VERBATIM)
+
 set(loopstone_objects)
 foreach(part IN LISTS LOOPSTONE_PARTS)
   file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${part}/*.cpp")
+  if(part STREQUAL "live")
+    list(APPEND sources "${LOOPSTONE_PAGE_SOURCE}")
+  endif()
   if(sources)
     add_library(loopstone_${part}_objects OBJECT ${sources})
     target_link_libraries(loopstone_${part}_objects PRIVATE loopstone_build Eigen3::Eigen ${LOOPSTONE_LINKED_LIBRARIES}

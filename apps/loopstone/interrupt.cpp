@@ -24,6 +24,7 @@ namespace {
 std::atomic<int> holders{0};
 std::atomic<bool> was_held{false};
 std::atomic<bool> is_requested{false};
+std::atomic<const char*> answer_to_first{""};
 std::mutex outputs_mutex;
 std::vector<UnfinishedOutput> outputs;
 
@@ -58,15 +59,15 @@ void listen_for_interrupts() {
       if (holders == 0 && was_held) continue;
       if (holders == 0 || is_requested.exchange(true)) end_at_once();
       ProgressDisplay::clear_line();
-      std::fputs("loopstone: interrupted: writing what there is; once more ends it at once\n",
-                 stderr);
+      std::fprintf(stderr, "loopstone: %s\n", answer_to_first.load());
     }
   }).detach();
 }
 
 bool interrupted() { return is_requested; }
 
-HeldInterrupt::HeldInterrupt() {
+HeldInterrupt::HeldInterrupt(const char* answer) {
+  answer_to_first = answer;
   ++holders;
   was_held = true;
 }

@@ -19,7 +19,9 @@ void listen_for_interrupts();
 /// the last one is gone the results are written: a Ctrl-C then comes too late to change anything.
 class HeldInterrupt {
  public:
-  HeldInterrupt();
+  /// \param answer  what is said to the first Ctrl-C; there for ever
+  explicit HeldInterrupt(
+      const char* answer = "interrupted: writing what there is; once more ends it at once");
   ~HeldInterrupt();
   HeldInterrupt(const HeldInterrupt&) = delete;
   HeldInterrupt& operator=(const HeldInterrupt&) = delete;

@@ -105,14 +105,15 @@ ExitCode show_results(CutLog& log, const MapArguments& arguments, const SessionT
   return kExitDone;
 }
 
-/// What the log itself gives reason to say of the map.
+/// What the log itself gives reason to say of the map, which is then known to who looks on.
 void add_judgement(const LogSummary& judged, std::vector<std::string> changes, bool interrupted_log,
-                   MapResult& result) {
+                   MapResult& result, MapFeed* feed) {
   const std::vector<std::string> of_log = warnings_of(judged);
   result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
   judge_left_out(result.verdict, judged.left_out.share());
   result.complete = result.complete && !interrupted_log;
   for (std::string& change : changes) result.warnings.push_back(std::move(change));
+  if (feed != nullptr) feed->finish(result);
 }
 
 /// The floor in colour, if the log has pictures. A failure leaves all else and is told in `info`.
@@ -212,8 +213,8 @@ std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppCont
 
 /// A map whose beams are bent or mirrored is made anew from the beginning of the log.
 void correct_beams(const MapArguments& arguments, MapPipeline& pipeline, const RobotModel& robot,
-                   RunRecording& recording, ProgressDisplay& display, MapResult& result,
-                   std::optional<MapperState>& kept, const AppContext& context) {
+                   RunRecording& recording, MapFeed* feed, ProgressDisplay& display,
+                   MapResult& result, std::optional<MapperState>& kept, const AppContext& context) {
   const Calibration found = result.calibration;
   // The drives before are not at hand.
   const bool continues = !arguments.drives.from.empty();
@@ -221,7 +222,7 @@ void correct_beams(const MapArguments& arguments, MapPipeline& pipeline, const R
   result = {};  // its memory is needed
   const auto reader = open_log(arguments.log, how_to_read(arguments, false, context));
   CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping anew", display);
-  result = pipeline.map_anew(log, recording, robot, found, context.threads(), kept);
+  result = pipeline.map_anew(log, recording, feed, robot, found, context.threads(), kept);
   ProgressDisplay::clear_line();
 }
 
@@ -268,6 +269,47 @@ void leave_state(std::optional<MapperState> kept, const MapResult& result,
   }
 }
 
+/// The results, and what they were made of where it is to be kept.
+void write_all(const MapResult& result, const MapExtras& extras, std::optional<MapperState> kept,
+               const MapArguments& arguments, MapPipeline& pipeline, const Checkpoint& checkpoint,
+               RunInfo& info, const AppContext& context) {
+  release_unused_memory();
+  write_map_outputs(result, info, arguments.out, extras);
+  leave_state(std::move(kept), result, arguments, pipeline);
+  info.peak_memory_bytes = peak_memory_bytes();
+  end_session(arguments.out, arguments.checkpoint, checkpoint,
+              result.complete && info.failure.empty(), context);
+}
+
+/// All is written: Ctrl-C ends the view, and nothing else.
+void stay_open(LiveView& view, std::optional<HeldInterrupt>& held, const AppContext& context) {
+  held.reset();
+  view.stay_open(context);
+}
+
+/// Who looks on while a map is made.
+struct MapWatch {
+  LiveView view;
+  MapFeed feed;
+  MapWatch(const MapArguments& arguments, const MapPipeline& pipeline, const RobotModel& robot,
+           const AppContext& context)
+      : view(arguments.view_flags,
+             {.name = std::filesystem::path(arguments.log).filename().string(), .mode = "mapping"},
+             context),
+        feed(view.board(), robot, pipeline.map_options()) {
+    view.open(context);
+  }
+  ~MapWatch() { view.close(); }
+  MapWatch(const MapWatch&) = delete;
+  MapWatch& operator=(const MapWatch&) = delete;
+};
+
+std::unique_ptr<MapWatch> watch_of(const MapArguments& arguments, const MapPipeline& pipeline,
+                                   const RobotModel& robot, const AppContext& context) {
+  if (!arguments.view) return nullptr;
+  return std::make_unique<MapWatch>(arguments, pipeline, robot, context);
+}
+
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   MapPipeline pipeline(arguments, context);
@@ -287,6 +329,8 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                         terms_of(arguments, pipeline, robot, context));
   if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
   std::optional<MapperState> before = state_before(arguments, pipeline, context);
+  const auto watch = watch_of(arguments, pipeline, robot, context);
+  MapFeed* const feed = watch ? &watch->feed : nullptr;
   prepare(outputs, begin, arguments, context);
   CameraFrames camera;
   std::optional<Pace> pace = pace_of(arguments);
@@ -299,6 +343,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                    .pace = pace,
                                    .display = display,
                                    .recording = recording,
+                                   .feed = feed,
                                    .out = arguments.out,
                                    .resumes = begin == RunStart::kSession,
                                    .continues = arguments.drives.from,
@@ -307,9 +352,9 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                   robot, context.threads(), held, kept);
   ProgressDisplay::clear_line();
   const LogSummary judged = log.judge(arguments.log);
-  correct_beams(arguments, pipeline, robot, recording, display, result, kept, context);
+  correct_beams(arguments, pipeline, robot, recording, feed, display, result, kept, context);
   camera.take_pictures(*reader);
-  add_judgement(judged, log_files.changes(), log.interrupted(), result);
+  add_judgement(judged, log_files.changes(), log.interrupted(), result, feed);
 
   const bool may_overwrite = arguments.force || arguments.checkpoint.any();
   RunInfo info = run_info(arguments.log, judged.left_out, may_overwrite, context);
@@ -322,13 +367,10 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   if (pace) info.pace = pace->figures();
   note_terms(checkpoint, arguments, pipeline, info);
   note_cost(start, checkpoint, info);
-  release_unused_memory();
-  write_map_outputs(result, info, arguments.out, extras);
-  leave_state(std::move(kept), result, arguments, pipeline);
-  info.peak_memory_bytes = peak_memory_bytes();
-  end_session(arguments.out, arguments.checkpoint, checkpoint,
-              result.complete && info.failure.empty(), context);
-  return tell(result, extras, info, arguments, context);
+  write_all(result, extras, std::move(kept), arguments, pipeline, checkpoint, info, context);
+  const ExitCode code = tell(result, extras, info, arguments, context);
+  if (watch) stay_open(watch->view, held, context);
+  return code;
 }
 
 }  // namespace
@@ -369,6 +411,9 @@ void add_map_command(CLI::App& app, AppContext& context) {
                    "also the run as a recording to watch in Foxglove, Lichtblick or RViz: scans, "
                    "transforms, the map as it grows, path, closures, faults")
       ->type_name("FILE");
+  command->add_flag("--view", arguments->view,
+                    "show the map in the browser while it is made, until Ctrl-C afterwards");
+  add_view_flags(*command, arguments->view_flags);
   add_landmark_map_flags(*command, arguments->landmarks);
   add_checkpoint_flags(*command, arguments->checkpoint);
   add_continue_flags(*command, arguments->drives);

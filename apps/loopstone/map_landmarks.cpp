@@ -34,6 +34,7 @@ void refuse_flags_of_scans(const MapArguments& arguments) {
   if (arguments.pipeline != Pipeline::kSubmaps) refuse("--pipeline");
   if (arguments.checkpoint.any()) refuse("--checkpoint, --resume");
   if (!arguments.mcap.empty()) refuse("--mcap");
+  if (arguments.view) refuse("--view");
   if (arguments.realtime > 0.0) refuse("--realtime");
   if (arguments.cloud) refuse("--cloud");
   if (arguments.odometry) refuse("--odometry");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 
 #include "loopstone/base/error.hpp"
@@ -14,13 +15,6 @@
 namespace loopstone::app {
 
 namespace {
-
-/// A map beyond what the machine or --max-memory allows is drawn with wider cells.
-std::uint64_t most_cells(const AppContext& context) {
-  // A cell takes five bytes, and as many again in what is made of it for the files.
-  constexpr std::uint64_t kBytesPerCell = 10;
-  return std::min(OccupancyOptions{}.most_cells, context.memory().ceiling_bytes / kBytesPerCell);
-}
 
 void refuse_flags_of_submaps(const MapArguments& arguments) {
   if (arguments.realtime > 0.0) {
@@ -48,6 +42,21 @@ void refuse_flags_of_submaps(const MapArguments& arguments) {
         "--mcap shows a map that grows with its submaps; the textbook pipeline has none: leave out "
         "--pipeline");
   }
+  if (arguments.view) {
+    throw UsageError(
+        "--view shows a map that grows with its submaps; the textbook pipeline has none: leave out "
+        "--pipeline");
+  }
+}
+
+/// To the mapper, and to who looks on if there is somebody.
+void add_watched(const SensorMessage& message, MapFeed* feed, Mapper& mapper) {
+  if (feed == nullptr) return mapper.add(message);
+  feed->add(message);
+  const auto start = std::chrono::steady_clock::now();
+  mapper.add(message);
+  feed->note_front_end(
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 
 void feed(const MapPipeline::Source& source, ScanToScanMapper& mapper) {
@@ -64,10 +73,11 @@ void feed(const MapPipeline::Source& source, Mapper& mapper) {
     source.camera.take(*message);
     if (pace && std::holds_alternative<LaserScan>(*message)) pace->note_scan();
     source.recording.add(*message);
-    mapper.add(*message);
+    add_watched(*message, source.feed, mapper);
     while (const auto update = mapper.next_update()) {
       if (pace) pace->note_pose();
       source.recording.add(*update, mapper);
+      if (source.feed != nullptr) source.feed->add(*update, mapper);
     }
     source.checkpoint.after(*message, mapper);
   }
@@ -76,8 +86,16 @@ void feed(const MapPipeline::Source& source, Mapper& mapper) {
 
 }  // namespace
 
+std::uint64_t most_cells(const AppContext& context) {
+  // A cell takes five bytes, and as many again in what is made of it for the files.
+  constexpr std::uint64_t kBytesPerCell = 10;
+  return std::min(OccupancyOptions{}.most_cells, context.memory().ceiling_bytes / kBytesPerCell);
+}
+
 MapPipeline::MapPipeline(const MapArguments& arguments, const AppContext& context)
     : context_(context) {
+  if (!arguments.view && arguments.view_flags != ViewFlags{})
+    throw UsageError("--port, --listen, --token, --origin and --no-open are of --view");
   if (arguments.pipeline == Pipeline::kScanToScan) {
     refuse_flags_of_submaps(arguments);
     auto options = context.load_options<ScanToScanOptions>();
@@ -173,6 +191,7 @@ MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threa
   Calibration found;
   // Beams of another drive are not made anew.
   if (!continues && !source.log.interrupted() && !interrupted()) found = mapper.judge_robot();
+  if (source.feed != nullptr) source.feed->end(mapper);
   MapResult result;
   // Who interrupts a run wants what there is.
   if (found.map_is_bent() && !interrupted()) {
@@ -180,26 +199,34 @@ MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threa
   } else {
     result = mapper.finish([](const Progress&) { return !interrupted(); });
   }
-  while (const auto update = mapper.next_update()) source.recording.add(*update, mapper);
+  while (const auto update = mapper.next_update()) {
+    source.recording.add(*update, mapper);
+    if (source.feed != nullptr) source.feed->add(*update, mapper);
+  }
   return result;
 }
 
-MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
-                                const Calibration& found, Threads threads,
+MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, MapFeed* feed,
+                                const RobotModel& robot, const Calibration& found, Threads threads,
                                 std::optional<MapperState>& kept) {
   const RobotModel corrected = corrected_robot(robot, found);
   recording.begin_anew(corrected);
+  if (feed != nullptr) feed->begin_anew(corrected);
   Mapper mapper(corrected, std::get<MapOptions>(options_), threads);
   if (landmarks_) mapper.set_graph_addition(reflectors_.emplace(*landmarks_).addition());
   const auto record_updates = [&] {
-    while (const auto update = mapper.next_update()) recording.add(*update, mapper);
+    while (const auto update = mapper.next_update()) {
+      recording.add(*update, mapper);
+      if (feed != nullptr) feed->add(*update, mapper);
+    }
   };
   while (const auto message = log.next()) {
     recording.add(*message);
-    mapper.add(*message);
+    add_watched(*message, feed, mapper);
     record_updates();
   }
   if (kept) kept = mapper.save_state().get();
+  if (feed != nullptr) feed->end(mapper);
   MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
   record_updates();
   result.complete = result.complete && !log.interrupted();

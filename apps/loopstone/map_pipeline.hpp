@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -7,8 +8,10 @@
 #include "app.hpp"
 #include "floor_run.hpp"
 #include "interrupt.hpp"
+#include "live_view.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/words.hpp"
+#include "loopstone/live/map_feed.hpp"
 #include "loopstone/localization/landmark_mapping_options.hpp"
 #include "loopstone/localization/reflector_mapping.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
@@ -55,7 +58,12 @@ struct MapArguments {
   CheckpointFlags checkpoint;
   ContinueFlags drives;
   LandmarkMapFlags landmarks;
+  bool view = false;
+  ViewFlags view_flags;
 };
+
+/// A map beyond what the machine or --max-memory allows is drawn with wider cells.
+[[nodiscard]] std::uint64_t most_cells(const AppContext& context);
 
 /// The options of `map --landmarks`.
 struct LandmarkMapOptions {
@@ -92,7 +100,8 @@ class MapPipeline {
     std::optional<Pace>& pace;
     ProgressDisplay& display;
     RunRecording& recording;
-    std::string out;  ///< the session is there
+    MapFeed* feed = nullptr;  ///< who looks on, if anybody
+    std::string out;          ///< the session is there
     bool resumes = false;
     std::string continues{};                   ///< the folder of drives before this one
     std::optional<MapperState> begins_with{};  ///< and what they led to
@@ -107,9 +116,9 @@ class MapPipeline {
   /// The same log once more, with the beams that the first map's calibration asks for.
   /// \param robot  of the first map
   /// \param kept   made anew, too, where there is one
-  [[nodiscard]] MapResult map_anew(CutLog& log, RunRecording& recording, const RobotModel& robot,
-                                   const Calibration& found, Threads threads,
-                                   std::optional<MapperState>& kept);
+  [[nodiscard]] MapResult map_anew(CutLog& log, RunRecording& recording, MapFeed* feed,
+                                   const RobotModel& robot, const Calibration& found,
+                                   Threads threads, std::optional<MapperState>& kept);
   /// What the last map has of landmarks; nothing when they are not asked for. Where the log can't
   /// show any `failure` says why; where there are none, the map's warnings.
   [[nodiscard]] std::optional<LandmarkMapping> landmarks_of(MapResult& result,

@@ -57,8 +57,8 @@ std::string progress_text(const Progress& progress, double elapsed_s, int bar_wi
   return text;
 }
 
-ProgressDisplay::ProgressDisplay(const AppContext& context)
-    : enabled_(!context.quiet()), terminal_(isatty(STDERR_FILENO) != 0) {
+ProgressDisplay::ProgressDisplay(const AppContext& context, bool is_shown)
+    : enabled_(is_shown && !context.quiet()), terminal_(isatty(STDERR_FILENO) != 0) {
   // A run that is over at once needs no lines at all.
   next_ = start_ + (terminal_ ? Clock::duration(kBarInterval) : Clock::duration(kLineInterval));
 }

@@ -13,7 +13,8 @@ namespace loopstone::app {
 /// run: the callback returns false after it.
 class ProgressDisplay {
  public:
-  explicit ProgressDisplay(const AppContext& context);
+  /// \param is_shown  false: it only carries Ctrl-C
+  explicit ProgressDisplay(const AppContext& context, bool is_shown = true);
   ~ProgressDisplay();
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;

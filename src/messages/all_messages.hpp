@@ -12,5 +12,5 @@
   X(PointField) X(PointCloud2) X(Imu) X(JointState) X(Image) X(CompressedImage)            \
   X(RegionOfInterest) X(CameraInfo) X(Odometry) X(MapMetaData) X(OccupancyGrid) X(Path)    \
   X(String) X(ColorRGBA) X(Clock) X(Marker) X(MarkerArray) X(KeyValue) X(DiagnosticStatus) \
-  X(DiagnosticArray) X(WheelTicks)
+  X(DiagnosticArray) X(WheelTicks) X(PoseArray) X(MapTiles) X(Trajectory)
 // clang-format on

@@ -186,6 +186,15 @@ struct Fields<msg::PoseWithCovarianceStamped> {
 };
 
 template <>
+struct Fields<msg::PoseArray> {
+  static constexpr std::string_view kName = "geometry_msgs/PoseArray";
+  static void visit(auto& v, auto& m) {
+    v("header", m.header);
+    v("poses", m.poses);
+  }
+};
+
+template <>
 struct Fields<msg::TransformStamped> {
   static constexpr std::string_view kName = "geometry_msgs/TransformStamped";
   static void visit(auto& v, auto& m) {
@@ -509,6 +518,32 @@ struct Fields<msg::WheelTicks> {
   static void visit(auto& v, auto& m) {
     v("header", m.header);
     v("counts", m.counts);
+  }
+};
+
+template <>
+struct Fields<msg::MapTiles> {
+  static constexpr std::string_view kName = "loopstone_msgs/MapTiles";
+  static void visit(auto& v, auto& m) {
+    v("resolution", m.resolution);
+    v("size", m.size);
+    v("whole", m.whole);
+    v("ids", m.ids);
+    v("cells", m.cells);
+  }
+};
+
+template <>
+struct Fields<msg::Trajectory> {
+  static constexpr std::string_view kName = "loopstone_msgs/Trajectory";
+  static void visit(auto& v, auto& m) {
+    v("first", m.first);
+    v("count", m.count);
+    v("t", m.t);
+    v("poses", m.poses);
+    v("sigma", m.sigma);
+    v("submaps", m.submaps);
+    v("drives", m.drives);
   }
 };
 

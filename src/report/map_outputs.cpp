@@ -32,9 +32,6 @@
 namespace loopstone {
 namespace {
 
-/// Places of 50 cm need fewer pixels than walls.
-constexpr int kQualitySidePx = 1200;
-
 /// What took the run its time and no disk any room: it is kept, whatever becomes of the rest.
 void add_trajectory_and_graph(const MapResult& result, const RunInfo& info,
                               const LandmarkMapping* landmarks, FileSet& files) {

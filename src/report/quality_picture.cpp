@@ -1,6 +1,8 @@
 #include "loopstone/report/quality_picture.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -93,6 +95,36 @@ Image draw_quality_picture(const MapResult& result, const MapPictureOptions& opt
   canvas.unclip();
   footer.draw(canvas, view.height_px);
   return canvas.image();
+}
+
+std::optional<QualityLayer> draw_quality_layer(const MapQuality& quality) {
+  // Beyond, stray beams would make a picture of nothing.
+  constexpr double kMostSidePx = 8192.0;
+  if (quality.places.empty()) return {};
+  Eigen::Vector2f low = quality.places.front().centre;
+  Eigen::Vector2f high = low;
+  for (const QualityPlace& place : quality.places) {
+    low = low.cwiseMin(place.centre);
+    high = high.cwiseMax(place.centre);
+  }
+  const double side = kMapQuality.place_m;
+  const Eigen::Vector2d extent = (high - low).cast<double>() / side;
+  if (extent.maxCoeff() >= kMostSidePx) return {};
+  QualityLayer layer{.image = make_image(1 + static_cast<int>(std::lround(extent.x())),
+                                         1 + static_cast<int>(std::lround(extent.y())), 4),
+                     .corner = low.cast<double>() - Eigen::Vector2d::Constant(0.5 * side),
+                     .resolution_m = side};
+  for (const QualityPlace& place : quality.places) {
+    const Eigen::Vector2d at = (place.centre - low).cast<double>() / side;
+    const auto column = static_cast<std::size_t>(std::lround(at.x()));
+    const auto row = static_cast<std::size_t>(layer.image.height - 1 - std::lround(at.y()));
+    const Colour colour = colour_of(place);
+    const std::size_t pixel = 4 * (row * static_cast<std::size_t>(layer.image.width) + column);
+    std::size_t channel = pixel;
+    for (const double value : {colour.red, colour.green, colour.blue, colour.alpha})
+      layer.image.bytes[channel++] = static_cast<std::uint8_t>(std::lround(255.0 * value));
+  }
+  return layer;
 }
 
 }  // namespace loopstone

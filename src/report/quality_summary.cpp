@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "loopstone/report/map_picture.hpp"
 #include "report/html_parts.hpp"
+#include "report/map_view.hpp"
 #include "report/text.hpp"
 
 namespace loopstone {
@@ -95,6 +97,20 @@ nlohmann::ordered_json open_json(const GraphTies& ties) {
   return list;
 }
 
+/// Which part of quality.png is the map, above its legend, and where that lies.
+nlohmann::ordered_json picture_json(const MapResult& result) {
+  if (result.verdict.measures.empty()) return nullptr;
+  const MapView view =
+      view_of(result.map, result.trajectory, kQualitySidePx, MapPictureOptions{}.most_side_px);
+  const double pixels_per_metre = view.pixels_per_metre();
+  const Point origin = view.pixel_of(Eigen::Vector2d::Zero());
+  return {{"x_m", -origin.x / pixels_per_metre},
+          {"y_m", (origin.y - view.height_px) / pixels_per_metre},
+          {"resolution_m", 1.0 / pixels_per_metre},
+          {"width_px", view.width_px},
+          {"height_px", view.height_px}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json quality_json(const MapResult& result) {
@@ -134,6 +150,7 @@ nlohmann::ordered_json quality_json(const MapResult& result) {
       {"open_stretches", open_json(result.ties)},
       {"certificate", g.certificate ? nlohmann::ordered_json(to_string(g.certificate->status))
                                     : nlohmann::ordered_json(nullptr)},
+      {"picture", picture_json(result)},
   };
 }
 

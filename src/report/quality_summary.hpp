@@ -8,6 +8,9 @@
 
 namespace loopstone {
 
+/// About how large quality.png is: places of 50 cm need fewer pixels than walls.
+inline constexpr int kQualitySidePx = 1200;
+
 /// The object "quality" of summary.json.
 [[nodiscard]] nlohmann::ordered_json quality_json(const MapResult& result);
 

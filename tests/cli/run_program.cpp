@@ -31,9 +31,9 @@ void wait_until_exists(const std::string& path) {
 }
 
 /// \param while_running  called in the parent with the child's process id
+/// \param folder         for its standard error
 ProgramResult run(const std::string& out_path, const std::vector<std::string>& arguments,
-                  const std::function<void(pid_t)>& while_running) {
-  const TempDir folder;
+                  const std::function<void(pid_t)>& while_running, const TempDir& folder = {}) {
   const std::string error_path = folder / "stderr";
   std::vector<char*> argv;
   std::string program = LOOPSTONE_PROGRAM;
@@ -90,6 +90,27 @@ ProgramResult interrupt_reader(const std::string& pipe, const std::vector<std::s
     ::kill(child, SIGINT);
   });
   if (held_open >= 0) ::close(held_open);
+  result.out = folder.read("stdout");
+  return result;
+}
+
+ProgramResult interrupt_after(
+    const std::vector<std::string>& arguments,
+    const std::function<void(const std::function<std::string()>& errors)>& action) {
+  const TempDir folder;
+  const TempDir errors;
+  ProgramResult result = run(
+      folder / "stdout", arguments,
+      [&](pid_t child) {
+        try {
+          action([&] { return errors.read("stderr"); });
+        } catch (const std::exception& error) {
+          ::kill(child, SIGINT);
+          throw;
+        }
+        ::kill(child, SIGINT);
+      },
+      errors);
   result.out = folder.read("stdout");
   return result;
 }

@@ -28,6 +28,12 @@ struct ProgramResult {
 [[nodiscard]] ProgramResult interrupt_reader(const std::string& pipe,
                                              const std::vector<std::string>& arguments);
 
+/// The same, with Ctrl-C when `action` has returned.
+/// \param action  is given what tells what stands in the standard error so far
+[[nodiscard]] ProgramResult interrupt_after(
+    const std::vector<std::string>& arguments,
+    const std::function<void(const std::function<std::string()>& errors)>& action);
+
 /// The same, ended by SIGKILL after so long unless it was faster.
 [[nodiscard]] ProgramResult kill_program(std::chrono::milliseconds after,
                                          const std::vector<std::string>& arguments);

@@ -27,7 +27,7 @@ THIRD_PARTY = {
     "oneapi/tbb": ANY_PART,
     "tbb/": ANY_PART,
     "malloc.h": {"base"},
-    "nlohmann/": FILE_PARTS | {"apps"},
+    "nlohmann/": FILE_PARTS | {"live", "apps"},
     "toml++/": FILE_PARTS | {"apps"},
     "yaml-cpp/": FILE_PARTS,
     "png.h": FILE_PARTS,
@@ -42,12 +42,22 @@ THIRD_PARTY = {
     "jpeglib.h": {"formats"},
     "jerror.h": {"formats"},
     "cairo": FILE_PARTS,
+    "boost/": {"live"},
     "CLI/": {"apps"},
     "spdlog/": {"apps"},
 }
 
 # POSIX and C headers that reach files, the terminal or the process.
-SYSTEM_HEADERS = ("sys/", "unistd.h", "fcntl.h", "dirent.h", "stdio.h", "signal.h", "termios.h")
+SYSTEM_HEADERS = (
+    "sys/",
+    "unistd.h",
+    "fcntl.h",
+    "dirent.h",
+    "stdio.h",
+    "signal.h",
+    "termios.h",
+    "spawn.h",
+)
 FILE_HEADERS = {"fstream", "cstdio", "filesystem"}
 PRINT_HEADERS = {"iostream", "print", "syncstream"}
 
@@ -252,7 +262,7 @@ SELF_TESTS = [
         '#include "grid/detail.hpp"\n',
         "private",
     ),
-    ("unknown library", "src/grid/a.cpp", "#include <boost/any.hpp>\n", "not a known library"),
+    ("unknown library", "src/grid/a.cpp", "#include <folly/any.h>\n", "not a known library"),
     ("library of other parts", "src/grid/a.cpp", "#include <png.h>\n", "only for formats, report"),
     ("fstream in the core", "src/slam/a.cpp", "#include <fstream>\n", "touch files"),
     (

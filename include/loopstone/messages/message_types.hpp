@@ -74,6 +74,11 @@ struct PoseWithCovarianceStamped {
   PoseWithCovariance pose{};
 };
 
+struct PoseArray {
+  Header header{};
+  std::vector<Pose> poses{};
+};
+
 struct TransformStamped {
   Header header{};
   std::string child_frame_id{};
@@ -311,6 +316,30 @@ struct DiagnosticArray {
 struct WheelTicks {
   Header header{};
   std::array<std::int64_t, 4> counts{};
+};
+
+/// Some tiles of an occupancy map, such as those that changed: `size` x `size` cells each.
+struct MapTiles {
+  static constexpr std::uint8_t kUnknown = 255;
+
+  double resolution = 0.0;            ///< side of a cell [m]
+  std::uint32_t size = 0;             ///< cells a side
+  bool whole = false;                 ///< all tiles that were told before are no more
+  std::vector<std::int32_t> ids{};    ///< column, row of each: its lower left corner lies at
+                                      ///< (column * size * resolution, row * size * resolution)
+  std::vector<std::uint8_t> cells{};  ///< of each size * size, row by row from the lower left one:
+                                      ///< occupied in percent, or kUnknown
+};
+
+/// The nodes of a path, of which the last ones are told anew.
+struct Trajectory {
+  std::uint32_t first = 0;     ///< the first one that is told; from there on all are replaced
+  std::uint32_t count = 0;     ///< there are then
+  std::vector<double> t{};     ///< [s], one a node that is told
+  std::vector<float> poses{};  ///< x, y, yaw of each
+  std::vector<float> sigma{};  ///< larger half-axis of the position's covariance [m]
+  std::vector<std::uint32_t> submaps{};  ///< which each belongs to
+  std::vector<std::uint32_t> drives{};
 };
 
 }  // namespace loopstone::msg

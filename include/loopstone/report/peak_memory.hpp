@@ -10,4 +10,7 @@ namespace loopstone {
 /// megabyte: the kernel counts pages in batches, so it may even fall by some.
 [[nodiscard]] std::int64_t peak_memory_bytes();
 
+/// What it holds now [bytes], to a megabyte; 0 where there is no /proc/self/status.
+[[nodiscard]] std::int64_t memory_bytes();
+
 }  // namespace loopstone

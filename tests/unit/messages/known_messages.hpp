@@ -4,7 +4,7 @@
 #include <string_view>
 
 // What others say of every message and of its bytes: made once with rosbags 0.11.9 (its types of
-// ROS 1 Noetic and of ROS 2 Jazzy; tf2_msgs/TFMessage of ROS 1 and WheelTicks given as text).
+// ROS 1 Noetic and of ROS 2 Jazzy; tf2_msgs/TFMessage of ROS 1 and loopstone_msgs given as text).
 //
 // The messages are filled by counting: every value is the next of 1, 2, 3 ..., in the order of the
 // fields; strings are "s7"; truth is whether the count is odd; numbers of 8 bits are the count
@@ -23,7 +23,7 @@ struct KnownType {
 };
 
 // clang-format off
-inline constexpr std::array<KnownType, 37> kKnownTypes{{
+inline constexpr std::array<KnownType, 40> kKnownTypes{{
     {"std_msgs/Header", "2176decaecbce78abc3b96ef049fabed",
      "RIHS01_f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01",
      "1e3d21da66fc34f5e7bbb2f7fbe5d3a3", "f64d40604ce187116c3659facb8d52e7",
@@ -172,6 +172,18 @@ inline constexpr std::array<KnownType, 37> kKnownTypes{{
      "RIHS01_3aee1a0dc71860c250029104a341ac73b78d69c6c0436a83b05e2150c04f5210",
      "4600a10b0f3c6d8c289cb62b3c149134", "7bb59e50645287ce9c92229ddbbf0aa8",
      "eefcbb576bc51a14f28dcbbc91a87a9f"},
+    {"geometry_msgs/PoseArray", "916c28c5764443f268b296bb671b9d97",
+     "RIHS01_af0cc36d190e104d546d168d6b39df04fa4b4ccecf59cb4c9ed328d3d5004aa0",
+     "74dc1f2f9bf4da2e317cbcb78e21291d", "630d8bae99a79201edf940b7bf5054b7",
+     "b9f484c57941f3f2c42290cf483420ff"},
+    {"loopstone_msgs/MapTiles", "798ea481249b924147ec4e2809f96fe6",
+     "RIHS01_ee1e41478aa7d260a169785318e1b34fdcddd0454f6383e589e30ec340e62ee8",
+     "af234372af95cd323b678c06a0cea8ee", "51c3d1fd3781cfbd7aa1a43e94a98987",
+     "b0d3089d9021b8507287f39df92b723d"},
+    {"loopstone_msgs/Trajectory", "859a733e06308804747e20e288dcebd2",
+     "RIHS01_67db339d6ded2e471fc9a7fd5d8e12ebb5ac6b0b9aaa75d1d404e1f644a7bc84",
+     "987aa65a6d8f874bdc14743cee8d162d", "19013d3d9d0c53485e736b4ad8a44ec5",
+     "91c0ea6c4f101615834c4c5da3fa119f"},
 }};
 // clang-format on
 

@@ -1,0 +1,343 @@
+#include "loopstone/live/view_board.hpp"
+
+#include <charconv>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "formats/message_scan.hpp"
+#include "formats/topic_names.hpp"
+#include "live/node_track.hpp"
+#include "live/tile_store.hpp"
+#include "live/view_json.hpp"
+#include "live/view_topics.hpp"
+#include "report/map_messages.hpp"
+
+namespace loopstone {
+namespace {
+
+/// Nothing for a stamp that the message has no place for.
+template <typename M>
+std::optional<std::string> encoded(const M& message) {
+  try {
+    std::string bytes;
+    encode_message(WireFormat::kCdr, message, bytes);
+    return bytes;
+  } catch (const MessageError&) {
+    return {};
+  }
+}
+
+std::optional<std::size_t> id_in(std::string_view path) {
+  constexpr std::string_view kClosures = "/api/closures/";
+  if (!path.starts_with(kClosures)) return {};
+  path.remove_prefix(kClosures.size());
+  std::size_t id = 0;
+  const auto [end, error] = std::from_chars(path.data(), path.data() + path.size(), id);
+  if (error != std::errc{} || end != path.data() + path.size()) return {};
+  return id;
+}
+
+/// x, y and yaw among the six of space.
+std::array<double, 36> covariance_message(const Eigen::Matrix3d& covariance) {
+  constexpr std::array<int, 3> kPlaces{0, 1, 5};
+  std::array<double, 36> all{};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      all[static_cast<std::size_t>(6 * kPlaces[static_cast<std::size_t>(row)] +
+                                   kPlaces[static_cast<std::size_t>(column)])] =
+          covariance(row, column);
+  }
+  return all;
+}
+
+/// A channel whose messages are sent only when they differ from the last one.
+struct Told {
+  ChannelId channel{};
+  std::string last{};
+};
+
+}  // namespace
+
+class ViewBoard::Impl {
+ public:
+  explicit Impl(ViewSink sink) : sink_(std::move(sink)) { add_channels(); }
+
+  void begin_anew(Stamp stamp, double resolution_m);
+  void show_robot(Stamp stamp, const Pose2& map_T_robot, const Eigen::Matrix3d& covariance,
+                  const LaserScan* scan, const RobotModel& robot);
+  void send_all_tiles(Stamp stamp);
+  template <typename Map>
+  void replace_tiles(Stamp stamp, const Map& map) {
+    const std::scoped_lock lock(mutex_);
+    tiles_.replace(map);
+    send_all_tiles(stamp);
+  }
+  void change_tiles(Stamp stamp, const std::vector<OccupancyTile>& tiles);
+  void show_nodes(Stamp stamp, std::vector<ViewNode> nodes);
+  void show_closures(Stamp stamp, std::vector<ViewClosure> closures);
+  void show_graph(Stamp stamp);
+
+  template <typename M>
+  void send(ChannelId channel, Stamp stamp, const M& message) const {
+    if (auto bytes = encoded(message)) sink_.publish(channel, stamp, std::move(*bytes));
+  }
+  void tell(Told& told, Stamp stamp, std::string text) {
+    const std::scoped_lock lock(mutex_);
+    tell_locked(told, stamp, std::move(text));
+  }
+
+  mutable std::mutex mutex_{};  ///< held while something is published, so that order is kept
+  ViewSink sink_;
+
+  ChannelId transforms_{};
+  ChannelId mounts_channel_{};
+  ChannelId pose_{};
+  ChannelId grid_{};
+  ChannelId path_{};
+  ChannelId graph_{};
+  ChannelId status_{};
+  Told closures_told_{};
+  Told submaps_told_{};
+  Told verdict_{};
+  Told warnings_{};
+  Told quality_{};
+  Told texture_{};
+
+  TileStore tiles_{};
+  std::vector<ViewClosure> closures_{};
+  std::vector<ViewSubmap> submaps_{};
+
+ private:
+  void add_channels();
+  void tell_locked(Told& told, Stamp stamp, std::string text);
+  void send_scan(const LaserScan& scan, const RobotModel& robot);
+  [[nodiscard]] std::optional<ViewMessage> all_tiles() const;
+  [[nodiscard]] std::optional<ViewMessage> all_nodes() const;
+
+  ChannelId tiles_channel_{};
+  ChannelId nodes_channel_{};
+  std::map<int, ChannelId> scans_{};               ///< by laser
+  std::map<int, msg::TransformStamped> mounts_{};  ///< by laser
+  NodeTrack nodes_{};
+  Stamp now_{};
+};
+
+void ViewBoard::Impl::add_channels() {
+  using enum SendPolicy;
+  const auto add = [&](ViewChannel channel) { return sink_.add_channel(std::move(channel)); };
+  transforms_ = add(ros_channel<msg::TFMessage>("/tf", kDroppable));
+  mounts_channel_ = add(ros_channel<msg::TFMessage>("/tf_static", kLatest));
+  scans_[0] = add(ros_channel<msg::LaserScan>(scan_topic(0), kDroppable));
+  pose_ = add(ros_channel<msg::PoseWithCovarianceStamped>("/pose", kDroppable));
+  grid_ = add(ros_channel<msg::OccupancyGrid>("/map", kLatest));
+  path_ = add(ros_channel<msg::Path>("/path", kLatest));
+  graph_ = add(ros_channel<msg::MarkerArray>("/graph", kLatest));
+  ViewChannel tiles = ros_channel<msg::MapTiles>("/loopstone/tiles", kChanges);
+  tiles.whole = [this] { return all_tiles(); };
+  tiles_channel_ = add(std::move(tiles));
+  ViewChannel nodes = ros_channel<msg::Trajectory>("/loopstone/trajectory", kChanges);
+  nodes.whole = [this] { return all_nodes(); };
+  nodes_channel_ = add(std::move(nodes));
+  status_ = add(json_channel("status", status_schema()));
+  closures_told_.channel = add(json_channel("closures", closures_schema()));
+  submaps_told_.channel = add(json_channel("submaps", submaps_schema()));
+  verdict_.channel = add(json_channel("verdict", verdict_schema()));
+  warnings_.channel = add(json_channel("warnings", warnings_schema()));
+  quality_.channel = add(json_channel("quality", layer_schema()));
+  texture_.channel = add(json_channel("texture", layer_schema()));
+}
+
+void ViewBoard::Impl::tell_locked(Told& told, Stamp stamp, std::string text) {
+  if (text == told.last) return;
+  told.last = text;
+  sink_.publish(told.channel, stamp, std::move(text));
+}
+
+std::optional<ViewMessage> ViewBoard::Impl::all_tiles() const {
+  const std::scoped_lock lock(mutex_);
+  if (tiles_.empty()) return {};
+  auto bytes = encoded(tiles_.whole());
+  return bytes ? std::optional<ViewMessage>({now_, std::move(*bytes)}) : std::nullopt;
+}
+
+std::optional<ViewMessage> ViewBoard::Impl::all_nodes() const {
+  const std::scoped_lock lock(mutex_);
+  if (nodes_.nodes().empty()) return {};
+  auto bytes = encoded(nodes_.whole());
+  return bytes ? std::optional<ViewMessage>({now_, std::move(*bytes)}) : std::nullopt;
+}
+
+void ViewBoard::Impl::begin_anew(Stamp stamp, double resolution_m) {
+  const std::scoped_lock lock(mutex_);
+  tiles_.clear(resolution_m);
+  send_all_tiles(stamp);
+  (void)nodes_.change({});
+  now_ = stamp;
+  send(nodes_channel_, stamp, nodes_.whole());
+  closures_.clear();
+  submaps_.clear();
+  tell_locked(closures_told_, stamp, closures_json({}));
+  tell_locked(submaps_told_, stamp, submaps_json({}));
+  tell_locked(verdict_, stamp, verdict_json({}));
+  tell_locked(warnings_, stamp, warnings_json({}));
+  for (Told* layer : {&quality_, &texture_}) {
+    if (!layer->last.empty()) tell_locked(*layer, stamp, layer_json({}));
+  }
+}
+
+void ViewBoard::Impl::show_robot(Stamp stamp, const Pose2& map_T_robot,
+                                 const Eigen::Matrix3d& covariance, const LaserScan* scan,
+                                 const RobotModel& robot) {
+  const std::scoped_lock lock(mutex_);
+  sink_.set_time(stamp);
+  if (scan != nullptr) send_scan(*scan, robot);
+  send(transforms_, stamp,
+       msg::TFMessage{{transform_message(stamp, kMapFrame, kBaseFrame, map_T_robot)}});
+  msg::PoseWithCovarianceStamped pose{.header = {stamp, kMapFrame}};
+  pose.pose = {to_message(map_T_robot), covariance_message(covariance)};
+  send(pose_, stamp, pose);
+}
+
+void ViewBoard::Impl::send_scan(const LaserScan& scan, const RobotModel& robot) {
+  const msg::TransformStamped mount = mount_message(scan, robot);
+  const auto [known, is_new] = mounts_.try_emplace(scan.lidar, mount);
+  const auto& before = known->second.transform;
+  const auto& now = mount.transform;
+  if (is_new || before.translation.x != now.translation.x ||
+      before.translation.y != now.translation.y || before.rotation.z != now.rotation.z ||
+      before.rotation.w != now.rotation.w) {
+    known->second = mount;
+    msg::TFMessage all;  // whoever comes late gets one message
+    for (const auto& [lidar, transform] : mounts_) all.transforms.push_back(transform);
+    send(mounts_channel_, scan.stamp, all);
+  }
+  const auto [channel, is_first] = scans_.try_emplace(scan.lidar);
+  if (is_first) {
+    channel->second = sink_.add_channel(
+        ros_channel<msg::LaserScan>(scan_topic(scan.lidar), SendPolicy::kDroppable));
+  }
+  send(channel->second, scan.stamp, loopstone::to_message(scan, laser_frame(scan.lidar)));
+}
+
+void ViewBoard::Impl::send_all_tiles(Stamp stamp) {
+  now_ = stamp;
+  send(tiles_channel_, stamp, tiles_.whole());
+}
+
+void ViewBoard::Impl::change_tiles(Stamp stamp, const std::vector<OccupancyTile>& tiles) {
+  const std::scoped_lock lock(mutex_);
+  const msg::MapTiles message = tiles_.change(tiles);
+  if (message.ids.empty()) return;
+  now_ = stamp;
+  send(tiles_channel_, stamp, message);
+}
+
+void ViewBoard::Impl::show_nodes(Stamp stamp, std::vector<ViewNode> nodes) {
+  const std::scoped_lock lock(mutex_);
+  const auto message = nodes_.change(std::move(nodes));
+  if (!message) return;
+  now_ = stamp;
+  send(nodes_channel_, stamp, *message);
+}
+
+void ViewBoard::Impl::show_closures(Stamp stamp, std::vector<ViewClosure> closures) {
+  const std::scoped_lock lock(mutex_);
+  closures_ = std::move(closures);
+  tell_locked(closures_told_, stamp, closures_json(closures_));
+}
+
+void ViewBoard::Impl::show_graph(Stamp stamp) {
+  const std::scoped_lock lock(mutex_);
+  std::vector<Pose2> origins;
+  for (const ViewSubmap& submap : submaps_) origins.push_back(submap.map_T_submap);
+  std::vector<ClosureLine> lines;
+  const std::vector<ViewNode>& nodes = nodes_.nodes();
+  for (const ViewClosure& one : closures_) {
+    if (std::max(one.from_node, one.to_node) >= nodes.size()) continue;
+    lines.push_back({one.closure.state, nodes[one.from_node].map_T_robot.translation(),
+                     nodes[one.to_node].map_T_robot.translation()});
+  }
+  msg::MarkerArray graph = submap_markers(origins, stamp);
+  for (msg::Marker& marker : closure_markers(lines, stamp).markers)
+    graph.markers.push_back(std::move(marker));
+  send(graph_, stamp, graph);
+}
+
+ViewBoard::ViewBoard(ViewSink sink) : impl_(std::make_unique<Impl>(std::move(sink))) {}
+ViewBoard::~ViewBoard() = default;
+
+void ViewBoard::begin_anew(Stamp stamp, double resolution_m) {
+  impl_->begin_anew(stamp, resolution_m);
+}
+void ViewBoard::show_robot(Stamp stamp, const Pose2& map_T_robot, const Eigen::Matrix3d& covariance,
+                           const LaserScan* scan, const RobotModel& robot) {
+  impl_->show_robot(stamp, map_T_robot, covariance, scan, robot);
+}
+void ViewBoard::show_status(const ViewStatus& status) {
+  impl_->sink_.publish(impl_->status_, status.stamp, status_json(status));
+}
+void ViewBoard::change_tiles(Stamp stamp, const std::vector<OccupancyTile>& tiles) {
+  impl_->change_tiles(stamp, tiles);
+}
+void ViewBoard::replace_tiles(Stamp stamp, const CellStates& cells) {
+  impl_->replace_tiles(stamp, cells);
+}
+void ViewBoard::replace_tiles(Stamp stamp, const OccupancyMap& map) {
+  impl_->replace_tiles(stamp, map);
+}
+double ViewBoard::known_area_m2() const {
+  const std::scoped_lock lock(impl_->mutex_);
+  return impl_->tiles_.known_m2();
+}
+void ViewBoard::show_grid(Stamp stamp, const CellStates& cells) {
+  if (!cells.empty()) impl_->send(impl_->grid_, stamp, loopstone::to_message(cells, stamp));
+}
+void ViewBoard::show_nodes(Stamp stamp, std::vector<ViewNode> nodes) {
+  impl_->show_nodes(stamp, std::move(nodes));
+}
+void ViewBoard::show_path(Stamp stamp, const std::vector<StampedPose2>& poses) {
+  impl_->send(impl_->path_, stamp, path_message(poses, stamp));
+}
+void ViewBoard::show_closures(Stamp stamp, std::vector<ViewClosure> closures) {
+  impl_->show_closures(stamp, std::move(closures));
+}
+void ViewBoard::show_submaps(Stamp stamp, std::vector<ViewSubmap> submaps) {
+  std::string text = submaps_json(submaps);
+  impl_->tell(impl_->submaps_told_, stamp, std::move(text));
+  const std::scoped_lock lock(impl_->mutex_);
+  impl_->submaps_ = std::move(submaps);
+}
+void ViewBoard::show_graph(Stamp stamp) { impl_->show_graph(stamp); }
+void ViewBoard::show_verdict(Stamp stamp, const ViewVerdict& verdict) {
+  impl_->tell(impl_->verdict_, stamp, verdict_json(verdict));
+}
+void ViewBoard::show_warnings(Stamp stamp, const std::vector<ViewWarning>& warnings) {
+  impl_->tell(impl_->warnings_, stamp, warnings_json(warnings));
+}
+void ViewBoard::show_quality(Stamp stamp, const ViewLayer& layer) {
+  impl_->tell(impl_->quality_, stamp, layer_json(layer));
+}
+void ViewBoard::show_texture(Stamp stamp, const ViewLayer& layer) {
+  impl_->tell(impl_->texture_, stamp, layer_json(layer));
+}
+
+std::optional<HttpAnswer> ViewBoard::answer(std::string_view path) const {
+  const auto id = id_in(path);
+  if (!id) return {};
+  const std::scoped_lock lock(impl_->mutex_);
+  if (*id >= impl_->closures_.size())
+    return HttpAnswer{.status = 404, .body = R"({"error":"there is no closure of this id"})"};
+  return HttpAnswer{.body = evidence_json(*id, impl_->closures_[*id])};
+}
+
+ViewSink sink_of(ViewServer& server) {
+  return {
+      .add_channel =
+          [&server](ViewChannel channel) { return server.add_channel(std::move(channel)); },
+      .publish = [&server](ChannelId channel, Stamp stamp,
+                           std::string bytes) { server.publish(channel, stamp, std::move(bytes)); },
+      .set_time = [&server](Stamp now) { server.set_time(now); }};
+}
+
+}  // namespace loopstone
