@@ -1,0 +1,216 @@
+import type { App } from "../app.ts";
+import { clock, significant } from "../format.ts";
+import type { Series } from "../series.ts";
+import { figureLabel } from "../words.ts";
+import { h } from "./dom.ts";
+
+const kFirstPlots = 4;
+
+interface Plot {
+  name: string;
+  figure: HTMLElement;
+  canvas: HTMLCanvasElement;
+  value: HTMLElement;
+}
+
+/** Figures over time, each by name; the pointer tells the value, and a click goes there. */
+export class PlotsPanel {
+  readonly panel = h("div");
+  private readonly choices = h("div");
+  private readonly host = h("div");
+  private readonly empty = h("p", { class: "empty" }, "No figures yet.");
+  private readonly plots = new Map<string, Plot>();
+  private readonly boxes = new Map<string, HTMLInputElement>();
+  private hover: number | null = null;
+  visible = false;
+
+  constructor(private readonly app: App) {
+    const details = h("details", { open: true }, h("summary", {}, "Which figures"), this.choices);
+    this.panel.append(details, this.empty, this.host);
+    app.watch(["status", "reset", "time"], () => this.show());
+    app.onChosen(() => this.show());
+    new ResizeObserver(() => this.app.frames.request(() => this.show())).observe(this.host);
+  }
+
+  private chosen(): string[] {
+    const names = [...this.app.model.series.keys()];
+    const { plots } = this.app.settings;
+    return plots === null
+      ? names.slice(0, kFirstPlots)
+      : names.filter((name) => plots.includes(name));
+  }
+
+  show(): void {
+    const { series } = this.app.model;
+    this.empty.hidden = series.size > 0;
+    this.showChoices();
+    const chosen = this.chosen();
+    for (const [name, plot] of this.plots) {
+      if (chosen.includes(name)) continue;
+      plot.figure.remove();
+      this.plots.delete(name);
+    }
+    for (const name of chosen) {
+      const plot = this.plots.get(name) ?? this.addPlot(name);
+      const values = series.get(name);
+      if (this.visible && values !== undefined) this.draw(plot, values);
+    }
+  }
+
+  private showChoices(): void {
+    const names = [...this.app.model.series.keys()];
+    if (names.length === this.boxes.size && names.every((name) => this.boxes.has(name))) return;
+    this.boxes.clear();
+    const chosen = this.chosen();
+    const lines = names.map((name) => {
+      const box = h("input", {
+        type: "checkbox",
+        value: name,
+        checked: chosen.includes(name),
+        onchange: () => {
+          this.app.settings.plots = names.filter((one) => this.boxes.get(one)?.checked);
+          this.app.chosen();
+        },
+      });
+      this.boxes.set(name, box);
+      return h("div", { class: "row" }, h("label", {}, box, figureLabel(name)));
+    });
+    this.choices.replaceChildren(...lines);
+  }
+
+  private addPlot(name: string): Plot {
+    const value = h("b");
+    const canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": figureLabel(name) });
+    const caption = h("figcaption", {}, h("span", {}, figureLabel(name)), value);
+    const figure = h("figure", { class: "plot", "data-name": name }, caption, canvas);
+    canvas.addEventListener("pointermove", (event) => {
+      this.hover = this.timeAt(canvas, event);
+      this.app.frames.request(() => this.show());
+    });
+    canvas.addEventListener("pointerleave", () => {
+      this.hover = null;
+      this.app.frames.request(() => this.show());
+    });
+    canvas.addEventListener("click", (event) => this.app.session.seek(this.timeAt(canvas, event)));
+    this.host.append(figure);
+    const plot = { name, figure, canvas, value };
+    this.plots.set(name, plot);
+    return plot;
+  }
+
+  /** All plots share the time from the first value to the last, or that of the whole run. */
+  private span(): [number, number] {
+    const { model } = this.app;
+    let low = model.start ?? Infinity;
+    let high = model.end ?? -Infinity;
+    for (const { length, begin, end } of model.series.values()) {
+      if (length === 0) continue;
+      low = Math.min(low, begin[0] ?? low);
+      high = Math.max(high, end[length - 1] ?? high);
+    }
+    return low < high ? [low, high] : [low, low + 1];
+  }
+
+  private timeAt(canvas: HTMLCanvasElement, event: MouseEvent): number {
+    const box = canvas.getBoundingClientRect();
+    const [low, high] = this.span();
+    return low + ((event.clientX - box.left) / Math.max(1, box.width)) * (high - low);
+  }
+
+  private draw({ canvas, value, name }: Plot, series: Series): void {
+    const ratio = Math.min(3, window.devicePixelRatio || 1);
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    const context = canvas.getContext("2d");
+    if (context === null || width === 0) return;
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+    context.scale(ratio, ratio);
+    const [from, to] = this.span();
+    const range = rangeOf(series);
+    const x = (t: number) => ((t - from) / (to - from)) * width;
+    const y = (v: number) =>
+      height - 8 - ((v - range.low) / (range.high - range.low)) * (height - 16);
+    const style = getComputedStyle(canvas);
+    const [ink, soft, accent] = ["--ink", "--soft", "--accent"].map((one) =>
+      style.getPropertyValue(one),
+    );
+    this.curve(context, series, x, y, accent ?? "");
+    context.fillStyle = soft ?? "";
+    context.font = '10.5px system-ui, "DejaVu Sans", sans-serif';
+    context.fillText(significant(range.high), 5, 12);
+    context.fillText(significant(range.low), 5, height - 4);
+    const shown = this.hover ?? this.app.model.time;
+    if (shown !== null && series.length > 0) {
+      context.fillStyle = ink ?? "";
+      context.globalAlpha = this.hover === null ? 0.35 : 0.8;
+      context.fillRect(Math.round(x(shown)), 0, 1, height);
+      context.globalAlpha = 1;
+    }
+    const i = this.hover === null ? series.length - 1 : series.nearest(this.hover);
+    const text = i >= 0 ? this.words(series, i) : "–";
+    if (value.textContent !== text) value.textContent = text;
+    canvas.setAttribute("aria-label", `${figureLabel(name)}: now ${text}`);
+  }
+
+  private words(series: Series, i: number): string {
+    const low = series.low[i] ?? 0;
+    const high = series.high[i] ?? 0;
+    const number =
+      low === high || this.hover === null
+        ? significant(series.last[i] ?? 0)
+        : `${significant(low)} … ${significant(high)}`;
+    return this.hover === null
+      ? number
+      : `${number} at ${clock((series.end[i] ?? 0) - this.app.startTime)}`;
+  }
+
+  private curve(
+    context: CanvasRenderingContext2D,
+    series: Series,
+    x: (t: number) => number,
+    y: (v: number) => number,
+    colour: string,
+  ): void {
+    context.beginPath();
+    let column = NaN;
+    let low = 0;
+    let high = 0;
+    // What falls on one column of pixels is one stroke from its least to its largest.
+    const flush = () => {
+      if (Number.isNaN(column)) return;
+      context.lineTo(column, y(high));
+      if (high !== low) context.lineTo(column, y(low));
+    };
+    for (let i = 0; i < series.length; i++) {
+      const next = Math.round(x(series.end[i] ?? 0) * 2) / 2;
+      if (next !== column) {
+        flush();
+        column = next;
+        low = Infinity;
+        high = -Infinity;
+      }
+      low = Math.min(low, series.low[i] ?? 0);
+      high = Math.max(high, series.high[i] ?? 0);
+    }
+    flush();
+    context.strokeStyle = colour;
+    context.lineWidth = 1.25;
+    context.lineJoin = "round";
+    context.stroke();
+  }
+}
+
+function rangeOf(series: Series): { low: number; high: number } {
+  let low = Infinity;
+  let high = -Infinity;
+  for (let i = 0; i < series.length; i++) {
+    low = Math.min(low, series.low[i] ?? low);
+    high = Math.max(high, series.high[i] ?? high);
+  }
+  if (!(low <= high)) return { low: 0, high: 1 };
+  // A figure that begins near zero is shown from zero.
+  if (low > 0 && low < 0.5 * high) low = 0;
+  if (low === high)
+    return { low: low - Math.abs(low) * 0.1 - 1e-6, high: high + Math.abs(high) * 0.1 + 1e-6 };
+  return { low, high };
+}
