@@ -42,7 +42,7 @@ async function page() {
   ].join("; ");
   const filled = { POLICY: policy, STYLE: style, SCRIPT: script };
   const template = (await read("src/index.html")).replace(/>\s*\n\s*</g, ">\n<");
-  return template.replace(/%(POLICY|STYLE|SCRIPT)%/g, (_, name) => filled[name]);
+  return template.replace(/\s*%(POLICY|STYLE|SCRIPT)%\s*/g, (_, name) => filled[name]);
 }
 
 const text = await page();

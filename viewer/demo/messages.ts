@@ -103,9 +103,15 @@ export function submaps(nodes: Node[]): object {
   return { submaps: nodes.length > 0 ? submapsOf(nodes) : [] };
 }
 
-export function status(run: Run, node: Node, count: number, localizing: boolean): object {
-  const known = run.closures.filter((one) => one.to < count);
-  const standing = known.filter((one) => one.state === "standing").length;
+export function status(
+  run: Run,
+  node: Node,
+  count: number,
+  known: number,
+  localizing: boolean,
+): object {
+  const closures = run.closures.filter((one) => one.to < known);
+  const standing = closures.filter((one) => one.state === "standing").length;
   const states = localizing
     ? ["TRACKING", "DOUBTFUL", "LOST"]
     : ["tracked", "degenerate", "bridged"];
@@ -117,7 +123,7 @@ export function status(run: Run, node: Node, count: number, localizing: boolean)
     travelled_m: node.travelled,
     submaps: node.submap + 1,
     closures: standing,
-    rejected: known.length - standing,
+    rejected: closures.length - standing,
     map_m2: Math.min(804.9, 40 + count * 1.1),
     realtime: 180 + 60 * Math.sin(count / 40),
     memory_mb: 62 + count / 60,

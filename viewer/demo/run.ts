@@ -108,7 +108,7 @@ function closuresOf(nodes: Node[], random: Random): DemoClosure[] {
       const a = (nodes[i] as Node).pose;
       const b = (nodes[j] as Node).pose;
       const apart = Math.hypot(a.x - b.x, a.y - b.y);
-      if (apart < 3 && random.next() < 0.35)
+      if (apart < 2.2 && random.next() < 0.3)
         closures.push(closure(closures.length, i, j, nodes, random));
     }
   }
@@ -140,7 +140,7 @@ export function officeRun(): Run {
   const walls = office();
   const first = drive(route(), 0.4, 0.8, kBegin);
   const last = first[first.length - 1] as Stop;
-  const again = drive(route().slice(0, 14), 0.4, 0.8, last.t + 5);
+  const again = drive(route().slice(0, 240), 0.4, 0.8, last.t + 5);
   const nodes = nodesOf(first, 0, 0, 0);
   const submaps = (nodes[nodes.length - 1] as Node).submap + 1;
   nodes.push(...nodesOf(again, 1, submaps, last.travelled));

@@ -366,7 +366,11 @@ export class DemoServer {
     client.publish("/tf", node.t, wire.transforms(node.t, [["map", "base_link", node.pose]]));
     client.publish("/pose", node.t, wire.poseWithCovariance(node.t, node.pose, node.sigma));
     client.publish("/scan", node.t, wire.laserScan(node.t, this.scanOf(at, node)));
-    client.publishJson("/loopstone/status", node.t, wire.status(this.run, node, at, localizing));
+    client.publishJson(
+      "/loopstone/status",
+      node.t,
+      wire.status(this.run, node, at, this.known, localizing),
+    );
     if (localizing) client.publish("/particles", node.t, wire.particles(node.t, this.cloud(node)));
     if (mode !== "mapping") return;
     const first = Math.max(0, Math.min(before, at));

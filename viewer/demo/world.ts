@@ -61,18 +61,44 @@ export function cast(walls: Segment[], from: Point, angle: number, most: number)
   return nearest < most ? nearest : Infinity;
 }
 
-/** In and out of each room in turn, there along one side and back along the other. */
+/** Into each room, around in it and out, there along one side and back along the other. */
 export function route(): Point[] {
+  const random = new Random(3);
   const middle = (kCorridor[0] + kCorridor[1]) / 2;
-  const points: Point[] = [{ x: 2, y: middle }];
-  const visit = (x: number, y: number) => {
-    points.push({ x, y: middle }, { x, y }, { x: x + 0.3, y: middle });
+  const points: Point[] = [{ x: 1.5, y: middle }];
+  const visit = (x: number, up: number, ahead: number) => {
+    const wander = () => random.between(-0.25, 0.25);
+    points.push({ x: x - 1.4 * ahead, y: middle + wander() }, { x: x - 0.1, y: middle + 0.6 * up });
+    points.push(
+      { x: x + wander(), y: middle + 3 * up },
+      { x: x - 1.8 * ahead, y: middle + 4.5 * up },
+    );
+    points.push(
+      { x: x - 0.6 * ahead, y: middle + 6.4 * up },
+      { x: x + 1.6 * ahead, y: middle + 5.4 * up },
+    );
+    points.push({ x: x + 0.2, y: middle + 2.6 * up }, { x: x + 0.1, y: middle + 0.6 * up });
+    points.push({ x: x + 1.5 * ahead, y: middle + wander() });
   };
-  for (let x = kRoom / 2; x < kWidth; x += kRoom) visit(x, 5.5);
+  for (let x = kRoom / 2; x < kWidth; x += kRoom) visit(x, -1, 1);
   points.push({ x: kWidth - 1.5, y: middle });
-  for (let x = kWidth - kRoom / 2; x > 0; x -= kRoom) visit(x, 18.5);
-  points.push({ x: 2, y: middle });
-  return points;
+  for (let x = kWidth - kRoom / 2; x > 0; x -= kRoom) visit(x, 1, -1);
+  points.push({ x: 1.5, y: middle });
+  return rounded(rounded(rounded(points)));
+}
+
+/** Corners cut (Chaikin 1974). */
+function rounded(points: Point[]): Point[] {
+  const out: Point[] = [points[0] as Point];
+  for (let i = 1; i < points.length; i++) {
+    const a = points[i - 1] as Point;
+    const b = points[i] as Point;
+    for (const share of [0.25, 0.75]) {
+      out.push({ x: a.x + share * (b.x - a.x), y: a.y + share * (b.y - a.y) });
+    }
+  }
+  out.push(points[points.length - 1] as Point);
+  return out;
 }
 
 export interface Stop {
@@ -93,10 +119,10 @@ export function drive(points: Point[], step: number, speed: number, begin: numbe
     const length = Math.hypot(b.x - a.x, b.y - a.y);
     const wish = Math.atan2(b.y - a.y, b.x - a.x);
     const turn = Math.atan2(Math.sin(wish - yaw), Math.cos(wish - yaw));
-    const turns = Math.max(1, Math.ceil(Math.abs(turn) / 0.35));
+    const turns = Math.floor(Math.abs(turn) / 0.35);
     for (let k = 1; k <= turns; k++) {
-      t += Math.abs(turn) / turns + 0.05;
-      stops.push({ t, pose: { ...a, yaw: yaw + (turn * k) / turns }, travelled });
+      t += 0.4;
+      stops.push({ t, pose: { ...a, yaw: yaw + (turn * k) / (turns + 1) }, travelled });
     }
     yaw = wish;
     const steps = Math.max(1, Math.round(length / step));

@@ -188,6 +188,9 @@ class Page {
   private openDrawer(open: boolean): void {
     this.side.classList.toggle("open", open);
     this.drawer.setAttribute("aria-expanded", String(open));
+    const covers = open && window.getComputedStyle(this.side).position === "fixed";
+    const below = this.side.clientHeight - need("time").clientHeight;
+    this.app.map.covered = covers ? Math.max(0, below) : 0;
   }
 
   private savePicture(): void {

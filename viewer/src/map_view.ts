@@ -41,6 +41,8 @@ export class MapView implements GestureTarget {
   frames = 0;
   /** Smoothed time that the processor spends on a picture [ms]. */
   frameTime = 0;
+  /** Pixels at the bottom that something else covers. */
+  covered = 0;
   private hoverAt: Point | null = null;
   private asked = false;
   private resized = true;
@@ -107,9 +109,10 @@ export class MapView implements GestureTarget {
     requestAnimationFrame((now) => this.frame(now));
   }
 
+  /** Drawn at once: a picture of another size would be seen stretched until the next frame. */
   private resize(): void {
     this.resized = true;
-    this.redraw();
+    this.frame(performance.now());
   }
 
   private applySize(): void {
@@ -165,7 +168,7 @@ export class MapView implements GestureTarget {
     }
     if (this.mode === "fit") {
       const extent = this.scene.extent();
-      if (!isEmpty(extent)) Object.assign(camera, camera.fitting(extent));
+      if (!isEmpty(extent)) Object.assign(camera, camera.fitting(extent, this.tools));
     } else if (this.mode === "follow" && model.robot !== null) {
       camera.x = model.robot.pose.x;
       camera.y = model.robot.pose.y;
@@ -182,11 +185,16 @@ export class MapView implements GestureTarget {
     this.redraw();
   }
 
+  /** Pixels that the tools on the left take, where there is room to spare them. */
+  private get tools(): number {
+    return this.camera.width > 600 ? 44 : 0;
+  }
+
   setMode(mode: Mode): void {
     this.mode = mode;
     if (mode === "fit") {
       const extent = this.scene.extent();
-      if (!isEmpty(extent)) this.glideTo(this.camera.fitting(extent));
+      if (!isEmpty(extent)) this.glideTo(this.camera.fitting(extent, this.tools));
     } else if (mode === "follow" && this.model.robot !== null) {
       const { x, y } = this.model.robot.pose;
       this.glideTo({ x, y, scale: Math.max(this.camera.scale, 25) });
@@ -196,9 +204,11 @@ export class MapView implements GestureTarget {
 
   /** Shows a place, with about `span` metres across. */
   goTo(p: Point, span: number): void {
-    const side = Math.min(this.camera.width, this.camera.height);
+    const { width, height, angle } = this.camera;
+    const scale = Math.min(width, height - this.covered) / Math.max(span, 0.5);
+    const down = this.covered / 2 / scale;
     this.mode = "free";
-    this.glideTo({ x: p.x, y: p.y, scale: side / Math.max(span, 0.5) });
+    this.glideTo({ x: p.x - down * Math.sin(angle), y: p.y - down * Math.cos(angle), scale });
   }
 
   northUp(): void {

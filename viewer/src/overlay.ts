@@ -39,7 +39,7 @@ export class Overlay {
       context.ellipse(0, 0, radius(ellipse.major), radius(ellipse.minor), turn, 0, 2 * Math.PI);
       this.wash(palette.accent);
       const spread = Math.min(Math.PI, kSigmas95 * yawSigma);
-      if (spread > 0.02) {
+      if (spread > 0.1) {
         context.beginPath();
         context.moveTo(0, 0);
         context.arc(0, 0, size * 2.2, heading - spread, heading + spread);

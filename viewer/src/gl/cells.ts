@@ -1,4 +1,5 @@
 /** Cells of tiles as the texture holds them, at every size that is needed. No WebGL here. */
+import { type Box, emptyBox, include, isEmpty } from "../geometry.ts";
 
 /** Occupancy 0..100 or 255 for unknown -> 1..101 or 0. Values that are neither count as 100. */
 export function stored(cells: Uint8Array, out: Uint8Array): void {
@@ -39,4 +40,17 @@ export function halvings(side: number): number {
 export function blockOf(tile: number, tilesABlock: number): { block: number; within: number } {
   const block = Math.floor(tile / tilesABlock);
   return { block, within: tile - block * tilesABlock };
+}
+
+/** Columns and rows that hold what is known, the last ones not included; null without any. */
+export function extentOf(cells: Uint8Array, side: number): Box | null {
+  const box = emptyBox();
+  for (let i = 0; i < side * side; i++) {
+    if (cells[i] === 0) continue;
+    const row = Math.floor(i / side);
+    const column = i - row * side;
+    include(box, column, row);
+    include(box, column + 1, row + 1);
+  }
+  return isEmpty(box) ? null : box;
 }

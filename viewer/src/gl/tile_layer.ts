@@ -1,7 +1,7 @@
 import { type Box, emptyBox, include, overlap, type Pose } from "../geometry.ts";
 import type { MapTiles, OccupancyGrid } from "../messages.ts";
 import type { MapSink } from "../model.ts";
-import { blockOf, halved, halvings, stored } from "./cells.ts";
+import { blockOf, extentOf, halved, halvings, stored } from "./cells.ts";
 import { kCellsFragment, kQuadVertex, link, type Program } from "./programs.ts";
 import type { View } from "./view.ts";
 
@@ -111,12 +111,17 @@ export class TileLayer implements MapSink {
     this.includeTile(column, row);
   }
 
+  /** Of a tile only what is known, to eight cells. */
   private includeTile(column: number, row: number): void {
+    const level = Math.min(3, this.levels - 1);
+    const within = extentOf(this.scratch[level] ?? new Uint8Array(0), this.size >> level);
+    if (within === null) return;
+    const texel = this.resolution * 2 ** level;
     const side = this.size * this.resolution;
     const c = Math.cos(this.origin.yaw);
     const s = Math.sin(this.origin.yaw);
-    for (const x of [column * side, (column + 1) * side]) {
-      for (const y of [row * side, (row + 1) * side]) {
+    for (const x of [column * side + within.left * texel, column * side + within.right * texel]) {
+      for (const y of [row * side + within.bottom * texel, row * side + within.top * texel]) {
         include(this.box, this.origin.x + c * x - s * y, this.origin.y + s * x + c * y);
       }
     }

@@ -132,9 +132,15 @@ export class ClosuresPanel {
         },
       });
       this.app.onChosen(() => (box.checked = this.app.settings.closures[state]));
+      let key = swatch(this.app.palette.closures[state], words.dash, words.mark);
+      this.app.onChosen(() => {
+        const next = swatch(this.app.palette.closures[state], words.dash, words.mark);
+        key.replaceWith(next);
+        key = next;
+      });
       this.counts.set(state, count);
       this.filters.append(
-        h("label", { title: words.meaning, "data-state": state }, box, words.label, count),
+        h("label", { title: words.meaning, "data-state": state }, box, key, words.label, count),
       );
     }
   }

@@ -2,7 +2,7 @@ import type { App } from "../app.ts";
 import { clock, significant } from "../format.ts";
 import type { Series } from "../series.ts";
 import { figureLabel } from "../words.ts";
-import { h } from "./dom.ts";
+import { h, setText } from "./dom.ts";
 
 const kFirstPlots = 4;
 
@@ -18,6 +18,9 @@ export class PlotsPanel {
   readonly panel = h("div");
   private readonly choices = h("div");
   private readonly host = h("div");
+  private readonly from = h("span");
+  private readonly to = h("span");
+  private readonly axis = h("div", { class: "axis" }, this.from, this.to);
   private readonly empty = h("p", { class: "empty" }, "No figures yet.");
   private readonly plots = new Map<string, Plot>();
   private readonly boxes = new Map<string, HTMLInputElement>();
@@ -26,7 +29,7 @@ export class PlotsPanel {
 
   constructor(private readonly app: App) {
     const details = h("details", { open: true }, h("summary", {}, "Which figures"), this.choices);
-    this.panel.append(details, this.empty, this.host);
+    this.panel.append(details, this.empty, this.host, this.axis);
     app.watch(["status", "reset", "time"], () => this.show());
     app.onChosen(() => this.show());
     new ResizeObserver(() => this.app.frames.request(() => this.show())).observe(this.host);
@@ -45,6 +48,10 @@ export class PlotsPanel {
     this.empty.hidden = series.size > 0;
     this.showChoices();
     const chosen = this.chosen();
+    const [from, to] = this.span();
+    this.axis.hidden = series.size === 0 || chosen.length === 0;
+    setText(this.from, clock(from - this.app.startTime, 1));
+    setText(this.to, clock(to - this.app.startTime, 1));
     for (const [name, plot] of this.plots) {
       if (chosen.includes(name)) continue;
       plot.figure.remove();
@@ -98,17 +105,16 @@ export class PlotsPanel {
     return plot;
   }
 
-  /** All plots share the time from the first value to the last, or that of the whole run. */
+  /** All plots share the time from the first value to the last. */
   private span(): [number, number] {
-    const { model } = this.app;
-    let low = model.start ?? Infinity;
-    let high = model.end ?? -Infinity;
-    for (const { length, begin, end } of model.series.values()) {
+    let low = Infinity;
+    let high = -Infinity;
+    for (const { length, begin, end } of this.app.model.series.values()) {
       if (length === 0) continue;
       low = Math.min(low, begin[0] ?? low);
       high = Math.max(high, end[length - 1] ?? high);
     }
-    return low < high ? [low, high] : [low, low + 1];
+    return low <= high ? [low, Math.max(high, low + 1)] : [0, 1];
   }
 
   private timeAt(canvas: HTMLCanvasElement, event: MouseEvent): number {
@@ -131,14 +137,21 @@ export class PlotsPanel {
     const y = (v: number) =>
       height - 8 - ((v - range.low) / (range.high - range.low)) * (height - 16);
     const style = getComputedStyle(canvas);
-    const [ink, soft, accent] = ["--ink", "--soft", "--accent"].map((one) =>
+    const [ink, soft, accent, raised] = ["--ink", "--soft", "--accent", "--raised"].map((one) =>
       style.getPropertyValue(one),
     );
     this.curve(context, series, x, y, accent ?? "");
     context.fillStyle = soft ?? "";
     context.font = '10.5px system-ui, "DejaVu Sans", sans-serif';
-    context.fillText(significant(range.high), 5, 12);
-    context.fillText(significant(range.low), 5, height - 4);
+    context.strokeStyle = raised ?? "";
+    context.lineWidth = 3;
+    for (const [text, at] of [
+      [significant(range.high), 12],
+      [significant(range.low), height - 4],
+    ] as const) {
+      context.strokeText(text, 5, at);
+      context.fillText(text, 5, at);
+    }
     const shown = this.hover ?? this.app.model.time;
     if (shown !== null && series.length > 0) {
       context.fillStyle = ink ?? "";

@@ -45,9 +45,7 @@ export class Timeline {
     back.id = "step-back";
     forward.id = "step-forward";
     for (const speed of kSpeeds) {
-      this.speed.append(
-        h("option", { value: speed }, speed === 0 ? "as fast as it goes" : `× ${speed}`),
-      );
+      this.speed.append(h("option", { value: speed }, speed === 0 ? "fastest" : `× ${speed}`));
     }
     this.speed.addEventListener("change", () => app.session.setSpeed(Number(this.speed.value)));
     this.slider.addEventListener("input", () => {
@@ -175,6 +173,5 @@ export class Timeline {
       setText(value, text);
       if (value.parentElement) value.parentElement.hidden = text === "" || text === "–";
     }
-    this.status.hidden = entries.every(([, text]) => text === "" || text === "–");
   }
 }
