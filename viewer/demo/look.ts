@@ -1,5 +1,5 @@
 import { readFile } from "node:fs/promises";
-import { largeRun, officeRun } from "./run.ts";
+import { officeRun } from "./run.ts";
 import { DemoServer } from "./server.ts";
 import { launch, open, stateOf, until } from "../tests/support/browser.ts";
 

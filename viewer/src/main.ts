@@ -39,6 +39,13 @@ function storage(): Storage | null {
   }
 }
 
+/** For those who do not see the page: one after the other, so that none is lost. */
+function announce(text: string): void {
+  const live = need("live");
+  live.append(h("p", {}, text));
+  while (live.childElementCount > 4) live.firstElementChild?.remove();
+}
+
 class Page {
   private readonly app: App;
   private readonly header: Header;
@@ -51,14 +58,14 @@ class Page {
   private readonly plots: PlotsPanel;
   private readonly side = need("side");
   private readonly drawer = need<HTMLButtonElement>("drawer");
+  private toldVerdict = "";
 
   constructor() {
     const model = new Model();
     const settings = new Settings(storage());
     const frames = new Frames((task) => requestAnimationFrame(task));
     const session = new Session(model, window.location.href, kBrowser);
-    const live = need("live");
-    this.app = new App(model, settings, session, frames, (text) => (live.textContent = text));
+    this.app = new App(model, settings, session, frames, announce);
     const canvases = [need<HTMLCanvasElement>("map"), need<HTMLCanvasElement>("overlay")] as const;
     this.app.map = new MapView(...canvases, model, settings, kPalettes.dark, this.mapListener());
     this.tools = new MapTools(this.app);
@@ -127,7 +134,9 @@ class Page {
     });
     app.watch(["verdict"], () => {
       const { verdict } = app.model;
-      if (verdict?.sentence) app.announce(`Verdict: ${verdict.verdict}. ${verdict.sentence}`);
+      const words = verdict?.sentence ? `Verdict: ${verdict.verdict}. ${verdict.sentence}` : "";
+      if (words && words !== this.toldVerdict) app.announce(words);
+      this.toldVerdict = words;
     });
     listenToKeys(this.keys(), () => this.help.open);
   }

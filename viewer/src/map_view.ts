@@ -293,7 +293,8 @@ export class MapView implements GestureTarget {
   }
 
   private key(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    // With Shift, arrows are of time.
+    if (event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
     const middle = { x: this.camera.width / 2, y: this.camera.height / 2 };
     const actions: Record<string, () => void> = {
       ArrowLeft: () => this.pan(kPanStep, 0),

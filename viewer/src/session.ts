@@ -298,6 +298,10 @@ export class Session {
   private control(play: boolean, speed: number, seek: number | null): void {
     const request = `page-${this.nextRequest++}`;
     if (seek !== null) this.pendingSeek = { request, since: this.around.now() };
+    // Taken as done, so that what is asked next does not undo it; the server's answer corrects it.
+    this.model.playback = play ? "playing" : "paused";
+    this.model.speed = speed;
+    this.model.changed("playback");
     this.send(protocol.encodePlaybackControl({ play, speed, seek, request }));
   }
 

@@ -271,15 +271,13 @@ test("dragging sends at most ten seeks a second, and the last one always", () =>
 });
 
 test("seeks stay within the run; play, speed and seek keep each other", () => {
-  const { session, socket, advance, model } = begin();
+  const { session, socket, advance } = begin();
   socket().open();
   socket().json(kInfo);
   session.seek(99);
   advance(200);
   session.setSpeed(5);
-  model.speed = 5;
   session.play(false);
-  model.playback = "paused";
   session.seek(12);
   assert.deepEqual(controls(socket()), [
     { play: true, speed: 1, seek: 20 },

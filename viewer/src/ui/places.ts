@@ -1,5 +1,5 @@
 import type { App } from "../app.ts";
-import { h } from "./dom.ts";
+import { h, need } from "./dom.ts";
 
 const kMost = 100;
 
@@ -13,6 +13,11 @@ export class Places {
   ) {
     app.watch(["verdict", "reset"], () => this.make());
     app.onChosen(() => this.move());
+    // The wheel is the map's, also where a marker is in its way.
+    host.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      need("overlay").dispatchEvent(new WheelEvent("wheel", event));
+    });
   }
 
   private make(): void {

@@ -50,8 +50,8 @@ export async function open(
   const phone = options.phone ?? false;
   const context = await browser.newContext({
     viewport: {
-      width: options.width ?? (phone ? 390 : 1280),
-      height: options.height ?? (phone ? 780 : 800),
+      width: options.width ?? (phone ? 390 : 1000),
+      height: options.height ?? (phone ? 780 : 640),
     },
     colorScheme: (options.dark ?? true) ? "dark" : "light",
     reducedMotion: (options.reducedMotion ?? true) ? "reduce" : "no-preference",
