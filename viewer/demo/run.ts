@@ -68,16 +68,14 @@ function nodesOf(stops: Stop[], drive: number, firstSubmap: number, before: numb
 }
 
 const kReasons: Record<ClosureState, string[]> = {
-  standing: ["Both scans agree, and no other place fits as well."],
-  waiting: [
-    "One more scan of the same place is needed: the second best place fits nearly as well.",
-  ],
+  standing: [""],
+  waiting: ["waits for a second closure that asks for the same"],
   rejected: [
-    "The second best place fits as well: ambiguous.",
-    "Too little overlap.",
-    "Scans contradict each other: one looks through what the other hits.",
+    "ambiguous: another place matches as well",
+    "too little overlap",
+    "the places around do not bear it out",
   ],
-  revoked: ["The graph pulls it 0.42 m away from what was measured; the rest disproves it."],
+  revoked: ["contradicts the rest of the graph"],
 };
 
 function stateFor(random: Random): ClosureState {
@@ -108,7 +106,8 @@ function closuresOf(nodes: Node[], random: Random): DemoClosure[] {
       const a = (nodes[i] as Node).pose;
       const b = (nodes[j] as Node).pose;
       const apart = Math.hypot(a.x - b.x, a.y - b.y);
-      if (apart < 2.2 && random.next() < 0.3)
+      const facing = Math.cos(a.yaw - b.yaw);
+      if (apart < 2.4 && facing > 0.3 && random.next() < 0.55)
         closures.push(closure(closures.length, i, j, nodes, random));
     }
   }
@@ -208,10 +207,14 @@ export function largeRun(tilesASide = 25, nodeCount = 20_000, closureCount = 5_0
       travelled: 0.6 * i,
     };
   });
+  // From lane to lane, where both pass the same place.
+  const perLane = nodeCount / lanes;
   const closures = Array.from({ length: closureCount }, (_, id) => {
-    const from = random.integer(nodeCount - 1000);
-    const to = Math.min(nodeCount - 1, from + 300 + random.integer(700));
-    return closure(id, from, to, nodes, random);
+    const lane = random.integer(lanes - 1);
+    const along = random.integer(perLane);
+    const from = Math.floor(lane * perLane + along);
+    const to = Math.floor((lane + 2) * perLane - 1 - along + random.between(-5, 5));
+    return closure(id, from, Math.min(nodeCount - 1, Math.max(from + 1, to)), nodes, random);
   });
   const ids: number[] = [];
   const cells: Uint8Array[] = [];

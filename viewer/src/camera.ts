@@ -59,18 +59,23 @@ export class Camera {
     return box;
   }
 
-  /** Centre and scale that show all of a box at the present turn, beside `left` pixels of tools. */
-  fitting(box: Box, left = 0, margin = 24): { x: number; y: number; scale: number } {
+  /**
+   * Centre and scale that show all of a box at the present turn, beside `left` and above `below`
+   * pixels that something else covers.
+   */
+  fitting(box: Box, left = 0, below = 0, margin = 24): { x: number; y: number; scale: number } {
     if (isEmpty(box)) return { x: this.x, y: this.y, scale: this.scale };
     const c = Math.abs(Math.cos(this.angle));
     const s = Math.abs(Math.sin(this.angle));
     const w = Math.max(box.right - box.left, 0.5);
     const h = Math.max(box.top - box.bottom, 0.5);
     const across = Math.max(this.width - left - 2 * margin, 1) / (c * w + s * h);
-    const up = Math.max(this.height - 2 * margin, 1) / (s * w + c * h);
+    const up = Math.max(this.height - below - 2 * margin, 1) / (s * w + c * h);
     const scale = Math.min(kLargestScale, Math.max(kLeastScale, Math.min(across, up)));
     const aside = left / 2 / scale;
-    const x = (box.left + box.right) / 2 - aside * Math.cos(this.angle);
-    return { x, y: (box.bottom + box.top) / 2 + aside * Math.sin(this.angle), scale };
+    const down = below / 2 / scale;
+    const [cos, sin] = [Math.cos(this.angle), Math.sin(this.angle)];
+    const x = (box.left + box.right) / 2 - aside * cos - down * sin;
+    return { x, y: (box.bottom + box.top) / 2 + aside * sin - down * cos, scale };
   }
 }

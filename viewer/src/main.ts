@@ -200,6 +200,7 @@ class Page {
     const covers = open && window.getComputedStyle(this.side).position === "fixed";
     const below = this.side.clientHeight - need("time").clientHeight;
     this.app.map.covered = covers ? Math.max(0, below) : 0;
+    this.app.map.redraw();
   }
 
   private savePicture(): void {

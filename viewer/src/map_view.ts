@@ -168,7 +168,7 @@ export class MapView implements GestureTarget {
     }
     if (this.mode === "fit") {
       const extent = this.scene.extent();
-      if (!isEmpty(extent)) Object.assign(camera, camera.fitting(extent, this.tools));
+      if (!isEmpty(extent)) Object.assign(camera, camera.fitting(extent, this.tools, this.covered));
     } else if (this.mode === "follow" && model.robot !== null) {
       camera.x = model.robot.pose.x;
       camera.y = model.robot.pose.y;
@@ -194,7 +194,7 @@ export class MapView implements GestureTarget {
     this.mode = mode;
     if (mode === "fit") {
       const extent = this.scene.extent();
-      if (!isEmpty(extent)) this.glideTo(this.camera.fitting(extent, this.tools));
+      if (!isEmpty(extent)) this.glideTo(this.camera.fitting(extent, this.tools, this.covered));
     } else if (mode === "follow" && this.model.robot !== null) {
       const { x, y } = this.model.robot.pose;
       this.glideTo({ x, y, scale: Math.max(this.camera.scale, 25) });

@@ -1,28 +1,16 @@
 /** The map as WebGL draws it: layers are filled when the model has changed, drawn when asked. */
 import type { Camera } from "./camera.ts";
-import { type Colour, colourOf, type Palette, rampTable } from "./colours.ts";
+import { type Palette, rampTable } from "./colours.ts";
+import { fillClosures, fillPath, fillSubmaps, type Sight } from "./fills.ts";
 import { type Box, emptyBox, include, isEmpty, roundLength } from "./geometry.ts";
 import { PictureLayer } from "./gl/picture_layer.ts";
 import { GlFailure, kPictureFragment, kQuadVertex, link, type Program } from "./gl/programs.ts";
-import { Lines, Marks, Pattern, Polyline, Shape, ShapePrograms } from "./gl/shapes.ts";
+import { Lines, Marks, Pattern, Shape, Shapes } from "./gl/shapes.ts";
 import { TileLayer } from "./gl/tile_layer.ts";
 import { View } from "./gl/view.ts";
-import type { ClosureState } from "./json_messages.ts";
 import type { Model, Part } from "./model.ts";
 import type { Settings } from "./settings.ts";
 
-const kPatterns: Record<ClosureState, Pattern> = {
-  standing: Pattern.Solid,
-  waiting: Pattern.Dotted,
-  rejected: Pattern.Dashed,
-  revoked: Pattern.DashDot,
-};
-const kShapes: Record<ClosureState, Shape> = {
-  standing: Shape.Disc,
-  waiting: Shape.Ring,
-  rejected: Shape.Cross,
-  revoked: Shape.Diamond,
-};
 /** Buffers that are filled anew when something has changed. */
 const kFills = ["path", "closures", "submaps", "scan", "particles"] as const;
 type Fill = (typeof kFills)[number];
@@ -39,9 +27,8 @@ export class Scene {
   readonly quality: PictureLayer;
   readonly texture: PictureLayer;
   private readonly gl: WebGL2RenderingContext;
-  private readonly programs: ShapePrograms;
   private readonly picture: Program;
-  private readonly path: Polyline;
+  private readonly path: Lines;
   private readonly closureLines: Lines;
   private readonly closureMarks: Marks;
   private readonly submaps: Lines;
@@ -51,8 +38,8 @@ export class Scene {
   private readonly stale = new Set<Fill>();
   private ramp: Uint8Array;
   private vertexArray: WebGLVertexArrayObject | null;
-  /** Least and largest of what colours the path. */
-  pathRange: [number, number] = [0, 0];
+  private sight: Sight = { box: emptyBox(), pixel: 1 };
+  private closuresInSight = 0;
   selected: number | null = null;
 
   constructor(
@@ -72,18 +59,18 @@ export class Scene {
     if (gl === null) throw new GlFailure("This browser has no WebGL 2, which draws the map.");
     this.gl = gl;
     this.vertexArray = gl.createVertexArray();
-    this.programs = new ShapePrograms(gl);
+    const shapes = new Shapes(gl);
     this.picture = link(gl, kQuadVertex, kPictureFragment);
     this.tiles = new TileLayer(gl);
     this.quality = new PictureLayer(gl, redraw);
     this.texture = new PictureLayer(gl, redraw);
-    this.path = new Polyline(gl);
-    this.closureLines = new Lines(gl);
-    this.closureMarks = new Marks(gl);
-    this.submaps = new Lines(gl);
-    this.gridLines = new Lines(gl);
-    this.scan = new Marks(gl);
-    this.particles = new Marks(gl);
+    this.path = new Lines(shapes);
+    this.closureLines = new Lines(shapes);
+    this.closureMarks = new Marks(shapes);
+    this.submaps = new Lines(shapes);
+    this.gridLines = new Lines(shapes);
+    this.scan = new Marks(shapes);
+    this.particles = new Marks(shapes);
     this.ramp = rampTable(palette.ramp);
     this.changed("reset");
   }
@@ -124,7 +111,7 @@ export class Scene {
   draw(camera: Camera, pixelRatio: number): void {
     const { gl, settings, palette } = this;
     const { layers, opacity } = settings;
-    this.fill();
+    this.fill(camera);
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
     gl.clearColor(palette.unknown[0], palette.unknown[1], palette.unknown[2], 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
@@ -135,16 +122,15 @@ export class Scene {
     if (layers.map) this.tiles.draw(view, opacity.map);
     if (layers.texture) this.texture.draw(view, this.picture, opacity.texture);
     if (layers.quality) this.quality.draw(view, this.picture, opacity.quality);
-    const { line, mark } = this.programs;
     if (layers.grid) this.drawGrid(view);
-    if (layers.submaps) this.submaps.draw(view, line);
-    if (layers.path) this.path.draw(view, line, 2);
+    if (layers.submaps) this.submaps.draw(view);
+    if (layers.path) this.path.draw(view);
     if (layers.closures) {
-      this.closureLines.draw(view, line);
-      this.closureMarks.draw(view, mark);
+      this.closureLines.draw(view);
+      this.closureMarks.draw(view);
     }
-    if (layers.particles) this.particles.draw(view, mark);
-    if (layers.scan) this.scan.draw(view, mark);
+    if (layers.particles) this.particles.draw(view);
+    if (layers.scan) this.scan.draw(view);
   }
 
   /** Waits until the card is done; for measuring. */
@@ -152,85 +138,48 @@ export class Scene {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
 
-  private fill(): void {
+  /** What was filled holds while the camera sees no more, and nothing much finer or coarser. */
+  private look(camera: Camera): Sight {
+    const pixel = 1 / camera.scale;
+    const seen = camera.seen();
+    const { box } = this.sight;
+    const ratio = pixel / this.sight.pixel;
+    const inside =
+      seen.left >= box.left &&
+      seen.right <= box.right &&
+      seen.bottom >= box.bottom &&
+      seen.top <= box.top;
+    if (!inside || ratio > 1.25 || ratio < 0.8) {
+      const aside = seen.right - seen.left;
+      const up = seen.top - seen.bottom;
+      const wide = {
+        left: seen.left - aside / 2,
+        right: seen.right + aside / 2,
+        bottom: seen.bottom - up / 2,
+        top: seen.top + up / 2,
+      };
+      this.sight = { box: wide, pixel };
+      for (const fill of ["path", "closures", "submaps"] as const) this.stale.add(fill);
+    }
+    return this.sight;
+  }
+
+  private fill(camera: Camera): void {
+    const { model, settings, palette, selected } = this;
+    const sight = this.look(camera);
+    const { track, closures } = model;
     const fills = {
-      path: () => this.fillPath(),
-      closures: () => this.fillClosures(),
-      submaps: () => this.fillSubmaps(),
+      path: () => fillPath(this.path, track, settings.pathColour, this.ramp, palette, sight),
+      closures: () => {
+        const what = { closures, track, shown: settings.closures, selected, palette };
+        this.closuresInSight = fillClosures(this.closureLines, this.closureMarks, what, sight);
+      },
+      submaps: () => fillSubmaps(this.submaps, model.submaps, palette, sight),
       scan: () => this.fillScan(),
       particles: () => this.fillParticles(),
     };
     for (const name of this.stale) fills[name]();
     this.stale.clear();
-  }
-
-  private fillPath(): void {
-    const { path, ramp, palette, settings } = this;
-    const { track } = this.model;
-    const by = settings.pathColour;
-    const values = by === "time" ? track.t : track.sigma;
-    let low = Infinity;
-    let high = -Infinity;
-    for (let i = 0; i < track.length; i++) {
-      const value = values[i] ?? 0;
-      if (value < low) low = value;
-      if (value > high) high = value;
-    }
-    if (by === "uncertainty") low = 0;
-    this.pathRange = track.length > 0 ? [low, high] : [0, 0];
-    const drives = palette.drives.map(colourOf);
-    path.clear();
-    for (let i = 0; i < track.length; i++) {
-      const joined = i > 0 && track.drives[i] === track.drives[i - 1];
-      if (by === "drive") {
-        const [red, green, blue] = drives[(track.drives[i] ?? 0) % drives.length] ?? [0, 0, 0];
-        path.add(track.x(i), track.y(i), red * 255, green * 255, blue * 255, joined);
-        continue;
-      }
-      const share = high > low ? ((values[i] ?? 0) - low) / (high - low) : 0;
-      const at = 3 * Math.round(255 * Math.min(1, Math.max(0, share)));
-      path.add(track.x(i), track.y(i), ramp[at] ?? 0, ramp[at + 1] ?? 0, ramp[at + 2] ?? 0, joined);
-    }
-  }
-
-  private fillClosures(): void {
-    const { closureLines, closureMarks, palette, settings, model } = this;
-    const { track } = model;
-    closureLines.clear();
-    closureMarks.clear();
-    // Not too many marks: on 5,000 closures they would hide the map.
-    const size = model.closures.length > 1000 ? 6 : 8;
-    const colours = Object.fromEntries(
-      Object.entries(palette.closures).map(([state, hex]) => [state, colourOf(hex)]),
-    ) as Record<ClosureState, Colour>;
-    for (const { id, from, to, state } of model.closures) {
-      if (!(from < track.length && to < track.length)) continue;
-      const selected = id === this.selected;
-      if (!settings.closures[state] && !selected) continue;
-      const [ax, ay, bx, by] = [track.x(from), track.y(from), track.x(to), track.y(to)];
-      const colour = colours[state];
-      closureLines.add(ax, ay, bx, by, colour, 1, selected ? 4 : 1.5, kPatterns[state]);
-      const shape = kShapes[state];
-      const mark = selected ? 14 : shape === Shape.Disc ? size - 2 : size;
-      closureMarks.add((ax + bx) / 2, (ay + by) / 2, 0, colour, 1, mark, shape);
-    }
-  }
-
-  private fillSubmaps(): void {
-    const { submaps, palette, model } = this;
-    submaps.clear();
-    for (const { state, outline } of model.submaps) {
-      const colour = colourOf(palette.submaps[state]);
-      const pattern = state === "dropped" ? Pattern.Dashed : Pattern.Solid;
-      const width = state === "open" ? 2 : 1;
-      const corners = outline.length >> 1;
-      for (let i = 0; i < corners; i++) {
-        const j = (i + 1) % corners;
-        const at = (k: number) => outline[k] ?? 0;
-        const [ax, ay, bx, by] = [at(2 * i), at(2 * i + 1), at(2 * j), at(2 * j + 1)];
-        submaps.add(ax, ay, bx, by, colour, 0.9, width, pattern);
-      }
-    }
   }
 
   private fillScan(): void {
@@ -268,7 +217,7 @@ export class Scene {
     lines(seen.bottom, seen.top, (y, axis) =>
       gridLines.add(seen.left, y, seen.right, y, palette.grid, alpha(axis), 1, Pattern.Solid),
     );
-    gridLines.draw(view, this.programs.line);
+    gridLines.draw(view);
   }
 
   /** For tests and the help: what was handed to the card. */
@@ -277,7 +226,9 @@ export class Scene {
       blocks: this.tiles.blockCount,
       tiles: this.tiles.tiles.size,
       path: this.path.count,
-      closures: this.closureLines.count,
+      closures: this.closuresInSight,
+      closureLines: this.closureLines.count,
+      closureMarks: this.closureMarks.count,
       submapLines: this.submaps.count,
       scan: this.scan.count,
       particles: this.particles.count,

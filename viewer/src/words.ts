@@ -59,7 +59,7 @@ export const kClosureWords: Record<
 > = {
   standing: {
     label: "standing",
-    meaning: "Accepted; the graph uses it.",
+    meaning: "Both scans agree and no other place fits as well; the graph uses it.",
     dash: "",
     mark: "disc",
   },
@@ -77,7 +77,7 @@ export const kClosureWords: Record<
   },
   revoked: {
     label: "revoked",
-    meaning: "Was accepted, then the rest disproved it.",
+    meaning: "Was accepted, then disproved by the rest.",
     dash: "7 3 2 3",
     mark: "diamond",
   },

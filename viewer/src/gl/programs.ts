@@ -52,7 +52,8 @@ vec2 pixelOf(vec2 place) {
   return vec2(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y);
 }
 vec4 clipOf(vec2 pixel) { return vec4(pixel / halfSize, 0.0, 1.0); }
-vec2 cornerOf(int id) { return vec2(float(id & 1), float(id >> 1)); }
+// Of four vertices in a row.
+vec2 cornerOf(int id) { return vec2(float(id & 1), float((id >> 1) & 1)); }
 `;
 
 /** A rectangle on the map with a picture: both layers of cells and pictures. */
@@ -129,10 +130,8 @@ void main() {
   form = vec2(halfWidth, length_);
   pattern = int(style.y + 0.5);
   float share = length_ > 1e-4 ? clamp(x / length_, 0.0, 1.0) : 0.0;
-  shade = vec4(mix(fromColour.rgb, toColour.rgb, share), toColour.a);
-  // A node without alpha is not joined to the one before it.
-  gl_Position = toColour.a < 0.01 ? vec4(2.0, 2.0, 2.0, 1.0)
-                                  : clipOf(a + direction * x + vec2(-direction.y, direction.x) * y);
+  shade = mix(fromColour, toColour, share);
+  gl_Position = clipOf(a + direction * x + vec2(-direction.y, direction.x) * y);
 }`;
 
 export const kLineFragment = `
@@ -147,7 +146,9 @@ void main() {
   float outside = length(vec2(along.x - x, along.y)) - form.x;
   float alpha = clamp(0.5 - outside, 0.0, 1.0);
   float p = along.x / pixelRatio;
-  if (pattern == 1) alpha *= step(mod(p, 6.0), 2.5);
+  // Ends of a joined line are cut off, since what is drawn twice would be seen as beads.
+  if (pattern == 4) alpha *= step(-0.3, along.x) * step(along.x, form.y + 0.3);
+  else if (pattern == 1) alpha *= step(mod(p, 6.0), 2.5);
   else if (pattern == 2) alpha *= step(mod(p, 10.0), 6.0);
   else if (pattern == 3) { float q = mod(p, 15.0); alpha *= max(step(q, 7.0), step(abs(q - 11.0), 1.2)); }
   alpha *= shade.a;

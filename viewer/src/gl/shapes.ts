@@ -1,4 +1,4 @@
-/** Buffers of lines and marks: filled on the processor, drawn as instances. */
+/** Buffers of lines and marks: filled on the processor, each drawn at once. */
 import type { Colour } from "../colours.ts";
 import {
   kLineFragment,
@@ -10,72 +10,86 @@ import {
 } from "./programs.ts";
 import type { View } from "./view.ts";
 
-/** Records of floats and bytes in one buffer that grows by doubling and is used again. */
+/** Both triangles of a quad with four vertices. */
+const kCorners = [0, 1, 2, 2, 1, 3];
+
+/**
+ * Records of floats and bytes, four times each: once for every corner of their quad. (Instances
+ * would need a quarter of the room, but cost a processor that draws as much as a draw call each.)
+ * The buffer grows by doubling and is used again.
+ */
 class Records {
   count = 0;
   floats: Float32Array;
   bytes: Uint8Array;
+  private words: Uint32Array;
   private data: ArrayBuffer;
 
+  /** `size` is that of one record, in bytes. */
   constructor(readonly size: number) {
-    this.data = new ArrayBuffer(size * 256);
+    this.data = new ArrayBuffer(4 * size * 64);
     this.floats = new Float32Array(this.data);
+    this.words = new Uint32Array(this.data);
     this.bytes = new Uint8Array(this.data);
   }
 
   /** Room for one more; where its floats begin. */
   next(): number {
-    if ((this.count + 1) * this.size > this.data.byteLength) {
+    const begin = this.count * 4 * this.size;
+    if (begin + 4 * this.size > this.data.byteLength) {
       const old = this.bytes;
       this.data = new ArrayBuffer(this.data.byteLength * 2);
       this.floats = new Float32Array(this.data);
+      this.words = new Uint32Array(this.data);
       this.bytes = new Uint8Array(this.data);
       this.bytes.set(old);
     }
-    return (this.count++ * this.size) / 4;
+    return begin / 4;
+  }
+
+  /** The record at `begin` is written: its copies follow. */
+  done(begin: number): void {
+    const { words } = this;
+    const length = this.size / 4;
+    for (let i = 0; i < length; i++) {
+      const word = words[begin + i] ?? 0;
+      words[begin + length + i] = word;
+      words[begin + 2 * length + i] = word;
+      words[begin + 3 * length + i] = word;
+    }
+    this.count++;
   }
 
   used(): Uint8Array {
-    return this.bytes.subarray(0, this.count * this.size);
+    return this.bytes.subarray(0, this.count * 4 * this.size);
   }
 }
 
-/** One buffer of the graphics card, written anew only when its records have changed. */
+/** A buffer of the graphics card that grows by doubling. */
 class Uploaded {
   private readonly buffer: WebGLBuffer | null;
   private capacity = 0;
 
-  constructor(private readonly gl: WebGL2RenderingContext) {
+  constructor(
+    private readonly gl: WebGL2RenderingContext,
+    private readonly target: number,
+  ) {
     this.buffer = gl.createBuffer();
   }
 
   bind(): void {
-    this.gl.bindBuffer(this.gl.ARRAY_BUFFER, this.buffer);
+    this.gl.bindBuffer(this.target, this.buffer);
   }
 
-  write(bytes: Uint8Array): void {
-    const { gl } = this;
+  write(bytes: ArrayBufferView): void {
+    const { gl, target } = this;
     this.bind();
     if (bytes.byteLength > this.capacity) {
       this.capacity = Math.max(1024, 2 ** Math.ceil(Math.log2(bytes.byteLength)));
-      gl.bufferData(gl.ARRAY_BUFFER, this.capacity, gl.DYNAMIC_DRAW);
+      gl.bufferData(target, this.capacity, gl.DYNAMIC_DRAW);
     }
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, bytes);
+    gl.bufferSubData(target, 0, bytes);
   }
-}
-
-function attribute(
-  gl: WebGL2RenderingContext,
-  index: number,
-  size: number,
-  type: number,
-  normalized: boolean,
-  stride: number,
-  offset: number,
-): void {
-  gl.enableVertexAttribArray(index);
-  gl.vertexAttribPointer(index, size, type, normalized, stride, offset);
-  gl.vertexAttribDivisor(index, 1);
 }
 
 export const enum Pattern {
@@ -83,6 +97,7 @@ export const enum Pattern {
   Dotted,
   Dashed,
   DashDot,
+  Joined,
 }
 
 export const enum Shape {
@@ -97,26 +112,44 @@ function byteOf(share: number): number {
   return Math.round(Math.min(1, Math.max(0, share)) * 255);
 }
 
-/** Programs that all batches of a context share. */
-export class ShapePrograms {
+/** What all batches of a context share: programs, and the indices of quads. */
+export class Shapes {
   readonly line: Program;
   readonly mark: Program;
+  private readonly indices: Uploaded;
+  private quads = 0;
 
-  constructor(gl: WebGL2RenderingContext) {
+  constructor(readonly gl: WebGL2RenderingContext) {
     this.line = link(gl, kLineVertex, kLineFragment);
     this.mark = link(gl, kMarkVertex, kMarkFragment);
+    this.indices = new Uploaded(gl, gl.ELEMENT_ARRAY_BUFFER);
+  }
+
+  drawQuads(count: number): void {
+    const { gl } = this;
+    if (count > this.quads) {
+      this.quads = Math.max(256, 2 ** Math.ceil(Math.log2(count)));
+      const indices = new Uint32Array(6 * this.quads);
+      for (let i = 0; i < indices.length; i++) {
+        indices[i] = 4 * Math.floor(i / 6) + (kCorners[i % 6] ?? 0);
+      }
+      this.indices.write(indices);
+    } else {
+      this.indices.bind();
+    }
+    gl.drawElements(gl.TRIANGLES, 6 * count, gl.UNSIGNED_INT, 0);
   }
 }
 
 abstract class Batch {
-  protected readonly uploaded: Uploaded;
+  private readonly uploaded: Uploaded;
   private stale = true;
 
   constructor(
-    protected readonly gl: WebGL2RenderingContext,
+    protected readonly shapes: Shapes,
     protected readonly records: Records,
   ) {
-    this.uploaded = new Uploaded(gl);
+    this.uploaded = new Uploaded(shapes.gl, shapes.gl.ARRAY_BUFFER);
   }
 
   get count(): number {
@@ -128,25 +161,38 @@ abstract class Batch {
     this.stale = true;
   }
 
-  protected refresh(): void {
+  /** Sets the attributes, each given by its size, type and place in the record. */
+  protected drawWith(
+    attributes: [size: number, bytes: "floats" | "share" | "bytes", at: number][],
+  ) {
+    const { gl } = this.shapes;
     if (this.stale) this.uploaded.write(this.records.used());
     else this.uploaded.bind();
     this.stale = false;
+    attributes.forEach(([size, kind, at], index) => {
+      const type = kind === "floats" ? gl.FLOAT : gl.UNSIGNED_BYTE;
+      gl.enableVertexAttribArray(index);
+      gl.vertexAttribPointer(index, size, type, kind === "share", this.records.size, at);
+    });
+    for (let index = attributes.length; index < 5; index++) gl.disableVertexAttribArray(index);
+    this.shapes.drawQuads(this.count);
   }
 }
 
-/** Lines that stand alone: begin, end, one colour, a width and a pattern each. */
+/** Lines: begin, end, a colour at each, a width and a pattern. */
 export class Lines extends Batch {
-  constructor(gl: WebGL2RenderingContext) {
-    super(gl, new Records(24));
+  constructor(shapes: Shapes) {
+    super(shapes, new Records(28));
   }
 
-  add(
+  /** Colours in bytes; the width in pixels. */
+  addShaded(
     ax: number,
     ay: number,
     bx: number,
     by: number,
-    colour: Colour,
+    from: Colour,
+    to: Colour,
     alpha: number,
     width: number,
     pattern: Pattern,
@@ -157,62 +203,48 @@ export class Lines extends Batch {
     floats[at + 1] = ay;
     floats[at + 2] = bx;
     floats[at + 3] = by;
-    for (let k = 0; k < 3; k++) bytes[4 * at + 16 + k] = byteOf(colour[k] ?? 0);
-    bytes[4 * at + 19] = byteOf(alpha);
-    bytes[4 * at + 20] = Math.min(255, Math.round(width * 2));
-    bytes[4 * at + 21] = pattern;
+    for (let k = 0; k < 3; k++) {
+      bytes[4 * at + 16 + k] = from[k] ?? 0;
+      bytes[4 * at + 20 + k] = to[k] ?? 0;
+    }
+    bytes[4 * at + 19] = bytes[4 * at + 23] = byteOf(alpha);
+    bytes[4 * at + 24] = Math.min(255, Math.round(width * 2));
+    bytes[4 * at + 25] = pattern;
+    this.records.done(at);
   }
 
-  draw(view: View, program: Program): void {
+  /** In one colour, 0..1. */
+  add(
+    ax: number,
+    ay: number,
+    bx: number,
+    by: number,
+    colour: Colour,
+    alpha: number,
+    width: number,
+    pattern: Pattern,
+  ): void {
+    const bytes = [byteOf(colour[0]), byteOf(colour[1]), byteOf(colour[2])] as const;
+    this.addShaded(ax, ay, bx, by, bytes, bytes, alpha, width, pattern);
+  }
+
+  draw(view: View): void {
     if (this.count === 0) return;
-    const { gl } = this;
-    view.use(program);
-    this.refresh();
-    attribute(gl, 0, 2, gl.FLOAT, false, 24, 0);
-    attribute(gl, 1, 2, gl.FLOAT, false, 24, 8);
-    attribute(gl, 2, 4, gl.UNSIGNED_BYTE, true, 24, 16);
-    attribute(gl, 3, 4, gl.UNSIGNED_BYTE, true, 24, 16);
-    attribute(gl, 4, 2, gl.UNSIGNED_BYTE, false, 24, 20);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
-  }
-}
-
-/** A line through nodes; each has a colour, and says whether it is joined to the one before. */
-export class Polyline extends Batch {
-  constructor(gl: WebGL2RenderingContext) {
-    super(gl, new Records(12));
-  }
-
-  add(x: number, y: number, red: number, green: number, blue: number, joined: boolean): void {
-    const at = this.records.next();
-    const { floats, bytes } = this.records;
-    floats[at] = x;
-    floats[at + 1] = y;
-    bytes[4 * at + 8] = red;
-    bytes[4 * at + 9] = green;
-    bytes[4 * at + 10] = blue;
-    bytes[4 * at + 11] = joined ? 255 : 0;
-  }
-
-  draw(view: View, program: Program, width: number): void {
-    if (this.count < 2) return;
-    const { gl } = this;
-    view.use(program);
-    this.refresh();
-    attribute(gl, 0, 2, gl.FLOAT, false, 12, 0);
-    attribute(gl, 1, 2, gl.FLOAT, false, 12, 12);
-    attribute(gl, 2, 4, gl.UNSIGNED_BYTE, true, 12, 8);
-    attribute(gl, 3, 4, gl.UNSIGNED_BYTE, true, 12, 20);
-    gl.disableVertexAttribArray(4);
-    gl.vertexAttrib2f(4, width * 2, Pattern.Solid);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count - 1);
+    view.use(this.shapes.line);
+    this.drawWith([
+      [2, "floats", 0],
+      [2, "floats", 8],
+      [4, "share", 16],
+      [4, "share", 20],
+      [2, "bytes", 24],
+    ]);
   }
 }
 
 /** Marks of one place, colour, size and shape each. */
 export class Marks extends Batch {
-  constructor(gl: WebGL2RenderingContext) {
-    super(gl, new Records(20));
+  constructor(shapes: Shapes) {
+    super(shapes, new Records(20));
   }
 
   add(
@@ -233,19 +265,18 @@ export class Marks extends Batch {
     bytes[4 * at + 15] = byteOf(alpha);
     bytes[4 * at + 16] = Math.min(255, Math.round(size * 2));
     bytes[4 * at + 17] = shape;
+    this.records.done(at);
   }
 
-  draw(view: View, program: Program): void {
+  draw(view: View): void {
     if (this.count === 0) return;
-    const { gl } = this;
-    view.use(program);
-    gl.uniform1f(program.at("angle"), view.camera.angle);
-    this.refresh();
-    attribute(gl, 0, 3, gl.FLOAT, false, 20, 0);
-    attribute(gl, 1, 4, gl.UNSIGNED_BYTE, true, 20, 12);
-    attribute(gl, 2, 2, gl.UNSIGNED_BYTE, false, 20, 16);
-    gl.disableVertexAttribArray(3);
-    gl.disableVertexAttribArray(4);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
+    const { gl, mark } = this.shapes;
+    view.use(mark);
+    gl.uniform1f(mark.at("angle"), view.camera.angle);
+    this.drawWith([
+      [3, "floats", 0],
+      [4, "share", 12],
+      [2, "bytes", 16],
+    ]);
   }
 }

@@ -1,6 +1,6 @@
 import type { App } from "../app.ts";
 import { clock, metres, optional, percent, significant } from "../format.ts";
-import { compose, inverse } from "../geometry.ts";
+import { compose, inverse, type Pose } from "../geometry.ts";
 import { type Closure, type Evidence, readEvidence } from "../json_messages.ts";
 import { kClosureWords } from "../words.ts";
 import { h, iconButton, swatch } from "./dom.ts";
@@ -20,7 +20,8 @@ export class ClosureDetail {
   private readonly keys = h("span");
   private readonly reason = h("div", { class: "reason" });
   private readonly figures = h("dl", { class: "figures" });
-  private readonly kept = new Map<number, Evidence>();
+  /** By closure and its nodes: numbers may be given anew while a run is mapped. */
+  private readonly kept = new Map<string, Evidence>();
   private readonly radios: HTMLInputElement[] = [];
   private asked = 0;
 
@@ -43,6 +44,9 @@ export class ClosureDetail {
     this.element.append(head, pair, under, this.reason, this.figures);
     app.onSelected(() => this.select());
     app.watch(["closures"], () => this.showFigures());
+    app.watch(["trajectory"], () => {
+      if (app.selected !== null) this.showPair();
+    });
     new ResizeObserver(() => this.pair.draw()).observe(this.canvas);
   }
 
@@ -82,11 +86,16 @@ export class ClosureDetail {
     const id = this.app.selected;
     this.element.hidden = id === null;
     if (id === null) return;
-    this.evidence = this.kept.get(id) ?? null;
+    this.evidence = this.kept.get(this.keyOf(id)) ?? null;
     this.words.textContent = this.evidence === null ? "Fetching both scans …" : "";
     this.showFigures();
     this.showPair();
     void this.fetch(id);
+  }
+
+  private keyOf(id: number): string {
+    const closure = this.app.closure(id);
+    return `${id} ${closure?.from} ${closure?.to}`;
   }
 
   private async fetch(id: number): Promise<void> {
@@ -105,7 +114,7 @@ export class ClosureDetail {
         );
         return;
       }
-      this.kept.set(id, evidence);
+      this.kept.set(this.keyOf(id), evidence);
       const oldest = this.kept.keys().next().value;
       if (this.kept.size > kKept && oldest !== undefined) this.kept.delete(oldest);
       if (mine !== this.asked) return;
@@ -120,14 +129,17 @@ export class ClosureDetail {
 
   showPair(): void {
     const { evidence, app } = this;
-    this.pair.show(evidence, this.asMeasured);
+    const closure = app.closure(app.selected);
+    const graph = closure === null ? null : this.graphPose(closure);
+    const shown = evidence === null || graph === null ? evidence : { ...evidence, graph };
+    const heading = closure === null ? 0 : (app.model.track.pose(closure.from)?.yaw ?? 0);
+    this.pair.show(shown, this.asMeasured, heading);
     const [first = "", second = ""] = app.palette.drives;
     const start = app.startTime;
     const key = (mark: string, colour: string, label: string, t: number | null) => {
       const words = t === null ? label : `${label}, ${clock(t - start)}`;
       return h("span", { class: "key" }, swatch(colour, "none", mark, 14), words);
     };
-    const closure = app.closure(app.selected);
     this.keys.replaceChildren(
       key("disc", first, "first", closure?.fromTime ?? evidence?.from.t ?? null),
       key("cross", second, "second", closure?.toTime ?? evidence?.to.t ?? null),
@@ -135,6 +147,15 @@ export class ClosureDetail {
     const how = this.asMeasured ? "as measured" : "as the graph has it";
     const points = evidence ? (evidence.from.points.length + evidence.to.points.length) / 2 : 0;
     this.canvas.setAttribute("aria-label", `Both scans ${how}, ${points} points`);
+  }
+
+  /** As the graph has it now, which may have been solved since the scans were fetched. */
+  private graphPose(closure: Closure): Pose | null {
+    const { track } = this.app.model;
+    const from = track.pose(closure.from);
+    const to = track.pose(closure.to);
+    if (from !== null && to !== null) return compose(inverse(from), to);
+    return this.evidence?.graph ?? null;
   }
 
   private showFigures(): void {
@@ -146,11 +167,14 @@ export class ClosureDetail {
     }
     const words = kClosureWords[closure.state];
     this.title.textContent = `Closure ${closure.id}, ${words.label}`;
-    const reason = closure.reason || words.meaning;
-    this.reason.replaceChildren(h("p", {}, reason));
+    const why = closure.reason
+      ? `${words.meaning.replace(/\.$/, ":")} ${closure.reason}`
+      : words.meaning;
+    this.reason.replaceChildren(h("p", {}, why.replace(/\.?$/, ".")));
     const rows = figuresOf(closure);
-    if (evidence !== null && evidence.id === closure.id) {
-      const apart = compose(inverse(evidence.measured), evidence.graph);
+    const graph = this.graphPose(closure);
+    if (evidence !== null && graph !== null) {
+      const apart = compose(inverse(evidence.measured), graph);
       const degrees = (Math.abs(apart.yaw) * 180) / Math.PI;
       const length = Math.hypot(apart.x, apart.y);
       rows.push(["graph – measured", `${metres(length)}, ${degrees.toFixed(2)}°`]);

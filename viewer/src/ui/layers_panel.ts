@@ -1,5 +1,6 @@
 import type { App } from "../app.ts";
 import { rampTable } from "../colours.ts";
+import { rangeOfPath } from "../fills.ts";
 import { clock, metres } from "../format.ts";
 import { kPathColours, type Layer, type PathColour } from "../settings.ts";
 import { kSubmapStates } from "../json_messages.ts";
@@ -175,7 +176,7 @@ export class LayersPanel {
   private showRamp(): void {
     const { app, rampCanvas } = this;
     const by = app.settings.pathColour;
-    const [low, high] = app.map.scene.pathRange;
+    const [low, high] = rangeOfPath(app.model.track, by);
     this.ramp.hidden = by === "drive" || app.model.track.length === 0;
     this.drives.textContent = "";
     if (by === "drive") {

@@ -1,29 +1,39 @@
 import type { Palette } from "../colours.ts";
-import { apply, type Box, emptyBox, include, isEmpty, type Pose } from "../geometry.ts";
+import {
+  apply,
+  type Box,
+  compose,
+  emptyBox,
+  include,
+  isEmpty,
+  kIdentity,
+  type Pose,
+} from "../geometry.ts";
 import type { Evidence } from "../json_messages.ts";
 
 /** Both scans of a closure on top of each other: dots for the first, crosses for the second. */
 export class PairView {
   private evidence: Evidence | null = null;
   private asMeasured = true;
+  private base: Pose = kIdentity;
   private box: Box = emptyBox();
-  /** Where the first pixel of a metre lies; for tests. */
-  shift = 0;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly palette: () => Palette,
   ) {}
 
-  show(evidence: Evidence | null, asMeasured: boolean): void {
+  /** Turned by the first scan's heading, so that the picture lies as the map does. */
+  show(evidence: Evidence | null, asMeasured: boolean, heading: number): void {
     this.evidence = evidence;
+    this.base = { x: 0, y: 0, yaw: heading };
     this.asMeasured = asMeasured;
     this.box = emptyBox();
     if (evidence !== null) {
       // One frame for both, so that switching moves nothing but the second scan.
       for (const pose of [evidence.measured, evidence.graph])
-        this.includeScan(evidence.to.points, pose);
-      this.includeScan(evidence.from.points, { x: 0, y: 0, yaw: 0 });
+        this.includeScan(evidence.to.points, compose(this.base, pose));
+      this.includeScan(evidence.from.points, this.base);
     }
     this.draw();
   }
@@ -55,19 +65,13 @@ export class PairView {
       const p = apply(pose, { x, y });
       return { x: width / 2 + (p.x - middle.x) * scale, y: height / 2 - (p.y - middle.y) * scale };
     };
-    const to = this.asMeasured ? evidence.measured : evidence.graph;
+    const from = this.base;
+    const to = compose(from, this.asMeasured ? evidence.measured : evidence.graph);
     const [first = "", second = ""] = this.palette().drives;
-    this.scan(
-      context,
-      evidence.from.points,
-      (x, y) => place({ x: 0, y: 0, yaw: 0 }, x, y),
-      first,
-      false,
-    );
+    this.scan(context, evidence.from.points, (x, y) => place(from, x, y), first, false);
     this.scan(context, evidence.to.points, (x, y) => place(to, x, y), second, true);
-    this.robot(context, place({ x: 0, y: 0, yaw: 0 }, 0, 0), 0, first);
+    this.robot(context, place(from, 0, 0), from.yaw, first);
     this.robot(context, place(to, 0, 0), to.yaw, second);
-    this.shift = Math.hypot(to.x, to.y);
   }
 
   private scan(

@@ -87,7 +87,7 @@ export async function until(
   page: Page,
   wish: (state: PageState) => boolean,
   what: string,
-  patience = 8000,
+  patience = 20_000,
 ): Promise<PageState> {
   const begin = Date.now();
   for (;;) {
