@@ -84,6 +84,8 @@ export class Model {
   private readonly listeners = new Map<Part, (() => void)[]>();
   private readonly transforms: Transform[] = [];
   private readonly fixed = new Map<string, Transform>();
+  private lastScan: LaserScan | null = null;
+  private scanApart = 0;
 
   on(parts: Part[], listener: () => void): void {
     for (const part of parts) {
@@ -105,6 +107,7 @@ export class Model {
     this.canSeek = false;
     this.robot = null;
     this.scanLength = 0;
+    this.lastScan = null;
     this.track.clear();
     this.trackVersion++;
     this.particles = new Float32Array(0);
@@ -142,6 +145,10 @@ export class Model {
     }
     const surplus = this.transforms.length - kKeptTransforms;
     if (surplus > 0) this.transforms.splice(0, surplus);
+    // A scan may come before the pose that it was taken at.
+    if (this.lastScan === null || (!fixed && this.scanApart === 0)) return;
+    const { apart } = this.map_T_frame(this.lastScan.header.frame, this.lastScan.header.stamp);
+    if (fixed || apart < this.scanApart) this.setScan(this.lastScan);
   }
 
   setRobot(pose: Pose, covariance: [number, number, number], yawVariance: number): void {
@@ -151,8 +158,8 @@ export class Model {
     this.changed("pose");
   }
 
-  /** Where the frame of a sensor lay on the map at a time. */
-  private map_T_frame(frame: string, stamp: number): Pose {
+  /** Where the frame of a sensor lay on the map at a time, and how far off the known pose is [s]. */
+  private map_T_frame(frame: string, stamp: number): { pose: Pose; apart: number } {
     const mount = this.fixed.get(frame);
     let robot: Pose | null = null;
     let nearest = Infinity;
@@ -163,11 +170,14 @@ export class Model {
         robot = one.pose;
       }
     }
-    return compose(robot ?? this.robot?.pose ?? kIdentity, mount?.pose ?? kIdentity);
+    const pose = compose(robot ?? this.robot?.pose ?? kIdentity, mount?.pose ?? kIdentity);
+    return { pose, apart: nearest };
   }
 
   setScan(scan: LaserScan): void {
-    const lidar = this.map_T_frame(scan.header.frame, scan.header.stamp);
+    const { pose: lidar, apart } = this.map_T_frame(scan.header.frame, scan.header.stamp);
+    this.lastScan = scan;
+    this.scanApart = apart;
     const count = scan.ranges.length;
     if (this.scan.length < 2 * count) this.scan = new Float32Array(4 * count);
     const most = scan.rangeMax > 0 ? scan.rangeMax : Infinity;

@@ -74,7 +74,7 @@ export class Overview {
       ["submaps", count(status?.submaps)],
       ["closures", count(status?.closures)],
       ["rejected", count(status?.rejected)],
-      ["real time", optional(status?.realtime ?? null, (value) => `× ${significant(value)}`)],
+      ["real time", optional(status?.realtime || null, (value) => `× ${significant(value)}`)],
       ["memory", optional(status?.memory ?? null, (value) => `${grouped(value)} MB`)],
     ];
     for (const [name, text] of rows) {

@@ -159,7 +159,7 @@ export class Timeline {
       ["time", !canSeek && t !== null ? clock(t - start) : ""],
       ["scans", optional(status?.scans ?? null, grouped)],
       ["travelled", optional(status?.travelled ?? null, metres)],
-      ["real time", optional(status?.realtime ?? null, (value) => `× ${significant(value)}`)],
+      ["real time", optional(status?.realtime || null, (value) => `× ${significant(value)}`)],
       ["memory", optional(status?.memory ?? null, (value) => `${grouped(value)} MB`)],
       ["loopstone", about?.version ?? ""],
     ];
