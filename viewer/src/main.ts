@@ -128,10 +128,13 @@ class Page {
     this.drawer.addEventListener("click", () =>
       this.openDrawer(!this.side.classList.contains("open")),
     );
-    app.model.on(["trajectory"], () => {
-      const { track } = app.model;
-      if (track.length > 0 && app.model.time === null) app.frames.request(() => app.chosen());
-    });
+    // Who comes back to the page, or to a network, need not wait for the next try.
+    const tryAgain = () => {
+      const { state } = app.model.connection;
+      if (!document.hidden && (state === "lost" || state === "refused")) app.session.connect();
+    };
+    window.addEventListener("online", tryAgain);
+    document.addEventListener("visibilitychange", tryAgain);
     app.watch(["verdict"], () => {
       const { verdict } = app.model;
       const words = verdict?.sentence ? `Verdict: ${verdict.verdict}. ${verdict.sentence}` : "";

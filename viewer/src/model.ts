@@ -40,6 +40,8 @@ export interface RobotState {
 /** Whoever draws the map takes tiles as they come; the model keeps only where they are. */
 export interface MapSink {
   addTiles(tiles: MapTiles): void;
+  /** Whether there were more tiles than can be drawn. */
+  readonly full: boolean;
   setGrid(grid: OccupancyGrid): void;
   clear(): void;
 }

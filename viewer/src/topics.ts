@@ -45,6 +45,7 @@ const kCdr: Record<string, Reader> = {
   "/path": (model, payload) => takeTrajectory(model, cdr.readPath(payload)),
   "/loopstone/tiles": (model, payload) => {
     model.mapSink?.addTiles(cdr.readMapTiles(payload));
+    if (model.mapSink?.full) model.note("The map is larger than this page can draw.");
     model.changed("map");
   },
   "/loopstone/trajectory": (model, payload) => takeTrajectory(model, cdr.readTrajectory(payload)),

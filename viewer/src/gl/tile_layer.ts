@@ -18,6 +18,7 @@ interface Block {
 export class TileLayer implements MapSink {
   readonly box: Box = emptyBox();
   tiles = new Set<string>();
+  full = false;
   resolution = 0;
   /** Grows with whatever changes the picture. */
   version = 0;
@@ -74,6 +75,7 @@ export class TileLayer implements MapSink {
     this.blocks.clear();
     this.tiles.clear();
     this.size = this.resolution = 0;
+    this.full = false;
     Object.assign(this.box, emptyBox());
     this.version++;
   }
@@ -93,7 +95,10 @@ export class TileLayer implements MapSink {
     const across = blockOf(column, this.tilesABlock);
     const up = blockOf(row, this.tilesABlock);
     const block = this.blockAt(across.block, up.block);
-    if (block === null) return;
+    if (block === null) {
+      this.full = true;
+      return;
+    }
     stored(cells, scratch[0] ?? new Uint8Array(0));
     gl.bindTexture(gl.TEXTURE_2D, block.texture);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);

@@ -31,6 +31,23 @@ export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/**
+ * Fills an element anew only when what it shows has changed: what is replaced loses the focus, and is
+ * read aloud again.
+ */
+export class Filled {
+  private shown = "";
+
+  constructor(readonly element: HTMLElement) {}
+
+  show(what: unknown, make: () => (Node | string)[]): void {
+    const key = JSON.stringify(what);
+    if (key === this.shown) return;
+    this.shown = key;
+    this.element.replaceChildren(...make());
+  }
+}
+
 const kIcons: Record<string, string> = {
   fit: "M4 9V5a1 1 0 0 1 1-1h4M15 4h4a1 1 0 0 1 1 1v4M20 15v4a1 1 0 0 1-1 1h-4M9 20H5a1 1 0 0 1-1-1v-4",
   follow: "M12 3v3M12 18v3M3 12h3M18 12h3M12 7a5 5 0 1 0 0 10a5 5 0 1 0 0-10M12 11.5v1",

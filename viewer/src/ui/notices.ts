@@ -28,10 +28,13 @@ export class Notices {
     this.showState();
     if (this.anything) {
       this.showNotice("", () => []);
-      this.showBanner(waiting);
+      this.showBanner(connection.state !== "open");
       return;
     }
     this.showBanner(false);
+    // Between two tries what was said stays, with its button.
+    const trying = connection.state === "connecting";
+    if (trying && (this.shown === "lost" || this.shown === "refused")) return;
     if (connection.state === "connecting") {
       this.showNotice("connecting", () => [
         h("div", { class: "spinner" }),
@@ -81,20 +84,24 @@ export class Notices {
 
   private showBanner(lost: boolean): void {
     const { connection } = this.app.model;
-    if (!lost || !("retryAt" in connection)) {
+    if (!lost) {
       this.banner.hidden = true;
       this.banner.replaceChildren();
       return;
     }
     if (this.banner.hidden) this.banner.replaceChildren(h("span"), this.again());
     this.banner.hidden = false;
-    const seconds = Math.max(0, Math.ceil((connection.retryAt - Date.now()) / 1000));
-    const reason =
+    const why =
       connection.state === "refused"
         ? connection.reason
         : "Connection lost; this is what was known.";
+    let next = "Trying again.";
+    if ("retryAt" in connection) {
+      const seconds = Math.max(0, Math.ceil((connection.retryAt - Date.now()) / 1000));
+      next = `Next try in ${seconds} s.`;
+    }
     const first = this.banner.firstElementChild;
-    if (first instanceof HTMLElement) setText(first, `${reason} Next try in ${seconds} s.`);
+    if (first instanceof HTMLElement) setText(first, `${why} ${next}`);
   }
 
   private showState(): void {

@@ -1,56 +1,55 @@
 import type { App } from "../app.ts";
 import { clock, grouped, metres, optional, significant } from "../format.ts";
 import { kVerdicts } from "../words.ts";
-import { h, icon } from "./dom.ts";
+import { Filled, h, icon } from "./dom.ts";
 
 /** Verdict, figures of the run, warnings. */
 export class Overview {
   readonly panel = h("div");
-  private readonly verdict = h("section", { class: "block", "aria-label": "Verdict" });
+  private readonly verdict = new Filled(h("section", { class: "block", "aria-label": "Verdict" }));
   private readonly figures = h("dl", { class: "figures" });
-  private readonly warnings = h("section", { class: "block", "aria-label": "Warnings" });
+  private readonly warnings = new Filled(
+    h("section", { class: "block", "aria-label": "Warnings" }),
+  );
   private readonly values = new Map<string, HTMLElement>();
 
   constructor(private readonly app: App) {
     const run = h("section", { class: "block" }, h("h2", {}, "The run"), this.figures);
-    this.panel.append(this.verdict, run, this.warnings);
+    this.panel.append(this.verdict.element, run, this.warnings.element);
     app.watch(["verdict", "about", "reset"], () => this.showVerdict());
     app.watch(["status", "reset"], () => this.showFigures());
-    app.watch(["warnings", "playback", "about", "reset"], () => this.showWarnings());
+    app.watch(["warnings", "playback", "about", "trajectory", "reset"], () => this.showWarnings());
   }
 
   private showVerdict(): void {
     const { verdict, about } = this.app.model;
+    this.verdict.show([verdict, about?.mode], () => this.verdictParts());
+  }
+
+  private verdictParts(): Node[] {
+    const { verdict, about } = this.app.model;
+    const title = h("h2", {}, "Verdict on the map");
     const known = verdict !== null && verdict.verdict !== "" ? kVerdicts[verdict.verdict] : null;
     if (verdict === null || known === null) {
-      const localizing = about?.mode === "localizing";
-      const words =
-        verdict?.sentence || (localizing ? "" : "None yet. It comes when the map is judged.");
-      this.verdict.replaceChildren(
-        ...(words ? [h("h2", {}, "Verdict on the map"), h("p", { class: "empty" }, words)] : []),
-      );
-      return;
+      const none = about?.mode === "localizing" ? "" : "None yet. It comes when the map is judged.";
+      const words = verdict?.sentence || none;
+      return words ? [title, h("p", { class: "empty" }, words)] : [];
     }
     const card = h(
       "div",
       { class: `verdict ${known.mood}`, id: "verdict" },
-      h("div", { class: `head ${known.mood}` }, icon(verdict?.verdict ?? ""), known.label),
+      h("div", { class: `head ${known.mood}` }, icon(verdict.verdict), known.label),
       h("p", {}, verdict.sentence),
     );
     if (verdict.reasons.length > 0) {
       card.append(h("ul", {}, ...verdict.reasons.map((reason) => h("li", {}, reason))));
     }
     if (!verdict.complete) {
-      card.append(
-        h(
-          "p",
-          { class: "soft small" },
-          "Not all was judged: the run goes on, or a part is missing.",
-        ),
-      );
+      const words = "Not all was judged: the run goes on, or a part is missing.";
+      card.append(h("p", { class: "soft small" }, words));
     }
     if (verdict.places.length > 0) card.append(this.placeList());
-    this.verdict.replaceChildren(h("h2", {}, "Verdict on the map"), card);
+    return [title, card];
   }
 
   private placeList(): HTMLElement {
@@ -89,24 +88,26 @@ export class Overview {
   }
 
   private showWarnings(): void {
+    const { model } = this.app;
+    const what = [model.warnings, model.notes, model.canSeek, this.app.startTime];
+    this.warnings.show(what, () => this.warningParts());
+  }
+
+  private warningParts(): Node[] {
     const { model, session } = this.app;
     const all = [...model.warnings, ...model.notes.map((text) => ({ t: null, text }))];
     const title = h("h2", {}, all.length > 0 ? `Warnings, ${all.length}` : "Warnings");
-    if (all.length === 0) {
-      this.warnings.replaceChildren(title, h("p", { class: "empty" }, "None."));
-      return;
-    }
+    if (all.length === 0) return [title, h("p", { class: "empty" }, "None.")];
     const start = this.app.startTime;
     const items = all.map(({ t, text }) => {
       const when = t === null ? "" : clock(t - start);
-      const seek = { type: "button", class: "link", onclick: () => session.seek(t ?? start) };
-      const shown =
-        t !== null && model.canSeek
-          ? h("button", { ...seek, "aria-label": `Go to ${when}` }, when)
-          : when;
+      const label = `Go to ${when}`;
+      const act = () => session.seek(t ?? start);
+      const attributes = { type: "button", class: "link", "aria-label": label, onclick: act };
+      const shown = t !== null && model.canSeek ? h("button", attributes, when) : when;
       return h("li", {}, h("span", { class: "when" }, shown), h("span", {}, text));
     });
     const list = h("ul", { class: "warnings", tabindex: 0, "aria-label": "Warnings" }, ...items);
-    this.warnings.replaceChildren(title, list);
+    return [title, list];
   }
 }

@@ -1,16 +1,18 @@
 import type { App } from "../app.ts";
-import { h, need } from "./dom.ts";
+import { Filled, h, need } from "./dom.ts";
 
 const kMost = 100;
 
 /** The verdict's places as buttons on the map. */
 export class Places {
   private buttons: HTMLButtonElement[] = [];
+  private readonly filled: Filled;
 
   constructor(
     private readonly host: HTMLElement,
     private readonly app: App,
   ) {
+    this.filled = new Filled(host);
     app.watch(["verdict", "reset"], () => this.make());
     app.onChosen(() => this.move());
     // The wheel is the map's, also where a marker is in its way.
@@ -23,18 +25,21 @@ export class Places {
   private make(): void {
     const { verdict } = this.app.model;
     const bad = verdict?.verdict === "bad";
-    this.buttons = (verdict?.places ?? []).slice(0, kMost).map((place, i) => {
-      const words = `Place ${i + 1}: ${place.text}`;
-      const attributes = {
-        type: "button",
-        class: bad ? "place bad" : "place",
-        title: words,
-        "aria-label": words,
-        onclick: () => this.app.map.goTo(place, 20),
-      };
-      return h("button", attributes, String(i + 1));
+    const places = (verdict?.places ?? []).slice(0, kMost);
+    this.filled.show([places, bad], () => {
+      this.buttons = places.map((place, i) => {
+        const words = `Place ${i + 1}: ${place.text}`;
+        const attributes = {
+          type: "button",
+          class: bad ? "place bad" : "place",
+          title: words,
+          "aria-label": words,
+          onclick: () => this.app.map.goTo(place, 20),
+        };
+        return h("button", attributes, String(i + 1));
+      });
+      return this.buttons;
     });
-    this.host.replaceChildren(...this.buttons);
     this.move();
   }
 
