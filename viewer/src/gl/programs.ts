@@ -92,6 +92,10 @@ void main() {
   // Sharp cells with smooth edges when near, a mean of neighbours when far.
   vec2 f = clamp((at - whole - 0.5) * max(texelPixels, 1.0) + 0.5, 0.0, 1.0);
   ivec2 i = ivec2(whole);
+  if (f == floor(f)) {  // well within a cell, as most pixels are when near
+    colour = cellAt(i + ivec2(f), size) * opacity;
+    return;
+  }
   vec4 low = mix(cellAt(i, size), cellAt(i + ivec2(1, 0), size), f.x);
   vec4 high = mix(cellAt(i + ivec2(0, 1), size), cellAt(i + ivec2(1, 1), size), f.x);
   colour = mix(low, high, f.y) * opacity;
