@@ -115,7 +115,7 @@ class Page {
     ];
     const tabs = new Tabs(need("tabs"), need("panels"), list, (id) => {
       this.plots.visible = id === "plots";
-      app.frames.request(() => this.plots.show());
+      app.frames.request(this.plots.refresh);
     });
     app.watch(["closures", "reset"], () => tabs.setCount("closures", app.model.closures.length));
     return tabs;

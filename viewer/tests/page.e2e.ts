@@ -472,7 +472,7 @@ scene("play, pause, speed, steps, slider, end", {}, async ({ page, until, server
 scene(
   "a click into a plot goes there; the pointer tells the value",
   { server: { playing: true } },
-  async ({ page, until }) => {
+  async ({ page, until, server }) => {
     await until((one) => shown(one) && one.figures.length >= 6, "figures");
     await page.click("#tab-plots");
     const plot = page.locator(".plot canvas").first();
@@ -488,6 +488,15 @@ scene(
       countOf(decodePng(await plot.screenshot()), [0x7a, 0xb0, 0xff], 40) > 20,
       "the curve",
     );
+    await plot.click({ position: { x: 150, y: 30 } });
+    assert.ok(server.controls.at(-1)?.seek, "a click goes there");
+    await plot.focus();
+    await page.keyboard.press("Home");
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("Enter");
+    await page.waitForTimeout(300);
+    const span = server.time - server.begin;
+    assert.ok(span < 140, `gone near the first value by keyboard, not to ${span}`);
     await page.locator(".row input[value=memory_mb]").click();
     await page.locator(".plot[data-name=memory_mb]").waitFor();
     await page.locator(".row input[value=overlap]").click();

@@ -26,13 +26,14 @@ export class PlotsPanel {
   private readonly boxes = new Map<string, HTMLInputElement>();
   private hover: number | null = null;
   visible = false;
+  readonly refresh = () => this.show();
 
   constructor(private readonly app: App) {
     const details = h("details", { open: true }, h("summary", {}, "Which figures"), this.choices);
     this.panel.append(details, this.empty, this.host, this.axis);
     app.watch(["status", "reset", "time"], () => this.show());
     app.onChosen(() => this.show());
-    new ResizeObserver(() => this.app.frames.request(() => this.show())).observe(this.host);
+    new ResizeObserver(() => this.app.frames.request(this.refresh)).observe(this.host);
   }
 
   private chosen(): string[] {
@@ -91,18 +92,40 @@ export class PlotsPanel {
     const caption = h("figcaption", {}, h("span", {}, figureLabel(name)), value);
     const figure = h("figure", { class: "plot", "data-name": name }, caption, canvas);
     canvas.addEventListener("pointermove", (event) => {
-      this.hover = this.timeAt(canvas, event);
-      this.app.frames.request(() => this.show());
+      this.point(this.timeAt(canvas, event));
     });
-    canvas.addEventListener("pointerleave", () => {
-      this.hover = null;
-      this.app.frames.request(() => this.show());
-    });
+    canvas.addEventListener("pointerleave", () => this.point(null));
     canvas.addEventListener("click", (event) => this.app.session.seek(this.timeAt(canvas, event)));
+    canvas.addEventListener("keydown", (event) => this.key(event));
+    canvas.addEventListener("blur", () => this.point(null));
     this.host.append(figure);
     const plot = { name, figure, canvas, value };
     this.plots.set(name, plot);
     return plot;
+  }
+
+  private point(time: number | null): void {
+    this.hover = time;
+    this.app.frames.request(this.refresh);
+  }
+
+  /** With a plot in focus, arrows move what is pointed at, Enter goes there. */
+  private key(event: KeyboardEvent): void {
+    const [low, high] = this.span();
+    const at = this.hover ?? this.app.model.time ?? high;
+    const step = (high - low) / 50;
+    const to: Record<string, number> = {
+      ArrowLeft: at - step,
+      ArrowRight: at + step,
+      Home: low,
+      End: high,
+    };
+    const next = to[event.key];
+    if (next !== undefined) this.point(Math.min(high, Math.max(low, next)));
+    else if (event.key === "Enter") this.app.session.seek(at);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
   }
 
   /** All plots share the time from the first value to the last. */
