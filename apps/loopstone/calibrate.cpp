@@ -81,6 +81,7 @@ void print(const Calibration& c, const std::optional<WheelFindings>& wheels,
             result);
   result.add("lidar.is_off", "laser's mount is wrong", c.mount_is_off());
   result.add("lidar.is_mirrored", "laser's beams go the other way", c.laser_is_mirrored);
+  result.add("lidar.mirror_is_in_doubt", "or odometry turns the other way", c.mirror_is_in_doubt);
   add_value("lidar.sweep_s", "sweep that is not told", c.sweep_s, 1e3, "ms", 1, result);
   result.add("lidar.sweep_is_off", "sweep must be told", c.sweep_is_off);
   add_value("laser_delay_s", "scans later than stamped", c.laser_delay_s, 1e3, "ms", 1, result);

@@ -30,6 +30,7 @@ HtmlRow row(const char* name, const CalibratedValue& value, double unit, const c
 
 nlohmann::ordered_json calibration_json(const Calibration& calibration) {
   const nlohmann::ordered_json beams = {{"laser_is_mirrored", calibration.laser_is_mirrored},
+                                        {"mirror_is_in_doubt", calibration.mirror_is_in_doubt},
                                         {"sweep_s", to_json(calibration.sweep_s)},
                                         {"sweep_is_off", calibration.sweep_is_off},
                                         {"corrected", calibration.beams_corrected}};

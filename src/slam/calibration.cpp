@@ -276,26 +276,50 @@ bool is_likely(double scale) {
   return scale > kCalibration.scale_least && scale < kCalibration.scale_most;
 }
 
-/// In each stretch of the log that turns enough to show it.
-bool all_turns_opposite(const std::vector<Motion>& motions) {
+/// How much the laser turned, and how its turns go with odometry's.
+struct TurnsTogether {
+  double turned_rad = 0.0;
+  double correlation = 0.0;
+};
+
+/// A turn that is clear counts as one that is just so: a pose that leapt is one among many.
+TurnsTogether turns_together(std::span<const Motion> motions) {
+  const auto turn_of = [](const Pose2& motion) {
+    return std::clamp(motion.yaw, -kCalibration.clear_rad, kCalibration.clear_rad);
+  };
+  double both = 0.0;
+  double laser = 0.0;
+  double odometry = 0.0;
+  TurnsTogether result;
+  for (const Motion& motion : motions) {
+    both += turn_of(motion.laser) * turn_of(motion.odometry);
+    laser += turn_of(motion.laser) * turn_of(motion.laser);
+    odometry += turn_of(motion.odometry) * turn_of(motion.odometry);
+    result.turned_rad += std::abs(motion.laser.yaw);
+  }
+  result.correlation = both / std::sqrt(std::max(laser * odometry, 1e-300));
+  return result;
+}
+
+/// All in all, and in each stretch of the log that turns enough to show it.
+bool all_turns_opposite(std::span<const Motion> motions) {
+  if (turns_together(motions).correlation > -kCalibration.opposite) return false;
   const auto blocks = static_cast<std::size_t>(kCalibration.blocks);
   for (std::size_t block = 0; block < blocks; ++block) {
-    double both = 0.0;
-    double laser = 0.0;
-    double odometry = 0.0;
-    double turned_rad = 0.0;
+    const std::size_t first = block * motions.size() / blocks;
     const std::size_t end = (block + 1) * motions.size() / blocks;
-    for (std::size_t i = block * motions.size() / blocks; i < end; ++i) {
-      const Motion& motion = motions[i];
-      both += motion.laser.yaw * motion.odometry.yaw;
-      laser += motion.laser.yaw * motion.laser.yaw;
-      odometry += motion.odometry.yaw * motion.odometry.yaw;
-      turned_rad += std::abs(motion.laser.yaw);
-    }
-    if (turned_rad * kCalibration.blocks < kCalibration.enough_rad) continue;
-    if (both > -kCalibration.opposite * std::sqrt(laser * odometry)) return false;
+    const TurnsTogether turns = turns_together(motions.subspan(first, end - first));
+    if (turns.turned_rad * kCalibration.blocks < kCalibration.enough_rad) continue;
+    if (turns.correlation > -kCalibration.opposite_in_part) return false;
   }
   return true;
+}
+
+/// Which way odometry turns is known long before how far.
+bool turns_opposite(std::span<const Motion> motions, const LinearFit& turned) {
+  const double scale = turned.x[0];
+  return is_likely(-scale) && -scale > kCalibration.sigmas * std::sqrt(turned.covariance(0, 0)) &&
+         all_turns_opposite(motions);
 }
 
 }  // namespace
@@ -321,7 +345,7 @@ Calibration calibrate(const std::deque<TrackedPose>& track, const Pose2& robot_T
   const LinearFit turned = robust_fit(turning);
   const LinearProblem problem = driving_problem(motions, shown, turned.x[3], 0.5);
   const Driving driving = driving_by(motions, shown, problem, turned.x[3]);
-  result.turns_opposite = shown.turns && is_likely(-turned.x[0]) && all_turns_opposite(motions);
+  result.turns_opposite = turns_opposite(motions, turned);
   if ((shown.turns && !is_likely(turned.x[0])) || !is_likely(driving.value[1])) return result;
 
   result.motions = static_cast<std::int64_t>(motions.size());

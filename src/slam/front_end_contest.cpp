@@ -18,8 +18,13 @@ bool FrontEnd::is_driven(const Sighting& sighting) const {
   if (!sighting.likeliest().measured || !check.trusts_rotation() || !check.translation().scale())
     return false;
   const Pose2 motion = predictor_.last_pose().inverse() * sighting.likeliest().local_T_robot;
-  return motion.translation().norm() >= kFrontEnd.drives_m ||
-         std::abs(motion.yaw) >= kFrontEnd.turns_rad;
+  // Of scans whose stamps jitter, or of several lasers, one may come right after another.
+  const double seconds = (sighting.scan->stamp - *predictor_.last_stamp()).seconds();
+  const double share = own_.held && seconds < own_.held->usual_seconds
+                           ? std::max(0.0, seconds) / own_.held->usual_seconds
+                           : 1.0;
+  return share > 0.0 && (motion.translation().norm() >= share * kFrontEnd.drives_m ||
+                         std::abs(motion.yaw) >= share * kFrontEnd.turns_rad);
 }
 
 /// The map explains much less of the scan than usual.

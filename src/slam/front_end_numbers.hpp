@@ -111,7 +111,8 @@ struct FrontEndRejoinNumbers {
   double turned_rad = 0.35;
   double new_counts = 0.85;
   double rival = 0.6;
-  double alike = 0.05;
+  double alike = 0.03;
+  double usually_off = 0.5;
   double usual_turn_rad = 0.8;
   double reach_rest_m = 0.3;
   double reach_rest_rad = 0.1;
@@ -173,6 +174,9 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit("rival", n.rival,
         "chosen: share of the best score of a search that another place must reach to be asked");
   visit("alike", n.alike, "chosen: places that explain a scan so nearly alike do so equally well");
+  visit("usually_off", n.usually_off,
+        "chosen: of how far a robot may be from where it was going, as one that drives on is: who "
+        "stopped is off by two standard deviations, who turned back by four; it may face anywhere");
   visit("usual_turn_rad", n.usual_turn_rad,
         "chosen: more than a robot turns while nobody sees it, mostly: half of a right angle");
   visit("turned_rad", n.turned_rad,

@@ -149,9 +149,11 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
   return in_local(match);
 }
 
-/// The best one, the next one elsewhere, and the best that a usual turn leads to.
+/// The best one, the next one elsewhere, the best that a usual turn leads to, and the one that is
+/// expected.
 std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoint> surfaces,
-                                                     const Reach& reach) const {
+                                                     const Reach& reach,
+                                                     const PosePrior2& expected) const {
   const ActiveSubmap& target = active_.front();
   const Pose2 submap_T_centre = target.local_T_submap.inverse() * reach.local_T_centre;
   const auto points = search_points(surfaces);
@@ -159,10 +161,7 @@ std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoin
                             std::min(reach.half_yaw_rad, kPi)};
   const MaxPyramid known = target.submap.freeze().search_pyramid(submap_options_, window.half_xy_m);
   std::vector<Place> places;
-  const auto consider = [&](const SearchResult& found) {
-    if (!found.found) return;
-    const MatchResult match = match_to_grid(surfaces, target.submap.surfaces(),
-                                            found.target_T_source, {}, match_options_, 0);
+  const auto consider_match = [&](const MatchResult& match, double found_score) {
     const Pose2& pose = match.target_T_source;
     const Pose2 off = submap_T_centre.inverse() * pose;
     const auto is_there = [&](const Place& place) {
@@ -177,10 +176,18 @@ std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoin
     const double seen = share_of(seen_by(known, pose, surfaces));
     places.push_back(
         {.match = match,
-         .value = match.score + kFrontEndRejoin.new_counts * (1.0 - seen),
+         .value =
+             match.score + kFrontEndRejoin.new_counts * (1.0 - seen) -
+             kFrontEnd.score_per_chi2 * std::min(kFrontEnd.most_chi2, chi2_from(expected, match)),
          .turn_rad = std::abs(wrap_angle(pose.yaw - submap_T_centre.yaw)),
-         .explains = match.score >= least_score() || (found.score >= kFrontEndRejoin.partly_score &&
+         .explains = match.score >= least_score() || (found_score >= kFrontEndRejoin.partly_score &&
                                                       explains(match, surfaces, known))});
+  };
+  const auto consider = [&](const SearchResult& found) {
+    if (!found.found) return;
+    consider_match(match_to_grid(surfaces, target.submap.surfaces(), found.target_T_source, {},
+                                 match_options_, 0),
+                   found.score);
   };
   const SearchResult best = search_about_robot(points, known, window, kPoseSearch.min_score);
   consider(best);
@@ -192,20 +199,28 @@ std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoin
   const SearchWindow usual{submap_T_centre, window.half_xy_m,
                            std::min(window.half_yaw_rad, kFrontEndRejoin.usual_turn_rad)};
   consider(search_about_robot(points, known, usual, least));
+  const MatchResult there = match_to_grid(surfaces, target.submap.surfaces(),
+                                          expected.target_T_source, expected, match_options_, 1);
+  if (there.score >= kFrontEndRejoin.partly_score) consider_match(there, there.score);
   return places;
 }
 
 /// Among places that are alike the one wins that explains most of what the scan shows of the known,
-/// and of those that do nearly as well the one that the robot turned least for.
-FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
-                                     const Reach& reach) const {
-  const std::vector<Place> places = places_within(surfaces, reach);
+/// and of those that do nearly as well one that the robot turned clearly less for.
+FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces, const Reach& reach,
+                                     const PosePrior2& expected) const {
+  PosePrior2 nearer = in_submap(expected);
+  nearer.information.topLeftCorner<2, 2>() /=
+      kFrontEndRejoin.usually_off * kFrontEndRejoin.usually_off;
+  const std::vector<Place> places = places_within(surfaces, reach, nearer);
+
   if (places.empty()) return {};
-  const double most = std::ranges::max_element(places, {}, &Place::value)->value;
-  const Place* likeliest = nullptr;
+  const Place* likeliest = &*std::ranges::max_element(places, {}, &Place::value);
+  const double most = likeliest->value;
   for (const Place& place : places) {
-    if (place.value < most - kFrontEndRejoin.alike) continue;
-    if (likeliest == nullptr || place.turn_rad < likeliest->turn_rad) likeliest = &place;
+    if (place.value >= most - kFrontEndRejoin.alike &&
+        place.turn_rad < likeliest->turn_rad - kFrontEndRejoin.usual_turn_rad)
+      likeliest = &place;
   }
   const auto is_rival = [&](const Place& place) {
     return &place != likeliest && place.value > likeliest->value - kFrontEnd.score_drop;
@@ -234,7 +249,7 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
   }
   if (!match && !blind.prior.holds_unobserved) {
     if (cause == BreakCause::kNoScans && blind.reach) {
-      const Ahead ahead = look_ahead(surfaces, *blind.reach);
+      const Ahead ahead = look_ahead(surfaces, *blind.reach, blind.prior);
       if (ahead.is_certain) {
         match = ahead.match;
       } else {

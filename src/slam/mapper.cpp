@@ -43,6 +43,7 @@ void report_sensors(const FrontEnd& front_end, const ScanQueue& queue, MapResult
   const OdometryCheck& check = front_end.odometry_check();
   statistics.laser_heading_offset_rad = check.laser_heading_offset_rad();
   statistics.wheels_with_gyro = queue.odometer().wheels_with_gyro();
+  statistics.odometry_is_told = queue.odometer().source() == Odometer::Source::kPoses;
   statistics.scans_repeated = static_cast<std::int64_t>(front_end.laser_check().most_repeated());
   statistics.odometry_jumps = check.translation().jumps() + check.rotation().jumps();
   statistics.odometry_translation_scale = check.translation().scale().value_or(0.0);

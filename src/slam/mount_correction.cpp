@@ -145,9 +145,12 @@ void judge_beams(const std::deque<TrackedPose>& track, const AssumedMounts& moun
   if (!mounts.first || mounts.several) return;
   Calibration& calibration = result.calibration;
   calibration.lidar = mounts.lidar;
+  // A base that counts its turns backwards can't be driven by anybody; a laser upside down can.
+  const std::optional<double>& with_gyro = result.statistics.wheels_with_gyro;
   calibration.laser_is_mirrored =
-      calibration.turns_opposite &&
-      result.statistics.wheels_with_gyro.value_or(0.0) > kSensorFaults.same_correlation;
+      calibration.turns_opposite && (with_gyro ? *with_gyro > kSensorFaults.same_correlation
+                                               : result.statistics.odometry_is_told);
+  calibration.mirror_is_in_doubt = calibration.laser_is_mirrored && !with_gyro;
   const auto fit = fit_sweep(untold_scans(submaps, track, mounts.lidar));
   if (!fit) return;
   calibration.sweep_s = {fit->sweep_s, fit->sigma_s, 0.0, fit->is_known()};
@@ -191,8 +194,13 @@ std::vector<std::string> correction_warnings(const Calibration& calibration) {
   std::vector<std::string> warnings;
   if (calibration.laser_is_mirrored) {
     warnings.push_back(
-        "the laser turns the other way than odometry and gyro, which agree with one another: it "
-        "hangs upside down, or its beams are listed in the wrong order; " +
+        (calibration.mirror_is_in_doubt
+             ? "the laser turns the other way than odometry, all along: taken for a laser that "
+               "hangs upside down, or whose beams are listed in the wrong order, as it mostly is; "
+               "if it is odometry's heading that has the wrong sign, the map is a mirror image "
+               "(--no-calibration maps the laser as it is); "
+             : "the laser turns the other way than odometry and gyro, which agree with one "
+               "another: it hangs upside down, or its beams are listed in the wrong order; ") +
         end);
   }
   if (calibration.scale_is_off) {

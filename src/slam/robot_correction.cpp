@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "loopstone/slam/map_verdict.hpp"
 #include "slam/mount_correction.hpp"
 
 namespace loopstone {
@@ -29,6 +30,7 @@ RobotModel corrected_robot(RobotModel robot, const Calibration& found) {
 void tell_of_correction(const Calibration& found, MapResult& result) {
   Calibration& calibration = result.calibration;
   calibration.laser_is_mirrored = found.laser_is_mirrored;
+  calibration.mirror_is_in_doubt = found.mirror_is_in_doubt;
   calibration.sweep_s = found.sweep_s;
   calibration.sweep_is_off = found.sweep_is_off;
   calibration.beams_corrected = found.beams_are_off();
@@ -37,6 +39,8 @@ void tell_of_correction(const Calibration& found, MapResult& result) {
   calibration.scale_corrected = found.scale_is_off && !found.laser_is_mirrored;
   const std::vector<std::string> words = correction_warnings(calibration);
   result.warnings.insert(result.warnings.begin(), words.begin(), words.end());
+  if (calibration.mirror_is_in_doubt && !result.verdict.measures.empty())
+    result.verdict = judge_map(result);
 }
 
 }  // namespace loopstone

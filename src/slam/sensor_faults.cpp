@@ -90,6 +90,12 @@ void add_contradictions(const MapResult& result, const RunClock& clock,
 
 void add_calibration(const MapResult& result, std::vector<std::string>& faults) {
   const MapStatistics& s = result.statistics;
+  if (result.calibration.mirror_is_in_doubt && result.calibration.beams_corrected) {
+    faults.emplace_back(
+        "laser and odometry turn opposite ways and no gyro says which is right: the map takes the "
+        "laser for one upside down; if odometry's heading has the wrong sign, it is a mirror "
+        "image");
+  }
   const double scale = s.odometry_translation_scale;
   if (scale > 0.0 && std::abs(scale - 1.0) > kSensorFaults.scale_off) {
     faults.push_back(fmt::format(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "loopstone/base/median.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -246,7 +247,8 @@ double period_s(std::span<const MovingScan> scans) {
   return median_of(seconds);
 }
 
-Tangent2 velocity_about(const std::deque<TrackedPose>& track, std::size_t index) {
+/// Nothing where both sides tell different ones: late stamps, a gap, a pose that was corrected.
+std::optional<Tangent2> velocity_about(const std::deque<TrackedPose>& track, std::size_t index) {
   std::size_t before = index;
   std::size_t after = index;
   const auto since = [&](std::size_t from, std::size_t to) {
@@ -254,15 +256,26 @@ Tangent2 velocity_about(const std::deque<TrackedPose>& track, std::size_t index)
   };
   while (before > 0 && since(before, index) < kSweep.velocity_s) --before;
   while (after + 1 < track.size() && since(index, after) < kSweep.velocity_s) ++after;
-  const double seconds = since(before, after);
-  if (!(seconds > 0.0) || seconds > kSweep.longest_velocity_s) return Tangent2::Zero();
-  return log(track[before].local_T_robot.inverse() * track[after].local_T_robot) / seconds;
+  const auto velocity = [&](std::size_t from, std::size_t to) -> Tangent2 {
+    return log(track[from].local_T_robot.inverse() * track[to].local_T_robot) / since(from, to);
+  };
+  if (!(since(before, after) > 0.0) || since(before, after) > kSweep.longest_velocity_s) return {};
+  const Tangent2 whole = velocity(before, after);
+  if (before == index || after == index) return whole;  // an end of the track
+  const Tangent2 change = velocity(index, after) - velocity(before, index);
+  const auto is_steady = [](double change_size, double size, double rest) {
+    return change_size <= std::max(rest, kSweep.steady_share * size);
+  };
+  if (!is_steady(std::abs(change.z()), std::abs(whole.z()), kSweep.steady_rad_s) ||
+      !is_steady(change.head<2>().norm(), whole.head<2>().norm(), kSweep.steady_m_s))
+    return {};
+  return whole;
 }
 
 }  // namespace
 
 bool SweepFit::is_off() const {
-  return is_known() && halves_agree &&
+  return pairs > 0 && halves_agree &&
          std::abs(sweep_s) > std::max(kSweep.sigmas * sigma_s, kSweep.least_s);
 }
 
@@ -274,8 +287,9 @@ std::vector<MovingScan> untold_scans(std::span<const SubmapRecord> submaps,
       if (mapped.scan.lidar != lidar || mapped.scan.time_increment_s != 0.0) return;
       if (mapped.scan.ranges_m.empty() || mapped.scan.angle_increment_rad == 0.0) return;
       if (mapped.index >= track.size()) return;
-      const Tangent2 velocity = velocity_about(track, mapped.index);
-      scans.push_back({&mapped.scan, mapped.robot_T_lidar, mapped.local_T_robot, velocity});
+      const auto velocity = velocity_about(track, mapped.index);
+      if (!velocity) return;
+      scans.push_back({&mapped.scan, mapped.robot_T_lidar, mapped.local_T_robot, *velocity});
     });
   }
   return scans;

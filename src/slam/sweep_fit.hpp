@@ -21,6 +21,9 @@ struct SweepNumbers {
   double differ_rad_s = 0.1;
   double velocity_s = 0.05;
   double longest_velocity_s = 1.0;
+  double steady_share = 0.5;
+  double steady_rad_s = 0.3;
+  double steady_m_s = 0.3;
   int stretches = 40;
   int pairs_of_stretch = 3;
   int fewest_pairs = 20;
@@ -53,6 +56,12 @@ void visit_numbers(const SweepNumbers& n, Visitor&& visit) {
         "chosen: two scans of robots that turn alike are bent alike, and tell nothing");
   visit("velocity_s", n.velocity_s, "chosen: a velocity is taken over so long at least, each way");
   visit("longest_velocity_s", n.longest_velocity_s, "chosen: a longer time bridges a gap");
+  visit(
+      "steady_share", n.steady_share,
+      "chosen: velocities before and after a scan that differ by more than this share of both are "
+      "no velocity: late stamps, a gap, a corrected pose");
+  visit("steady_rad_s", n.steady_rad_s, "chosen: or by more than wheels change it within 0.1 s");
+  visit("steady_m_s", n.steady_m_s, "chosen: as steady_rad_s");
   visit("stretches", n.stretches, "chosen: of the log, each of which is asked");
   visit("pairs_of_stretch", n.pairs_of_stretch,
         "chosen: of each stretch, those that turn most differently; more are not more certain");
@@ -92,7 +101,8 @@ struct MovingScan {
   Tangent2 velocity = Tangent2::Zero();  ///< of the robot, about the scan [m/s, m/s, rad/s]
 };
 
-/// The scans of one laser that do not tell their sweep, with the velocities that the track tells.
+/// The scans of one laser that do not tell their sweep, with the velocities that the track tells;
+/// those without a steady one are left out.
 /// They point into `submaps`. \param lidar  LaserScan::lidar
 [[nodiscard]] std::vector<MovingScan> untold_scans(std::span<const SubmapRecord> submaps,
                                                    const std::deque<TrackedPose>& track, int lidar);

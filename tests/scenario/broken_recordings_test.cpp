@@ -101,6 +101,18 @@ INSTANTIATE_TEST_SUITE_P(Scans, GapOf, testing::Values(1.0, 3.0, 5.0, 10.0, 20.0
                            return std::to_string(static_cast<int>(named.param)) + "s";
                          });
 
+TEST(BrokenRecording, BetweenEqualShelvesARobotThatNothingTellsOfWentOn) {
+  for (const std::uint64_t seed : {2U, 3U, 8U}) {
+    SimulationOptions options{.duration_s = 60.0};
+    options.laser.beams = 541;
+    options.realism.loss.on = true;
+    const SimulatedLog log = simulate_log("aisles", seed, options);
+    const MapResult result = map_of(log);
+    EXPECT_FALSE(result.breaks.empty()) << seed;
+    EXPECT_LT(ate_rmse_m(result.trajectory, log), 0.05) << seed << all_of(result.warnings);
+  }
+}
+
 TEST(BrokenRecording, CountsThatAreLostWithTheScansAreNotTakenForStandingStill) {
   SimulationOptions options{.duration_s = small_scale() ? 120.0 : 200.0};
   options.laser.beams = 181;

@@ -135,12 +135,32 @@ TEST(CalibrationSimulated, ACorridorThatWasDrivenFirstIsAsLongAsTheScaleThatIsLe
   EXPECT_NE(second.warnings.front().find("odometry's way is"), std::string::npos);
 }
 
-TEST(CalibrationSimulated, OdometryAloneThatTurnsTheOtherWayMayBeWrongItself) {
+TEST(CalibrationSimulated, BesideDeadReckoningAloneALaserUpsideDownIsLikelierAndDoubted) {
   SimulationOptions options = office_options(false);
   options.duration_s = 120.0;
   options.realism.upside_down.on = true;
   options.odometry_poses = true;
   const SimulatedLog log = simulate_log("office", 2, options);
+  const MapResult first = map_of(log);
+  EXPECT_TRUE(first.calibration.turns_opposite);
+  EXPECT_TRUE(first.calibration.laser_is_mirrored);
+  EXPECT_TRUE(first.calibration.mirror_is_in_doubt);
+  const MapResult second = map_of_corrected(log, first.calibration);
+  EXPECT_LT(ate_rmse_m(second.trajectory, log), 0.03);
+  EXPECT_TRUE(second.calibration.mirror_is_in_doubt);
+  EXPECT_EQ(second.verdict.overall, Verdict::kDoubtful) << second.verdict.sentence;
+  ASSERT_FALSE(second.warnings.empty());
+  EXPECT_NE(second.warnings.front().find("mirror image"), std::string::npos);
+}
+
+TEST(CalibrationSimulated, CountsAloneThatTurnTheOtherWayMayBeWrongThemselves) {
+  SimulationOptions options = office_options(false);
+  options.duration_s = 120.0;
+  options.realism.upside_down.on = true;
+  SimulatedLog log = simulate_log("office", 2, options);
+  std::erase_if(log.messages, [](const SensorMessage& message) {
+    return std::holds_alternative<ImuSample>(message);
+  });
   const MapResult result = map_of(log);
   EXPECT_TRUE(result.calibration.turns_opposite);
   EXPECT_FALSE(result.calibration.laser_is_mirrored);

@@ -123,6 +123,7 @@ class Odometer {
   [[nodiscard]] std::optional<double> wheels_with_gyro() const;
 
   enum class Source { kNone, kWheels, kPoses };
+  [[nodiscard]] Source source() const { return own_.source; }
   friend constexpr Source last_of(Source) { return Source::kPoses; }
 
   struct Node {

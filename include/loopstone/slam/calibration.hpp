@@ -44,6 +44,7 @@ struct CalibrationNumbers {
   double place_off_m = 0.005;
   double half_agrees = 0.5;
   double opposite = 0.8;
+  double opposite_in_part = 0.5;
 };
 inline constexpr CalibrationNumbers kCalibration{};
 
@@ -94,8 +95,9 @@ void visit_numbers(const CalibrationNumbers& n, Visitor&& visit) {
   visit("half_agrees", n.half_agrees,
         "chosen: each half of the log must ask for this share of the correction at least");
   visit("opposite", n.opposite,
-        "chosen: correlation of turns, but for the sign, from which on they go opposite ways; each "
-        "stretch of the log must show it");
+        "chosen: correlation of turns, but for the sign, from which on they go opposite ways");
+  visit("opposite_in_part", n.opposite_in_part,
+        "chosen: and of each stretch of the log that turned enough, where noise is more of it");
 }
 
 /// A value that a log tells.
@@ -123,11 +125,13 @@ struct Calibration {
   CalibratedValue laser_delay_s{};
   /// The laser turns the other way than odometry, all along; who is right is another matter.
   bool turns_opposite = false;
-  /// It is the laser: odometry and gyro agree with one another. Its beams go round the other way.
+  /// It is the laser: its beams go round the other way. Odometry and gyro agree with one another,
+  /// or the log has dead reckoning and no gyro.
   bool laser_is_mirrored = false;
-  CalibratedValue sweep_s{};     ///< from the first beam to the last, where scans do not tell
-  bool sweep_is_off = false;     ///< significant, and both halves of the log say so
-  bool beams_corrected = false;  ///< the map was made anew with mirrored beams, or that sweep
+  bool mirror_is_in_doubt = false;  ///< no gyro says so; else the map is a mirror image
+  CalibratedValue sweep_s{};        ///< from the first beam to the last, where scans do not tell
+  bool sweep_is_off = false;        ///< significant, and both halves of the log say so
+  bool beams_corrected = false;     ///< the map was made anew with mirrored beams, or that sweep
   /// Odometry's way / the laser's, of the motions that the laser held in every direction; 0: of too
   /// few.
   double odometry_scale = 0.0;

@@ -324,12 +324,14 @@ class FrontEnd {
   /// Where a scan may have been taken.
   struct Place {
     MatchResult match{};    ///< submap frame
-    double value = 0.0;     ///< what speaks for it: the share that it explains, or that is new
+    double value = 0.0;     ///< what speaks for it: the share that it explains, or that is new,
+                            ///< less what its distance from the expected one speaks against it
     double turn_rad = 0.0;  ///< from the middle of the reach
     bool explains = false;
   };
   [[nodiscard]] std::vector<Place> places_within(std::span<const SurfacePoint> surfaces,
-                                                 const Reach& reach) const;
+                                                 const Reach& reach,
+                                                 const PosePrior2& expected) const;
   /// Where a robot may be that drove on.
   struct Ahead {
     std::optional<MatchResult> match{};  ///< where it most likely is
@@ -337,7 +339,8 @@ class FrontEnd {
     bool is_certain = false;             ///< and nowhere else
   };
   /// The same where a robot drove on that nothing told of: part of what it sees may be new.
-  [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const Reach& reach) const;
+  [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const Reach& reach,
+                                 const PosePrior2& expected) const;
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
                             TrackedScan& tracked);
   [[nodiscard]] PosePrior2 carried_from(const Pose2& local_T_robot, Stamp stamp) const;

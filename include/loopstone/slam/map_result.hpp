@@ -43,6 +43,7 @@ struct MapStatistics {
   std::optional<double> laser_heading_offset_rad{};
   /// Correlation of the turns that wheels and gyro tell.
   std::optional<double> wheels_with_gyro{};
+  bool odometry_is_told = false;    ///< as poses of dead reckoning, not as counts of the wheels
   std::int64_t scans_repeated = 0;  ///< most in a row the same to the last bit, without odometry
   double duration_s = 0.0;          ///< of the recording
   double front_end_s = 0.0;         ///< wall time of the steps, which overlap

@@ -108,5 +108,28 @@ TEST(SweepFit, ScansThatTellTheirSweepAreNotAsked) {
   EXPECT_TRUE(untold_scans(submaps, track, 1).empty());
 }
 
+TEST(SweepFit, ScansBesideAJumpOfThePathAreNotAsked) {
+  const Drive drive = drive_of({}, 1);
+  std::vector<SubmapRecord> submaps(1);
+  std::deque<TrackedPose> track;
+  constexpr std::size_t kJump = 100;  // of the path, where a gap was bridged
+  const Pose2 elsewhere{0.3, 0.1, 1.5};
+  for (std::size_t i = 0; i < drive.scans.size(); ++i) {
+    MappedScan mapped{.scan = drive.scans[i], .index = i};
+    mapped.robot_T_lidar = drive.moving[i].robot_T_lidar;
+    const Pose2& pose = drive.moving[i].local_T_robot;
+    mapped.local_T_robot = i < kJump ? pose : pose * elsewhere;
+    track.push_back({drive.scans[i].stamp, mapped.local_T_robot, {}});
+    submaps[0].scans.add(std::make_shared<const MappedScan>(std::move(mapped)));
+  }
+  const auto untold = untold_scans(submaps, track, 0);
+  for (const MovingScan& scan : untold) EXPECT_LT(std::abs(scan.velocity.z()), 1.0);
+  EXPECT_GT(untold.size(), drive.scans.size() - 12) << "the others are";
+  const auto fit = fit_sweep(untold);
+  ASSERT_TRUE(fit);
+  EXPECT_TRUE(fit->is_off());
+  EXPECT_NEAR(fit->sweep_s, 0.075, 0.003);
+}
+
 }  // namespace
 }  // namespace loopstone::test
