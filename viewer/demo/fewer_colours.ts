@@ -1,7 +1,6 @@
 /** A PNG with at most 256 colours, which for pictures of pages is a third of the bytes. */
 import { deflateSync } from "node:zlib";
-import { crc32 } from "./crc32.ts";
-import type { Image } from "./png.ts";
+import { chunk, type Image, kSignature } from "./png.ts";
 
 const kBits = 4;
 
@@ -63,15 +62,8 @@ export function fewerColours(image: Image): Buffer {
   const colours = Buffer.from(
     palette.flatMap((colour) => [colour >> 16, (colour >> 8) & 255, colour & 255]),
   );
-  const chunk = (type: string, data: Buffer) => {
-    const body = Buffer.concat([Buffer.from(type, "latin1"), data]);
-    const frame = Buffer.alloc(8);
-    frame.writeUInt32BE(data.length, 0);
-    frame.writeUInt32BE(crc32(body), 4);
-    return Buffer.concat([frame.subarray(0, 4), body, frame.subarray(4)]);
-  };
   return Buffer.concat([
-    Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]),
+    kSignature,
     chunk("IHDR", header),
     chunk("PLTE", colours),
     chunk("IDAT", deflateSync(rows, { level: 9 })),

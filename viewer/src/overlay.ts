@@ -98,12 +98,14 @@ export class Overlay {
       context.stroke();
       context.setLineDash([]);
     }
-    points.forEach((p, i) => {
+    context.fillStyle = palette.halo;
+    for (const p of points) {
       context.beginPath();
       context.arc(p.x, p.y, 4, 0, 2 * Math.PI);
-      context.fillStyle = palette.halo;
       context.fill();
       context.stroke();
+    }
+    points.forEach((p, i) => {
       const before = points[i - 1];
       if (before === undefined) return;
       this.label(metres(measure.segment(i)), (p.x + before.x) / 2, (p.y + before.y) / 2 - 10);
