@@ -14,6 +14,7 @@ import type { Settings } from "./settings.ts";
 /** Buffers that are filled anew when something has changed. */
 const kFills = ["path", "closures", "submaps", "scan", "particles"] as const;
 type Fill = (typeof kFills)[number];
+const kLeastExtent = 8;
 const kFillsOf: Partial<Record<Part, Fill[]>> = {
   trajectory: ["path", "closures"],
   closures: ["closures"],
@@ -90,7 +91,7 @@ export class Scene {
     for (const fill of kFills) this.stale.add(fill);
   }
 
-  /** All that is worth seeing. */
+  /** All that is worth seeing, and a room's width at least. */
   extent(): Box {
     const box = emptyBox();
     const { track, robot } = this.model;
@@ -105,7 +106,7 @@ export class Scene {
       for (let i = 0; i < track.length; i++) include(box, track.x(i), track.y(i));
       if (robot !== null) include(box, robot.pose.x, robot.pose.y);
     }
-    return box;
+    return isEmpty(box) ? box : atLeast(box, kLeastExtent);
   }
 
   draw(camera: Camera, pixelRatio: number): void {
@@ -234,6 +235,13 @@ export class Scene {
       particles: this.particles.count,
     };
   }
+}
+
+function atLeast(box: Box, side: number): Box {
+  const aside = Math.max(0, side - (box.right - box.left)) / 2;
+  const up = Math.max(0, side - (box.top - box.bottom)) / 2;
+  const { left, right, bottom, top } = box;
+  return { left: left - aside, right: right + aside, bottom: bottom - up, top: top + up };
 }
 
 /** Grid lines are at least 60 pixels apart. */
