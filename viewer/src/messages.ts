@@ -13,6 +13,8 @@ export interface Transform {
   parent: string;
   child: string;
   pose: Pose;
+  /** The child's z points down, as of a laser that hangs. */
+  upsideDown: boolean;
 }
 
 export interface LaserScan {
@@ -79,14 +81,20 @@ function readHeader(reader: CdrReader): Header {
   return { stamp, frame: reader.string() };
 }
 
-function readPose(reader: CdrReader): Pose {
+/** In the plane; and whether z points down. */
+function readPoseInSpace(reader: CdrReader): { pose: Pose; upsideDown: boolean } {
   const x = reader.f64();
   const y = reader.f64();
   reader.f64();
   const qx = reader.f64();
   const qy = reader.f64();
   const qz = reader.f64();
-  return { x, y, yaw: yawOf(qx, qy, qz, reader.f64()) };
+  const pose = { x, y, yaw: yawOf(qx, qy, qz, reader.f64()) };
+  return { pose, upsideDown: qx * qx + qy * qy > 0.5 };
+}
+
+function readPose(reader: CdrReader): Pose {
+  return readPoseInSpace(reader).pose;
 }
 
 export function readTransforms(bytes: Uint8Array): Transform[] {
@@ -96,7 +104,8 @@ export function readTransforms(bytes: Uint8Array): Transform[] {
   for (let i = 0; i < count; i++) {
     const header = readHeader(reader);
     const child = reader.string();
-    transforms.push({ stamp: header.stamp, parent: header.frame, child, pose: readPose(reader) });
+    const { pose, upsideDown } = readPoseInSpace(reader);
+    transforms.push({ stamp: header.stamp, parent: header.frame, child, pose, upsideDown });
   }
   return transforms;
 }

@@ -37,6 +37,21 @@ export interface RobotState {
   yawSigma: number;
 }
 
+export interface PlacedScan {
+  scan: LaserScan;
+  /** Between it and the pose that it was placed by [s]. */
+  apart: number;
+  /** x and y in turn, in the map's frame; only the first `length` numbers count. */
+  points: Float32Array;
+  length: number;
+}
+
+interface PlaceOfSensor {
+  pose: Pose;
+  upsideDown: boolean;
+  apart: number;
+}
+
 /** Whoever draws the map takes tiles as they come; the model keeps only where they are. */
 export interface MapSink {
   addTiles(tiles: MapTiles): void;
@@ -49,6 +64,7 @@ export interface MapSink {
 const kMostSeries = 64;
 const kKeptTransforms = 64;
 const kMostNotes = 50;
+const kMostScans = 8;
 
 export class Model {
   connection: Connection = { state: "connecting" };
@@ -61,9 +77,8 @@ export class Model {
   playback: PlaybackStatus = "playing";
   speed = 1;
   robot: RobotState | null = null;
-  /** x and y in turn, in the map's frame; only the first `scanLength` numbers count. */
-  scan = new Float32Array(2 * 1024);
-  scanLength = 0;
+  /** The last scan of each laser, by topic. */
+  readonly scans = new Map<string, PlacedScan>();
   readonly track = new Track();
   /** Counts replacements of the path, so that a drawn one knows whether it is old. */
   trackVersion = 0;
@@ -86,8 +101,6 @@ export class Model {
   private readonly listeners = new Map<Part, (() => void)[]>();
   private readonly transforms: Transform[] = [];
   private readonly fixed = new Map<string, Transform>();
-  private lastScan: LaserScan | null = null;
-  private scanApart = 0;
 
   on(parts: Part[], listener: () => void): void {
     for (const part of parts) {
@@ -108,8 +121,7 @@ export class Model {
     this.playback = "playing";
     this.canSeek = false;
     this.robot = null;
-    this.scanLength = 0;
-    this.lastScan = null;
+    this.scans.clear();
     this.track.clear();
     this.trackVersion++;
     this.particles = new Float32Array(0);
@@ -148,20 +160,23 @@ export class Model {
     const surplus = this.transforms.length - kKeptTransforms;
     if (surplus > 0) this.transforms.splice(0, surplus);
     // A scan may come before the pose that it was taken at.
-    if (this.lastScan === null || (!fixed && this.scanApart === 0)) return;
-    const { apart } = this.map_T_frame(this.lastScan.header.frame, this.lastScan.header.stamp);
-    if (fixed || apart < this.scanApart) this.setScan(this.lastScan);
+    for (const [topic, { scan, apart }] of this.scans) {
+      if (!fixed && apart === 0) continue;
+      const now = this.placeOf(scan.header.frame, scan.header.stamp);
+      if (fixed || now.apart < apart) this.setScan(topic, scan);
+    }
   }
 
   setRobot(pose: Pose, covariance: [number, number, number], yawVariance: number): void {
+    if (!Number.isFinite(pose.x + pose.y + pose.yaw)) return;
     const [xx, xy, yy] = covariance;
     const ellipse = Number.isFinite(xx + xy + yy) && xx + yy > 0 ? ellipseOf(xx, xy, yy) : null;
     this.robot = { pose, ellipse, yawSigma: Math.sqrt(Math.max(0, yawVariance)) };
     this.changed("pose");
   }
 
-  /** Where the frame of a sensor lay on the map at a time, and how far off the known pose is [s]. */
-  private map_T_frame(frame: string, stamp: number): { pose: Pose; apart: number } {
+  /** Where the frame of a sensor lay on the map at a time. */
+  private placeOf(frame: string, stamp: number): PlaceOfSensor {
     const mount = this.fixed.get(frame);
     let robot: Pose | null = null;
     let nearest = Infinity;
@@ -173,26 +188,34 @@ export class Model {
       }
     }
     const pose = compose(robot ?? this.robot?.pose ?? kIdentity, mount?.pose ?? kIdentity);
-    return { pose, apart: nearest };
+    return { pose, upsideDown: mount?.upsideDown ?? false, apart: nearest };
   }
 
-  setScan(scan: LaserScan): void {
-    const { pose: lidar, apart } = this.map_T_frame(scan.header.frame, scan.header.stamp);
-    this.lastScan = scan;
-    this.scanApart = apart;
+  setScan(topic: string, scan: LaserScan): void {
+    const known = this.scans.get(topic);
+    if (known === undefined && this.scans.size >= kMostScans) return;
+    const { pose: lidar, upsideDown, apart } = this.placeOf(scan.header.frame, scan.header.stamp);
     const count = scan.ranges.length;
-    if (this.scan.length < 2 * count) this.scan = new Float32Array(4 * count);
+    let points = known?.points ?? new Float32Array(2 * count);
+    if (points.length < 2 * count) points = new Float32Array(4 * count);
     const most = scan.rangeMax > 0 ? scan.rangeMax : Infinity;
-    let n = 0;
+    let length = 0;
     for (let i = 0; i < count; i++) {
       const range = scan.ranges[i] ?? NaN;
       if (!(range >= scan.rangeMin && range <= most) || !Number.isFinite(range)) continue;
-      const angle = lidar.yaw + scan.angleMin + i * scan.angleIncrement;
-      this.scan[n++] = lidar.x + range * Math.cos(angle);
-      this.scan[n++] = lidar.y + range * Math.sin(angle);
+      const beam = scan.angleMin + i * scan.angleIncrement;
+      const angle = lidar.yaw + (upsideDown ? -beam : beam);
+      points[length++] = lidar.x + range * Math.cos(angle);
+      points[length++] = lidar.y + range * Math.sin(angle);
     }
-    this.scanLength = n;
+    this.scans.set(topic, { scan, apart, points, length });
     this.changed("scan");
+  }
+
+  get scanPoints(): number {
+    let count = 0;
+    for (const { length } of this.scans.values()) count += length / 2;
+    return count;
   }
 
   setStatus(status: Status): void {

@@ -186,9 +186,10 @@ export class Scene {
   private fillScan(): void {
     const { scan, palette, model } = this;
     scan.clear();
-    for (let i = 0; i + 1 < model.scanLength; i += 2) {
-      const [x = 0, y = 0] = [model.scan[i], model.scan[i + 1]];
-      scan.add(x, y, 0, palette.scan, 1, 3.5, Shape.Disc);
+    for (const { points, length } of model.scans.values()) {
+      for (let i = 0; i + 1 < length; i += 2) {
+        scan.add(points[i] ?? 0, points[i + 1] ?? 0, 0, palette.scan, 1, 3.5, Shape.Disc);
+      }
     }
   }
 

@@ -24,7 +24,7 @@ export function stateOf(app: App, detail: ClosureDetail, tabs: Tabs) {
     evidence: detail.evidence?.id ?? null,
     asMeasured: detail.asMeasured,
     robot: model.robot,
-    scanPoints: model.scanLength / 2,
+    scanPoints: model.scanPoints,
     nodes: model.track.length,
     closures: model.closures.length,
     submaps: model.submaps.length,

@@ -29,7 +29,6 @@ function takeTrajectory(model: Model, given: cdr.Trajectory): boolean {
 const kCdr: Record<string, Reader> = {
   "/tf": (model, payload) => model.addTransforms(cdr.readTransforms(payload), false),
   "/tf_static": (model, payload) => model.addTransforms(cdr.readTransforms(payload), true),
-  "/scan": (model, payload) => model.setScan(cdr.readLaserScan(payload)),
   "/pose": (model, payload) => {
     const given = cdr.readPoseWithCovariance(payload);
     model.setRobot(given.pose, given.covariance, given.yawVariance);
@@ -79,6 +78,9 @@ const kJson: Record<string, Reader> = {
   }),
 };
 
+/** A topic for each laser. */
+const kScans = /^\/scan(_\d+)?$/;
+
 /** Where a server has the topic on the left, the one on the right says the same in less detail. */
 const kCoarser: Record<string, string> = {
   "/loopstone/tiles": "/map",
@@ -86,7 +88,11 @@ const kCoarser: Record<string, string> = {
 };
 
 export function readerOf(channel: Channel): Reader | null {
-  if (channel.encoding === "cdr") return kCdr[channel.topic] ?? null;
+  const { topic } = channel;
+  if (channel.encoding === "cdr" && kScans.test(topic)) {
+    return (model, payload) => model.setScan(topic, cdr.readLaserScan(payload));
+  }
+  if (channel.encoding === "cdr") return kCdr[topic] ?? null;
   if (channel.encoding === "json") return kJson[channel.topic] ?? null;
   return null;
 }

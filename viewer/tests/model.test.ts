@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { CdrWriter } from "../demo/cdr_writer.ts";
 import * as wire from "../demo/messages.ts";
 import { readLaserScan, readTransforms } from "../src/messages.ts";
 import { Model } from "../src/model.ts";
@@ -16,8 +17,9 @@ function ahead(range: number): number[] {
 }
 
 function pointOf(model: Model): { x: number; y: number } {
-  assert.equal(model.scanLength, 2);
-  return { x: model.scan[0] ?? NaN, y: model.scan[1] ?? NaN };
+  assert.equal(model.scanPoints, 1);
+  const points = model.scans.get("/scan")?.points;
+  return { x: points?.[0] ?? NaN, y: points?.[1] ?? NaN };
 }
 
 test("a scan lies where its laser was at its time, whichever of both comes first", () => {
@@ -27,9 +29,9 @@ test("a scan lies where its laser was at its time, whichever of both comes first
     model.addTransforms(transforms(1, "map", "base_link", 10, 0), false);
     const pose = transforms(2, "map", "base_link", 20, Math.PI / 2);
     const scan = readLaserScan(wire.laserScan(2, ahead(3)));
-    if (scanFirst) model.setScan(scan);
+    if (scanFirst) model.setScan("/scan", scan);
     model.addTransforms(pose, false);
-    if (!scanFirst) model.setScan(scan);
+    if (!scanFirst) model.setScan("/scan", scan);
     model.addTransforms(transforms(3, "map", "base_link", 99, 0), false);
     const { x, y } = pointOf(model);
     assert.ok(Math.abs(x - 20) < 1e-5 && Math.abs(y - 3.5) < 1e-5, `${x} ${y}`);
@@ -40,8 +42,8 @@ test("ranges without return, too short or too long are no points", () => {
   const model = new Model();
   const ranges = new Array<number>(181).fill(Infinity);
   ranges.splice(0, 5, NaN, 0.01, 500, -1, -Infinity);
-  model.setScan(readLaserScan(wire.laserScan(1, ranges)));
-  assert.equal(model.scanLength, 0);
+  model.setScan("/scan", readLaserScan(wire.laserScan(1, ranges)));
+  assert.equal(model.scanPoints, 0);
 });
 
 test("figures become series by name, within bounds", () => {
@@ -58,11 +60,37 @@ test("figures become series by name, within bounds", () => {
 
 test("another run forgets all", () => {
   const model = new Model();
-  model.setScan(readLaserScan(wire.laserScan(1, ahead(3))));
+  model.setScan("/scan", readLaserScan(wire.laserScan(1, ahead(3))));
   model.setRobot({ x: 1, y: 1, yaw: 0 }, [1, 0, 1], 0.1);
   model.note("something");
   model.reset();
-  assert.equal(model.scanLength, 0);
+  assert.equal(model.scanPoints, 0);
   assert.equal(model.robot, null);
   assert.deepEqual(model.notes, []);
+});
+
+test("a laser that hangs upside down sees left what stands right", () => {
+  const model = new Model();
+  const [mount] = transforms(0, "base_link", "laser", 0, 0);
+  assert.ok(mount && !mount.upsideDown);
+  model.addTransforms([{ ...mount, upsideDown: true }], true);
+  const ranges = new Array<number>(181).fill(Infinity);
+  ranges[180] = 2; // 90 degrees to the left of the laser
+  model.setScan("/scan", readLaserScan(wire.laserScan(0, ranges)));
+  const { x, y } = pointOf(model);
+  assert.ok(Math.abs(x) < 1e-5 && Math.abs(y + 2) < 1e-5, `${x} ${y}`);
+  const turned = new CdrWriter().u32(1).header(0, "base_link").string("laser");
+  const [roll] = readTransforms(turned.f64(0, 0, 0, 1, 0, 0, 0).done());
+  assert.ok(roll?.upsideDown);
+});
+
+test("several lasers, each with its mount", () => {
+  const model = new Model();
+  model.addTransforms(transforms(0, "base_link", "laser", 1, 0), true);
+  model.setScan("/scan", readLaserScan(wire.laserScan(0, ahead(3))));
+  model.setScan("/scan_2", readLaserScan(wire.laserScan(0, ahead(4))));
+  assert.equal(model.scanPoints, 2);
+  for (let i = 3; i < 30; i++)
+    model.setScan(`/scan_${i}`, readLaserScan(wire.laserScan(0, ahead(4))));
+  assert.equal(model.scans.size, 8);
 });
