@@ -1,6 +1,6 @@
 # A thin front door; the build itself is CMake (see CMakePresets.json and CONTRIBUTING.md).
 .DEFAULT_GOAL := build
-.PHONY: help deps deps-all build test demo bench compare format tidy asan tsan fuzz attack coverage clean
+.PHONY: help deps deps-all build test demo bench compare format tidy asan tsan fuzz attack coverage viewer clean
 
 JOBS ?= $(shell nproc)
 export JOBS
@@ -54,6 +54,9 @@ attack: deps  ## ATTACK_INPUTS (20000) spoiled files a format; SANITIZE=1: under
 
 coverage: deps  ## line coverage of the library by the tests
 	@scripts/coverage.sh
+
+viewer: deps-all  ## the page of the live view anew, viewer/built/index.html
+	@scripts/build_viewer.sh
 
 clean:  ## remove build/
 	rm -rf build

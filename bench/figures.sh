@@ -28,6 +28,11 @@ if [[ -x build/oracles/venv/bin/python && -d $data/rgbd ]]; then
 else
   echo "bench/real_floor.py: skipped, it needs scripts/install_oracles.sh and recorded frames" >&2
 fi
+if [[ -x viewer/node_modules/.bin/esbuild ]] && command -v chromium >/dev/null; then
+  measure bench/viewer.py $quick
+else
+  echo "bench/viewer.py: skipped, it needs scripts/install_viewer.sh" >&2
+fi
 measure bench/session.py $quick
 measure bench/continued.py $quick
 measure bench/localization.py $quick

@@ -131,6 +131,15 @@ endif()
 add_test(NAME bench.self_test COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/bench/check_bench.py")
 set_tests_properties(bench.self_test PROPERTIES LABELS bench TIMEOUT 60)
 
+# The page of the live view, where Node and Chromium are there; it is the same page in every build.
+if(NOT LOOPSTONE_SANITIZE AND NOT CMAKE_CXX_FLAGS_DEBUG MATCHES "coverage")
+  foreach(part unit browser)
+    add_test(NAME viewer.${part} COMMAND "${PROJECT_SOURCE_DIR}/scripts/test_viewer.sh" ${part})
+  endforeach()
+  set_tests_properties(viewer.unit viewer.browser PROPERTIES LABELS viewer TIMEOUT 400 SKIP_RETURN_CODE 77)
+  set_tests_properties(viewer.browser PROPERTIES PROCESSORS 2 COST 700)
+endif()
+
 # An outside project; of no use with a sanitizer, whose run-time library it would have to link.
 if(NOT LOOPSTONE_SANITIZE AND NOT CMAKE_CXX_FLAGS_DEBUG MATCHES "coverage")
   add_test(NAME install.outside_project COMMAND "${PROJECT_SOURCE_DIR}/tests/install/run.sh" "${CMAKE_BINARY_DIR}"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formats every source: C++ by clang-format, Python by black.
+# Formats every source: C++ by clang-format, Python by black, the viewer by prettier.
 #
 #     scripts/format.sh            changes files
 #     scripts/format.sh --check    changes nothing, fails and names the files that differ
@@ -18,9 +18,12 @@ mapfile -t shell < <(find_files -name '*.sh' -o -path .ci/run)
 for tool in clang-format black; do
   command -v "$tool" >/dev/null || { echo "$tool not found: make deps-all" >&2; exit 1; }
 done
+prettier=viewer/node_modules/.bin/prettier
+[[ -x $prettier ]] || { echo "$prettier not found: make deps-all" >&2; exit 1; }
 if [[ ${1:-} != --check ]]; then
   clang-format -i "${cpp[@]}"
   black --quiet "${python[@]}"
+  (cd viewer && node_modules/.bin/prettier --write --log-level warn .)
   exit 0
 fi
 
@@ -42,6 +45,8 @@ unformatted=$(clang-format --dry-run -Werror --ferror-limit=1 "${cpp[@]}" 2>&1 |
 unformatted=$(black --check "${python[@]}" 2>&1 |
   sed -n 's/^would reformat //p; s/^error: cannot format //p' || true)
 [[ -z $unformatted ]] || say_fault 'Python that is not formatted (make format):' "$unformatted"
+unformatted=$(cd viewer && node_modules/.bin/prettier --list-different . | sed 's,^,viewer/,' || true)
+[[ -z $unformatted ]] || say_fault 'of the viewer not formatted (make format):' "$unformatted"
 # clang-format leaves comments as they are, black comments and texts.
 long=$(too_long '^ *//' "${cpp[@]}")
 [[ -z $long ]] || say_fault 'comments longer than 100 columns:' "$long"

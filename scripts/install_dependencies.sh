@@ -3,7 +3,8 @@
 # when nothing is missing.
 #
 #     scripts/install_dependencies.sh          to build, test and run
-#     scripts/install_dependencies.sh --all    and to format, tidy, fuzz and benchmark
+#     scripts/install_dependencies.sh --all    and to format, tidy, fuzz, benchmark, and to build
+#                                              and test the page of the live view
 set -euo pipefail
 
 packages=(
@@ -21,14 +22,18 @@ elif [[ -n ${1:-} ]]; then
   sed -n '2,/^[^#]/s/^# \?//p' "$0"
   exit 2
 fi
+installed() {
+  [[ ${1:-} != --all ]] || "$(dirname "$0")/install_viewer.sh"
+  exit 0
+}
 
-installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${packages[@]}" 2>/dev/null | sed -n 's/^installed //p' || true)
+present=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${packages[@]}" 2>/dev/null | sed -n 's/^installed //p' || true)
 missing=()
 for package in "${packages[@]}"; do
-  grep -qxF "$package" <<<"$installed" || missing+=("$package")
+  grep -qxF "$package" <<<"$present" || missing+=("$package")
 done
 if [[ ${#missing[@]} -eq 0 ]]; then
-  exit 0
+  installed "$@"
 fi
 
 if ! command -v apt-get >/dev/null; then
@@ -50,7 +55,8 @@ apt_install() {
 # refresh them when it matters.
 lists=$(find /var/lib/apt/lists -maxdepth 1 -name '*_Packages*' -print -quit 2>/dev/null || true)
 if [[ -n $lists ]] && apt_install; then
-  exit 0
+  installed "$@"
 fi
 "${as_root[@]}" apt-get update -q </dev/null
 apt_install
+installed "$@"

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Installs what the page of the live view is built and tested with: Node and Chromium by apt where
+# they are missing, and the modules of viewer/package-lock.json in viewer/node_modules. Safe to run
+# again; quick when nothing is missing. Who only builds the program needs none of it: the built page
+# is viewer/built/index.html.
+#
+#     scripts/install_viewer.sh
+#     scripts/install_viewer.sh --modules     the modules alone
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=()
+case ${1:-} in
+  '')
+    command -v node >/dev/null || packages+=(nodejs)
+    command -v npm >/dev/null || packages+=(npm)
+    command -v chromium >/dev/null || packages+=(chromium)
+    ;;
+  --modules) ;;
+  *)
+    sed -n '2,/^[^#]/s/^# \?//p' "$0"
+    exit 2
+    ;;
+esac
+
+if [[ ${#packages[@]} -gt 0 ]]; then
+  if ! command -v apt-get >/dev/null; then
+    echo "apt-get not found. Install these, or what your system calls them: ${packages[*]}" >&2
+    exit 1
+  fi
+  as_root=()
+  if [[ $(id -u) -ne 0 ]]; then
+    command -v sudo >/dev/null || { echo "Run as root, or install sudo: missing ${packages[*]}" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  echo "Installing: ${packages[*]}"
+  apt_install() {
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${packages[@]}" </dev/null
+  }
+  apt_install || { "${as_root[@]}" apt-get update -q </dev/null; apt_install; }
+fi
+
+# What is installed is known by what was asked for; a run that was cut off leaves no mark.
+cd viewer
+asked=$(sha256sum package.json package-lock.json)
+mark=node_modules/.installed
+if [[ -f $mark && $(<"$mark") == "$asked" ]]; then
+  exit 0
+fi
+npm ci --ignore-scripts --no-audit --no-fund --loglevel=error </dev/null
+printf '%s\n' "$asked" >"$mark"
