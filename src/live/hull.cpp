@@ -20,7 +20,7 @@ std::vector<Eigen::Vector2f> convex_hull(std::vector<Eigen::Vector2f> points) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
   };
   std::ranges::sort(points, before);
-  points.erase(std::ranges::unique(points).begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.size() < 3) return points;
   std::vector<Eigen::Vector2f> hull;
   // The lower half from left to right, then the upper one back.

@@ -39,7 +39,7 @@ std::vector<Eigen::Vector2f> outline_of(const MappedScans& scans) {
   for (std::size_t i = 0; i < scans.size(); i += step) {
     const MappedScan& mapped = *scans[i];
     const std::vector<Eigen::Vector2d> seen = scan_points(mapped.scan, mapped.robot_T_lidar);
-    points.push_back(mapped.local_T_robot.translation().cast<float>());
+    points.emplace_back(mapped.local_T_robot.translation().cast<float>());
     for (std::size_t k = 0; k < seen.size(); k += kOutlineStride) {
       if (seen[k].squaredNorm() < kNearM * kNearM)
         points.emplace_back((mapped.local_T_robot * seen[k]).cast<float>());

@@ -75,7 +75,7 @@ void TileStore::replace(const GridFrame& frame, const ByteOf& byte_of) {
       if (tile.empty()) tile.assign(OccupancyTile::kCells, msg::MapTiles::kUnknown);
       const int across = x - kSide * floor_divided(x);
       const int up = y - kSide * floor_divided(y);
-      tile[static_cast<std::size_t>(up * kSide + across)] = byte;
+      tile[static_cast<std::size_t>(up) * kSide + static_cast<std::size_t>(across)] = byte;
       ++known_cells_;
     }
   }

@@ -40,13 +40,12 @@ std::optional<std::size_t> id_in(std::string_view path) {
 
 /// x, y and yaw among the six of space.
 std::array<double, 36> covariance_message(const Eigen::Matrix3d& covariance) {
-  constexpr std::array<int, 3> kPlaces{0, 1, 5};
+  constexpr std::array<std::size_t, 3> kPlaces{0, 1, 5};
   std::array<double, 36> all{};
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column)
-      all[static_cast<std::size_t>(6 * kPlaces[static_cast<std::size_t>(row)] +
-                                   kPlaces[static_cast<std::size_t>(column)])] =
-          covariance(row, column);
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column)
+      all[6 * kPlaces[row] + kPlaces[column]] =
+          covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
   }
   return all;
 }
@@ -87,6 +86,9 @@ class ViewBoard::Impl {
     tell_locked(told, stamp, std::move(text));
   }
 
+ private:
+  friend class ViewBoard;
+
   mutable std::mutex mutex_{};  ///< held while something is published, so that order is kept
   ViewSink sink_;
 
@@ -108,7 +110,6 @@ class ViewBoard::Impl {
   std::vector<ViewClosure> closures_{};
   std::vector<ViewSubmap> submaps_{};
 
- private:
   void add_channels();
   void tell_locked(Told& told, Stamp stamp, std::string text);
   void send_scan(const LaserScan& scan, const RobotModel& robot);

@@ -31,7 +31,7 @@ class ViewHub {
   void on_playback(std::function<void(const PlaybackControl&)> handle);
 
   ChannelId add_channel(ViewChannel channel);
-  void publish(ChannelId channel, Stamp stamp, std::string bytes);
+  void publish(ChannelId id, Stamp stamp, std::string bytes);
   void set_time(Stamp now);
   void set_playback(const PlaybackState& state);
 

@@ -332,7 +332,7 @@ class Visitor final : public Registered, public std::enable_shared_from_this<Vis
 
 asio::ip::address address_of(const std::string& text) {
   error_code error;
-  const auto address = asio::ip::make_address(text == "localhost" ? "127.0.0.1" : text, error);
+  auto address = asio::ip::make_address(text == "localhost" ? "127.0.0.1" : text, error);
   if (error) throw UsageError(text + " is no address of a machine, such as 127.0.0.1 or 0.0.0.0");
   return address;
 }
@@ -464,7 +464,7 @@ class ViewServer::Impl {
   std::thread thread_{};
 };
 
-ViewServer::ViewServer(ViewServerOptions options, const ViewServerLimits& limits) {
+ViewServer::ViewServer(const ViewServerOptions& options, const ViewServerLimits& limits) {
   check(options);
   impl_ = std::make_unique<Impl>(options, limits);
 }

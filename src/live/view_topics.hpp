@@ -14,8 +14,8 @@ namespace loopstone {
 
 /// A topic whose messages are ROS 2's.
 template <typename M>
-[[nodiscard]] ViewChannel ros_channel(std::string topic, SendPolicy policy) {
-  return {.topic = std::move(topic),
+[[nodiscard]] ViewChannel ros_channel(std::string_view topic, SendPolicy policy) {
+  return {.topic = std::string(topic),
           .encoding = "cdr",
           .schema_name = ros2_type(MessageType<M>::name()),
           .schema_encoding = "ros2msg",

@@ -563,8 +563,9 @@ scene("all by keyboard", {}, async ({ page, until, state, server }) => {
   const before = (await state()).playback.time ?? 0;
   await page.keyboard.press("Shift+ArrowRight");
   await until((now) => Math.abs((now.playback.time ?? 0) - before - 10) < 0.5, "ten seconds on");
+  const asked = server.controls.length;
   await page.keyboard.press(",");
-  assert.ok(server.controls.length >= 6);
+  await until(() => server.controls.length > asked, "a step back is asked for");
   await page.keyboard.press("?");
   await page.locator("dialog[open]").waitFor();
   await page.keyboard.press("Escape");

@@ -69,7 +69,7 @@ struct HttpAnswer {
 class ViewServer {
  public:
   /// Throws UsageError for an address that is none, or one that others can reach without a token.
-  explicit ViewServer(ViewServerOptions options, const ViewServerLimits& limits = {});
+  explicit ViewServer(const ViewServerOptions& options, const ViewServerLimits& limits = {});
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
