@@ -178,7 +178,8 @@ class ViewCommand : public testing::Test {
     const auto nodes = viewer.message<msg::Trajectory>("/loopstone/trajectory");
     EXPECT_GT(nodes.count, 10U);
     EXPECT_EQ(nodes.t.size(), nodes.count);
-    for (const Json& closure : viewer.json("/loopstone/closures")["closures"]) {
+    const Json closures = viewer.json("/loopstone/closures");
+    for (const Json& closure : closures["closures"]) {
       ASSERT_LT(closure["to"].get<std::size_t>(), nodes.count);
       EXPECT_NEAR(nodes.t[closure["to"].get<std::size_t>()], closure["to_t"].get<double>(), 1e-6);
     }

@@ -105,8 +105,8 @@ TEST_F(Feed, ShowsWhatTheMapperDoes) {
   EXPECT_GT(status["figures"].size(), 1U);
   EXPECT_EQ(view_.last_json("/loopstone/closures")["closures"].size(), result.loop_closures.size());
   EXPECT_EQ(view_.last_json("/loopstone/submaps")["submaps"].size(), run.last.submaps.size());
-  for (const auto& submap : view_.last_json("/loopstone/submaps")["submaps"])
-    EXPECT_GE(submap["outline"].size(), 6U);
+  const auto submaps = view_.last_json("/loopstone/submaps");
+  for (const auto& submap : submaps["submaps"]) EXPECT_GE(submap["outline"].size(), 6U);
   const auto verdict = view_.last_json("/loopstone/verdict");
   EXPECT_EQ(verdict["sentence"], result.verdict.sentence);
   EXPECT_EQ(verdict["complete"], true);
