@@ -210,7 +210,8 @@ class Mapping {
 
   /// The graph with what is taken for a landmark now; poses stay where they are.
   void build_graph() {
-    std::vector<Pose2> poses = graph_.poses.empty() ? base_.poses : std::move(graph_.poses);
+    std::vector<Pose2> poses = std::move(graph_.poses);
+    if (poses.empty()) poses = base_.poses;
     graph_ = base_;
     graph_.poses = std::move(poses);
     for (const LandmarkGroup& group : groups_) {

@@ -87,9 +87,9 @@ void FrontEnd::take_out_new(Sighting& sighting) {
 /// that is, the laser is right: wheels slip. Else odometry leads.
 FrontEnd::Alignment FrontEnd::contest(Sighting& sighting) {
   take_out_new(sighting);
-  const Alignment led = lead(sighting);
+  Alignment led = lead(sighting);
   if (!explains_less(led)) return led;
-  const Alignment freed = align(sighting.matched(), std::span(sighting.guesses).first(1), {}, true);
+  Alignment freed = align(sighting.matched(), std::span(sighting.guesses).first(1), {}, true);
   if (!freed.searched && !explains_less(freed) && is_believed(freed, sighting)) return freed;
   sighting.is_led = true;
   return led;
