@@ -256,7 +256,7 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
   const LaserScan& scan = *sighting.whole;
   const MotionGuess& guess = sighting.likeliest();
   MotionGuess led = guess;
-  led.information *= kFrontEnd.led;
+  if (is_crowded(scan)) led.information *= kFrontEnd.led;
   Alignment alignment = sighting.is_led ? align(sighting.matched(), std::span(&led, 1), {}, false)
                                         : align(sighting.matched(), sighting.guesses,
                                                 others_than_odometry(scan.stamp), true);

@@ -43,8 +43,8 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit("crowd_rest_s", n.crowd_rest_s,
         "chosen: so long after people were last seen to stand about it the robot is not alone yet");
   visit("led", n.led,
-        "chosen: weight of odometry that leads: what of a scan goes with the robot says that it "
-        "stands, and pulls half as far");
+        "chosen: weight of odometry that leads through a crowd: what of a scan goes with the robot "
+        "says that it stands, and pulls half as far");
   visit("drives_m", n.drives_m,
         "chosen: a robot whose odometry goes so far from scan to scan drives: a fifth of a metre a "
         "second");
