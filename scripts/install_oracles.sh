@@ -10,6 +10,7 @@
 #                                                 build/bench/peers
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/apt_packages.sh
 
 localization=
 case ${1:-} in
@@ -29,22 +30,7 @@ else
   command -v node >/dev/null || packages+=(nodejs)
   command -v npm >/dev/null || packages+=(npm)
 fi
-if [[ ${#packages[@]} -gt 0 ]]; then
-  if ! command -v apt-get >/dev/null; then
-    echo "apt-get not found. Install these, or what your system calls them: ${packages[*]}" >&2
-    exit 1
-  fi
-  as_root=()
-  if [[ $(id -u) -ne 0 ]]; then
-    command -v sudo >/dev/null || { echo "Run as root, or install sudo: missing ${packages[*]}" >&2; exit 1; }
-    as_root=(sudo)
-  fi
-  echo "Installing: ${packages[*]}"
-  apt_install() {
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${packages[@]}" </dev/null
-  }
-  apt_install || { "${as_root[@]}" apt-get update -q </dev/null; apt_install; }
-fi
+install_packages "${packages[@]}"
 
 if [[ -n $localization ]]; then
   bench/peers/install_localization.sh

@@ -8,6 +8,7 @@
 #     scripts/install_viewer.sh --modules     the modules alone
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/apt_packages.sh
 
 packages=()
 case ${1:-} in
@@ -23,22 +24,7 @@ case ${1:-} in
     ;;
 esac
 
-if [[ ${#packages[@]} -gt 0 ]]; then
-  if ! command -v apt-get >/dev/null; then
-    echo "apt-get not found. Install these, or what your system calls them: ${packages[*]}" >&2
-    exit 1
-  fi
-  as_root=()
-  if [[ $(id -u) -ne 0 ]]; then
-    command -v sudo >/dev/null || { echo "Run as root, or install sudo: missing ${packages[*]}" >&2; exit 1; }
-    as_root=(sudo)
-  fi
-  echo "Installing: ${packages[*]}"
-  apt_install() {
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${packages[@]}" </dev/null
-  }
-  apt_install || { "${as_root[@]}" apt-get update -q </dev/null; apt_install; }
-fi
+install_packages "${packages[@]}"
 
 # What is installed is known by what was asked for; a run that was cut off leaves no mark.
 cd viewer
