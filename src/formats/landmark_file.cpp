@@ -25,20 +25,10 @@ constexpr double kFarthestM = 1e7;  ///< as for the poses of a log
 constexpr const char* kExpected =
     "expected a line of column names, such as id,x_m,y_m,sigma_m,radius_m";
 
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const auto comma = line.find(',');
-    cells.push_back(trim(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 /// The lines below the column names.
 class LandmarkTable {
  public:
-  LandmarkTable(std::string_view names, const Location& location) : names_(cells_of(names)) {
+  LandmarkTable(std::string_view names, const Location& location) : names_(split_cells(names)) {
     constexpr std::size_t kMostColumns = 100;
     if (names_.size() > kMostColumns) {
       throw DataError(location, fmt::format("names {} columns; {}", names_.size(), kExpected));
@@ -54,7 +44,7 @@ class LandmarkTable {
   }
 
   [[nodiscard]] MappedLandmark read(std::string_view line, const Location& location) const {
-    const std::vector<std::string_view> cells = cells_of(line);
+    const std::vector<std::string_view> cells = split_cells(line);
     if (cells.size() != names_.size()) {
       throw DataError(location, fmt::format("the line has {} values, the first line names {}",
                                             cells.size(), names_.size()));

@@ -21,6 +21,9 @@ void for_each_line(std::string_view text,
 /// The same into a vector whose memory is kept from line to line.
 void split_words(std::string_view line, std::vector<std::string_view>& words);
 
+/// What stands between commas, trimmed; an empty line is one empty cell.
+[[nodiscard]] std::vector<std::string_view> split_cells(std::string_view line);
+
 /// A finite number that fills the whole word; otherwise DataError at the location.
 [[nodiscard]] double parse_finite(std::string_view word, const Location& location);
 

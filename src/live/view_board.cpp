@@ -5,6 +5,7 @@
 #include <mutex>
 #include <utility>
 
+#include "formats/known_mounts.hpp"
 #include "formats/message_scan.hpp"
 #include "formats/topic_names.hpp"
 #include "live/node_track.hpp"
@@ -118,8 +119,8 @@ class ViewBoard::Impl {
 
   ChannelId tiles_channel_{};
   ChannelId nodes_channel_{};
-  std::map<int, ChannelId> scans_{};               ///< by laser
-  std::map<int, msg::TransformStamped> mounts_{};  ///< by laser
+  std::map<int, ChannelId> scans_{};  ///< by laser
+  KnownMounts mounts_{};
   NodeTrack nodes_{};
   Stamp now_{};
 };
@@ -201,18 +202,7 @@ void ViewBoard::Impl::show_robot(Stamp stamp, const Pose2& map_T_robot,
 }
 
 void ViewBoard::Impl::send_scan(const LaserScan& scan, const RobotModel& robot) {
-  const msg::TransformStamped mount = mount_message(scan, robot);
-  const auto [known, is_new] = mounts_.try_emplace(scan.lidar, mount);
-  const auto& before = known->second.transform;
-  const auto& now = mount.transform;
-  if (is_new || before.translation.x != now.translation.x ||
-      before.translation.y != now.translation.y || before.rotation.z != now.rotation.z ||
-      before.rotation.w != now.rotation.w) {
-    known->second = mount;
-    msg::TFMessage all;  // whoever comes late gets one message
-    for (const auto& [lidar, transform] : mounts_) all.transforms.push_back(transform);
-    send(mounts_channel_, scan.stamp, all);
-  }
+  if (const auto all = mounts_.change(scan, robot)) send(mounts_channel_, scan.stamp, *all);
   const auto [channel, is_first] = scans_.try_emplace(scan.lidar);
   if (is_first) {
     channel->second = sink_.add_channel(

@@ -8,19 +8,7 @@
 #include "loopstone/formats/decimal_stamp.hpp"
 
 namespace loopstone {
-namespace {
-
-std::vector<std::string_view> split_cells(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const auto comma = line.find(',');
-    cells.push_back(trim(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-}  // namespace
+namespace {}  // namespace
 
 std::string_view CsvRow::text(std::string_view column) const {
   const auto found = std::ranges::find(columns_, column);

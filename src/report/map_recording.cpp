@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "formats/known_mounts.hpp"
 #include "formats/message_scan.hpp"
 #include "formats/recording_writer.hpp"
 #include "formats/topic_names.hpp"
@@ -113,8 +113,8 @@ class MapRecording::Impl {
 
   TopicWriter writer_;
   RobotModel robot_;
-  std::map<int, msg::TransformStamped> mounts_{};  ///< by laser
-  Stamp last_{};                                   ///< of scans and updates, the latest
+  KnownMounts mounts_{};
+  Stamp last_{};  ///< of scans and updates, the latest
   Pose2 odom_T_robot_{};
   std::optional<TrackingStatus> status_{};
   std::vector<Stamp> submap_stamps_{};  ///< of the first scan of each
@@ -131,18 +131,7 @@ class MapRecording::Impl {
 
 void MapRecording::Impl::add(const LaserScan& scan) {
   last_ = std::max(last_, scan.stamp);
-  const msg::TransformStamped mount = mount_message(scan, robot_);
-  const auto [known, is_new] = mounts_.try_emplace(scan.lidar, mount);
-  const auto& before = known->second.transform;
-  const auto& now = mount.transform;
-  if (is_new || before.translation.x != now.translation.x ||
-      before.translation.y != now.translation.y || before.rotation.z != now.rotation.z ||
-      before.rotation.w != now.rotation.w) {
-    known->second = mount;
-    msg::TFMessage all;  // whoever comes late gets one message
-    for (const auto& [lidar, transform] : mounts_) all.transforms.push_back(transform);
-    send_latched("/tf_static", scan.stamp, all);
-  }
+  if (const auto all = mounts_.change(scan, robot_)) send_latched("/tf_static", scan.stamp, *all);
   writer_.send(scan_topic(scan.lidar), scan.stamp, to_message(scan, laser_frame(scan.lidar)));
 }
 
