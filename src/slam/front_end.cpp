@@ -129,7 +129,8 @@ void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
   const MotionGuess& guess = sighting.likeliest();
   const bool is_likely = sighting.guesses.size() == 1;  // it may have jumped
   if (!guess.measured || !is_likely || !sighting.odometry || !odometry_may_lead()) return;
-  sighting.is_led = is_crowded(scan) && leave_open(sighting.surfaces);
+  sighting.is_crowded = is_crowded(scan);
+  sighting.is_led = sighting.is_crowded && leave_open(sighting.surfaces);
   Pose2 ground_T_robot = guess.local_T_robot;
   ground_T_robot.x += own_.local_to_ground_m.x();
   ground_T_robot.y += own_.local_to_ground_m.y();
@@ -256,7 +257,7 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
   const LaserScan& scan = *sighting.whole;
   const MotionGuess& guess = sighting.likeliest();
   MotionGuess led = guess;
-  if (is_crowded(scan)) led.information *= kFrontEnd.led;
+  if (sighting.is_crowded) led.information *= kFrontEnd.led;
   Alignment alignment = sighting.is_led ? align(sighting.matched(), std::span(&led, 1), {}, false)
                                         : align(sighting.matched(), sighting.guesses,
                                                 others_than_odometry(scan.stamp), true);

@@ -221,6 +221,7 @@ class FrontEnd {
     std::vector<MotionGuess> guesses;  ///< at least one
     bool believed = false;             ///< the laser shows its surroundings
     LaserCover cover{};                ///< was taken out of `scan`
+    bool is_crowded = false;           ///< asked where odometry may lead
     bool is_led = false;  ///< what travels was taken out, too: odometry holds the robot
     const LaserScan* whole = nullptr;  ///< as it came
     bool is_driven = false;  ///< odometry that has proved itself says that the robot moves
