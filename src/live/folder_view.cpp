@@ -1,8 +1,6 @@
 #include "loopstone/live/folder_view.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,29 +9,25 @@
 
 #include "live/pace_meter.hpp"
 #include "live/snapshot_contents.hpp"
+#include "live/timer.hpp"
 #include "loopstone/base/thinned.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/sensor/mounted_scan.hpp"
+#include "loopstone/slam/calibration.hpp"
+#include "loopstone/slam/robot_correction.hpp"
 #include "loopstone/slam/tracking_status.hpp"
 
 namespace loopstone {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
 
 /// A path is shown by poses that are so far apart, and by those of closures.
 constexpr double kNodeStepM = 0.25;
 constexpr double kNodeStepRad = 0.25;
-constexpr std::size_t kMostPathPoses = 5000;
-constexpr std::chrono::milliseconds kRobotPeriod{33};
-constexpr std::chrono::milliseconds kStatusPeriod{100};
-
-double larger_half_axis(const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(position, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(solver.eigenvalues().maxCoeff(), 0.0));
-}
+constexpr double kRobotPeriodS = 0.033;
+constexpr double kStatusPeriodS = 0.1;
 
 /// A time during which the laser did not hold the pose, after the beginning of the path.
 struct Gap {
@@ -57,65 +51,50 @@ std::vector<Gap> gaps_in(const Json& summary) {
   return gaps;
 }
 
-/// What the drive told of the laser, where the map was made with it.
-struct FoundLaser {
-  int index = 0;
-  bool is_mirrored = false;
-  std::optional<double> sweep_s{};
-  std::optional<double> x_m{};
-  std::optional<double> y_m{};
-  std::optional<double> yaw_rad{};
-
-  void correct(Pose2& mount) const {
-    mount = {x_m.value_or(mount.x), y_m.value_or(mount.y), yaw_rad.value_or(mount.yaw)};
-  }
-};
-
-FoundLaser found_laser(const Json& summary) {
-  FoundLaser found;
+/// What the drive told of the laser, as far as the map was made with it.
+Calibration used_calibration(const Json& summary) {
+  Calibration used;
   const auto at = [&](const char* pointer) {
     const Json::json_pointer place(pointer);
     return summary.contains(place) ? summary[place] : Json();
   };
   const auto is_so = [&](const char* pointer) { return at(pointer) == Json(true); };
-  const auto number = [&](const char* pointer) {
-    const Json value = at(pointer);
-    return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
+  const auto take = [&](const char* pointer, CalibratedValue& value) {
+    const Json told = at(pointer);
+    if (told.is_number()) value.value = told.get<double>();
+    return told.is_number();
   };
   constexpr double kMostLasers = 64.0;
-  found.index = static_cast<int>(
-      std::clamp(number("/calibration/lidar/index").value_or(0.0), 0.0, kMostLasers));
+  const Json index = at("/calibration/lidar/index");
+  if (index.is_number())
+    used.lidar = static_cast<int>(std::clamp(index.get<double>(), 0.0, kMostLasers));
   if (is_so("/calibration/beams/corrected")) {
-    found.is_mirrored = is_so("/calibration/beams/laser_is_mirrored");
-    if (is_so("/calibration/beams/sweep_is_off"))
-      found.sweep_s = number("/calibration/beams/sweep_s/value");
+    used.laser_is_mirrored = is_so("/calibration/beams/laser_is_mirrored");
+    used.sweep_is_off = is_so("/calibration/beams/sweep_is_off") &&
+                        take("/calibration/beams/sweep_s/value", used.sweep_s);
   }
-  if (!is_so("/calibration/mount_corrected")) return found;
-  if (is_so("/calibration/lidar/yaw_is_off"))
-    found.yaw_rad = number("/calibration/lidar/yaw_rad/value");
-  if (is_so("/calibration/lidar/place_is_off")) {
-    found.x_m = number("/calibration/lidar/x_m/value");
-    found.y_m = number("/calibration/lidar/y_m/value");
-  }
-  return found;
+  if (!is_so("/calibration/mount_corrected")) return used;
+  used.yaw_is_off = is_so("/calibration/lidar/yaw_is_off") &&
+                    take("/calibration/lidar/yaw_rad/value", used.lidar_yaw_rad);
+  used.place_is_off = is_so("/calibration/lidar/place_is_off") &&
+                      take("/calibration/lidar/x_m/value", used.lidar_x_m) &&
+                      take("/calibration/lidar/y_m/value", used.lidar_y_m);
+  return used;
 }
 
 /// Shows each pose once, and not too often.
 class Showing {
  public:
-  explicit Showing(Clock::duration period) : period_(period) {}
+  explicit Showing(double period_s) : timer_(period_s) {}
   [[nodiscard]] bool is_due(std::size_t pose) {
-    const Clock::time_point now = Clock::now();
-    if (shown_ == pose || now < due_) return false;
+    if (shown_ == pose || !timer_.is_due()) return false;
     shown_ = pose;
-    due_ = now + period_;
     return true;
   }
 
  private:
-  Clock::duration period_;
+  Timer timer_;
   std::optional<std::size_t> shown_{};
-  Clock::time_point due_{};
 };
 
 ViewLayer layer_of(const PlacedPicture& picture) {
@@ -151,6 +130,7 @@ class FolderView::Impl {
 
  private:
   void correct_robot();
+  void correct(Pose2& robot_T_lidar);
   void choose_nodes();
   void measure_path();
   [[nodiscard]] std::size_t node_at(Stamp stamp) const;
@@ -165,7 +145,7 @@ class FolderView::Impl {
   RobotModel robot_;
   ViewBoard& board_;
   Json summary_{};
-  FoundLaser found_{};
+  Calibration used_{};
   std::vector<Gap> gaps_{};
   std::set<Stamp> closure_stamps_{};
   std::vector<std::size_t> nodes_{};   ///< which poses are nodes
@@ -176,13 +156,16 @@ class FolderView::Impl {
 };
 
 void FolderView::Impl::correct_robot() {
-  found_ = found_laser(summary_);
-  const auto index = static_cast<std::size_t>(found_.index);
+  used_ = used_calibration(summary_);
+  robot_ = corrected_robot(robot_, used_);
+  const auto index = static_cast<std::size_t>(used_.lidar);
   while (robot_.lidars.size() <= index) robot_.lidars.push_back({.robot_T_lidar = Pose2{}});
-  LidarMount& lidar = robot_.lidars[index];
-  if (found_.is_mirrored) lidar.upside_down = !lidar.upside_down;
-  if (found_.sweep_s) lidar.sweep_s = *found_.sweep_s;
-  found_.correct(lidar.robot_T_lidar);
+  correct(robot_.lidars[index].robot_T_lidar);
+}
+
+void FolderView::Impl::correct(Pose2& robot_T_lidar) {
+  used_.robot_T_lidar_given = robot_T_lidar;
+  robot_T_lidar = used_.robot_T_lidar();
 }
 
 void FolderView::Impl::choose_nodes() {
@@ -214,8 +197,7 @@ void FolderView::Impl::add_scan(const LaserScan& scan, std::size_t most_bytes) {
   MappedScan mapped{.scan = as_mounted(scan, robot_).value_or(scan),
                     .index = static_cast<std::size_t>(pose - poses().begin())};
   mapped.scan.intensities.clear();
-  if (mapped.scan.robot_T_lidar && scan.lidar == found_.index)
-    found_.correct(*mapped.scan.robot_T_lidar);
+  if (mapped.scan.robot_T_lidar && scan.lidar == used_.lidar) correct(*mapped.scan.robot_T_lidar);
   mapped.robot_T_lidar = mount_of(mapped.scan, robot_);
   if (scans_.try_emplace(scan.stamp, std::make_shared<const MappedScan>(std::move(mapped))).second)
     scan_bytes_ += bytes;
@@ -259,10 +241,11 @@ void FolderView::Impl::show_map() {
   const Stamp stamp = poses().back().stamp;
   std::vector<ViewNode> nodes;
   for (const std::size_t i : nodes_) {
-    nodes.push_back(
-        {.stamp = poses()[i].stamp,
-         .map_T_robot = poses()[i].pose,
-         .sigma_m = folder_.covariances.empty() ? 0.0 : larger_half_axis(folder_.covariances[i])});
+    nodes.push_back({.stamp = poses()[i].stamp,
+                     .map_T_robot = poses()[i].pose,
+                     .sigma_m = folder_.covariances.empty()
+                                    ? 0.0
+                                    : largest_sigma(folder_.covariances[i].topLeftCorner<2, 2>())});
   }
   board_.show_nodes(stamp, std::move(nodes));
   board_.show_submaps(stamp, {});
@@ -330,7 +313,7 @@ void FolderView::Impl::show_status(std::size_t index) {
       submaps != summary_.end() && submaps->is_number_unsigned())
     status.submaps = submaps->get<std::size_t>();
   if (!folder_.covariances.empty())
-    status.figures["sigma_m"] = larger_half_axis(folder_.covariances[index]);
+    status.figures["sigma_m"] = largest_sigma(folder_.covariances[index].topLeftCorner<2, 2>());
   board_.show_status(status);
 }
 
@@ -338,8 +321,8 @@ void FolderView::Impl::play(ReplayClock& clock, const std::function<bool()>& go_
   show_map();
   std::size_t next = 0;
   // Asked while nothing is due, too, so that a robot that stops is shown where it stopped.
-  Showing robot(kRobotPeriod);
-  Showing status(kStatusPeriod);
+  Showing robot(kRobotPeriodS);
+  Showing status(kStatusPeriodS);
   const auto show_last = [&] {
     if (next == 0) return;
     if (robot.is_due(next - 1)) show_robot(next - 1);

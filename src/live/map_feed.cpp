@@ -1,6 +1,5 @@
 #include "loopstone/live/map_feed.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,7 +12,9 @@
 
 #include "live/pace_meter.hpp"
 #include "live/snapshot_contents.hpp"
+#include "live/timer.hpp"
 #include "loopstone/base/thinned.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/sensor/mounted_scan.hpp"
 #include "loopstone/slam/live_map.hpp"
@@ -24,43 +25,12 @@
 namespace loopstone {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// Scans that wait for their update.
 constexpr std::size_t kMostScansWaiting = 100;
 /// A robot that stands does not travel, whatever its pose does.
 constexpr double kTravelStepM = 0.02;
-/// Of messages that are sent whole, again and again.
-constexpr std::size_t kMostPathPoses = 5000;
+/// Of a map that is sent whole, again and again.
 constexpr double kCellsPerS = 4e6;
-
-double seconds_between(Clock::time_point from, Clock::time_point to) {
-  return std::chrono::duration<double>(to - from).count();
-}
-
-class Timer {
- public:
-  explicit Timer(double period_s) : period_s_(period_s) {}
-  /// Whether its time has come; it then begins anew.
-  [[nodiscard]] bool is_due() {
-    const Clock::time_point now = Clock::now();
-    if (last_ && seconds_between(*last_, now) < period_s_) return false;
-    last_ = now;
-    return true;
-  }
-  void begin_anew() { last_.reset(); }
-  void set_period(double period_s) { period_s_ = period_s; }
-
- private:
-  double period_s_;
-  std::optional<Clock::time_point> last_{};
-};
-
-double larger_half_axis(const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(position, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(solver.eigenvalues().maxCoeff(), 0.0));
-}
 
 /// What the drawing thread is given.
 struct Drawing {
@@ -306,7 +276,7 @@ void MapFeed::Impl::catch_up(const Mapper& mapper) {
   }
   if (waits_.status && status_timer_.is_due()) {
     status_.status = to_string(last_->status);
-    status_.figures["sigma_m"] = larger_half_axis(last_->covariance);
+    status_.figures["sigma_m"] = largest_sigma(last_->covariance.topLeftCorner<2, 2>());
     show_status(last_->stamp);
     waits_.status = false;
   }
@@ -322,7 +292,8 @@ void MapFeed::Impl::note(const MapUpdate& update) {
     status_.travelled_m += step_m;
     travelled_to_ = update.odom_T_robot;
   }
-  if (update.key_scan) sigmas_[update.stamp.nanoseconds] = larger_half_axis(update.covariance);
+  if (update.key_scan)
+    sigmas_[update.stamp.nanoseconds] = largest_sigma(update.covariance.topLeftCorner<2, 2>());
   const std::size_t before = warnings_.size();
   for (const MapEvent& event : update.events) {
     const auto told = diagnostic_of(event);

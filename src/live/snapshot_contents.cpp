@@ -1,10 +1,10 @@
 #include "live/snapshot_contents.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "live/hull.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 
 namespace loopstone {
@@ -51,12 +51,6 @@ std::vector<Eigen::Vector2f> outline_of(const MappedScans& scans) {
 std::vector<Eigen::Vector2f> moved(const Pose2& pose, std::vector<Eigen::Vector2f> points) {
   for (Eigen::Vector2f& point : points) point = (pose * point.cast<double>().eval()).cast<float>();
   return points;
-}
-
-double larger_half_axis(const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(position, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(solver.eigenvalues().maxCoeff(), 0.0));
 }
 
 std::uint32_t drive_at(const MapSnapshot& snapshot, std::size_t scan) {
@@ -164,7 +158,7 @@ std::vector<ViewNode> nodes_of(const MapResult& result, const MapSnapshot& last)
     const Stamp stamp = result.node_stamps[i];
     const NodeId node{static_cast<std::int32_t>(i)};
     const double sigma_m = result.covariances.available() && i < result.graph.poses.size()
-                               ? larger_half_axis(result.covariances.of(node))
+                               ? largest_sigma(result.covariances.of(node).topLeftCorner<2, 2>())
                                : 0.0;
     nodes.push_back({.stamp = stamp,
                      .map_T_robot = pose_at(result, stamp),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,9 @@
 // What a mapper's snapshot and its result hold, as a view shows it.
 
 namespace loopstone {
+
+/// Of a path that is sent whole, again and again.
+inline constexpr std::size_t kMostPathPoses = 5000;
 
 /// Of the key scans' positions, by stamp [m].
 using NodeSigmas = std::unordered_map<std::int64_t, double>;

@@ -1,6 +1,5 @@
 #include "localization/landmark_group.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -73,11 +72,6 @@ double misfit(std::span<const Sighting> sightings, double radius_m, const Landma
 }
 
 }  // namespace
-
-double largest_sigma(const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
-  return std::sqrt(std::max(solver.eigenvalues()(1), 0.0));
-}
 
 std::vector<Sighting> sightings_of(const LandmarkGroup& group, const LandmarkScene& scene) {
   std::vector<Sighting> all;

@@ -25,9 +25,6 @@ struct UncertainPoint {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
-/// Standard deviation along the axis on which it is largest.
-[[nodiscard]] double largest_sigma(const Eigen::Matrix2d& covariance);
-
 /// What was seen, and from where.
 struct LandmarkScene {
   std::span<const std::vector<LandmarkObservation>> seen;

@@ -6,6 +6,7 @@
 
 #include "localization/landmark_group.hpp"
 #include "localization/landmark_mapping_numbers.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/localization/landmark_association.hpp"
 #include "loopstone/localization/landmark_map.hpp"

@@ -8,6 +8,7 @@
 #include "localization/landmark_group.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/sensor/reflectors.hpp"
 

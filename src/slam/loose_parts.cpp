@@ -56,12 +56,6 @@ std::optional<Chain> chain_of(const PoseGraph& graph, std::span<const StepDrift>
   return chain;
 }
 
-/// Along the worst direction.
-double largest_sigma_m(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
-  return std::sqrt(std::max(axes.eigenvalues()(1), 0.0));
-}
-
 /// Of the motion between two nodes by the path alone, map axes. What is open is too long or too
 /// short by the same factor all along.
 Eigen::Matrix3d by_path(const PoseGraph& graph, const Chain& chain, std::size_t first,
@@ -166,7 +160,7 @@ std::vector<LoosePart> loose_parts(const PoseGraph& graph, const Chain& chain,
                      .path_m = chain.travelled_m[last] - chain.travelled_m[first],
                      .closures = *std::min_element(begin, end),
                      .where = middle_of(graph, first, last),
-                     .sigma_m = largest_sigma_m(covariance),
+                     .sigma_m = largest_sigma(covariance.topLeftCorner<2, 2>()),
                      .sigma_rad = std::sqrt(covariance(2, 2))});
     first = last;
   }

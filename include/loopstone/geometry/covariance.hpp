@@ -1,6 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 
 namespace loopstone {
 
@@ -13,6 +16,12 @@ namespace loopstone {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn.topLeftCorner<2, 2>() = b_R_a;
   return turn * covariance * turn.transpose();
+}
+
+/// Standard deviation along the axis on which it is largest, in the unit of the covariance's root.
+[[nodiscard]] inline double largest_sigma(const Eigen::Matrix2d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
+  return std::sqrt(std::max(axes.eigenvalues()(1), 0.0));
 }
 
 }  // namespace loopstone
