@@ -88,7 +88,7 @@ void add_view_flags(CLI::App& command, ViewFlags& flags) {
   command.add_flag("--no-open", flags.no_open, "of the view: do not open the browser");
 }
 
-LiveView::LiveView(const ViewFlags& flags, const ViewAbout& about, const AppContext& /*context*/)
+LiveView::LiveView(const ViewFlags& flags, const ViewAbout& about)
     : opens_browser_(!flags.no_open),
       about_json_(about_of(about)),
       server_(options_of(flags, about)),

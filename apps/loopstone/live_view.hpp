@@ -36,7 +36,7 @@ struct ViewAbout {
 class LiveView {
  public:
   /// Throws UsageError for flags that make no sense.
-  LiveView(const ViewFlags& flags, const ViewAbout& about, const AppContext& context);
+  LiveView(const ViewFlags& flags, const ViewAbout& about);
   ~LiveView() { close(); }
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;

@@ -31,6 +31,11 @@ void add_format_flag(CLI::App& command, std::optional<std::string>& format,
   command.add_option("--format", format, meaning)->type_name(choice)->check(CLI::IsMember(names));
 }
 
+std::unique_ptr<LogReader> open_with_threads(const std::string& path, const LogOptions& how,
+                                             const AppContext& context) {
+  return context.threads().resolved() > 1 ? open_log_ahead(path, how) : open_log(path, how);
+}
+
 CutLog::CutLog(LogReader& reader, const LogCut& cut, bool mounts_from_log, std::string_view step,
                ProgressDisplay& display)
     : reader_(reader),

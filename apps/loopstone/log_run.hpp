@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,6 +33,11 @@ void add_cut_flags(CLI::App& command, LogCut& cut);
 /// --format: one of those that logs are written in.
 void add_format_flag(CLI::App& command, std::optional<std::string>& format,
                      const std::string& meaning);
+
+/// Read ahead by a thread of its own, where there may be several.
+[[nodiscard]] std::unique_ptr<LogReader> open_with_threads(const std::string& path,
+                                                           const LogOptions& how,
+                                                           const AppContext& context);
 
 /// The messages of a log within the cut, until the user interrupts.
 class CutLog {

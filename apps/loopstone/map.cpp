@@ -204,9 +204,9 @@ LogOptions how_to_read(const MapArguments& arguments, bool pictures, const AppCo
 
 std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppContext& context,
                                     ProblemPrinter& print_problem) {
-  const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
-  auto reader =
-      open(arguments.log, how_to_read(arguments, !arguments.no_texture, context, &print_problem));
+  auto reader = open_with_threads(
+      arguments.log, how_to_read(arguments, !arguments.no_texture, context, &print_problem),
+      context);
   tell_choices(*reader, context);
   return reader;
 }
@@ -294,8 +294,7 @@ struct MapWatch {
   MapWatch(const MapArguments& arguments, const MapPipeline& pipeline, const RobotModel& robot,
            const AppContext& context)
       : view(arguments.view_flags,
-             {.name = std::filesystem::path(arguments.log).filename().string(), .mode = "mapping"},
-             context),
+             {.name = std::filesystem::path(arguments.log).filename().string(), .mode = "mapping"}),
         feed(view.board(), robot, pipeline.map_options()) {
     view.open(context);
   }

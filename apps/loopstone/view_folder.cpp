@@ -99,8 +99,7 @@ void add_scans(const ViewRequest& request, const LogOfFolder& log, FolderView& v
   try {
     ProgressDisplay display(context);
     const LogFlags& reading = request.log.empty() ? log.reading : request.reading;
-    const auto open = context.threads().resolved() > 1 ? open_log_ahead : open_log;
-    const auto reader = open(path, log_options(reading, context));
+    const auto reader = open_with_threads(path, log_options(reading, context), context);
     const bool has_robot = context.robot_given() || !log.robot.empty();
     CutLog scans(*reader, {}, !has_robot, "reading", display);
     while (const auto message = scans.next()) {
@@ -146,7 +145,7 @@ ExitCode view_folder(const ViewRequest& request, const AppContext& context) {
   const HeldInterrupt held(kViewEnds);
   const PlaybackRange range{folder.trajectory.front().stamp, folder.trajectory.back().stamp};
 
-  LiveView view(request.view, {short_name(request.what), "replay", range}, context);
+  LiveView view(request.view, {short_name(request.what), "replay", range});
   ReplayClock clock(range, request.speed,
                     [&](const PlaybackState& state) { view.server().set_playback(state); });
   view.server().on_playback([&](const PlaybackControl& control) { clock.control(control); });

@@ -35,8 +35,8 @@ class Recording {
   void rewind(std::string_view step, bool is_shown, ProblemPrinter* printer = nullptr) {
     log_.reset();
     display_.emplace(context_, is_shown);
-    const auto open = context_.threads().resolved() > 1 ? open_log_ahead : open_log;
-    reader_ = open(request_.what, log_options(request_.reading, context_, printer));
+    reader_ = open_with_threads(request_.what, log_options(request_.reading, context_, printer),
+                                context_);
     log_.emplace(*reader_, request_.cut, !context_.robot_given(), step, *display_);
   }
   [[nodiscard]] CutLog& log() { return *log_; }
@@ -177,7 +177,7 @@ ExitCode view_log(const ViewRequest& request, const AppContext& context) {
   if (!range) return kExitDone;
   const RobotModel robot = recording.robot();
 
-  LiveView view(request.view, {short_name(request.what), "replay", range}, context);
+  LiveView view(request.view, {short_name(request.what), "replay", range});
   ReplayClock clock(*range, request.speed,
                     [&](const PlaybackState& state) { view.server().set_playback(state); });
   view.server().on_playback([&](const PlaybackControl& control) { clock.control(control); });
