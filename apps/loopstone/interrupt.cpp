@@ -66,6 +66,11 @@ void listen_for_interrupts() {
 
 bool interrupted() { return is_requested; }
 
+void answer_interrupt(const char* answer) {
+  answer_to_first = answer;
+  is_requested = false;
+}
+
 HeldInterrupt::HeldInterrupt(const char* answer) {
   answer_to_first = answer;
   ++holders;

@@ -15,6 +15,11 @@ void listen_for_interrupts();
 /// Ctrl-C was pressed while it was held.
 [[nodiscard]] bool interrupted();
 
+/// The first Ctrl-C was what the user ends a command by that would never end: it is answered, and
+/// the next one is the first again.
+/// \param answer  what is said to that; there for ever
+void answer_interrupt(const char* answer);
+
 /// While one lives, the first Ctrl-C is told by interrupted() instead of ending the process. When
 /// the last one is gone the results are written: a Ctrl-C then comes too late to change anything.
 class HeldInterrupt {

@@ -11,6 +11,7 @@
 
 #include "bounds.hpp"
 #include "commands.hpp"
+#include "initial_pose.hpp"
 #include "interrupt.hpp"
 #include "known_map.hpp"
 #include "localize_landmarks.hpp"
@@ -24,7 +25,6 @@
 #include "loopstone/report/localization_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "output_path.hpp"
-#include "parse_pose.hpp"
 #include "result.hpp"
 
 namespace loopstone::app {
@@ -105,18 +105,7 @@ std::optional<InitialPose> initial_of(const Arguments& arguments) {
   if (arguments.global && !arguments.initial_sigma.empty()) {
     throw UsageError("--initial-sigma says how good --initial is; --global has none");
   }
-  if (arguments.global) return std::nullopt;
-  InitialPose initial{.map_T_robot = parse_pose2("--initial", arguments.initial)};
-  if (!arguments.initial_sigma.empty()) {
-    const std::vector<double> sigma = parse_numbers("--initial-sigma", arguments.initial_sigma);
-    if (sigma.size() != 2 || !(sigma[0] > 0.0) || !(sigma[1] > 0.0)) {
-      throw UsageError("--initial-sigma " + arguments.initial_sigma +
-                       ": must be M,RAD, both above 0, such as 0.5,0.26");
-    }
-    initial.sigma_m = sigma[0];
-    initial.sigma_rad = sigma[1];
-  }
-  return initial;
+  return initial_pose(arguments.initial, arguments.initial_sigma);
 }
 
 LocalizationOptions options_of(const Arguments& arguments, const AppContext& context) {

@@ -25,6 +25,7 @@ std::string footer() {
 Examples:
   loopstone info LOG                               what is in a log, and what is odd about it
   loopstone map LOG -o out                         map, trajectory, report: open out/report.html
+  loopstone live --source tcp://robot:9000 -o out  a map of what the sensors tell now, in the browser while it grows
   loopstone view out                               the same in the browser, with a robot that drives on it
   loopstone localize LOG --map out -o where.tum --global
                                                    where a robot was on that map, and how sure that is
@@ -42,6 +43,7 @@ void add_commands(CLI::App& app, AppContext& context) {
   // In the order in which a user meets them.
   add_info_command(app, context);
   add_map_command(app, context);
+  add_live_command(app, context);
   add_view_command(app, context);
   add_calibrate_command(app, context);
   add_texture_command(app, context);

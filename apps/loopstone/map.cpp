@@ -30,55 +30,15 @@
 #include "loopstone/version.hpp"
 #include "map_landmarks.hpp"
 #include "map_pipeline.hpp"
+#include "map_text.hpp"
 #include "output_path.hpp"
 #include "pace.hpp"
-#include "result.hpp"
 #include "session_folder.hpp"
 #include "word_flag.hpp"
 
 namespace loopstone::app {
 
 namespace {
-
-void print_result(const MapResult& result, const MapExtras& extras, const RunInfo& info,
-                  const MapArguments& arguments, const AppContext& context) {
-  if (context.json()) {
-    print_to_stdout(format_summary(result, info, extras));
-    return;
-  }
-  const MapStatistics& s = result.statistics;
-  Result table;
-  table.add("scans", "scans", s.scans);
-  if (info.left_out.skipped.records > 0) {
-    table.add_row("records skipped",
-                  fmt::format("{} of {}", info.left_out.skipped.records, info.left_out.records()));
-  }
-  table.add("duration_s", "recording", s.duration_s, "s", 1);
-  table.add("path_length_m", "path", s.path_length_m, "m", 1);
-  table.add("map_free_area_m2", "free area mapped", figures_of(result.map).free_area_m2, "m2", 1);
-  table.add("submaps", "submaps", s.submaps);
-  table.add_row("loop closures", fmt::format("{} accepted, {} rejected", s.loop_closures_accepted,
-                                             s.loop_closures_rejected));
-  if (!result.verdict.sentence.empty()) table.add_row("quality", result.verdict.sentence);
-  if (extras.landmarks != nullptr) add_landmark_rows(*extras.landmarks, table);
-  if (extras.texture != nullptr) add_texture_rows(*extras.texture, table);
-  table.add_row("time", fmt::format("{:.2f} s, {:.0f} x real time", info.wall_time_s,
-                                    s.duration_s / std::max(info.wall_time_s, 1e-9)));
-  if (info.pace) {
-    const auto row = [&](const char* title, const LatencyFigures& figures) {
-      table.add_row(
-          title, fmt::format("{:.2f} ms, 99 % within {:.1f} ms, worst {:.1f} ms",
-                             1e3 * figures.median_s, 1e3 * figures.p99_s, 1e3 * figures.worst_s));
-    };
-    row("pose after", info.pace->arrival);
-    row("of it computing", info.pace->computing);
-  }
-  table.add_row("peak memory",
-                fmt::format("{:.0f}", static_cast<double>(info.peak_memory_bytes) * 1e-6), "MB");
-  if (!arguments.mcap.empty() && info.failure.empty()) table.add_row("mcap", arguments.mcap);
-  table.add_row("report", arguments.out + "/report.html");
-  table.print(context);
-}
 
 /// What the camera has to do with the files.
 std::string colour_of(const MapArguments& arguments) {
@@ -156,20 +116,6 @@ void note_cost(std::chrono::steady_clock::time_point start, const Checkpoint& ch
   info.wall_time_s =
       checkpoint.earlier_wall_s() +
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// Prints warnings and figures; the exit code says how the run ended.
-ExitCode tell(const MapResult& result, const MapExtras& extras, const RunInfo& info,
-              const MapArguments& arguments, const AppContext& context) {
-  for (const auto& warning : result.warnings) context.warn(warning);
-  print_result(result, extras, info, arguments, context);
-  if (!info.failure.empty()) {
-    throw std::runtime_error(info.failure + "; all else is in " + arguments.out);
-  }
-  if (result.complete) return kExitDone;
-  context.warn(std::string("interrupted: the map is of what was read until then") +
-               (arguments.checkpoint.any() ? "; --resume goes on from there" : ""));
-  return kExitInterrupted;
 }
 
 SessionTerms terms_of(const MapArguments& arguments, MapPipeline& pipeline, const RobotModel& robot,
@@ -367,7 +313,12 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   note_terms(checkpoint, arguments, pipeline, info);
   note_cost(start, checkpoint, info);
   write_all(result, extras, std::move(kept), arguments, pipeline, checkpoint, info, context);
-  const ExitCode code = tell(result, extras, info, arguments, context);
+  const ExitCode code =
+      tell_map(result, extras, info,
+               {.out = arguments.out,
+                .mcap = arguments.mcap,
+                .goes_on = arguments.checkpoint.any() ? "; --resume goes on from there" : ""},
+               context);
   if (watch) stay_open(watch->view, held, context);
   return code;
 }

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "formats/decompress.hpp"
-#include "formats/pipe_bytes.hpp"
+#include "formats/streamed_bytes.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_reader.hpp"
 
@@ -113,22 +113,22 @@ ReadableBytes readable(std::string name,
   return bytes;
 }
 
-ReadableBytes readable_pipe(const std::string& path, std::function<bool()> stop) {
-  const auto pipe = std::make_shared<PipeBytes>(path, std::move(stop));
-  return readable(
-      pipe->name(), [pipe](std::int64_t) { return pipe->look(); }, [pipe] { return pipe->read(); },
-      false);
-}
-
 }  // namespace
 
+ReadableBytes readable_stream(std::unique_ptr<ByteStream> stream, std::optional<double> look_s) {
+  const auto bytes = std::make_shared<StreamedBytes>(std::move(stream), look_s);
+  return readable(
+      bytes->name(), [bytes](std::int64_t) { return bytes->look(); },
+      [bytes] { return bytes->read(); }, false);
+}
+
 ReadableBytes open_file_or_pipe(const std::string& path, std::function<bool()> stop) {
-  if (path == kStandardInput) return readable_pipe(path, std::move(stop));
+  if (path == kStandardInput) return readable_stream(open_pipe(path, std::move(stop)));
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) throw DataError({path}, "there is no such file");
   if (fs::is_directory(status)) throw DataError({path}, "is a folder; a file was expected");
-  if (!fs::is_regular_file(status)) return readable_pipe(path, std::move(stop));
+  if (!fs::is_regular_file(status)) return readable_stream(open_pipe(path, std::move(stop)));
   const auto look = [path, stop = std::move(stop)](std::int64_t offset) {
     return std::make_unique<FileSource>(path, offset, stop);
   };

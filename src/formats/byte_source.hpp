@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "formats/byte_stream.hpp"
 
 namespace loopstone {
 
@@ -17,6 +20,10 @@ class ByteSource {
   /// Fills the front of `buffer`; the number of bytes written, 0 only at the end. Throws DataError
   /// with the offset in the stored file when it can't be read or decompressed; ReadingStopped.
   [[nodiscard]] virtual std::size_t read(std::span<char> buffer) = 0;
+  /// The same, but does not wait long: nothing when there is nothing yet.
+  [[nodiscard]] virtual std::optional<std::size_t> read_now(std::span<char> buffer) {
+    return read(buffer);
+  }
   /// Position and size in bytes as stored, for progress.
   [[nodiscard]] virtual std::int64_t bytes_done() const = 0;
   [[nodiscard]] virtual std::int64_t bytes_total() const = 0;
@@ -40,6 +47,10 @@ struct ReadableBytes {
 /// Throws DataError when there is no such file, or it is a folder or a device.
 [[nodiscard]] ReadableBytes open_file_or_pipe(const std::string& path,
                                               std::function<bool()> stop = {});
+
+/// \param look_s  as StreamedBytes takes it
+[[nodiscard]] ReadableBytes readable_stream(std::unique_ptr<ByteStream> stream,
+                                            std::optional<double> look_s = {});
 
 /// The same over bytes in memory, which must outlive all that is made of it.
 [[nodiscard]] ReadableBytes readable_memory(std::string_view bytes, const std::string& name);

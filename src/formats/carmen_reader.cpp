@@ -49,10 +49,12 @@ class CarmenReader final : public LogReader {
         options_(std::move(options)),
         survey_(survey_of(log)),
         lines_(log.read()),
-        order_(survey_.scans_carry_odometry, survey_.early_stamp,
-               [this](const OrderedRecord& record, const std::string& reason) {
-                 skip(record.line, reason, std::holds_alternative<LaserScan>(record.message));
-               }),
+        order_(
+            survey_.scans_carry_odometry, survey_.early_stamp,
+            [this](const OrderedRecord& record, const std::string& reason) {
+              skip(record.line, reason, std::holds_alternative<LaserScan>(record.message));
+            },
+            options_.live ? StampOrder::kNone : StampOrder::kWindow),
         order_stamps_(stamps_by_order(survey_)),
         truth_(truth) {}
 

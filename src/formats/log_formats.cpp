@@ -99,6 +99,7 @@ constexpr std::array<LogFormat, 6> kFormats{{
         .file_is = "an MCAP file",
         .place = LogPlace::kFile,
         .endings = kMcapEndings,
+        .reads_streams = true,
         .holds = kTopics,
         .recognise = recognise_mcap,
         .open = open_mcap_log,

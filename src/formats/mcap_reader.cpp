@@ -1,11 +1,11 @@
 #include <libdeflate.h>
 
 #include <algorithm>
-#include <unordered_map>
 #include <utility>
 
 #include "formats/chunked_recording.hpp"
 #include "formats/mcap_record.hpp"
+#include "formats/mcap_topics.hpp"
 
 namespace loopstone {
 namespace {
@@ -14,37 +14,20 @@ constexpr std::uint64_t kFooterLength = 20;
 /// What tells of a message all but its bytes.
 constexpr std::uint64_t kMostMessageHead = kMcapHead + 22;
 
-/// A schema that channels may still refer to.
-struct KnownSchema {
-  std::string type{};
-  MessageDefinition definition{};
-};
-
 McapOp op_of(const RecordHead& record) { return static_cast<McapOp>(record.op); }
-
-DefinitionLanguage language_of(std::string_view encoding) {
-  if (encoding == "ros1msg") return DefinitionLanguage::kRos1Msg;
-  if (encoding == "ros2msg") return DefinitionLanguage::kRos2Msg;
-  if (encoding == "ros2idl") return DefinitionLanguage::kRos2Idl;
-  return DefinitionLanguage::kNone;
-}
 
 class McapReader final : public ChunkedRecording {
  public:
   McapReader(std::unique_ptr<RecordingBytes> bytes, const RecordingOptions& options)
-      : ChunkedRecording(std::move(bytes), options, kMcapMagic.size()),
-        channels_(std::size_t{1} << 16U, kNone) {
+      : ChunkedRecording(std::move(bytes), options, kMcapMagic.size()) {
     require_magic();
     load_summary();
-    first_channels_ = channels_;
-    first_schemas_ = schemas_;
+    of_summary_ = channels_;
   }
 
   std::vector<std::string> notes() const override;
 
  private:
-  static constexpr std::int32_t kNone = -1;
-
   void require_magic();
 
   void load_summary();
@@ -75,8 +58,7 @@ class McapReader final : public ChunkedRecording {
   std::optional<ChunkHead> chunk_at(std::uint64_t at) override;
   std::string fault_of(const ChunkHead& chunk, std::string_view unpacked) const override;
   std::optional<std::size_t> topic_of(std::uint32_t channel) const override {
-    const std::int32_t topic = channels_[channel];
-    return topic == kNone ? std::nullopt : std::optional(static_cast<std::size_t>(topic));
+    return channels_.topic_of(channel);
   }
   bool describe(const RecordHead& record, std::string_view bytes) override {
     const std::string_view fields = bytes.substr(kMcapHead);
@@ -86,17 +68,19 @@ class McapReader final : public ChunkedRecording {
   void begin() override;
   std::optional<RecordedMessage> step() override;
 
-  bool add_schema(std::string_view fields);
-  bool add_channel(std::string_view fields);
+  bool add_schema(std::string_view fields) {
+    return channels_.add_schema(fields, is_indexed_, topics_);
+  }
+  bool add_channel(std::string_view fields) {
+    return channels_.add_channel(fields, is_indexed_, topics_);
+  }
 
   const std::function<bool(std::uint16_t)> knows_channel_ = [this](std::uint16_t channel) {
-    return channels_[channel] != kNone;
+    return channels_.knows_channel(channel);
   };
 
-  std::vector<std::int32_t> channels_;  ///< to topics
-  std::unordered_map<std::uint16_t, KnownSchema> schemas_{};
-  std::vector<std::int32_t> first_channels_{};  ///< of the summary
-  std::unordered_map<std::uint16_t, KnownSchema> first_schemas_{};
+  McapTopics channels_{};
+  McapTopics of_summary_{};
   bool was_closed_ = false;
   bool has_damaged_summary_ = false;
   bool has_all_channels_ = true;  ///< in the summary, as far as it says how many there are
@@ -114,8 +98,7 @@ void McapReader::require_magic() {
 void McapReader::begin() {
   ChunkedRecording::begin();
   if (is_indexed_) return;
-  channels_ = first_channels_;
-  schemas_ = first_schemas_;
+  channels_ = of_summary_;
 }
 
 std::vector<std::string> McapReader::notes() const {
@@ -206,7 +189,7 @@ bool McapReader::for_each_in_summary(std::uint64_t begin, std::uint64_t end, Use
 bool McapReader::has_schemas_of_channels(std::uint64_t begin, std::uint64_t end) {
   return for_each_in_summary(begin, end, [this](McapOp op, std::string_view fields) {
     const auto channel = op == McapOp::kChannel ? read_mcap_channel(fields) : std::nullopt;
-    return !channel || channel->schema == 0 || schemas_.contains(channel->schema);
+    return !channel || channel->schema == 0 || channels_.knows_schema(channel->schema);
   });
 }
 
@@ -235,68 +218,20 @@ bool McapReader::count_messages(std::string_view fields) {
   (void)in.take(12 + 16);  // attachments, metadata, chunks; first and last time
   McapFields counts(in.text());
   if (!in.is_good()) return false;
-  const auto known = static_cast<std::uint64_t>(
-      channels_.size() -
-      static_cast<std::size_t>(std::count(channels_.begin(), channels_.end(), kNone)));
-  has_all_channels_ = known >= channels;
+  has_all_channels_ = channels_.channels() >= channels;
   while (!counts.left().empty()) {
-    const std::int32_t topic = channels_[counts.number<std::uint16_t>()];
+    const auto topic = channels_.topic_of(counts.number<std::uint16_t>());
     const auto messages = counts.number<std::uint64_t>();
     if (!counts.is_good()) return false;
-    if (topic != kNone && messages < (std::uint64_t{1} << 48U)) {
-      topics_.count(static_cast<std::size_t>(topic), static_cast<std::int64_t>(messages));
-    }
+    if (topic && messages < (std::uint64_t{1} << 48U))
+      topics_.count(*topic, static_cast<std::int64_t>(messages));
   }
   return true;
 }
 
 bool McapReader::knows_indexed_channels() const {
   return std::all_of(index_.channels().begin(), index_.channels().end(),
-                     [this](std::uint32_t channel) { return channels_[channel] != kNone; });
-}
-
-// Topics.
-
-bool McapReader::add_schema(std::string_view fields) {
-  const auto schema = read_mcap_schema(fields);
-  if (!schema) return false;
-  const auto known = schemas_.find(schema->id);
-  if (known != schemas_.end() && is_indexed_) return true;
-  KnownSchema fresh{canonical_type(schema->name),
-                    {language_of(schema->encoding), std::string(schema->text)}};
-  if (known == schemas_.end()) {
-    topics_.hold(sizeof fresh + fresh.type.size() + fresh.definition.text.size());
-    schemas_.emplace(schema->id, std::move(fresh));
-  } else if (known->second.type != fresh.type ||
-             known->second.definition.text != fresh.definition.text ||
-             known->second.definition.language != fresh.definition.language) {
-    topics_.hold(fresh.type.size() + fresh.definition.text.size());
-    known->second = std::move(fresh);
-  }
-  return true;
-}
-
-bool McapReader::add_channel(std::string_view fields) {
-  const auto channel = read_mcap_channel(fields);
-  if (!channel) return false;
-  if (channels_[channel->id] != kNone && is_indexed_) return true;
-  RecordedTopic topic;
-  topic.name = channel->topic;
-  if (channel->encoding == "ros1") topic.format = WireFormat::kRos1;
-  if (channel->encoding.empty()) {
-    topic.unreadable = "in an encoding that the recording does not name";
-  } else if (channel->encoding != "ros1" && channel->encoding != "cdr") {
-    topic.unreadable = "encoded as " + std::string(channel->encoding.substr(0, 40));
-  }
-  const auto schema = schemas_.find(channel->schema);
-  if (channel->schema != 0 && schema != schemas_.end()) {
-    topic.type = schema->second.type;
-    topic.definition = schema->second.definition;
-  }
-  topic.hash = mcap_map_value(channel->metadata, "topic_type_hash");
-  if (topic.hash.empty()) topic.hash = mcap_map_value(channel->metadata, "md5sum");
-  channels_[channel->id] = static_cast<std::int32_t>(topics_.add(std::move(topic)));
-  return true;
+                     [this](std::uint32_t channel) { return channels_.knows_channel(channel); });
 }
 
 // Between the chunks.

@@ -181,10 +181,12 @@ class RawlogReader final : public LogReader {
         survey_(survey_of(log)),
         objects_(log.read()),
         by_order_(options_.stamps == StampUse::kOrder || must_go_by_order()),
-        order_(false, std::nullopt,
-               [this](const OrderedRecord& record, const std::string& reason) {
-                 skip(record.line, reason, std::holds_alternative<LaserScan>(record.message));
-               }),
+        order_(
+            false, std::nullopt,
+            [this](const OrderedRecord& record, const std::string& reason) {
+              skip(record.line, reason, std::holds_alternative<LaserScan>(record.message));
+            },
+            options_.live ? StampOrder::kNone : StampOrder::kWindow),
         order_stamps_(Duration::from_seconds(survey_.mean_step_s().value_or(1.0 / kUsualRateHz)),
                       survey_.any_scan) {
     if (!survey_.is_empty() || !survey_.saw_all) return;

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "formats/byte_source.hpp"
+#include "formats/byte_stream.hpp"
 #include "formats/log_path.hpp"
-#include "formats/pipe_bytes.hpp"
 #include "loopstone/formats/log_format.hpp"
 #include "loopstone/formats/log_format_words.hpp"
 

@@ -1,7 +1,10 @@
 #include "formats/recording_formats.hpp"
 
 #include <filesystem>
+#include <optional>
 
+#include "formats/byte_source.hpp"
+#include "formats/mcap_stream.hpp"
 #include "formats/recording.hpp"
 #include "formats/recording_writer.hpp"
 #include "formats/topic_log.hpp"
@@ -30,6 +33,25 @@ Recognition by_head(const LogInput& log, bool (*is_it)(std::string_view)) {
   return !log.is_folder && is_it(log.head) ? Recognition::kCertain : Recognition::kNo;
 }
 
+/// Its pictures are left out: they are read when all else is done, and a stream has gone by then.
+std::unique_ptr<LogReader> stream_mcap_log(const LogInput& log, const LogOptions& options) {
+  LogOptions how = options;
+  how.topics.pictures = false;
+  const std::optional<double> look_s =
+      how.live ? std::optional(how.live->look_s) : std::optional<double>();
+  const auto stream = std::make_shared<StreamedRecording*>(nullptr);
+  auto reader = open_topic_log(
+      "mcap",
+      [stream, log, look_s](const RecordingOptions& recording) {
+        auto opened = stream_mcap(log.content->read(), log.name, recording, look_s);
+        *stream = opened.get();
+        return opened;
+      },
+      how);
+  (*stream)->survey_is_over();
+  return reader;
+}
+
 }  // namespace
 
 Recognition recognise_bag(const LogInput& log) { return by_head(log, is_bag); }
@@ -45,6 +67,7 @@ Trajectory bag_truth(const LogInput& log, const std::string& topic, const LogOpt
 
 Recognition recognise_mcap(const LogInput& log) { return by_head(log, is_mcap); }
 std::unique_ptr<LogReader> open_mcap_log(const LogInput& log, const LogOptions& options) {
+  if (log.is_stream) return stream_mcap_log(log, options);
   return open_topic_log("mcap", opener(open_mcap, log), options);
 }
 std::unique_ptr<LogWriter> create_mcap_log(const LogTarget& target, const RobotModel& robot) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -48,7 +49,11 @@ bool StampOrder::leads(const OrderedRecord& record) const {
 void StampOrder::push(OrderedRecord record) {
   const Stamp stamp = stamp_of(record.message);
   note_order(stamp, record.is_part_of_a_scan || record.is_brought_together);
-  if (leads(record)) {
+  if (window_ == kNone) {
+    // A scan comes before its odometry, and is to be used behind it.
+    const bool is_behind = record.is_part_of_a_scan && !passing_.empty();
+    passing_.insert(is_behind ? std::prev(passing_.end()) : passing_.end(), std::move(record));
+  } else if (leads(record)) {
     lead(std::move(record));
   } else if (record.is_part_of_a_scan && !pending_.empty() &&
              stamp == stamp_of(pending_.back().message)) {
@@ -155,6 +160,11 @@ StampOrder::Waiting StampOrder::take() {
 }
 
 std::optional<OrderedRecord> StampOrder::pop() {
+  if (!passing_.empty()) {
+    std::optional<OrderedRecord> first(std::move(passing_.front()));
+    passing_.pop_front();
+    return first;
+  }
   while (!heap_.empty()) {
     const bool full = heap_.size() >= kMostWaiting || waiting_bytes_ >= kMostWaitingBytes;
     const bool ripe = now_ && heap_.front().stamp + window_ <= *now_;

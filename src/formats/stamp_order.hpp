@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -33,6 +34,9 @@ struct OrderedRecord {
 class StampOrder {
  public:
   static constexpr Duration kWindow{2'000'000'000};
+  /// The window with which nothing waits, nothing is put in order and nothing refused: what comes
+  /// live is what its reader can bear.
+  static constexpr Duration kNone{0};
   static constexpr Duration kJump{60'000'000'000};
   static constexpr std::size_t kMostWaiting = 4096;
   static constexpr std::size_t kMostWaitingBytes = std::size_t{1} << 24;
@@ -80,6 +84,7 @@ class StampOrder {
   std::optional<Stamp> early_;
   std::function<void(const OrderedRecord&, const std::string&)> skip_;
   Duration window_;
+  std::deque<OrderedRecord> passing_{};  ///< with no window
   std::vector<Waiting> heap_;
   std::vector<OrderedRecord> pending_;
   std::optional<Stamp> now_;

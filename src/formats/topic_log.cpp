@@ -70,7 +70,7 @@ class TopicLogReader final : public LogReader {
             [this](const OrderedRecord& record, const std::string& reason) {
               skip({where(record), reason}, std::holds_alternative<LaserScan>(record.message));
             },
-            kReorderWindow),
+            options_.live ? StampOrder::kNone : kReorderWindow),
         pictures_(
             std::make_shared<RecordedPictures>(open, RecordingOptions{.memory = options_.memory})) {
     if (known_.choice.camera) {

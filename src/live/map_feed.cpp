@@ -201,6 +201,11 @@ class MapFeed::Impl {
     if (last_) draw(*last_, mapper);
   }
   void finish(const MapResult& result);
+  void add_warning(const std::string& text) {
+    const Stamp now = last_ ? last_->stamp : Stamp{};
+    warnings_.push_back({last_ ? std::optional(now) : std::nullopt, text});
+    board_.show_warnings(now, warnings_);
+  }
   void note_front_end(double seconds) { front_end_s_ = std::max(front_end_s_, seconds); }
   void flush() { drawer_.flush(); }
   [[nodiscard]] const RobotModel& robot() const { return robot_; }
@@ -381,6 +386,7 @@ void MapFeed::add(const SensorMessage& message) {
   impl_->add(mounted ? *mounted : *scan);
 }
 void MapFeed::add(const MapUpdate& update, const Mapper& mapper) { impl_->add(update, mapper); }
+void MapFeed::add_warning(const std::string& text) { impl_->add_warning(text); }
 void MapFeed::note_front_end(double seconds) { impl_->note_front_end(seconds); }
 void MapFeed::end(const Mapper& mapper) { impl_->end(mapper); }
 void MapFeed::finish(const MapResult& result) { impl_->finish(result); }

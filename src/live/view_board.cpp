@@ -66,6 +66,7 @@ class ViewBoard::Impl {
   void begin_anew(Stamp stamp, double resolution_m);
   void show_robot(Stamp stamp, const Pose2& map_T_robot, const Eigen::Matrix3d& covariance,
                   const LaserScan* scan, const RobotModel& robot);
+  void show_particles(Stamp stamp, const std::vector<Pose2>& map_T_robot);
   void send_all_tiles(Stamp stamp);
   template <typename Map>
   void replace_tiles(Stamp stamp, const Map& map) {
@@ -120,6 +121,7 @@ class ViewBoard::Impl {
   ChannelId tiles_channel_{};
   ChannelId nodes_channel_{};
   std::map<int, ChannelId> scans_{};  ///< by laser
+  std::optional<ChannelId> particles_{};
   KnownMounts mounts_{};
   NodeTrack nodes_{};
   Stamp now_{};
@@ -201,6 +203,18 @@ void ViewBoard::Impl::show_robot(Stamp stamp, const Pose2& map_T_robot,
   send(pose_, stamp, pose);
 }
 
+void ViewBoard::Impl::show_particles(Stamp stamp, const std::vector<Pose2>& map_T_robot) {
+  const std::scoped_lock lock(mutex_);
+  // Only localisation has them.
+  if (!particles_) {
+    particles_ = sink_.add_channel(ros_channel<msg::PoseArray>("/particles", SendPolicy::kLatest));
+  }
+  msg::PoseArray message{.header = {stamp, kMapFrame}};
+  message.poses.reserve(map_T_robot.size());
+  for (const Pose2& pose : map_T_robot) message.poses.push_back(loopstone::to_message(pose));
+  send(*particles_, stamp, message);
+}
+
 void ViewBoard::Impl::send_scan(const LaserScan& scan, const RobotModel& robot) {
   if (const auto all = mounts_.change(scan, robot)) send(mounts_channel_, scan.stamp, *all);
   const auto [channel, is_first] = scans_.try_emplace(scan.lidar);
@@ -264,6 +278,9 @@ void ViewBoard::begin_anew(Stamp stamp, double resolution_m) {
 void ViewBoard::show_robot(Stamp stamp, const Pose2& map_T_robot, const Eigen::Matrix3d& covariance,
                            const LaserScan* scan, const RobotModel& robot) {
   impl_->show_robot(stamp, map_T_robot, covariance, scan, robot);
+}
+void ViewBoard::show_particles(Stamp stamp, const std::vector<Pose2>& map_T_robot) {
+  impl_->show_particles(stamp, map_T_robot);
 }
 void ViewBoard::show_status(const ViewStatus& status) {
   impl_->sink_.publish(impl_->status_, status.stamp, status_json(status));

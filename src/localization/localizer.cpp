@@ -95,6 +95,14 @@ class Localizer::Impl {
     return result_.estimates[handed_out_++];
   }
 
+  [[nodiscard]] std::vector<Pose2> particles() const {
+    std::vector<Pose2> poses;
+    poses.reserve(belief_.particles().size());
+    for (const Pose2& particle : belief_.particles())
+      poses.push_back(particle * motion_.since_weighing().pose);
+    return poses;
+  }
+
   LocalizationResult finish() {
     queue_.finish();
     process_ready();
@@ -596,8 +604,7 @@ class Localizer::Impl {
       snapshot.hypotheses.push_back(
           {place.moments.pose * motion_.since_weighing().pose, std::exp(place.log_mass)});
     }
-    for (const Pose2& particle : belief_.particles())
-      snapshot.particles.push_back(particle * motion_.since_weighing().pose);
+    snapshot.particles = particles();
     return snapshot;
   }
 
@@ -647,6 +654,7 @@ Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
 void Localizer::add(const SensorMessage& message) { impl_->add(message); }
 std::optional<LocalizationEstimate> Localizer::next_update() { return impl_->next_update(); }
+std::vector<Pose2> Localizer::particles() const { return impl_->particles(); }
 LocalizationResult Localizer::finish() { return impl_->finish(); }
 
 }  // namespace loopstone

@@ -22,11 +22,16 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostPictureBytes = std::size_t{24} << 20U;
 constexpr int kPngCompression = 1;
 
+/// Cells are read before the matrix is begun: Eigen's comma aborts when a refusal leaves it half full.
 Eigen::Matrix3d covariance_in(const CsvRow& row) {
+  const double xx = row.number("xx_m2");
+  const double xy = row.number("xy_m2");
+  const double xyaw = row.number("xyaw_m_rad");
+  const double yy = row.number("yy_m2");
+  const double yyaw = row.number("yyaw_m_rad");
+  const double yawyaw = row.number("yawyaw_rad2");
   Eigen::Matrix3d p;
-  p << row.number("xx_m2"), row.number("xy_m2"), row.number("xyaw_m_rad"), row.number("xy_m2"),
-      row.number("yy_m2"), row.number("yyaw_m_rad"), row.number("xyaw_m_rad"),
-      row.number("yyaw_m_rad"), row.number("yawyaw_rad2");
+  p << xx, xy, xyaw, xy, yy, yyaw, xyaw, yyaw, yawyaw;
   return p;
 }
 

@@ -34,6 +34,14 @@ constexpr auto words_of(StampUse /*any*/) {
                     Word{kOrder, "order"}};
 }
 
+/// A log is read while it is measured: messages come out at once, in the order in which they come,
+/// whatever their stamps.
+struct LiveReading {
+  /// What must be known before the first message is taken from what comes so long after the first
+  /// byte, and until a scan has come.
+  double look_s = 2.0;
+};
+
 /// How a log is to be read.
 struct LogOptions {
   /// Damage (broken, repeated, out-of-order records) is an error instead of being counted and
@@ -48,6 +56,8 @@ struct LogOptions {
   /// Asked now and then while bytes are read, also by another thread: true ends the log at once.
   /// May be empty.
   std::function<bool()> stop{};
+  /// Else messages wait until their order is sure.
+  std::optional<LiveReading> live{};
   /// Scans bring the intensities of their beams, where the log has them.
   bool intensities = false;
   /// Of recordings with topics.

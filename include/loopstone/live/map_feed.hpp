@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "loopstone/live/view_board.hpp"
 #include "loopstone/mapping/occupancy.hpp"
@@ -51,6 +52,8 @@ class MapFeed {
   void add(const SensorMessage& message);
   /// Each of the mapper's updates, in their order.
   void add(const MapUpdate& update, const Mapper& mapper);
+  /// What no update tells: of where the messages come from.
+  void add_warning(const std::string& text);
   /// So long the front end took for the last message.
   void note_front_end(double seconds);
   /// While nothing comes: shows what was held back because it came too soon after what was shown.

@@ -54,6 +54,8 @@ class ViewBoard {
   /// \param scan  null: none is at hand; what its robot tells of the laser is in it (as_mounted())
   void show_robot(Stamp stamp, const Pose2& map_T_robot, const Eigen::Matrix3d& covariance,
                   const LaserScan* scan, const RobotModel& robot);
+  /// Where else it may be.
+  void show_particles(Stamp stamp, const std::vector<Pose2>& map_T_robot);
   void show_status(const ViewStatus& status);
 
   void change_tiles(Stamp stamp, const std::vector<OccupancyTile>& tiles);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/geometry/pose2.hpp"
@@ -48,6 +49,9 @@ class Localizer {
   /// The oldest estimate that was not handed out yet: one a scan, in their order, from the first
   /// pose on. All of them are in the result too.
   [[nodiscard]] std::optional<LocalizationEstimate> next_update();
+
+  /// What it believes at the newest scan: map_T_robot of each particle. None before the first pose.
+  [[nodiscard]] std::vector<Pose2> particles() const;
 
   /// Ends the recording. Call once.
   [[nodiscard]] LocalizationResult finish();

@@ -5,6 +5,7 @@
 
 #include "chunked_checks.hpp"
 #include "formats/recording.hpp"
+#include "mcap_builds.hpp"
 #include "support/recorded_data.hpp"
 #include "support/recording_builder.hpp"
 #include "support/recording_damage.hpp"
@@ -21,66 +22,21 @@ using test::McapBuild;
 using test::messages_of;
 using test::some_messages;
 
-/// Everything of which a writer may leave out the one or the other.
-std::vector<McapBuild> builds() {
-  std::vector<McapBuild> list;
-  const std::vector<McapBuild> packings{{.packing = Packing::kNone},
-                                        {.packing = Packing::kLz4},
-                                        {.packing = Packing::kLz4, .is_bare_lz4 = true},
-                                        {.packing = Packing::kZstd}};
-  for (const McapBuild& packing : packings) {
-    list.push_back(packing);
-    const auto add = [&](auto change) {
-      list.push_back(packing);
-      change(list.back());
-    };
-    add([](McapBuild& build) { build.outside_of_chunks = true; });
-    add([](McapBuild& build) { build.has_message_indexes = false; });
-    add([](McapBuild& build) { build.has_chunk_indexes = false; });
-    add([](McapBuild& build) { build.has_summary = false; });
-    add([](McapBuild& build) { build.repeats_channels = false; });
-    add([](McapBuild& build) { build.repeats_schemas = false; });
-    add([](McapBuild& build) { build.has_statistics = false; });
-    add([](McapBuild& build) { build.has_checksums = false; });
-    add([](McapBuild& build) { build.is_closed = false; });
-    add([](McapBuild& build) { build.has_empty_chunk = build.has_unknown_records = true; });
-    add([](McapBuild& build) { build.has_trailing_bytes = build.has_unknown_records = true; });
-  }
-  list.push_back({.has_chunks = false});
-  list.push_back({.has_chunks = false, .is_closed = false});
-  return list;
-}
-
-std::string words(const McapBuild& build) {
-  return "packing " + std::to_string(static_cast<int>(build.packing)) +
-         (build.is_bare_lz4 ? " bare" : "") + (build.has_chunks ? "" : " no chunks") +
-         (build.outside_of_chunks ? " outside" : "") +
-         (build.has_message_indexes ? "" : " no message indexes") +
-         (build.has_chunk_indexes ? "" : " no chunk indexes") +
-         (build.has_summary ? "" : " no summary") +
-         (build.repeats_channels ? "" : " no channels in the summary") +
-         (build.repeats_schemas ? "" : " no schemas in the summary") +
-         (build.has_statistics ? "" : " no statistics") +
-         (build.has_checksums ? "" : " no checksums") + (build.is_closed ? "" : " not closed") +
-         (build.has_empty_chunk ? " empty chunk" : "") +
-         (build.has_trailing_bytes ? " trailing bytes" : "");
-}
-
 TEST(McapReader, every_way_to_write_a_file_gives_the_same_messages) {
   const auto messages = some_messages(60);
-  for (const McapBuild& build : builds()) {
+  for (const McapBuild& build : test::mcap_builds()) {
     Damage damage;
     const BuiltRecording file = build_mcap(messages, build);
     const auto recording = read_mcap(file.bytes, damage.options());
-    EXPECT_EQ(messages_of(*recording), messages) << words(build);
-    EXPECT_EQ(damage.reasons, std::vector<std::string>{}) << words(build);
+    EXPECT_EQ(messages_of(*recording), messages) << test::words(build);
+    EXPECT_EQ(damage.reasons, std::vector<std::string>{}) << test::words(build);
     const bool is_indexed =
         build.is_closed && build.has_summary && build.repeats_channels && build.repeats_schemas;
-    EXPECT_EQ(recording->is_indexed(), is_indexed) << words(build);
-    EXPECT_EQ(recording->notes().empty(), is_indexed) << words(build);
-    EXPECT_EQ(recording->topics().size(), 3U) << words(build);
+    EXPECT_EQ(recording->is_indexed(), is_indexed) << test::words(build);
+    EXPECT_EQ(recording->notes().empty(), is_indexed) << test::words(build);
+    EXPECT_EQ(recording->topics().size(), 3U) << test::words(build);
     recording->rewind();
-    EXPECT_EQ(messages_of(*recording), messages) << words(build);
+    EXPECT_EQ(messages_of(*recording), messages) << test::words(build);
   }
 }
 
@@ -171,15 +127,15 @@ TEST(McapReader, only_wanted_topics_are_given_and_chunks_without_them_are_not_un
 
 TEST(McapReader, a_file_that_is_cut_anywhere_gives_the_messages_before) {
   const auto messages = some_messages(30);
-  for (const McapBuild& build : builds()) {
+  for (const McapBuild& build : test::mcap_builds()) {
     test::expect_what_is_before_cuts(build_mcap(messages, build), messages, 8, 11, read_mcap,
-                                     words(build));
+                                     test::words(build));
   }
 }
 
 TEST(McapReader, a_chunk_that_is_cut_gives_what_is_in_it) {
   const auto messages = some_messages(3000);
-  for (McapBuild build : builds()) {
+  for (McapBuild build : test::mcap_builds()) {
     build.per_chunk = messages.size();
     if (!build.has_chunks) continue;
     const BuiltRecording file = build_mcap(messages, build);
@@ -188,9 +144,9 @@ TEST(McapReader, a_chunk_that_is_cut_gives_what_is_in_it) {
     const auto recording =
         read_mcap(std::string_view(file.bytes).substr(0, half), damage.options());
     const auto got = messages_of(*recording);
-    EXPECT_GT(got.size(), 500U) << words(build);  // zstd has blocks of 128 KiB
-    EXPECT_LT(got.size(), 2000U) << words(build);
-    ASSERT_EQ(damage.reasons.size(), 1U) << words(build);
+    EXPECT_GT(got.size(), 500U) << test::words(build);  // zstd has blocks of 128 KiB
+    EXPECT_LT(got.size(), 2000U) << test::words(build);
+    ASSERT_EQ(damage.reasons.size(), 1U) << test::words(build);
     recording->rewind();
     EXPECT_EQ(messages_of(*recording), got);
     EXPECT_EQ(damage.reasons.size(), 1U);  // it is told once
@@ -235,12 +191,12 @@ TEST(McapReader, two_files_one_behind_the_other_are_read_as_one) {
 
 TEST(McapReader, what_is_undamaged_is_found_wherever_the_damage_is) {
   const auto messages = some_messages(60);
-  const auto variants = builds();
+  const auto variants = test::mcap_builds();
   std::size_t placed = 0;
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const McapBuild& build = variants[seed % variants.size()];
     const auto spoiled = test::damaged(build_mcap(messages, build), messages.size(), seed);
-    const std::string what = words(build) + ", seed " + std::to_string(seed);
+    const std::string what = test::words(build) + ", seed " + std::to_string(seed);
     test::expect_what_is_undamaged(spoiled, messages, read_mcap, what);
     placed += test::expect_by_place(spoiled.bytes, read_mcap, what);
   }
@@ -249,14 +205,14 @@ TEST(McapReader, what_is_undamaged_is_found_wherever_the_damage_is) {
 
 TEST(McapReader, messages_are_found_again_by_their_places) {
   const auto messages = some_messages(60);
-  for (const McapBuild& build : builds()) {
+  for (const McapBuild& build : test::mcap_builds()) {
     const BuiltRecording file = build_mcap(messages, build);
-    EXPECT_EQ(test::expect_by_place(file.bytes, read_mcap, words(build)), messages.size());
+    EXPECT_EQ(test::expect_by_place(file.bytes, read_mcap, test::words(build)), messages.size());
     for (std::size_t size = 1000; size < file.bytes.size(); size += 331) {
       test::expect_by_place(std::string_view(file.bytes).substr(0, size), read_mcap,
-                            words(build) + " cut at " + std::to_string(size));
+                            test::words(build) + " cut at " + std::to_string(size));
     }
-    test::expect_undisturbed_by_places(file.bytes, open_mcap, words(build));
+    test::expect_undisturbed_by_places(file.bytes, open_mcap, test::words(build));
     test::expect_other_places_refused(
         file.bytes,
         {build_mcap(some_messages(60, 2), build).bytes, build_mcap(some_messages(5), build).bytes},
@@ -266,15 +222,15 @@ TEST(McapReader, messages_are_found_again_by_their_places) {
 
 TEST(McapReader, a_chunk_that_says_that_it_is_huge_takes_no_memory) {
   const auto messages = some_messages(7);
-  for (const McapBuild& build : builds()) {
+  for (const McapBuild& build : test::mcap_builds()) {
     if (!build.has_chunks || build.is_bare_lz4) continue;
     BuiltRecording file = build_mcap(messages, build);
     const std::size_t size = file.parts[0].begin + 9 + 16;
     file.bytes.replace(size, 8, "\xff\xff\xff\xff\xff\xff\xff\x7f");
     Damage damage;
     const auto recording = read_mcap(file.bytes, damage.options());
-    EXPECT_EQ(messages_of(*recording), messages) << words(build);
-    EXPECT_EQ(damage.reasons.size(), 1U) << words(build);
+    EXPECT_EQ(messages_of(*recording), messages) << test::words(build);
+    EXPECT_EQ(damage.reasons.size(), 1U) << test::words(build);
   }
 }
 

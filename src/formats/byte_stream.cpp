@@ -1,0 +1,198 @@
+#include "formats/byte_stream.hpp"
+
+#include <fcntl.h>
+#include <netdb.h>
+#include <sys/poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/log_reader.hpp"
+
+namespace loopstone {
+namespace {
+
+constexpr int kPatience_ms = static_cast<int>(ByteStream::kPatience.count());
+
+/// An open file that is closed in the end.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor& operator=(Descriptor&&) = delete;
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] bool is_open() const { return number_ >= 0; }
+
+ private:
+  int number_;
+};
+
+/// What pipes and connections share.
+class DescriptorStream final : public ByteStream {
+ public:
+  DescriptorStream(std::string name, Descriptor descriptor, std::function<bool()> stop)
+      : name_(std::move(name)), descriptor_(std::move(descriptor)), stop_(std::move(stop)) {}
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  std::optional<std::size_t> take(std::span<char> buffer) override {
+    if (stop_ && stop_()) throw ReadingStopped();
+    pollfd wanted{descriptor_.number(), POLLIN, 0};
+    const int ready = ::poll(&wanted, 1, kPatience_ms);
+    if (ready == 0 || (ready < 0 && errno == EINTR)) return {};
+    const ssize_t count = ::read(descriptor_.number(), buffer.data(), buffer.size());
+    if (count >= 0) {
+      taken_ += count;
+      return static_cast<std::size_t>(count);
+    }
+    if (errno == EINTR || errno == EAGAIN) return {};
+    throw DataError({name_, {}, taken_}, std::string("can't be read: ") + std::strerror(errno));
+  }
+
+ private:
+  std::string name_;
+  Descriptor descriptor_;
+  std::function<bool()> stop_;
+  std::int64_t taken_ = 0;
+};
+
+class FollowedFile final : public ByteStream {
+ public:
+  FollowedFile(std::string path, Descriptor descriptor, std::function<bool()> stop)
+      : path_(std::move(path)), descriptor_(std::move(descriptor)), stop_(std::move(stop)) {}
+
+  [[nodiscard]] const std::string& name() const override { return path_; }
+  std::optional<std::size_t> take(std::span<char> buffer) override {
+    if (stop_ && stop_()) throw ReadingStopped();
+    // Before it is read: what was written until then is read, too.
+    const bool is_last = is_replaced();
+    const ssize_t count = ::read(descriptor_.number(), buffer.data(), buffer.size());
+    if (count < 0 && errno != EINTR) {
+      throw DataError({path_, {}, taken_}, std::string("can't be read: ") + std::strerror(errno));
+    }
+    if (count > 0) {
+      taken_ += count;
+      return static_cast<std::size_t>(count);
+    }
+    require_whole();
+    if (is_last && count == 0) return 0;
+    ::poll(nullptr, 0, kPause_ms);
+    return {};
+  }
+
+ private:
+  /// How often the end of the file is looked at.
+  static constexpr int kPause_ms = 10;
+
+  void require_whole() const {
+    struct stat status {};
+    if (::fstat(descriptor_.number(), &status) == 0 && status.st_size < taken_)
+      throw DataError({path_, {}, taken_}, "was cut while it was read");
+  }
+  /// Whether its name is that of another file now, or of none.
+  [[nodiscard]] bool is_replaced() const {
+    struct stat mine {};
+    struct stat named {};
+    if (::fstat(descriptor_.number(), &mine) != 0) return true;
+    if (::stat(path_.c_str(), &named) != 0) return true;
+    return mine.st_ino != named.st_ino || mine.st_dev != named.st_dev;
+  }
+
+  std::string path_;
+  Descriptor descriptor_;
+  std::function<bool()> stop_;
+  std::int64_t taken_ = 0;
+};
+
+void refuse_device(const Descriptor& descriptor, const std::string& name) {
+  struct stat status {};
+  if (::fstat(descriptor.number(), &status) != 0) return;
+  if (!S_ISCHR(status.st_mode) && !S_ISBLK(status.st_mode)) return;
+  const bool is_terminal = ::isatty(descriptor.number()) != 0;
+  throw DataError({name}, is_terminal ? "is a terminal, not a log; name a file or a pipe"
+                                      : "is a device, not a log");
+}
+
+/// Waits until a connection stands. The errno of what went wrong, or 0.
+int wait_for_connection(int socket, const std::function<bool()>& stop) {
+  constexpr int kMostWaits = 10'000 / kPatience_ms;
+  for (int waits = 0; waits < kMostWaits; ++waits) {
+    if (stop && stop()) throw ReadingStopped();
+    pollfd wanted{socket, POLLOUT, 0};
+    const int ready = ::poll(&wanted, 1, kPatience_ms);
+    if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
+    int error = 0;
+    socklen_t size = sizeof error;
+    if (::getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size) != 0) return errno;
+    return error;
+  }
+  return ETIMEDOUT;
+}
+
+struct AddressList {
+  addrinfo* first = nullptr;
+  AddressList() = default;
+  ~AddressList() {
+    if (first != nullptr) ::freeaddrinfo(first);
+  }
+  AddressList(const AddressList&) = delete;
+  AddressList& operator=(const AddressList&) = delete;
+};
+
+}  // namespace
+
+std::unique_ptr<ByteStream> open_pipe(const std::string& path, std::function<bool()> stop) {
+  std::string name = path == kStandardInput ? "standard input" : path;
+  // Without O_NONBLOCK, opening waits for somebody who writes.
+  Descriptor descriptor(path == kStandardInput
+                            ? ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)
+                            : ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  if (!descriptor.is_open())
+    throw DataError({name}, std::string("can't be opened: ") + std::strerror(errno));
+  refuse_device(descriptor, name);
+  return std::make_unique<DescriptorStream>(std::move(name), std::move(descriptor),
+                                            std::move(stop));
+}
+
+std::unique_ptr<ByteStream> connect_tcp(const std::string& host, const std::string& port,
+                                        std::function<bool()> stop) {
+  const std::string name =
+      "tcp://" + (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + port;
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  AddressList found;
+  if (const int fault = ::getaddrinfo(host.c_str(), port.c_str(), &wanted, &found.first);
+      fault != 0) {
+    throw DataError({name}, std::string("there is no such place: ") + ::gai_strerror(fault));
+  }
+  int error = 0;
+  for (const addrinfo* at = found.first; at != nullptr; at = at->ai_next) {
+    Descriptor socket(
+        ::socket(at->ai_family, at->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, at->ai_protocol));
+    if (!socket.is_open()) continue;
+    error = ::connect(socket.number(), at->ai_addr, at->ai_addrlen) == 0 ? 0 : errno;
+    if (error == EINPROGRESS) error = wait_for_connection(socket.number(), stop);
+    if (error != 0) continue;
+    return std::make_unique<DescriptorStream>(name, std::move(socket), std::move(stop));
+  }
+  throw DataError({name}, std::string("no connection: ") + std::strerror(error));
+}
+
+std::unique_ptr<ByteStream> follow_file(const std::string& path, std::function<bool()> stop) {
+  Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!descriptor.is_open())
+    throw DataError({path}, std::string("can't be opened: ") + std::strerror(errno));
+  refuse_device(descriptor, path);
+  return std::make_unique<FollowedFile>(path, std::move(descriptor), std::move(stop));
+}
+
+}  // namespace loopstone

@@ -1,0 +1,270 @@
+#include "formats/mcap_stream.hpp"
+
+#include <libdeflate.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "formats/chunk_unpack.hpp"
+#include "formats/mcap_record.hpp"
+#include "formats/mcap_topics.hpp"
+#include "formats/recorded_topics.hpp"
+#include "formats/topic_survey.hpp"
+
+namespace loopstone {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+bool is_of_laser(const RecordedTopic& topic) {
+  const TopicKind kind = kind_of(topic.type);
+  return kind == TopicKind::kScan || kind == TopicKind::kEchoScan || kind == TopicKind::kCloud;
+}
+
+/// A stream's bytes, of which as many stand in memory as the record at hand has.
+class StreamWindow {
+ public:
+  explicit StreamWindow(std::unique_ptr<ByteSource> bytes) : bytes_(std::move(bytes)) {}
+
+  /// Fewer than `count` only at the end. Until the next call. Nothing: they are not there, and it
+  /// is later than `until`, if there is one.
+  [[nodiscard]] std::optional<std::string_view> front(
+      std::size_t count, std::optional<Clock::time_point> until = {}) {
+    while (held_ - begin_ < count) {
+      if (begin_ > 0) {
+        std::memmove(buffer_.data(), buffer_.data() + begin_, held_ - begin_);
+        held_ -= std::exchange(begin_, 0);
+      }
+      // Only for what comes, not for what a damaged head says of its length.
+      if (held_ == buffer_.size()) buffer_.resize(std::max(kBlock, 2 * buffer_.size()));
+      const auto came = bytes_->read_now(std::span(buffer_).subspan(held_));
+      if (!came && until && Clock::now() > *until) return {};
+      if (came == 0) break;
+      held_ += came.value_or(0);
+    }
+    return std::string_view{buffer_.data() + begin_, std::min(count, held_ - begin_)};
+  }
+  void pass(std::size_t count) {
+    begin_ += count;
+    passed_ += static_cast<std::int64_t>(count);
+  }
+  /// Bytes of the stream before the front.
+  [[nodiscard]] std::int64_t passed() const { return passed_; }
+
+ private:
+  static constexpr std::size_t kBlock = std::size_t{1} << 16;
+
+  std::unique_ptr<ByteSource> bytes_;
+  std::vector<char> buffer_{};
+  std::size_t begin_ = 0;
+  std::size_t held_ = 0;
+  std::int64_t passed_ = 0;
+};
+
+class McapStream final : public StreamedRecording {
+ public:
+  McapStream(std::unique_ptr<ByteSource> bytes, std::string name, const RecordingOptions& options,
+             std::optional<double> look_s)
+      : name_(std::move(name)),
+        options_(options),
+        look_s_(look_s),
+        window_(std::move(bytes)),
+        topics_(options.memory, 0, name_) {
+    if (window_.front(kMcapMagic.size()) != kMcapMagic)
+      throw DataError({name_}, "is no stream of MCAP");
+    window_.pass(kMcapMagic.size());
+  }
+
+  [[nodiscard]] const std::vector<RecordedTopic>& topics() const override { return topics_.all(); }
+  [[nodiscard]] bool is_indexed() const override { return false; }
+  void want(std::function<bool(const RecordedTopic&)> wanted) override {
+    topics_.want(std::move(wanted));
+  }
+  [[nodiscard]] std::optional<RecordedMessage> next() override;
+  [[nodiscard]] std::span<const char> bytes_at(const MessagePlace& place) override {
+    throw_message_gone({name_, {}, place.at});
+  }
+  void rewind() override { at_kept_ = 0; }
+  void survey_is_over() override { keeps_ = false; }
+  [[nodiscard]] ReadProgress progress() const override { return {window_.passed(), 0}; }
+
+ private:
+  /// A message that was read while the stream was looked at.
+  struct Kept {
+    std::size_t topic = 0;
+    Stamp recorded{};
+    std::int64_t offset = 0;
+    std::vector<char> bytes{};
+  };
+
+  [[nodiscard]] std::optional<RecordedMessage> next_kept();
+  [[nodiscard]] std::optional<RecordedMessage> next_of_stream();
+  [[nodiscard]] std::optional<RecordedMessage> next_in_chunk();
+  [[nodiscard]] std::optional<RecordedMessage> use(McapOp op, std::string_view fields);
+  void open_chunk(std::string_view fields);
+  void keep(const RecordedMessage& message);
+  /// When whoever looks is told that there is no more.
+  [[nodiscard]] std::optional<Clock::time_point> end_of_look() const;
+  [[noreturn]] void fail(const std::string& what) const {
+    throw DataError({name_, {}, window_.passed()}, what);
+  }
+
+  std::string name_;
+  RecordingOptions options_;
+  std::optional<double> look_s_;
+  StreamWindow window_;
+  RecordedTopics topics_;
+  McapTopics channels_{};
+  ChunkUnpacker unpacker_{};
+  std::string_view chunk_{};  ///< what is left of the one that was unpacked
+  std::size_t to_pass_ = 0;   ///< of the window: the record in use, or the chunk's
+  bool is_over_ = false;
+  bool keeps_ = true;
+  std::deque<Kept> kept_{};
+  std::size_t at_kept_ = 0;
+  Kept in_use_{};
+  std::optional<Clock::time_point> first_{};  ///< when the first message came
+  bool has_laser_ = false;
+};
+
+std::optional<RecordedMessage> McapStream::next() {
+  while (true) {
+    if (auto kept = next_kept()) return kept;
+    const auto until = end_of_look();
+    if (until && Clock::now() > *until) return {};
+    auto message = next_of_stream();
+    if (!message) return {};
+    if (!first_) first_ = Clock::now();
+    has_laser_ = has_laser_ || is_of_laser(topics()[message->topic]);
+    if (!keeps_) return message;
+    keep(*message);
+  }
+}
+
+/// Those that are not wanted are kept all the same while the stream is looked at: somebody else may
+/// want them.
+std::optional<RecordedMessage> McapStream::next_kept() {
+  while (at_kept_ < kept_.size()) {
+    const Kept* kept = &kept_[at_kept_];
+    if (keeps_) {
+      ++at_kept_;
+    } else {
+      in_use_ = std::move(kept_.front());
+      kept_.pop_front();
+      kept = &in_use_;
+    }
+    if (!topics_.is_wanted(kept->topic)) continue;
+    return RecordedMessage{.topic = kept->topic,
+                           .recorded = kept->recorded,
+                           .bytes = kept->bytes,
+                           .file = &name_,
+                           .offset = kept->offset};
+  }
+  return {};
+}
+
+void McapStream::keep(const RecordedMessage& message) {
+  kept_.push_back({message.topic,
+                   message.recorded,
+                   message.offset,
+                   {message.bytes.begin(), message.bytes.end()}});
+}
+
+std::optional<Clock::time_point> McapStream::end_of_look() const {
+  if (!keeps_ || !look_s_ || !has_laser_) return {};
+  return *first_ + std::chrono::duration_cast<Clock::duration>(
+                       std::chrono::duration<double>(*look_s_));
+}
+
+std::optional<RecordedMessage> McapStream::next_of_stream() {
+  while (!is_over_) {
+    if (auto message = next_in_chunk()) return message;
+    window_.pass(std::exchange(to_pass_, 0));
+    const auto until = end_of_look();
+    const auto bytes = window_.front(kMcapHead, until);
+    if (!bytes || bytes->empty()) break;
+    const auto head = read_mcap_head(*bytes);
+    if (!head)
+      fail(bytes->size() < kMcapHead ? "the stream ends within a record"
+                                    : "there should be a record here, and is none");
+    options_.memory.require(head->length, 0, Growth::kNumbers, {name_, {}, window_.passed()});
+    const auto length = static_cast<std::size_t>(head->end());
+    const auto whole = window_.front(length, until);
+    if (!whole) break;
+    if (whole->size() < length) fail("the stream ends within a record");
+    const std::string_view record = *whole;
+    to_pass_ = length;
+    if (head->op == McapOp::kDataEnd || head->op == McapOp::kFooter) {
+      is_over_ = true;
+    } else if (head->op == McapOp::kChunk) {
+      open_chunk(record.substr(kMcapHead));
+    } else if (auto message = use(head->op, record.substr(kMcapHead))) {
+      return message;
+    }
+  }
+  return {};
+}
+
+void McapStream::open_chunk(std::string_view fields) {
+  const auto head = read_mcap_chunk(fields);
+  if (!head || head->data + head->data_size > fields.size())
+    fail("this chunk does not have the length that it states");
+  const auto packing = packing_of(head->compression);
+  if (!packing) fail("this chunk is packed in a way that is not known");
+  const auto unpacked =
+      unpacker_.unpack(*packing, fields.substr(head->data, head->data_size), head->unpacked_size,
+                       options_.memory.allowed_bytes(fields.size(), Growth::kNumbers), [this] {
+                         if (options_.stop && options_.stop()) throw ReadingStopped();
+                       });
+  if (!unpacked.damage.empty()) fail("this chunk: " + unpacked.damage);
+  const bool is_wrong =
+      head->checksum != 0 &&
+      libdeflate_crc32(0, unpacked.bytes.data(), unpacked.bytes.size()) != head->checksum;
+  if (is_wrong) fail("the checksum of this chunk is wrong");
+  chunk_ = unpacked.bytes;
+}
+
+std::optional<RecordedMessage> McapStream::next_in_chunk() {
+  while (!chunk_.empty()) {
+    const auto head = read_mcap_head(chunk_);
+    if (!head || head->end() > chunk_.size()) fail("a record in this chunk is damaged");
+    const std::string_view fields =
+        chunk_.substr(kMcapHead, static_cast<std::size_t>(head->length));
+    chunk_.remove_prefix(static_cast<std::size_t>(head->end()));
+    if (auto message = use(head->op, fields)) return message;
+  }
+  return {};
+}
+
+/// Messages of channels that nothing told of are left out.
+std::optional<RecordedMessage> McapStream::use(McapOp op, std::string_view fields) {
+  bool is_good = true;
+  if (op == McapOp::kSchema) is_good = channels_.add_schema(fields, false, topics_);
+  if (op == McapOp::kChannel) is_good = channels_.add_channel(fields, false, topics_);
+  if (!is_good) fail("a record that describes a topic is damaged");
+  if (op != McapOp::kMessage) return {};
+  const auto message = read_mcap_message(fields);
+  if (!message) fail("a message is damaged");
+  const auto topic = channels_.topic_of(message->channel);
+  if (!topic || (!keeps_ && !topics_.is_wanted(*topic))) return {};
+  return RecordedMessage{.topic = *topic,
+                         .recorded = message->recorded,
+                         .bytes = {message->bytes.data(), message->bytes.size()},
+                         .file = &name_,
+                         .offset = window_.passed()};
+}
+
+}  // namespace
+
+std::unique_ptr<StreamedRecording> stream_mcap(std::unique_ptr<ByteSource> bytes,
+                                               const std::string& name,
+                                               const RecordingOptions& options,
+                                               std::optional<double> look_s) {
+  return std::make_unique<McapStream>(std::move(bytes), name, options, look_s);
+}
+
+}  // namespace loopstone

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "formats/byte_source.hpp"
+#include "formats/recording.hpp"
+
+namespace loopstone {
+
+/// MCAP that comes as a stream: records are read as they come, chunks when they are whole. There is
+/// no going back behind survey_is_over(), no index, no bytes_at(), and no way past damage.
+class StreamedRecording : public Recording {
+ public:
+  /// From the next rewind() on what was read is given once more, and forgotten then.
+  virtual void survey_is_over() = 0;
+};
+
+/// \param name    for messages
+/// \param look_s  so long after the first message, once a laser's was among them, next() says that
+///                there are no more, until the survey is over; nothing: the end alone is the end
+/// Throws DataError when it does not begin as MCAP does.
+[[nodiscard]] std::unique_ptr<StreamedRecording> stream_mcap(std::unique_ptr<ByteSource> bytes,
+                                                             const std::string& name,
+                                                             const RecordingOptions& options,
+                                                             std::optional<double> look_s);
+
+}  // namespace loopstone
