@@ -40,8 +40,13 @@ class Descriptor {
 /// What pipes and connections share.
 class DescriptorStream final : public ByteStream {
  public:
-  DescriptorStream(std::string name, Descriptor descriptor, std::function<bool()> stop)
-      : name_(std::move(name)), descriptor_(std::move(descriptor)), stop_(std::move(stop)) {}
+  /// \param is_begun  false: until something has come, nothing is not the end
+  DescriptorStream(std::string name, Descriptor descriptor, std::function<bool()> stop,
+                   bool is_begun = true)
+      : name_(std::move(name)),
+        descriptor_(std::move(descriptor)),
+        stop_(std::move(stop)),
+        is_begun_(is_begun) {}
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   std::optional<std::size_t> take(std::span<char> buffer) override {
@@ -50,6 +55,12 @@ class DescriptorStream final : public ByteStream {
     const int ready = ::poll(&wanted, 1, kPatience_ms);
     if (ready == 0 || (ready < 0 && errno == EINTR)) return {};
     const ssize_t count = ::read(descriptor_.number(), buffer.data(), buffer.size());
+    is_begun_ = is_begun_ || count > 0;
+    if (count == 0 && !is_begun_) {
+      // Of a pipe without a writer poll() says at once that it is ready.
+      ::poll(nullptr, 0, kPatience_ms);
+      return {};
+    }
     if (count >= 0) {
       taken_ += count;
       return static_cast<std::size_t>(count);
@@ -62,6 +73,7 @@ class DescriptorStream final : public ByteStream {
   std::string name_;
   Descriptor descriptor_;
   std::function<bool()> stop_;
+  bool is_begun_;
   std::int64_t taken_ = 0;
 };
 
@@ -150,7 +162,8 @@ struct AddressList {
 
 }  // namespace
 
-std::unique_ptr<ByteStream> open_pipe(const std::string& path, std::function<bool()> stop) {
+std::unique_ptr<ByteStream> open_pipe(const std::string& path, std::function<bool()> stop,
+                                      bool waits_for_writer) {
   std::string name = path == kStandardInput ? "standard input" : path;
   // Without O_NONBLOCK, opening waits for somebody who writes.
   Descriptor descriptor(path == kStandardInput
@@ -159,8 +172,8 @@ std::unique_ptr<ByteStream> open_pipe(const std::string& path, std::function<boo
   if (!descriptor.is_open())
     throw DataError({name}, std::string("can't be opened: ") + std::strerror(errno));
   refuse_device(descriptor, name);
-  return std::make_unique<DescriptorStream>(std::move(name), std::move(descriptor),
-                                            std::move(stop));
+  return std::make_unique<DescriptorStream>(std::move(name), std::move(descriptor), std::move(stop),
+                                            !waits_for_writer);
 }
 
 std::unique_ptr<ByteStream> connect_tcp(const std::string& host, const std::string& port,

@@ -27,9 +27,11 @@ class ByteStream {
   static constexpr std::chrono::milliseconds kPatience{50};
 };
 
+/// \param waits_for_writer  a pipe that nobody has written into is not at its end
 /// Throws DataError when it can't be opened, or is a device: a terminal, /dev/zero.
 [[nodiscard]] std::unique_ptr<ByteStream> open_pipe(const std::string& path,
-                                                    std::function<bool()> stop);
+                                                    std::function<bool()> stop,
+                                                    bool waits_for_writer = false);
 
 /// \param host  a name or an address; of IPv6 without brackets
 /// Throws DataError when there is no such host or nobody listens there.

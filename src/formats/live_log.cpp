@@ -39,7 +39,7 @@ std::unique_ptr<ByteStream> open_stream(const std::string& source, std::function
   if (fs::is_directory(status))
     throw DataError({source}, "is a folder; what is read live is a file, a pipe or a connection");
   return fs::is_regular_file(status) ? follow_file(source, std::move(stop))
-                                     : open_pipe(source, std::move(stop));
+                                     : open_pipe(source, std::move(stop), true);
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ class StreamWindow {
 
   /// Fewer than `count` only at the end. Until the next call. Nothing: they are not there, and it
   /// is later than `until`, if there is one.
-  [[nodiscard]] std::optional<std::string_view> front(
-      std::size_t count, std::optional<Clock::time_point> until = {}) {
+  [[nodiscard]] std::optional<std::string_view> front(std::size_t count,
+                                                      std::optional<Clock::time_point> until = {}) {
     while (held_ - begin_ < count) {
       if (begin_ > 0) {
         std::memmove(buffer_.data(), buffer_.data() + begin_, held_ - begin_);
@@ -176,8 +176,8 @@ void McapStream::keep(const RecordedMessage& message) {
 
 std::optional<Clock::time_point> McapStream::end_of_look() const {
   if (!keeps_ || !look_s_ || !has_laser_) return {};
-  return *first_ + std::chrono::duration_cast<Clock::duration>(
-                       std::chrono::duration<double>(*look_s_));
+  return *first_ +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*look_s_));
 }
 
 std::optional<RecordedMessage> McapStream::next_of_stream() {
@@ -190,7 +190,7 @@ std::optional<RecordedMessage> McapStream::next_of_stream() {
     const auto head = read_mcap_head(*bytes);
     if (!head)
       fail(bytes->size() < kMcapHead ? "the stream ends within a record"
-                                    : "there should be a record here, and is none");
+                                     : "there should be a record here, and is none");
     options_.memory.require(head->length, 0, Growth::kNumbers, {name_, {}, window_.passed()});
     const auto length = static_cast<std::size_t>(head->end());
     const auto whole = window_.front(length, until);

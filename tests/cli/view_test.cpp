@@ -429,5 +429,45 @@ TEST_F(ViewCommand, ATokenIsPartOfTheAddress) {
   EXPECT_THAT(result.out, HasSubstr("?token=a%20secret%21"));
 }
 
+TEST_F(ViewCommand, ShowsWhereARobotThatIsLocalisedLiveMayBe) {
+  const ProgramResult result = view(
+      {"live", "--source", "replay:" + log_, "--speed", "4", "--map", map_, "--port", "0",
+       "--no-open"},
+      [](std::uint16_t port) {
+        Viewer viewer(port);
+        viewer.look_until([&] {
+          return viewer.has("/particles") && viewer.has("/pose") &&
+                 viewer.has("/loopstone/tiles") && viewer.has("/loopstone/status") &&
+                 viewer.count("/particles") > 3;
+        });
+        const auto particles = viewer.message<msg::PoseArray>("/particles");
+        EXPECT_EQ(particles.header.frame_id, "map");
+        EXPECT_GT(particles.poses.size(), 10U);
+        const Json status = viewer.json("/loopstone/status");
+        EXPECT_GE(status["figures"]["probability"].get<double>(), 0.0);
+        EXPECT_GT(status["map_m2"].get<double>(), 10.0) << "the map is there from the beginning";
+        WebClient http(port);
+        EXPECT_EQ(Json::parse(http.get("/api/about").body)["mode"], "localizing");
+      });
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+}
+
+TEST_F(ViewCommand, ShowsAMapThatIsMadeLive) {
+  const std::string out = *dir_ / "live";
+  const ProgramResult result =
+      view({"live", "--source", "replay:" + log_, "--speed", "20", "-o", out, "--port", "0",
+            "--no-open"},
+           [](std::uint16_t port) {
+             Viewer viewer(port);
+             viewer.look_until([&] {
+               return viewer.has("/pose") && viewer.count("/loopstone/tiles") > 2 &&
+                      viewer.has("/loopstone/status") && viewer.has("/scan");
+             });
+             EXPECT_EQ(viewer.json("/loopstone/status")["status"], "tracked");
+           });
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(Json::parse(dir_->read("live/summary.json"))["complete"], true);
+}
+
 }  // namespace
 }  // namespace loopstone::test
