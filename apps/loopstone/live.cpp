@@ -46,6 +46,23 @@ void check(const LiveArguments& arguments) {
     throw UsageError("--initial-sigma says how good --initial is");
 }
 
+/// On a map that exists.
+void add_place_flags(CLI::App& command, LiveArguments& arguments) {
+  command
+      .add_option("--map", arguments.map,
+                  "make no map: tell where the robot is on this one, a map.yaml or a folder that "
+                  "holds one")
+      ->type_name("MAP");
+  command
+      .add_option("--initial", arguments.initial,
+                  "about where it is on the map at first [m, m, rad] (default: anywhere)")
+      ->type_name("X,Y,YAW");
+  command
+      .add_option("--initial-sigma", arguments.initial_sigma,
+                  "standard deviations of that (default: 0.5,0.26)")
+      ->type_name("M,RAD");
+}
+
 }  // namespace
 
 void add_live_command(CLI::App& app, AppContext& context) {
@@ -61,19 +78,7 @@ void add_live_command(CLI::App& app, AppContext& context) {
   command->add_option("-o,--out", arguments->out,
                       "folder for the results; made, or empty unless --force; with --map the "
                       "trajectory to write, FILE.tum, which may be left out");
-  command
-      ->add_option("--map", arguments->map,
-                   "make no map: tell where the robot is on this one, a map.yaml or a folder that "
-                   "holds one")
-      ->type_name("MAP");
-  command
-      ->add_option("--initial", arguments->initial,
-                   "about where it is on the map at first [m, m, rad] (default: anywhere)")
-      ->type_name("X,Y,YAW");
-  command
-      ->add_option("--initial-sigma", arguments->initial_sigma,
-                   "standard deviations of that (default: 0.5,0.26)")
-      ->type_name("M,RAD");
+  add_place_flags(*command, *arguments);
   command
       ->add_option("--continue", arguments->from,
                    "go on with the map in this folder, which stays as it is: the drive may begin "

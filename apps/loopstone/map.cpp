@@ -255,6 +255,12 @@ std::unique_ptr<MapWatch> watch_of(const MapArguments& arguments, const MapPipel
   return std::make_unique<MapWatch>(arguments, pipeline, robot, context);
 }
 
+MapPlaces places_of(const MapArguments& arguments) {
+  return {.out = arguments.out,
+          .mcap = arguments.mcap,
+          .goes_on = arguments.checkpoint.any() ? "; --resume goes on from there" : ""};
+}
+
 ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   MapPipeline pipeline(arguments, context);
@@ -313,12 +319,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   note_terms(checkpoint, arguments, pipeline, info);
   note_cost(start, checkpoint, info);
   write_all(result, extras, std::move(kept), arguments, pipeline, checkpoint, info, context);
-  const ExitCode code =
-      tell_map(result, extras, info,
-               {.out = arguments.out,
-                .mcap = arguments.mcap,
-                .goes_on = arguments.checkpoint.any() ? "; --resume goes on from there" : ""},
-               context);
+  const ExitCode code = tell_map(result, extras, info, places_of(arguments), context);
   if (watch) stay_open(watch->view, held, context);
   return code;
 }

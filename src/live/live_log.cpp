@@ -48,7 +48,7 @@ void set_stamp(SensorMessage& message, Stamp stamp) {
 }
 
 /// Errors begin with the place where they are.
-std::string without_name(std::string text, const std::string& name) {
+std::string without_name(const std::string& text, const std::string& name) {
   const std::string begin = name + ": ";
   return text.starts_with(begin) ? text.substr(begin.size()) : text;
 }
@@ -104,10 +104,10 @@ class LiveLog::Impl {
   using LaserName = std::pair<std::size_t, int>;
 
   // Of each source's thread:
-  void run(std::size_t feed, const std::stop_token& stop);
+  void run(std::size_t index, const std::stop_token& stop);
   /// True when the source is over for good.
-  [[nodiscard]] bool read(std::size_t feed, const std::stop_token& stop);
-  void push(std::size_t feed, SensorMessage message, const std::stop_token& stop);
+  [[nodiscard]] bool read(std::size_t index, const std::stop_token& stop);
+  void push(std::size_t index, SensorMessage message, const std::stop_token& stop);
   void pause(double seconds, const std::stop_token& stop);
   void tell(std::size_t feed, std::string text, bool is_trouble);
 

@@ -57,6 +57,7 @@ SYSTEM_HEADERS = (
     "signal.h",
     "termios.h",
     "spawn.h",
+    "netdb.h",
 )
 FILE_HEADERS = {"fstream", "cstdio", "filesystem"}
 PRINT_HEADERS = {"iostream", "print", "syncstream"}
