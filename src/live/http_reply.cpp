@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "live/page.hpp"
@@ -39,13 +40,25 @@ RequestHeads heads_of(const HttpQuestion& question, std::string token) {
   return {.host = question.host, .origin = question.origin, .token = std::move(token)};
 }
 
-HttpReply ask(const GetHandler& handler, const std::string& path) {
+/// \param answer  what the program says; may throw
+template <typename Answer>
+HttpReply ask(const Answer& answer) {
   try {
-    if (auto answer = handler ? handler(path) : std::nullopt) return reply_of(std::move(*answer));
+    if (std::optional<HttpAnswer> said = answer()) return reply_of(std::move(*said));
   } catch (const std::exception& error) {
     return error_reply(500, error.what());
   }
   return error_reply(404, "there is no such thing here");
+}
+
+/// What changes something is asked for by JSON, which pages of other hosts can't send unasked.
+HttpReply reply_to_post(const HttpQuestion& question, const std::string& path,
+                        const HttpHandlers& handlers) {
+  if (!handlers.post || !path.starts_with(kApi))
+    return error_reply(405, "only GET and HEAD are answered here");
+  if (!question.content_type.starts_with("application/json"))
+    return error_reply(415, "what is posted here is application/json");
+  return ask([&] { return handlers.post(path, question.body); });
 }
 
 }  // namespace
@@ -57,11 +70,12 @@ HttpReply error_reply(int status, std::string_view reason) {
 }
 
 HttpReply reply_to(const HttpQuestion& question, const AccessRules& rules,
-                   const GetHandler& handler) {
+                   const HttpHandlers& handlers) {
   auto target = parse_target(question.target);
   if (!target) return error_reply(400, "the target of the request is damaged");
   if (const auto refusal = refuse(rules, heads_of(question, std::move(target->token))))
     return error_reply(refusal->status, refusal->reason);
+  if (question.method == "POST") return reply_to_post(question, target->path, handlers);
   if (question.method != "GET" && question.method != "HEAD")
     return error_reply(405, "only GET and HEAD are answered here");
   if (target->path == "/" || target->path == "/index.html") {
@@ -69,7 +83,9 @@ HttpReply reply_to(const HttpQuestion& question, const AccessRules& rules,
             .body = view_page(),
             .policy = page_policy(question.host)};
   }
-  if (target->path.starts_with(kApi)) return ask(handler, target->path);
+  if (target->path.starts_with(kApi)) {
+    return ask([&] { return handlers.get ? handlers.get(target->path) : std::nullopt; });
+  }
   return error_reply(404, "there is no such page; the view is at /");
 }
 

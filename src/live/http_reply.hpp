@@ -17,6 +17,8 @@ struct HttpQuestion {
   std::string target{};
   std::string host{};
   std::optional<std::string> origin{};
+  std::string content_type{};
+  std::string body{};
 };
 
 struct HttpReply {
@@ -27,13 +29,18 @@ struct HttpReply {
   std::string policy{};  ///< Content-Security-Policy
 };
 
-using GetHandler = std::function<std::optional<HttpAnswer>(std::string_view path)>;
+/// What the program answers below /api/; nothing: there is no such thing.
+struct HttpHandlers {
+  std::function<std::optional<HttpAnswer>(std::string_view path)> get{};
+  /// Empty: nothing can be changed here.
+  std::function<std::optional<HttpAnswer>(std::string_view path, std::string_view body)> post{};
+};
 
 /// {"error": reason}
 [[nodiscard]] HttpReply error_reply(int status, std::string_view reason);
 /// Of the page and of /api/.
 [[nodiscard]] HttpReply reply_to(const HttpQuestion& question, const AccessRules& rules,
-                                 const GetHandler& handler);
+                                 const HttpHandlers& handlers);
 /// Whether a WebSocket may be opened.
 [[nodiscard]] std::optional<Refusal> refuse_socket(const HttpQuestion& question,
                                                    const AccessRules& rules);

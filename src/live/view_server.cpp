@@ -67,7 +67,7 @@ struct Service {
   ViewServerLimits limits;
   AccessRules rules;
   ViewHub hub;
-  GetHandler get{};
+  HttpHandlers handlers{};
 };
 
 /// One connection, while it lives.
@@ -239,7 +239,7 @@ class Visitor final : public Registered, public std::enable_shared_from_this<Vis
     const auto& request = parser_->get();
     if (websocket::is_upgrade(request)) return upgrade();
     is_last_ = !request.keep_alive();
-    reply(reply_to(question(), service_.rules, service_.get));
+    reply(reply_to(question(), service_.rules, service_.handlers));
   }
 
   [[nodiscard]] HttpQuestion question() const {
@@ -249,6 +249,8 @@ class Visitor final : public Registered, public std::enable_shared_from_this<Vis
                        .target = text(request.target()),
                        .host = text(request[http::field::host])};
     if (request.count(http::field::origin) > 0) asked.origin = text(request[http::field::origin]);
+    asked.content_type = text(request[http::field::content_type]);
+    if (request.method() == http::verb::post) asked.body = request.body();
     return asked;
   }
 
@@ -471,7 +473,11 @@ ViewServer::ViewServer(const ViewServerOptions& options, const ViewServerLimits&
 ViewServer::~ViewServer() = default;
 
 void ViewServer::on_get(std::function<std::optional<HttpAnswer>(std::string_view path)> answer) {
-  impl_->service.get = std::move(answer);
+  impl_->service.handlers.get = std::move(answer);
+}
+void ViewServer::on_post(
+    std::function<std::optional<HttpAnswer>(std::string_view path, std::string_view body)> answer) {
+  impl_->service.handlers.post = std::move(answer);
 }
 void ViewServer::on_playback(std::function<void(const PlaybackControl&)> handle) {
   impl_->service.hub.on_playback(std::move(handle));

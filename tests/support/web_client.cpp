@@ -97,6 +97,17 @@ WebClient::Response WebClient::get(std::string_view target, std::string_view hea
   return read_response(method == "HEAD");
 }
 
+WebClient::Response WebClient::post(std::string_view target, std::string_view body,
+                                    std::string_view heads, std::string_view type) {
+  std::string request = "POST " + std::string(target) + " HTTP/1.1\r\n";
+  if (heads.find("Host: ") == std::string_view::npos) request += "Host: 127.0.0.1\r\n";
+  request += "Content-Type: " + std::string(type) +
+             "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n" + std::string(heads) +
+             "\r\n";
+  write(request + std::string(body));
+  return read_response();
+}
+
 WebClient::Response WebClient::open_socket(std::string_view target, std::string_view heads,
                                            std::string_view protocols) {
   std::string all = std::string(heads) +

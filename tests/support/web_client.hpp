@@ -38,6 +38,11 @@ class WebClient {
   [[nodiscard]] Response get(std::string_view target, std::string_view heads = {},
                              std::string_view method = "GET");
 
+  /// The same with a body of that type.
+  [[nodiscard]] Response post(std::string_view target, std::string_view body,
+                              std::string_view heads = {},
+                              std::string_view type = "application/json");
+
   /// The response to an upgrade; 101 when it is a WebSocket from now on.
   [[nodiscard]] Response open_socket(std::string_view target = "/", std::string_view heads = {},
                                      std::string_view protocols = "foxglove.websocket.v1");

@@ -78,6 +78,10 @@ class ViewServer {
   /// \param answer  to GET of a path below /api/; nothing: there is no such thing. Called by the
   ///                server's thread: everybody waits for it.
   void on_get(std::function<std::optional<HttpAnswer>(std::string_view path)> answer);
+  /// The same to POST of JSON, which changes something; without it none is taken.
+  void on_post(
+      std::function<std::optional<HttpAnswer>(std::string_view path, std::string_view body)>
+          answer);
   /// Before start(). \param handle  called by the server's thread
   void on_playback(std::function<void(const PlaybackControl&)> handle);
 

@@ -94,6 +94,29 @@ TEST_F(Server, AsksTheProgramForTheRest) {
   EXPECT_EQ(Json::parse(failed.body)["error"], "out of order");
 }
 
+TEST_F(Server, TakesWhatIsPostedByThePageAndNobodyElse) {
+  options_.token = "12345678";
+  ViewServer server(options_);
+  std::vector<std::string> posted;
+  server.on_post([&](std::string_view path, std::string_view body) -> std::optional<HttpAnswer> {
+    if (path != "/api/edits") return {};
+    posted.emplace_back(body);
+    return HttpAnswer{.body = R"({"done":true})"};
+  });
+  server.start();
+  const std::string here = "/api/edits?token=12345678";
+  WebClient client(server.port());
+  EXPECT_EQ(client.post(here, "{\"a\":1}").body, R"({"done":true})");
+  EXPECT_EQ(client.post(here, "{}", "Origin: http://127.0.0.1:1\r\n").status, 200);
+  EXPECT_EQ(client.post("/api/edits", "{}").status, 401) << "without the token";
+  EXPECT_EQ(client.post(here, "{}", "Origin: http://evil.example\r\n").status, 403);
+  EXPECT_EQ(client.post(here, "{}", {}, "text/plain").status, 415)
+      << "what a page of another host may send unasked";
+  EXPECT_EQ(client.post("/api/other?token=12345678", "{}").status, 404);
+  EXPECT_EQ(client.post("/?token=12345678", "{}").status, 405);
+  EXPECT_EQ(posted, (std::vector<std::string>{"{\"a\":1}", "{}"}));
+}
+
 TEST_F(Server, BadRequestsAreRefused) {
   ViewServer server(options_);
   server.start();
