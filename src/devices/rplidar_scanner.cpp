@@ -84,7 +84,7 @@ class RplidarClock {
   double sample_s_;
   // Devices tell their sample time in whole microseconds, of about 30 to 500.
   ClockMapping mapping_{ClockMapping::Numbers{
-      .window_s = 10.0, .bucket_s = 0.1, .rate_after_s = 1.0, .rate_error_max = 0.05}};
+      .window_s = 10.0, .bucket_s = 0.05, .rate_after_s = 0.2, .rate_error_max = 0.05}};
   HostClock clock_{};
 };
 

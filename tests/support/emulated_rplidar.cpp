@@ -93,7 +93,8 @@ double EmulatedRplidar::range_at(std::int64_t sample, double clockwise_deg) cons
 void EmulatedRplidar::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     constexpr int kPatienceMs = 2;
-    if (troubles_.is_unplugged_after_s && now_s() > *troubles_.is_unplugged_after_s) {
+    if (way_ != Way::kNone && troubles_.is_unplugged_after_s &&
+        now_s() - way_began_s_ > *troubles_.is_unplugged_after_s) {
       troubles_.is_unplugged_after_s.reset();
       way_ = Way::kNone;
       is_measuring_ = false;
@@ -205,7 +206,7 @@ void EmulatedRplidar::begin(std::uint8_t command, Way way) {
 
 void EmulatedRplidar::send_due() {
   if (way_ == Way::kNone) return;
-  if (troubles_.is_silent_after_s && now_s() > *troubles_.is_silent_after_s) return;
+  if (troubles_.is_silent_after_s && now_s() - way_began_s_ > *troubles_.is_silent_after_s) return;
   std::string due;
   while (time_of(sent_ + samples_of_packet()) <= now_s()) {
     std::string packet = way_ == Way::kStandard ? node_of(sent_) : capsule_of(sent_);

@@ -29,7 +29,8 @@ struct RplidarModel {
   double clock_rate = 1.0;  ///< a second holds so many seconds of its measurements
 };
 
-/// What is wrong with it. Packets are nodes or capsules, counted since it was switched on.
+/// What is wrong with it. Packets are nodes or capsules, counted since it was switched on; seconds
+/// count from when it began to measure.
 struct RplidarTroubles {
   /// May change what it sends of a packet.
   std::function<std::string(std::int64_t packet, std::string bytes)> packet{};

@@ -6,7 +6,7 @@
 //
 // --speed 4: the robot drives four times as fast, and the scanner turns four times as fast, so that
 // scans lie as far apart as at 1. --seconds: of serving; 0: as long as the drive takes.
-// --disconnect-after: cuts the line once, so many seconds after the start.
+// --disconnect-after: cuts the line once, so many seconds after it began to measure.
 
 #include <charconv>
 #include <chrono>
