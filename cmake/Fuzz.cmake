@@ -4,7 +4,7 @@
 
 if(LOOPSTONE_FUZZ)
   # What -fsanitize=fuzzer-no-link asks for, but in words that agree with a precompiled header built without it.
-  foreach(part IN ITEMS messages formats live)
+  foreach(part IN ITEMS devices messages formats live)
     target_compile_options(loopstone_${part}_objects
                            PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
   endforeach()

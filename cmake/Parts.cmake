@@ -5,6 +5,7 @@ set(LOOPSTONE_PARTS
     base
     geometry
     sensor
+    devices
     grid
     odometry
     registration

@@ -87,11 +87,15 @@ endif()
 loopstone_add_tests(NAME test_support FOLDER unit/support LABEL unit TIMEOUT 180)
 loopstone_add_tests(NAME test_property FOLDER property LABEL property TIMEOUT 300)
 loopstone_add_tests(NAME test_scenario FOLDER scenario LABEL scenario TIMEOUT 900 COST 1000)
+# A laser scanner on a wire that drives through a simulated building.
+add_executable(emulated_scanner "${PROJECT_SOURCE_DIR}/tests/support/programs/emulated_scanner.cpp")
+target_link_libraries(emulated_scanner PRIVATE loopstone_test_base loopstone_test_support)
 if(TARGET loopstone_program)
   loopstone_add_tests(NAME test_cli FOLDER cli LABEL cli TIMEOUT 900 COST 500
-                      DEFINITIONS LOOPSTONE_PROGRAM="$<TARGET_FILE:loopstone_program>")
+                      DEFINITIONS LOOPSTONE_PROGRAM="$<TARGET_FILE:loopstone_program>"
+                                  LOOPSTONE_EMULATED_SCANNER="$<TARGET_FILE:emulated_scanner>")
   if(TARGET test_cli)
-    add_dependencies(test_cli loopstone_program)
+    add_dependencies(test_cli loopstone_program emulated_scanner)
   endif()
 endif()
 

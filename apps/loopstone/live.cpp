@@ -13,6 +13,10 @@ namespace {
 
 constexpr const char* kFooter = R"(
 A SOURCE is one of
+  scip://HOST, scip:///dev/ttyACM0
+                      a Hokuyo scanner; docs/devices.md has what can be said behind
+  rplidar:///dev/ttyUSB0?baud=256000
+                      an RPLIDAR
   tcp://HOST:PORT     a connection that is made to whoever tells messages there
   -, PIPE             the standard input, or a named pipe
   FILE                a log that somebody writes: from its beginning on, and on while it grows
@@ -23,6 +27,7 @@ Ctrl-C ends the drive: the map is finished and written. Until then OUT/state.loo
 goes on from it, on the same map, on another day or after a crash. Sources that are lost are waited for.
 
 Examples:
+  loopstone live --source scip://192.168.0.10 -o out         a laser and a laptop
   loopstone live --source tcp://robot.local:9000 -o out
   ros2 bag record -s mcap --storage-preset-profile fastwrite -o drive /scan /odom /tf /tf_static &
   loopstone live --source drive/drive_0.mcap -o out --poses -

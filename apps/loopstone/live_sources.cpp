@@ -5,8 +5,10 @@
 #include <string_view>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/devices/scanner.hpp"
 #include "loopstone/formats/live_log.hpp"
 #include "loopstone/formats/log_reader.hpp"
+#include "loopstone/live/scanner_source.hpp"
 #include "paced_log.hpp"
 
 namespace loopstone::app {
@@ -37,11 +39,13 @@ LiveSource stream(const std::string& name) {
 
 LiveSource source_of(const std::string& name, double speed) {
   if (name.starts_with(kReplay)) return replay(name, speed);
+  if (is_scanner_address(name)) return scanner_source(name);
   const std::size_t scheme = name.find("://");
   if (scheme != std::string::npos && !name.starts_with(kTcpScheme)) {
-    throw UsageError("--source " + name +
-                     ": is no kind of source; there are tcp://HOST:PORT, replay:LOG, and the names "
-                     "of pipes and files");
+    throw UsageError(
+        "--source " + name +
+        ": is no kind of source; there are tcp://HOST:PORT, scip:// and rplidar:// for "
+        "scanners, replay:LOG, and the names of pipes and files");
   }
   return stream(name);
 }

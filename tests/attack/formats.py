@@ -417,6 +417,8 @@ FORMATS = [
     Format(
         "view_client", "view_client", ["view_client/*"], ".message", None, [], bombs_of_text.text
     ),
+    Format("scip_reply", "scip_reply", ["scip_reply/*"], ".scip", None, [], bombs_of_text.text),
+    Format("rplidar_nodes", "rplidar_nodes", ["rplidar_nodes/*"], ".rplidar"),
 ]
 
 
