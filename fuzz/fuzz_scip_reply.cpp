@@ -56,7 +56,8 @@ void try_replies(std::string_view bytes) {
 }  // namespace
 }  // namespace loopstone
 
-// What a scanner sends, in pieces of any size: replies are the same, and scans have all their beams.
+// What a scanner sends, in pieces of any size: replies are the same, and scans have all their
+// beams.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes = loopstone::fuzz::text_of(data, size);
   return loopstone::fuzz::expect_work_or_refusal(bytes, [&] { loopstone::try_replies(bytes); });
