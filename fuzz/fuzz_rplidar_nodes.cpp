@@ -6,9 +6,8 @@
 #include "devices/rplidar_turns.hpp"
 #include "refusal.hpp"
 
+namespace loopstone {
 namespace {
-
-using namespace loopstone;
 
 constexpr double kTurn = 6.2831853071795865;
 
@@ -40,22 +39,25 @@ void make_scans(const std::vector<RplidarNode>& nodes) {
   }
 }
 
+void try_nodes(std::string_view bytes) {
+  for (const RplidarAnswer type :
+       {RplidarAnswer::kNodes, RplidarAnswer::kCapsules, RplidarAnswer::kDenseCapsules}) {
+    const auto whole = nodes_of(bytes, std::max<std::size_t>(1, bytes.size()), type);
+    const auto pieces = nodes_of(bytes, 7, type);
+    expect(whole.size() == pieces.size());
+    for (std::size_t i = 0; i < whole.size(); ++i)
+      expect(whole[i].sample == pieces[i].sample && whole[i].range_m == pieces[i].range_m);
+    make_scans(whole);
+    const auto answer = find_answer(bytes, RplidarAnswer::kInfo, 20);
+    if (answer) (void)rplidar_info(*answer).name();
+  }
+}
+
 }  // namespace
+}  // namespace loopstone
 
 // What follows the descriptor of a scan, in pieces of any size, taken for each kind of it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view bytes = fuzz::text_of(data, size);
-  return fuzz::expect_work_or_refusal(bytes, [&] {
-    for (const RplidarAnswer type :
-         {RplidarAnswer::kNodes, RplidarAnswer::kCapsules, RplidarAnswer::kDenseCapsules}) {
-      const auto whole = nodes_of(bytes, std::max<std::size_t>(1, size), type);
-      const auto pieces = nodes_of(bytes, 7, type);
-      expect(whole.size() == pieces.size());
-      for (std::size_t i = 0; i < whole.size(); ++i)
-        expect(whole[i].sample == pieces[i].sample && whole[i].range_m == pieces[i].range_m);
-      make_scans(whole);
-      const auto answer = find_answer(bytes, RplidarAnswer::kInfo, 20);
-      if (answer) (void)rplidar_info(*answer).name();
-    }
-  });
+  const std::string_view bytes = loopstone::fuzz::text_of(data, size);
+  return loopstone::fuzz::expect_work_or_refusal(bytes, [&] { loopstone::try_nodes(bytes); });
 }

@@ -4,9 +4,8 @@
 #include "devices/scip_text.hpp"
 #include "refusal.hpp"
 
+namespace loopstone {
 namespace {
-
-using namespace loopstone;
 
 /// Beams of the scans that are looked for: those of the seeds.
 constexpr int kLastStep = 24;
@@ -41,21 +40,25 @@ void read(const ScipReply& reply, const ScipRequest& request) {
   }
 }
 
-}  // namespace
-
-// What a scanner sends, in pieces of any size: replies are the same, and scans have all their beams.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view bytes = fuzz::text_of(data, size);
-  return fuzz::expect_work_or_refusal(bytes, [&] {
-    for (const bool intensities : {false, true}) {
-      const ScipRequest request{.last_step = kLastStep, .intensities = intensities};
-      const auto whole = replies_of(bytes, std::max<std::size_t>(1, size), request.command());
-      const auto pieces = replies_of(bytes, 7, request.command());
-      expect(whole.size() == pieces.size());
-      for (std::size_t i = 0; i < whole.size(); ++i) {
-        expect(whole[i].echo == pieces[i].echo && whole[i].lines == pieces[i].lines);
-        read(whole[i], request);
-      }
+void try_replies(std::string_view bytes) {
+  for (const bool intensities : {false, true}) {
+    const ScipRequest request{.last_step = kLastStep, .intensities = intensities};
+    const auto whole = replies_of(bytes, std::max<std::size_t>(1, bytes.size()), request.command());
+    const auto pieces = replies_of(bytes, 7, request.command());
+    expect(whole.size() == pieces.size());
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      expect(whole[i].echo == pieces[i].echo && whole[i].lines == pieces[i].lines);
+      read(whole[i], request);
     }
-  });
+  }
+}
+
+}  // namespace
+}  // namespace loopstone
+
+// What a scanner sends, in pieces of any size: replies are the same, and scans have all their
+// beams.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes = loopstone::fuzz::text_of(data, size);
+  return loopstone::fuzz::expect_work_or_refusal(bytes, [&] { loopstone::try_replies(bytes); });
 }

@@ -76,8 +76,8 @@ void RplidarNodes::push(RplidarNode node, std::vector<RplidarNode>& nodes) {
   nodes.push_back(node);
 }
 
-// A node has three bits that tell it from noise, so it is believed when the next one looks like one,
-// too; after a loss, when the next three do.
+// A node has three bits that tell it from noise, so it is believed when the next one looks like
+// one, too; after a loss, when the next three do.
 void RplidarNodes::take_nodes(std::vector<RplidarNode>& nodes) {
   constexpr std::size_t kLookAhead = 1;
   constexpr std::size_t kLookAheadWhenLost = 3;

@@ -156,8 +156,8 @@ std::vector<RplidarMode> RplidarSession::ask_modes(const RplidarInfo& info) {
   return modes;
 }
 
-// An A2 or A3 sits on a board that sets its motor's speed; those of the A1 and of the others turn by
-// DTR or by themselves.
+// An A2 or A3 sits on a board that sets its motor's speed; those of the A1 and of the others turn
+// by DTR or by themselves.
 void RplidarSession::start_motor(const RplidarInfo& info) {
   constexpr int kFirstWithBoard = 2;
   constexpr int kFirstWithout = 4;

@@ -324,7 +324,8 @@ def run_case(name, text):
         root = pathlib.Path(folder)
         files = {
             "cmake/Parts.cmake": (
-                "set(LOOPSTONE_PARTS\n    base\n    devices\n    grid\n    slam\n    formats\n    report)\n"
+                "set(LOOPSTONE_PARTS\n    base\n    devices\n    grid\n"
+                "    slam\n    formats\n    report)\n"
             ),
             "src/grid/detail.hpp": "",
             name: text,

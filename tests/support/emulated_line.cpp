@@ -73,8 +73,9 @@ void EmulatedLine::open_terminal() {
   ::tcgetattr(keeper_, &line);
   ::cfmakeraw(&line);
   ::tcsetattr(keeper_, TCSANOW, &line);
-  std::filesystem::remove(place_);
-  std::filesystem::create_symlink(name.data(), place_);
+  // Whoever looks finds either the old one or the new one.
+  std::filesystem::create_symlink(name.data(), place_ + ".new");
+  std::filesystem::rename(place_ + ".new", place_);
 }
 
 std::string EmulatedLine::read(int patience_ms) {
@@ -107,14 +108,11 @@ void EmulatedLine::write(std::string_view bytes) {
 }
 
 void EmulatedLine::disconnect() {
-  close_and_forget(keeper_);
-  close_and_forget(peer_);
-  std::error_code ignored;
-  if (kind_ == Kind::kTerminal) std::filesystem::remove(place_, ignored);
-}
-
-void EmulatedLine::plug_in() {
-  if (kind_ == Kind::kTerminal && peer_ < 0) open_terminal();
+  int old_peer = std::exchange(peer_, -1);
+  int old_keeper = std::exchange(keeper_, -1);
+  if (kind_ == Kind::kTerminal) open_terminal();
+  close_and_forget(old_keeper);
+  close_and_forget(old_peer);
 }
 
 }  // namespace loopstone::test

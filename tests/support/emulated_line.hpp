@@ -23,9 +23,8 @@ class EmulatedLine {
   [[nodiscard]] std::string read(int patience_ms);
   /// As a device does: what nobody takes is lost.
   void write(std::string_view bytes);
-  /// Cuts the connection; a terminal is unplugged until `plug_in`.
+  /// Cuts the connection; a terminal is another one from then on, under the same name.
   void disconnect();
-  void plug_in();
 
  private:
   void listen(std::uint16_t port);

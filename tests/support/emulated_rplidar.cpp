@@ -99,7 +99,6 @@ void EmulatedRplidar::run(const std::stop_token& stop) {
       way_ = Way::kNone;
       is_measuring_ = false;
       line_.disconnect();
-      line_.plug_in();
     }
     send_due();
     for (const char c : line_.read(kPatienceMs)) take(c);

@@ -48,8 +48,9 @@ struct RplidarTroubles {
 /// what reads it.
 class EmulatedRplidar {
  public:
-  EmulatedRplidar(EmulatedRoom room, RplidarModel model = {}, RplidarTroubles troubles = {},
-                  EmulatedLine::Kind kind = EmulatedLine::Kind::kTerminal);
+  explicit EmulatedRplidar(EmulatedRoom room, RplidarModel model = {},
+                           RplidarTroubles troubles = {},
+                           EmulatedLine::Kind kind = EmulatedLine::Kind::kTerminal);
 
   /// "rplidar:///tmp/.../port?baud=115200".
   [[nodiscard]] std::string address(const std::string& parameters = "?baud=115200") const {
@@ -65,7 +66,7 @@ class EmulatedRplidar {
   enum class Way { kNone, kStandard, kExpress, kDense };
 
   void run(const std::stop_token& stop);
-  void take(char byte);
+  void take(char c);
   void obey(std::uint8_t command, const std::string& payload);
   void obey_setting(const std::string& payload);
   void answer(std::uint8_t command, std::uint8_t type, const std::string& data);

@@ -274,7 +274,6 @@ void EmulatedScip::send_scan(std::int64_t turn) {
   if (breaks) {
     troubles_.disconnects_after.reset();
     line_.disconnect();
-    line_.plug_in();
   }
 }
 

@@ -52,8 +52,8 @@ struct ScipTroubles {
 /// with what reads it.
 class EmulatedScip {
  public:
-  EmulatedScip(EmulatedRoom room, ScipModel model = {}, ScipTroubles troubles = {},
-               EmulatedLine::Kind kind = EmulatedLine::Kind::kTcp, std::uint16_t port = 0);
+  explicit EmulatedScip(EmulatedRoom room, ScipModel model = {}, ScipTroubles troubles = {},
+                        EmulatedLine::Kind kind = EmulatedLine::Kind::kTcp, std::uint16_t port = 0);
 
   /// "scip://127.0.0.1:40123".
   [[nodiscard]] std::string address() const { return "scip://" + line_.place(); }

@@ -27,9 +27,9 @@
 #include "support/emulated_rplidar.hpp"
 #include "support/emulated_scip.hpp"
 
+namespace loopstone {
 namespace {
 
-using namespace loopstone;
 using Flags = std::map<std::string, std::string>;
 
 constexpr double kRobotRadiusM = 0.25;
@@ -112,11 +112,12 @@ void run(const std::string& kind, const Flags& flags) {
 }
 
 }  // namespace
+}  // namespace loopstone
 
 int main(int argc, char** argv) {
   try {
-    const Flags flags = flags_of(argc, argv);
-    run(argv[1], flags);
+    const auto flags = loopstone::flags_of(argc, argv);
+    loopstone::run(argv[1], flags);
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

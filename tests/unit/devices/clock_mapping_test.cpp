@@ -15,8 +15,8 @@ constexpr std::int64_t kSecond = 1'000 * kMs;
 /// Of the host's clock at the device's zero.
 constexpr std::int64_t kOffset = 12'345 * kSecond;
 
-/// Hears a device every 25 ms; returns the largest error of its times, seen from the least delay, from
-/// some second on.
+/// Hears a device every 25 ms; tells the largest error of its times, seen from the least delay,
+/// from some second on.
 struct Drive {
   ClockMapping mapping{ClockMapping::Numbers{}};
   double rate_error = 0.0;

@@ -220,7 +220,7 @@ TEST(ScipScannerThread, StampsGoOnWhenTheDeviceStartsAnew) {
 }
 
 TEST(ScipTroubleThread, ScansThatNeverCameAreCounted) {
-  const EmulatedScip device(room(), {}, {.scan = [](int scan, std::string bytes) {
+  const EmulatedScip device(room(), {}, {.scan = [](int scan, const std::string& bytes) {
                               return scan == 4 || scan == 5 ? std::string() : bytes;
                             }});
   const auto scanner = open_scanner(device.address());
@@ -290,7 +290,7 @@ TEST(ScipTroubleThread, AsksAgainWhenAReplyIsDamaged) {
 }
 
 TEST(ScipTroubleThread, RefusalsAreToldInWords) {
-  const auto refuse = [](std::string refused, std::string status) {
+  const auto refuse = [](const std::string& refused, const std::string& status) {
     return ScipTroubles{.reply = [=](const std::string& command, std::string reply) {
       if (!command.starts_with(refused)) return reply;
       return command + "\n" + status + scip_checksum(status) + "\n\n";
@@ -311,7 +311,7 @@ TEST(ScipTroubleThread, ALaserThatFailsIsResetOnce) {
   EXPECT_TRUE(open_scanner(device.address())->next());
   EXPECT_THAT(device.commands(), Contains("RS"));
   const EmulatedScip broken(room(), {},
-                            {.reply = [](const std::string& command, std::string reply) {
+                            {.reply = [](const std::string& command, const std::string& reply) {
                               return command == "BM" ? "BM\n01Q\n\n" : reply;
                             }});
   EXPECT_THAT(error_of([&] { (void)open_scanner(broken.address()); }),
@@ -319,8 +319,8 @@ TEST(ScipTroubleThread, ALaserThatFailsIsResetOnce) {
 }
 
 TEST(ScipTroubleThread, FailuresWhileItMeasuresAreToldInWords) {
-  const auto fail_with = [](std::string status) {
-    return ScipTroubles{.scan = [=](int scan, std::string bytes) {
+  const auto fail_with = [](const std::string& status) {
+    return ScipTroubles{.scan = [=](int scan, const std::string& bytes) {
       if (scan != 3) return bytes;
       return bytes.substr(0, 16) + status + scip_checksum(status) + "\n\n";
     }};
@@ -344,7 +344,7 @@ TEST(ScipTroubleThread, SilenceIsAnError) {
 }
 
 TEST(ScipTroubleThread, RubbishIsAnError) {
-  const EmulatedScip device(room(), {}, {.scan = [](int scan, std::string bytes) {
+  const EmulatedScip device(room(), {}, {.scan = [](int scan, const std::string& bytes) {
                               return scan < 3 ? bytes : std::string(bytes.size(), '\x7F');
                             }});
   const auto scanner = open_scanner(device.address(), {.silence_s = 0.5});
