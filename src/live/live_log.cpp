@@ -53,6 +53,23 @@ std::string without_name(const std::string& text, const std::string& name) {
   return text.starts_with(begin) ? text.substr(begin.size()) : text;
 }
 
+/// What a source tells of its robot once it is open, kept for when it is lost.
+struct ToldRobot {
+  RobotModel robot{};
+  std::optional<WheelModel> wheels{};  ///< by which its counts are to be read, whatever a file says
+  std::vector<std::string> choices{};
+};
+
+ToldRobot told_by(const LogReader& reader) {
+  ToldRobot told{.robot = reader.robot({}), .choices = reader.choices()};
+  // A log that tells wheels tells them whatever it is given.
+  WheelModel other = told.robot.wheels;
+  other.metres_per_count *= 2.0;
+  const WheelModel answer = reader.wheels(other);
+  if (answer.metres_per_count != other.metres_per_count) told.wheels = answer;
+  return told;
+}
+
 bool is_scan(const SensorMessage& message) { return std::holds_alternative<LaserScan>(message); }
 
 }  // namespace
@@ -80,7 +97,7 @@ class LiveLog::Impl {
   struct Feed {
     LiveSource source{};
     // Under the mutex:
-    std::shared_ptr<const LogReader> reader{};  ///< while it is open, and the last one after
+    ToldRobot told{};  ///< when it was opened last
     bool is_open = false;
     bool is_over = false;
     std::optional<Clock::time_point> opened{};  ///< for the first time
@@ -209,15 +226,16 @@ void LiveLog::Impl::run(std::size_t index, const std::stop_token& stop) {
 bool LiveLog::Impl::read(std::size_t index, const std::stop_token& stop) {
   Feed& feed = feeds_[index];
   LogOptions how = options_.reading;
-  how.stop = [this, &stop] { return stop.stop_requested() || is_stopped(); };
+  how.stop = [this, stop] { return stop.stop_requested() || is_stopped(); };
   how.on_problem = [this](const LogProblem& problem) {
     const std::scoped_lock lock(mutex_);
     if (problems_.size() < kMostProblems) problems_.push_back(problem);
   };
-  const std::shared_ptr<LogReader> reader = feed.source.open(how);
+  const std::unique_ptr<LogReader> reader = feed.source.open(how);
+  ToldRobot told = told_by(*reader);
   {
     const std::scoped_lock lock(mutex_);
-    feed.reader = reader;
+    feed.told = std::move(told);
     feed.is_open = true;
     if (feed.opened) news_.push_back({feed.source.name, "is back", false});
     if (!feed.opened) feed.opened = Clock::now();
@@ -445,23 +463,18 @@ RobotModel LiveLog::Impl::robot(RobotModel base) const {
   const std::scoped_lock lock(mutex_);
   std::vector<LidarMount> mounts;
   for (const auto& [name, number] : lasers_) {
-    const Feed& feed = feeds_[name.first];
-    const RobotModel told = feed.reader ? feed.reader->robot(base) : base;
+    const std::vector<LidarMount>& lidars = feeds_[name.first].told.robot.lidars;
     const auto lidar = static_cast<std::size_t>(std::max(name.second, 0));
-    mounts.push_back(lidar < told.lidars.size() ? told.lidars[lidar] : LidarMount{});
+    mounts.push_back(lidar < lidars.size() ? lidars[lidar] : LidarMount{});
   }
-  for (const Feed& feed : feeds_) {
-    if (feed.reader) base.wheels = feed.reader->wheels(base.wheels);
-  }
+  for (const Feed& feed : feeds_) base.wheels = feed.told.wheels.value_or(base.wheels);
   if (!mounts.empty()) base.lidars = std::move(mounts);
   return base;
 }
 
 WheelModel LiveLog::Impl::wheels(WheelModel base) const {
   const std::scoped_lock lock(mutex_);
-  for (const Feed& feed : feeds_) {
-    if (feed.reader) base = feed.reader->wheels(base);
-  }
+  for (const Feed& feed : feeds_) base = feed.told.wheels.value_or(base);
   return base;
 }
 
@@ -469,8 +482,7 @@ std::vector<std::string> LiveLog::Impl::choices() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::string> all;
   for (const Feed& feed : feeds_) {
-    if (!feed.reader) continue;
-    for (const std::string& choice : feed.reader->choices()) all.push_back(choice);
+    all.insert(all.end(), feed.told.choices.begin(), feed.told.choices.end());
   }
   return all;
 }

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -154,6 +156,45 @@ TEST_F(LiveCommand, SourcesThatComeLaterAreWaitedForAndMayComeBack) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   EXPECT_THAT(result.error, HasSubstr("late: ended; trying again"));
   EXPECT_EQ(summary_of("late_map")["scans"], summary_of("map")["scans"]);
+}
+
+/// A program that says where it serves, in its first line.
+class Emulator {
+ public:
+  explicit Emulator(const std::string& arguments)
+      : pipe_(::popen((std::string(LOOPSTONE_EMULATED_SCANNER) + " " + arguments).c_str(), "r")) {
+    std::array<char, 256> line{};
+    if (pipe_ != nullptr && std::fgets(line.data(), line.size(), pipe_) != nullptr)
+      address_ = line.data();
+    while (address_.ends_with('\n')) address_.pop_back();
+  }
+  ~Emulator() {
+    if (pipe_ != nullptr) ::pclose(pipe_);
+  }
+  Emulator(const Emulator&) = delete;
+  Emulator& operator=(const Emulator&) = delete;
+  [[nodiscard]] const std::string& address() const { return address_; }
+
+ private:
+  std::FILE* pipe_;
+  std::string address_{};
+};
+
+TEST_F(LiveCommand, AScannerAloneMakesAMapThoughItsCableIsPulledOnce) {
+  for (const std::string& arguments :
+       Words{"scip --seconds 4 --disconnect-after 2", "rplidar --seconds 4"}) {
+    const Emulator emulator(arguments);
+    const std::string out = arguments.substr(0, 4);
+    const ProgramResult result = run_program(live(emulator.address(), out, {"--end-after", "1.5"}));
+    ASSERT_EQ(result.exit_code, 0) << result.error;
+    const Json summary = summary_of(out);
+    EXPECT_GT(summary["scans"].get<int>(), 30) << arguments;
+    EXPECT_GT(summary["map_free_area_m2"].get<double>(), 5.0) << arguments;
+    EXPECT_THAT(result.error, HasSubstr("trying again"));
+    if (out == "scip") {
+      EXPECT_THAT(result.error, HasSubstr("is back"));
+    }
+  }
 }
 
 TEST_F(LiveCommand, WhatMakesNoSenseIsRefused) {
