@@ -185,7 +185,8 @@ TEST_F(LiveCommand, AScannerAloneMakesAMapThoughItsCableIsPulledOnce) {
        Words{"scip --seconds 4 --disconnect-after 2", "rplidar --seconds 4"}) {
     const Emulator emulator(arguments);
     const std::string out = arguments.substr(0, 4);
-    const ProgramResult result = run_program(live(emulator.address(), out, {"--end-after", "1.5"}));
+    const ProgramResult result = run_program({"live", "--source", emulator.address(), "-o",
+                                              *folder_ / out, "--no-view", "--end-after", "1.5"});
     ASSERT_EQ(result.exit_code, 0) << result.error;
     const Json summary = summary_of(out);
     EXPECT_GT(summary["scans"].get<int>(), 30) << arguments;
