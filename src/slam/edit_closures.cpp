@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -241,8 +242,9 @@ HandCandidate candidate_of(const AddClosure& edit, bool is_adrift, const EditedP
   const std::size_t from = node_of(edit.from, path);
   const std::size_t to = node_of(edit.to, path);
   HandCandidate candidate{.from = std::min(from, to), .to = std::max(from, to)};
-  candidate.from_nodes = nodes_around(candidate.from, path);
-  candidate.to_nodes = nodes_around(candidate.to, path);
+  const double near_m = 0.5 * path.map->options.front_end.submap_length_m;
+  candidate.from_nodes = nodes_around(candidate.from, near_m, path);
+  candidate.to_nodes = nodes_around(candidate.to, near_m, path);
   const LoopOptions& loop = path.map->options.loop;
   candidate.half_xy_m = edit.half_window_m.value_or(loop.max_half_xy_m);
   candidate.half_yaw_rad = edit.half_window_rad.value_or(kLoopCandidates.half_yaw_most_rad);
@@ -261,13 +263,48 @@ HandCandidate candidate_of(const AddClosure& edit, bool is_adrift, const EditedP
   return candidate;
 }
 
+bool waits(const LoopClosure& closure) { return closure.state == ClosureState::kWaiting; }
+
+/// A submap holds the scans of its stretch and of the next one.
+NodeRange nodes_of_submap(SubmapId submap, const EditedPath& path) {
+  const std::size_t after = submap.index + 2;
+  const auto begin = static_cast<std::size_t>(path.first_nodes[submap.index].index);
+  return {begin, after < path.first_nodes.size()
+                     ? static_cast<std::size_t>(path.first_nodes[after].index) - 1
+                     : path.keys.size() - 1};
+}
+
+/// By the scans right around the places; where these see too little of one another, by those of the
+/// submaps that they lie in, which is how loop_closures.csv names closures; else by twice as many
+/// around.
+std::optional<LoopClosure> best_of_all_reaches(HandCandidate candidate, const EditedPath& path,
+                                               const EditState& state) {
+  const auto ignores = [&](std::size_t scan) { return state.ignores(scan); };
+  const double far_m = path.map->options.front_end.submap_length_m;
+  const auto of_submap = [&](std::size_t node) {
+    return nodes_of_submap(path.submap_of(node), path);
+  };
+  const std::array reaches{std::pair{candidate.from_nodes, candidate.to_nodes},
+                           std::pair{of_submap(candidate.from), of_submap(candidate.to)},
+                           std::pair{nodes_around(candidate.from, far_m, path),
+                                     nodes_around(candidate.to, far_m, path)}};
+  std::optional<LoopClosure> best;
+  for (const auto& [from_nodes, to_nodes] : reaches) {
+    candidate.from_nodes = from_nodes;
+    candidate.to_nodes = to_nodes;
+    const auto found = register_places(candidate, path, ignores);
+    if (found && waits(*found)) return found;
+    if (found && (!best || found->score > best->score)) best = found;
+  }
+  return best;
+}
+
 /// The measured closure, or the reason why there is none.
 LoopClosure measure(const AddClosure& edit, const HandCandidate& candidate, const EditedPath& path,
                     const EditState& state) {
   const LoopOptions& asked = path.map->options.loop;
-  const auto found =
-      register_places(candidate, path, [&](std::size_t scan) { return state.ignores(scan); });
-  const bool fits = found && found->state == ClosureState::kWaiting;
+  const auto found = best_of_all_reaches(candidate, path, state);
+  const bool fits = found && waits(*found);
   if (edit.force && !fits && edit.guess_from_T_to) return as_told(candidate, path);
   const std::string window =
       fmt::format("{:.1f} m and {:.0f} deg", candidate.half_xy_m, degrees(candidate.half_yaw_rad));
@@ -292,23 +329,19 @@ void refuse_neighbours(const HandCandidate& candidate) {
       "the two places are neighbours on the path, whose scans are aligned to one another already");
 }
 
-/// The scans that a closure was measured by, to do so again. A submap holds the scans of its stretch
-/// and of the next one.
+/// The scans that a closure was measured by, or about so, to do so again.
 HandCandidate again_of(const LoopClosure& closure, const EditedPath& path) {
   const auto from = static_cast<std::size_t>(closure.from.index);
   const auto to = static_cast<std::size_t>(closure.to.index);
-  const auto nodes_of_submap = [&](SubmapId submap) {
-    const std::size_t after = submap.index + 2;
-    const auto begin = static_cast<std::size_t>(path.first_nodes[submap.index].index);
-    return NodeRange{begin, after < path.first_nodes.size()
-                                ? static_cast<std::size_t>(path.first_nodes[after].index) - 1
-                                : path.keys.size() - 1};
-  };
+  const double far_m = path.map->options.front_end.submap_length_m;
   const bool by_hand = closure.reason == ClosureReason::kAddedByHand;
+  const auto around = [&](std::size_t node, SubmapId submap) {
+    return by_hand ? nodes_around(node, far_m, path) : nodes_of_submap(submap, path);
+  };
   return {.from = from,
           .to = to,
-          .from_nodes = by_hand ? nodes_around(from, path) : nodes_of_submap(closure.from_submap),
-          .to_nodes = by_hand ? nodes_around(to, path) : nodes_of_submap(closure.to_submap),
+          .from_nodes = around(from, closure.from_submap),
+          .to_nodes = around(to, closure.to_submap),
           .from_T_to = closure.from_T_to,
           .half_xy_m = kMapEditor.again_half_m,
           .half_yaw_rad = kMapEditor.again_half_rad};

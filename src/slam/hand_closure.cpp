@@ -18,16 +18,15 @@ std::optional<double> step_m(const KeyScan& before, const KeyScan& after) {
 
 }  // namespace
 
-NodeRange nodes_around(std::size_t node, const EditedPath& path) {
-  const double half_m = 0.5 * path.map->options.front_end.submap_length_m;
+NodeRange nodes_around(std::size_t node, double reach_m, const EditedPath& path) {
   NodeRange range{node, node};
   for (double way_m = 0.0; range.first > 0; --range.first) {
     const auto step = step_m(path.keys[range.first - 1], path.keys[range.first]);
-    if (!step || (way_m += *step) > half_m) break;
+    if (!step || (way_m += *step) > reach_m) break;
   }
   for (double way_m = 0.0; range.last + 1 < path.keys.size(); ++range.last) {
     const auto step = step_m(path.keys[range.last], path.keys[range.last + 1]);
-    if (!step || (way_m += *step) > half_m) break;
+    if (!step || (way_m += *step) > reach_m) break;
   }
   return range;
 }

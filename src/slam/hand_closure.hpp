@@ -16,9 +16,8 @@ struct NodeRange {
   std::size_t last = 0;
 };
 
-/// Those around a node along the path, half a submap's length to each side, as far as the laser
-/// held the path.
-[[nodiscard]] NodeRange nodes_around(std::size_t node, const EditedPath& path);
+/// Those around a node along the path, so far to each side, as far as the laser held the path.
+[[nodiscard]] NodeRange nodes_around(std::size_t node, double reach_m, const EditedPath& path);
 
 /// What key scans saw as a submap of its own, in the frame of one of them; by the path that the
 /// front end knows, which drifts little over so short a way.
