@@ -25,8 +25,10 @@ EDITS = 5  # of each kind; the median counts
 
 
 def standing(folder):
+    """Closures that are plain enough to be found again by other scans around the places."""
     with open(folder / "loop_closures.csv", encoding="utf-8") as file:
-        return [row for row in csv.DictReader(file) if row["accepted"] == "1"]
+        rows = [row for row in csv.DictReader(file) if row["accepted"] == "1"]
+    return [row for row in rows if float(row["overlap"]) > 0.6 and float(row["agreement"]) > 0.9]
 
 
 def spread(rows, count):
