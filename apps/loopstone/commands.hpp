@@ -10,6 +10,7 @@ namespace loopstone::app {
 void add_calibrate_command(CLI::App& app, AppContext& context);
 void add_config_command(CLI::App& app, AppContext& context);
 void add_convert_command(CLI::App& app, AppContext& context);
+void add_edit_command(CLI::App& app, AppContext& context);
 void add_evaluate_command(CLI::App& app, AppContext& context);
 void add_info_command(CLI::App& app, AppContext& context);
 void add_live_command(CLI::App& app, AppContext& context);

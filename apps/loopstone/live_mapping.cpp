@@ -14,6 +14,7 @@
 #include "live_view.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/robot_file.hpp"
 #include "loopstone/formats/session_file.hpp"
 #include "loopstone/live/live_log.hpp"
 #include "loopstone/live/map_feed.hpp"
@@ -127,6 +128,7 @@ void LiveMapping::watch_it(const RobotModel& robot) {
 }
 
 void LiveMapping::begin(const RobotModel& robot) {
+  terms_.robot_toml = robot_to_toml(robot);
   mapper_ = std::make_unique<Mapper>(robot, options_, context_.threads());
   if (before_) continue_from(arguments_.from, std::move(*before_), *mapper_, context_);
 }

@@ -177,6 +177,16 @@ std::optional<Pace> pace_of(const MapArguments& arguments) {
   return std::optional<Pace>(std::in_place, arguments.realtime);
 }
 
+RunInfo info_of(const LogSummary& judged, const MapArguments& arguments,
+                const MapPipeline& pipeline, const AppContext& context) {
+  const bool may_overwrite = arguments.force || arguments.checkpoint.any();
+  RunInfo info = run_info(arguments.log, judged.left_out, may_overwrite, context);
+  info.log_warnings = warnings_of(judged);
+  const std::vector<std::string>& corrections = pipeline.corrections();
+  info.log_warnings.insert(info.log_warnings.end(), corrections.begin(), corrections.end());
+  return info;
+}
+
 /// By what the results are known again; those that go on with others are of more than one log.
 void note_terms(const Checkpoint& checkpoint, const MapArguments& arguments,
                 const MapPipeline& pipeline, RunInfo& info) {
@@ -205,11 +215,13 @@ void prepare(const Outputs& outputs, RunStart begin, const MapArguments& argumen
 }
 
 /// A state beside the results is theirs: one of an older map goes.
-void leave_state(std::optional<MapperState> kept, const MapResult& result,
+void leave_state(std::optional<MapperState> kept, const MapResult& result, const RobotModel& robot,
                  const MapArguments& arguments, MapPipeline& pipeline) {
   const std::string path = state_path(arguments.out);
   if (kept && result.complete) {
-    write_session(path, {.terms = state_terms(pipeline), .mapper = std::move(*kept)});
+    SessionTerms terms = state_terms(pipeline);
+    terms.robot_toml = robot_to_toml(robot);
+    write_session(path, {.terms = std::move(terms), .mapper = std::move(*kept)});
   } else {
     std::filesystem::remove(path);
   }
@@ -217,11 +229,11 @@ void leave_state(std::optional<MapperState> kept, const MapResult& result,
 
 /// The results, and what they were made of where it is to be kept.
 void write_all(const MapResult& result, const MapExtras& extras, std::optional<MapperState> kept,
-               const MapArguments& arguments, MapPipeline& pipeline, const Checkpoint& checkpoint,
-               RunInfo& info, const AppContext& context) {
+               const RobotModel& robot, const MapArguments& arguments, MapPipeline& pipeline,
+               const Checkpoint& checkpoint, RunInfo& info, const AppContext& context) {
   release_unused_memory();
   write_map_outputs(result, info, arguments.out, extras);
-  leave_state(std::move(kept), result, arguments, pipeline);
+  leave_state(std::move(kept), result, pipeline.made_by(robot), arguments, pipeline);
   info.peak_memory_bytes = peak_memory_bytes();
   end_session(arguments.out, arguments.checkpoint, checkpoint,
               result.complete && info.failure.empty(), context);
@@ -307,8 +319,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   camera.take_pictures(*reader);
   add_judgement(judged, log_files.changes(), log.interrupted(), result, feed);
 
-  const bool may_overwrite = arguments.force || arguments.checkpoint.any();
-  RunInfo info = run_info(arguments.log, judged.left_out, may_overwrite, context);
+  RunInfo info = info_of(judged, arguments, pipeline, context);
   const auto texture =
       colour(camera, arguments, pipeline.texture(), robot, context, display, result, info);
   const auto landmarks = pipeline.landmarks_of(result, info.failure);
@@ -318,7 +329,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   if (pace) info.pace = pace->figures();
   note_terms(checkpoint, arguments, pipeline, info);
   note_cost(start, checkpoint, info);
-  write_all(result, extras, std::move(kept), arguments, pipeline, checkpoint, info, context);
+  write_all(result, extras, std::move(kept), robot, arguments, pipeline, checkpoint, info, context);
   const ExitCode code = tell_map(result, extras, info, places_of(arguments), context);
   if (watch) stay_open(watch->view, held, context);
   return code;

@@ -209,7 +209,7 @@ MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threa
 MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, MapFeed* feed,
                                 const RobotModel& robot, const Calibration& found, Threads threads,
                                 std::optional<MapperState>& kept) {
-  const RobotModel corrected = corrected_robot(robot, found);
+  const RobotModel& corrected = corrected_.emplace(corrected_robot(robot, found));
   recording.begin_anew(corrected);
   if (feed != nullptr) feed->begin_anew(corrected);
   Mapper mapper(corrected, std::get<MapOptions>(options_), threads);
@@ -230,7 +230,7 @@ MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, MapFeed* f
   MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
   record_updates();
   result.complete = result.complete && !log.interrupted();
-  tell_of_correction(found, result);
+  corrections_ = tell_of_correction(found, result);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "app.hpp"
 #include "floor_run.hpp"
@@ -119,6 +120,12 @@ class MapPipeline {
   [[nodiscard]] MapResult map_anew(CutLog& log, RunRecording& recording, MapFeed* feed,
                                    const RobotModel& robot, const Calibration& found,
                                    Threads threads, std::optional<MapperState>& kept);
+  /// The robot that the map was made with: the log's, or a corrected one.
+  [[nodiscard]] const RobotModel& made_by(const RobotModel& robot) const {
+    return corrected_ ? *corrected_ : robot;
+  }
+  /// What the map's warnings say of that correction.
+  [[nodiscard]] const std::vector<std::string>& corrections() const { return corrections_; }
   /// What the last map has of landmarks; nothing when they are not asked for. Where the log can't
   /// show any `failure` says why; where there are none, the map's warnings.
   [[nodiscard]] std::optional<LandmarkMapping> landmarks_of(MapResult& result,
@@ -129,6 +136,8 @@ class MapPipeline {
   std::variant<MapOptions, ScanToScanOptions> options_;
   std::optional<LandmarkMappingOptions> landmarks_{};  ///< nothing: they are not asked for
   std::optional<ReflectorMapper> reflectors_{};        ///< of the map in the making
+  std::optional<RobotModel> corrected_{};              ///< of the map that was made anew
+  std::vector<std::string> corrections_{};
 };
 
 }  // namespace loopstone::app

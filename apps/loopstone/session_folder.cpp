@@ -13,6 +13,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/session_file.hpp"
+#include "loopstone/version.hpp"
 
 namespace loopstone::app {
 
@@ -35,11 +36,6 @@ bool exists(const std::string& path) {
 std::string read_text(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-nlohmann::json summary_in(const std::string& out) {
-  return nlohmann::json::parse(read_text((fs::path(out) / "summary.json").string()), nullptr,
-                               false);
 }
 
 /// Null when there is none.
@@ -70,7 +66,7 @@ RunStart find_start(const std::string& out, const CheckpointFlags& flags, bool f
                      "--resume to go on with it, or --force to start from the beginning");
   }
   if (!flags.resume || force) return RunStart::kLog;
-  return field(summary_in(out), "complete") == true ? RunStart::kResults : RunStart::kLog;
+  return field(summary_of(out), "complete") == true ? RunStart::kResults : RunStart::kLog;
 }
 
 void remove_session(const std::string& out) {
@@ -94,7 +90,7 @@ RunInfo::Terms result_terms(const SessionTerms& terms, const std::string& colour
 std::optional<std::string> find_results(const std::string& out, const SessionTerms& terms,
                                         const RunInfo::Terms& result) {
   const fs::path folder(out);
-  const nlohmann::json summary = summary_in(out);
+  const nlohmann::json summary = summary_of(out);
   const nlohmann::json expected(std::map<std::string, std::string>(result.begin(), result.end()));
   if (field(summary, "complete") != true || field(summary, "version") != terms.version ||
       field(summary, "result_of") != expected ||
@@ -147,19 +143,41 @@ void add_continue_flags(CLI::App& command, ContinueFlags& flags) {
 
 std::string state_path(const std::string& out) { return (fs::path(out) / kStateName).string(); }
 
-MapperState read_state(const std::string& out, const SessionTerms& now, const AppContext& context) {
+nlohmann::json summary_of(const std::string& out) {
+  nlohmann::json summary =
+      nlohmann::json::parse(read_text((fs::path(out) / "summary.json").string()), nullptr, false);
+  return summary.is_object() ? summary : nlohmann::json();
+}
+
+Session read_kept_session(const std::string& out, const std::string& to_do,
+                          const AppContext& context) {
   const std::string path = state_path(out);
   if (!exists(path)) {
-    throw DataError({out},
-                    "holds no state.loopstone to go on from; `loopstone map LOG -o FOLDER "
-                    "--keep-state` leaves one");
+    throw DataError({out}, "holds no state.loopstone to " + to_do +
+                               "; `loopstone map LOG -o FOLDER --keep-state` leaves one");
   }
   Session session = read_session(path, context.memory());
+  SessionTerms now = session.terms;
+  now.version = kVersion;
+  const std::string differs = difference(session.terms, now);
+  if (!differs.empty()) throw DataError({path}, "is of another kind of run: " + differs);
+  return session;
+}
+
+MapperState read_state(const std::string& out, const SessionTerms& now, const AppContext& context) {
+  Session session = read_kept_session(out, "go on from", context);
   SessionTerms then = now;
-  then.version = session.terms.version;
   then.options_toml = session.terms.options_toml;
   const std::string differs = difference(then, now);
-  if (!differs.empty()) throw DataError({path}, "is of another kind of run: " + differs);
+  if (!differs.empty()) throw DataError({state_path(out)}, "is of another kind of run: " + differs);
+  const nlohmann::json edits = field(summary_of(out), "edits");
+  if (!edits.is_null()) {
+    throw DataError({out}, "is a map that was edited; go on with the one that was not" +
+                               (edits.contains("edited") && edits["edited"].is_string()
+                                    ? " (" + edits["edited"].get<std::string>() + ")"
+                                    : std::string()) +
+                               ", then do the edits of its edits.toml to what comes of it");
+  }
   return std::move(session.mapper);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -67,10 +68,16 @@ void add_continue_flags(CLI::App& command, ContinueFlags& flags);
 
 /// The state that a finished map can be gone on from, beside its results.
 [[nodiscard]] std::string state_path(const std::string& out);
-/// Throws DataError when the folder has none, it is damaged or of another version, and UsageError
-/// when it is of other options.
+/// Throws DataError when the folder has none, it is damaged, of another version or of other options,
+/// or of a map that was edited.
 [[nodiscard]] MapperState read_state(const std::string& out, const SessionTerms& now,
                                      const AppContext& context);
+/// The whole session that --keep-state left. Throws DataError when there is none, it is damaged or
+/// of another version.
+[[nodiscard]] Session read_kept_session(const std::string& out, const std::string& to_do,
+                                        const AppContext& context);
+/// The summary.json of a folder, null when there is none or it is no JSON.
+[[nodiscard]] nlohmann::json summary_of(const std::string& out);
 /// Gives a mapper that was just made the state of a folder, and begins another drive.
 void continue_from(const std::string& out, MapperState state, Mapper& mapper,
                    const AppContext& context);

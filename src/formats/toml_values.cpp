@@ -29,6 +29,32 @@ bool all_tables(const toml::array& array) {
          std::all_of(array.begin(), array.end(), [](const auto& node) { return node.is_table(); });
 }
 
+/// Nothing when something in it is no number.
+std::optional<std::vector<double>> numbers_of(const toml::array& array) {
+  std::vector<double> numbers;
+  for (const toml::node& node : array) {
+    if (!node.is_number()) return {};
+    numbers.push_back(node.is_integer() ? static_cast<double>(node.as_integer()->get())
+                                        : node.as_floating_point()->get());
+  }
+  return numbers;
+}
+
+std::optional<std::vector<std::vector<double>>> rows_of(const toml::array& array) {
+  std::vector<std::vector<double>> rows;
+  if (auto one = numbers_of(array)) {
+    rows.push_back(std::move(*one));
+    return rows;
+  }
+  for (const toml::node& node : array) {
+    if (!node.is_array()) return {};
+    auto row = numbers_of(*node.as_array());
+    if (!row) return {};
+    rows.push_back(std::move(*row));
+  }
+  return rows;
+}
+
 void flatten(const toml::node& node, const std::string& key, TomlDocument& out) {
   if (const auto* table = node.as_table()) {
     for (const auto& [name, child] : *table) flatten(child, joined(key, name.str()), out);
@@ -37,7 +63,9 @@ void flatten(const toml::node& node, const std::string& key, TomlDocument& out) 
   if (const auto* array = node.as_array(); array != nullptr && all_tables(*array)) {
     out.table_arrays[key] = array->size();
     for (std::size_t i = 0; i < array->size(); ++i) {
-      flatten((*array)[i], fmt::format("{}[{}]", key, i), out);
+      const std::string numbered = fmt::format("{}[{}]", key, i);
+      out.table_lines[numbered] = static_cast<std::int64_t>((*array)[i].source().begin.line);
+      flatten((*array)[i], numbered, out);
     }
     return;
   }
@@ -55,6 +83,7 @@ void flatten(const toml::node& node, const std::string& key, TomlDocument& out) 
     leaf.value = text->get();
     leaf.text = toml_string(text->get());
   } else {
+    if (const auto* array = node.as_array()) leaf.rows = rows_of(*array);
     node.visit([&leaf](const auto& other) { leaf.text = text_of(other); });
   }
   out.values.push_back(std::move(leaf));

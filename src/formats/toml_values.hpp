@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -18,12 +19,15 @@ struct TomlValue {
   std::string text;  ///< the value as people write it
   /// monostate: a date, an array or whatever else no option can hold.
   std::variant<std::monostate, bool, std::int64_t, double, std::string> value{};
+  /// Of an array of numbers, one row; of an array of such arrays, their rows. Nothing of others.
+  std::optional<std::vector<std::vector<double>>> rows{};
 };
 
 /// A TOML document as a list of leaves in the order of the file, or the reason why it is none.
 struct TomlDocument {
   std::vector<TomlValue> values{};
   std::map<std::string, std::size_t> table_arrays{};  ///< how many tables each array of tables has
+  std::map<std::string, std::int64_t> table_lines{};  ///< where each of them begins: "lidars[0]"
   std::vector<OptionProblem> problems{};
 };
 

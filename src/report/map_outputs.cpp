@@ -1,8 +1,10 @@
 #include "loopstone/report/map_outputs.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -19,6 +21,7 @@
 #include "loopstone/report/texture_picture.hpp"
 #include "report/closure_csv.hpp"
 #include "report/decisions.hpp"
+#include "report/edit_summary.hpp"
 #include "report/landmark_summary.hpp"
 #include "report/output_files.hpp"
 #include "report/quality_summary.hpp"
@@ -33,8 +36,9 @@ namespace loopstone {
 namespace {
 
 /// What took the run its time and no disk any room: it is kept, whatever becomes of the rest.
-void add_trajectory_and_graph(const MapResult& result, const RunInfo& info,
-                              const LandmarkMapping* landmarks, FileSet& files) {
+void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, const MapExtras& extras,
+                              FileSet& files) {
+  const LandmarkMapping* const landmarks = extras.landmarks;
   files.add("trajectory.tum", "optimised pose of every scan: t x y z qx qy qz qw",
             format_tum(result.trajectory));
   if (!result.drives.empty()) {
@@ -60,6 +64,7 @@ void add_trajectory_and_graph(const MapResult& result, const RunInfo& info,
               format_found_landmarks(landmarks->landmarks));
     decisions.push_back(landmark_numbers());
   }
+  if (extras.edits != nullptr) std::ranges::move(edit_numbers(), std::back_inserter(decisions));
   files.add("decisions.toml", "what else the map was made and judged by",
             format_decisions(decisions));
 }
@@ -111,6 +116,10 @@ void add_map_and_report(const MapResult& result, const RunInfo& info, const MapE
     floor_html = html_texture(*texture, floor_picture);
   }
   if (extras.landmarks != nullptr) floor_html += html_landmarks(*extras.landmarks);
+  if (extras.edits != nullptr) {
+    add_edit_files(*extras.edits, cells.frame(), files);
+    floor_html += html_edits(*extras.edits);
+  }
   const RunInfo until_now = with_peak_memory(info);
   files.add("summary.json", "every figure of the run, for programs",
             format_summary(result, until_now, extras));
@@ -125,7 +134,7 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
                        const MapExtras& extras) {
   OutputFolder folder(out_dir, info.force);
   FileSet files(folder);
-  add_trajectory_and_graph(result, info, extras.landmarks, files);
+  add_trajectory_and_graph(result, info, extras, files);
   files.make_safe();
   std::string failure;
   try {

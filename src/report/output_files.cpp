@@ -19,10 +19,12 @@ constexpr std::string_view kReplacing =
     "another one: they are of both\"]\n}\n";
 /// Everything but summary.json that map, texture and localize leave.
 constexpr const char* kResultNames[] = {
-    "trajectory.tum", "odometry.tum",     "graph.g2o",      "loop_closures.csv", "options.toml",
-    "decisions.toml", "map.png",          "map.pgm",        "map.yaml",          "quality.png",
-    "texture.png",    "texture.yaml",     "texture.pgw",    "coverage.png",      "texture_map.png",
-    "cloud.ply",      "localization.csv", "trajectory.csv", "report.html",
+    "trajectory.tum",    "odometry.tum",   "graph.g2o",       "loop_closures.csv",
+    "options.toml",      "decisions.toml", "map.png",         "map.pgm",
+    "map.yaml",          "quality.png",    "texture.png",     "texture.yaml",
+    "texture.pgw",       "coverage.png",   "texture_map.png", "cloud.ply",
+    "localization.csv",  "trajectory.csv", "report.html",     "keepout_mask.pgm",
+    "keepout_mask.yaml", "speed_mask.pgm", "speed_mask.yaml", "nav2_filters.yaml",
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "formats/left_out_json.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "report/calibration_summary.hpp"
+#include "report/edit_summary.hpp"
 #include "report/fault_summary.hpp"
 #include "report/landmark_summary.hpp"
 #include "report/quality_summary.hpp"
@@ -95,6 +96,7 @@ Json summary_json(const MapResult& result, const RunInfo& info) {
       {"laser_faults", laser_faults(result)},
       {"path_breaks", path_breaks(result)},
       {"warnings", result.warnings},
+      {"log_warnings", info.log_warnings},
   };
 }
 
@@ -108,6 +110,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info, const M
   if (info.pace) summary["realtime"] = pace_json(*info.pace);
   if (extras.texture != nullptr) summary["texture"] = texture_json(*extras.texture);
   if (extras.landmarks != nullptr) summary["landmarks"] = landmarks_json(*extras.landmarks);
+  if (extras.edits != nullptr) summary["edits"] = edits_json(*extras.edits);
   // Paths need not be UTF-8; JSON must.
   return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

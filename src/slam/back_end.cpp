@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "loopstone/geometry/angle.hpp"
-#include "loopstone/graph/solver.hpp"
+#include "slam/closure_solution.hpp"
 #include "slam/drives.hpp"
 #include "slam/loop_candidates.hpp"
 #include "slam/loop_surroundings.hpp"
@@ -336,25 +336,9 @@ void BackEnd::restore(State state) {
 /// \param graph  of the closures' nodes; without them
 void BackEnd::solve(PoseGraph& graph) {
   const Stopwatch watch;
-  while (true) {
-    PoseGraph whole = graph;
-    for (const auto& closure : closures_) {
-      if (closure.stands()) whole.edges.push_back(edge_of(closure));
-    }
-    graph.poses = optimize(whole, closure_solver()).poses;
-    // The worst closure that can't be reconciled goes; then the rest is solved again.
-    LoopClosure* worst = nullptr;
-    for (auto& closure : closures_) {
-      if (!closure.stands()) continue;
-      closure.chi2 = chi2_at(closure, graph.poses);
-      if (*closure.chi2 > kBackEnd.revoke_chi2 && (worst == nullptr || closure.chi2 > worst->chi2))
-        worst = &closure;
-    }
-    if (worst == nullptr) break;
-    worst->state = ClosureState::kRevoked;
-    worst->reason = ClosureReason::kContradictsGraph;
-    events_.emplace_back(ClosureChanged{*worst});
-  }
+  solve_closures(graph, closures_, {}, [&](const LoopClosure& revoked) {
+    events_.emplace_back(ClosureChanged{revoked});
+  });
   optimisation_s_ += watch.seconds();
 }
 

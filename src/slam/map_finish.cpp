@@ -82,11 +82,8 @@ std::vector<std::vector<SurfacePoint>> key_surfaces(std::span<const SubmapRecord
   BeamTable beams;
   for_each_scan(submaps, [&](const MappedScan& mapped) {
     if (!mapped.is_key) return;
-    const double sweep_s = sweep_seconds(mapped.scan);
-    Tangent2 velocity = Tangent2::Zero();
-    if (sweep_s != 0.0)
-      velocity = log(mapped.local_T_robot.inverse() * mapped.local_T_robot_end) / sweep_s;
-    surfaces.push_back(surface_points(mapped.scan, mapped.robot_T_lidar, velocity, options, beams));
+    surfaces.push_back(
+        surface_points(mapped.scan, mapped.robot_T_lidar, sweep_velocity(mapped), options, beams));
   });
   return surfaces;
 }

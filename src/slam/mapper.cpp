@@ -3,25 +3,23 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <exception>
+#include <functional>
 #include <span>
 #include <utility>
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/option_list.hpp"
-#include "loopstone/base/release_memory.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "loopstone/sensor/mounted_scan.hpp"
 #include "loopstone/slam/laser_cover.hpp"
 #include "loopstone/slam/mapper_state.hpp"
-#include "loopstone/slam/surface_adjustment.hpp"
+#include "loopstone/slam/settled_map.hpp"
 #include "slam/back_end_worker.hpp"
 #include "slam/fault_events.hpp"
+#include "slam/finish_steps.hpp"
 #include "slam/map_board.hpp"
-#include "slam/map_finish.hpp"
-#include "slam/mount_correction.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/stopwatch.hpp"
 
@@ -51,19 +49,6 @@ void report_sensors(const FrontEnd& front_end, const ScanQueue& queue, MapResult
   statistics.odometry_distrusted_s = check.distrusted_s();
   result.odometry_episodes = check.episodes();
   result.laser_episodes = front_end.laser_check().episodes();
-}
-
-/// The figures that follow from the finished trajectory and graph.
-void count(MapResult& result) {
-  auto& statistics = result.statistics;
-  for (const auto& closure : result.loop_closures) {
-    ++(closure.stands() ? statistics.loop_closures_accepted : statistics.loop_closures_rejected);
-  }
-  if (!result.trajectory.empty()) {
-    statistics.duration_s =
-        (result.trajectory.back().stamp - result.trajectory.front().stamp).seconds();
-  }
-  statistics.graph_cost = graph_cost(result.graph);
 }
 
 }  // namespace
@@ -104,6 +89,7 @@ class Mapper::Impl {
   }
 
   [[nodiscard]] Calibration judge_robot();
+  [[nodiscard]] SettledMap settle(const std::function<bool()>& goes_on);
   [[nodiscard]] MapResult finish(const ProgressCallback& progress, const std::stop_token& cancel);
   void set_graph_addition(GraphAddition addition) { addition_ = std::move(addition); }
   [[nodiscard]] std::future<MapperState> save_state();
@@ -116,7 +102,6 @@ class Mapper::Impl {
   [[nodiscard]] SensorMessage on_maps_clock(SensorMessage message);
   void lay_beside(TrackedScan& tracked) const;
   [[nodiscard]] PathBreak break_before_drive(Stamp to) const;
-  void tell_drives(MapResult& result) const;
   void add_scan(LaserScan scan);
   void count_scan(const TrackedScan& tracked);
   void tell(const TrackedScan& tracked);
@@ -126,11 +111,6 @@ class Mapper::Impl {
   void hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan tracked);
   void end_log();
   [[nodiscard]] Pose2 end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const;
-  [[nodiscard]] MapResult result_of_back_end() const;
-  void add_to_graph(MapResult& result) const;
-  void adjust(MapResult& result) const;
-  void find_calibration(MapResult& result) const;
-  [[nodiscard]] PlacedScans place(MapResult& result) const;
 
   RobotModel robot_;
   MapOptions options_;
@@ -226,22 +206,6 @@ PathBreak Mapper::Impl::break_before_drive(Stamp to) const {
           .cause = BreakCause::kNewDrive,
           .bridge = BreakBridge::kNothing,
           .covariance = planar_covariance(sigma_m, kPi)};
-}
-
-void Mapper::Impl::tell_drives(MapResult& result) const {
-  result.drives = so_far_.drives;
-  std::size_t end = so_far_.track.size();
-  for (auto drive = result.drives.rbegin(); drive != result.drives.rend(); ++drive) {
-    drive->scans = static_cast<std::int64_t>(end - drive->first_scan);
-    if (drive->scans > 0) drive->begins = so_far_.track[drive->first_scan].stamp;
-    for (const PathBreak& gap : result.breaks) {
-      if (gap.cause == BreakCause::kNewDrive && gap.to_scan >= drive->first_scan &&
-          gap.to_scan < end)
-        drive->closures = gap.closures;
-    }
-    end = drive->first_scan;
-  }
-  std::erase_if(result.drives, [](const MappedDrive& drive) { return drive.scans == 0; });
 }
 
 void Mapper::Impl::count_scan(const TrackedScan& tracked) {
@@ -382,142 +346,46 @@ Calibration Mapper::Impl::judge_robot() {
   MapResult so_far;
   so_far.breaks = so_far_.breaks;
   report_sensors(front_end_, scan_queue_, so_far);
-  find_calibration(so_far);
+  find_calibration(back_end_.back_end().chain(), so_far_.track, robot_, options_, so_far);
   return so_far.calibration;
 }
 
-/// What the back end has, and what was counted on the way.
-MapResult Mapper::Impl::result_of_back_end() const {
-  const BackEnd& back_end = back_end_.back_end();
-  MapResult result;
-  result.graph = back_end.graph();
-  result.loop_closures = back_end.closures();
-  std::vector<std::size_t> node_scans;
-  for (const KeyScan& key : back_end.keys()) {
-    result.node_stamps.push_back(key.stamp);
-    node_scans.push_back(key.scan);
-  }
-  result.breaks = so_far_.breaks;
-  find_ties(result.breaks, result.graph, node_scans);
-  tell_drives(result);
-  MapStatistics& statistics = result.statistics;
+/// Ends the log and closes the last loops. What it tells is taken from here.
+SettledMap Mapper::Impl::settle(const std::function<bool()>& goes_on) {
+  end_log();
+  back_end_.finish(goes_on);
+  SettledMap map{.robot = robot_, .options = options_, .has_gyro = so_far_.gyro_scans > 0};
+  MapStatistics& statistics = map.counted.statistics;
   statistics = so_far_.statistics;
   statistics.scans = scans();
-  statistics.key_scans_thinned =
-      statistics.key_scans - static_cast<std::int64_t>(node_scans.size());
+  report_sensors(front_end_, scan_queue_, map.counted);
+  map.counted.breaks = so_far_.breaks;
+  map.counted.drives = so_far_.drives;
+  const BackEnd& back_end = back_end_.back_end();
   statistics.path_length_m = back_end.path_length_m();
   statistics.submaps = static_cast<std::int64_t>(back_end.submap_count());
   statistics.loop_closing_s = back_end.loop_closing_s();
   statistics.optimisation_s = back_end.optimisation_s();
-  report_sensors(front_end_, scan_queue_, result);
-  return result;
-}
-
-/// Landmarks and the like, by what the key scans show.
-void Mapper::Impl::add_to_graph(MapResult& result) const {
-  if (!addition_) return;
-  const std::vector<KeyView> keys = key_views(back_end_.back_end().submaps(), so_far_.track);
-  if (keys.size() == result.graph.poses.size()) addition_(result.graph, keys);
-}
-
-/// Moves all key scans onto the surfaces that they share.
-void Mapper::Impl::adjust(MapResult& result) const {
-  if (!options_.adjustment.enabled) {
-    result.covariances = PoseCovariances(result.graph);
-    return;
-  }
-  const Stopwatch watch;
-  const SurfaceOptions surfaces{.range_max_m = options_.front_end.range_max_m,
-                                .points_max = options_.adjustment.points_max};
-  auto adjusted =
-      adjust_to_surfaces(result.graph, key_surfaces(back_end_.back_end().submaps(), surfaces),
-                         options_.adjustment, threads_);
-  result.graph.poses = std::move(adjusted.poses);
-  result.graph.landmarks = std::move(adjusted.landmarks);
-  result.covariances = std::move(adjusted.covariances);
-  result.statistics.surface_spread_before_m = adjusted.spread_before_m;
-  result.statistics.surface_spread_m = adjusted.spread_after_m;
-  result.statistics.adjustment_s = watch.seconds();
-}
-
-/// How the sensors sit, from the path as the front end knows it.
-void Mapper::Impl::find_calibration(MapResult& result) const {
-  if (!options_.calibration) return;
-  const std::span<const SubmapRecord> submaps = back_end_.back_end().submaps();
-  const AssumedMounts mounts = assumed_mounts(submaps);
-  if (options_.front_end.odometry != OdometryUse::kIgnore)
-    result.calibration = calibrate_run(so_far_.track, mounts, result);
-  judge_scale(back_end_.back_end().keys(), so_far_.track, robot_.odometry_scale, result);
-  judge_beams(so_far_.track, mounts, submaps, result);
-}
-
-/// All scans on the map, by the mount that the drive tells.
-PlacedScans Mapper::Impl::place(MapResult& result) const {
-  const std::span<const SubmapRecord> submaps = back_end_.back_end().submaps();
-  PlacedScans placed =
-      place_scans(so_far_.track, back_end_.back_end().keys(), result.graph.poses, submaps);
-  find_calibration(result);
-  const Calibration& found = result.calibration;
-  if (found.is_corrected)
-    correct_mount(found.robot_T_lidar_given, found.robot_T_lidar(), result, placed);
-  return placed;
+  map.settled = {back_end.graph(), back_end.closures()};
+  map.chain = back_end.chain();
+  map.track = std::exchange(so_far_.track, {});
+  return map;
 }
 
 MapResult Mapper::Impl::finish(const ProgressCallback& progress, const std::stop_token& cancel) {
-  constexpr std::int64_t kStages = 5;
   bool complete = true;
-  const auto goes_on_to = [&](std::int64_t stage) {
+  const auto goes_on_to = [&](int stage) {
     if (complete &&
-        (cancel.stop_requested() || (progress && !progress({"finishing", stage, kStages}))))
+        (cancel.stop_requested() || (progress && !progress({"finishing", stage, kFinishStages}))))
       complete = false;
     return complete;
   };
-  end_log();
-  back_end_.finish([&] { return goes_on_to(0); });
-  MapResult result = result_of_back_end();
-
-  release_unused_memory();
-  if (complete) add_to_graph(result);
-  const PoseGraph solved = result.graph;
-  if (goes_on_to(1)) adjust(result);
-  // How well edges agree is judged at the graph's own solution: the adjustment knows more than they
-  // do.
-  const Stopwatch judging_graph;
-  if (goes_on_to(2))
-    result.graph_quality = assess_graph(solved, result.graph.poses, result.loop_closures);
-  result.statistics.judging_s = judging_graph.seconds();
-  result.loop_closures = at_poses_of(result.graph, std::move(result.loop_closures));
-
-  PlacedScans placed = place(result);
-  result.drifts = back_end_.back_end().drifts(
-      so_far_.track, scale_is_known(result.calibration) ? result.calibration.odometry_scale : 0.0);
-  result.trajectory = std::move(placed.trajectory);
-  result.odometry = std::move(placed.odometry);
-  so_far_.track = {};  // it is in the trajectories now
-  release_unused_memory();
-
-  const Stopwatch rendering;
-  if (!goes_on_to(3)) placed.on_map = some_of(placed.on_map);
-  try {
-    result.map =
-        build_occupancy_map(placed.on_map, robot_.footprint_radius_m, options_.map, threads_);
-  } catch (const std::exception& error) {
-    result.map_failure = error.what();
-  }
-  result.statistics.rendering_s = rendering.seconds();
-  count(result);
-
-  release_unused_memory();
-  const Stopwatch judging;
-  if (goes_on_to(4) && result.map_failure.empty()) {
-    result.quality = assess_map(placed.on_map, threads_);
-    result.ties = find_ties_of(solved, result.node_stamps, result.drifts,
-                               scale_sigma(result.calibration), result.quality.agreeing,
-                               result.graph_quality.loops, result.graph_quality.reduced_chi2);
-    result.verdict = judge_map(result);
-  }
-  result.statistics.judging_s += judging.seconds();
-  result.warnings = warnings_of(result, options_, so_far_.gyro_scans > 0);
+  SettledMap map = settle([&] { return goes_on_to(0); });
+  // An interrupted search for loops is the end of all that only refines and judges.
+  const FinishCalls calls{.goes_on_to = goes_on_to,
+                          .addition = complete ? addition_ : GraphAddition{},
+                          .track_is_told = [&] { map.track = {}; }};
+  MapResult result = finish_settled(map, std::exchange(map.settled, {}), calls, threads_);
   result.complete = complete;
   return result;
 }
@@ -534,6 +402,7 @@ MapSnapshot Mapper::snapshot() const { return impl_->snapshot(); }
 MapResult Mapper::finish(const ProgressCallback& progress, const std::stop_token& cancel) {
   return impl_->finish(progress, cancel);
 }
+SettledMap Mapper::settle(const std::function<bool()>& goes_on) { return impl_->settle(goes_on); }
 void Mapper::set_graph_addition(GraphAddition addition) {
   impl_->set_graph_addition(std::move(addition));
 }

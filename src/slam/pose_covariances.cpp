@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "loopstone/base/robust_kernel.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/graph/linearised_graph.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/surface_adjustment_numbers.hpp"
@@ -190,8 +191,11 @@ Eigen::Matrix3d PoseCovariances::of(NodeId node) const {
   const Eigen::Matrix3d motion = knowledge_->segments.motion_at(place, Eigen::Vector2d::Zero());
   const Eigen::Matrix3d& of_segment =
       knowledge_->of_segment(knowledge_->segments.segment_of(place));
-  return motion * of_segment * motion.transpose() + knowledge_->own_of(node) +
-         of_scale(knowledge_->pose(node).translation() - knowledge_->poses.front().translation());
+  const Eigen::Matrix3d covariance =
+      motion * of_segment * motion.transpose() + knowledge_->own_of(node) +
+      of_scale(knowledge_->pose(node).translation() - knowledge_->poses.front().translation());
+  if (turned_rad_ == 0.0) return covariance;
+  return rotated(covariance, Pose2{0.0, 0.0, turned_rad_}.rotation());
 }
 
 Eigen::Matrix3d PoseCovariances::between(NodeId from, NodeId to) const {

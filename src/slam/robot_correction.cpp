@@ -27,7 +27,7 @@ RobotModel corrected_robot(RobotModel robot, const Calibration& found) {
   return robot;
 }
 
-void tell_of_correction(const Calibration& found, MapResult& result) {
+std::vector<std::string> tell_of_correction(const Calibration& found, MapResult& result) {
   Calibration& calibration = result.calibration;
   calibration.laser_is_mirrored = found.laser_is_mirrored;
   calibration.mirror_is_in_doubt = found.mirror_is_in_doubt;
@@ -37,10 +37,11 @@ void tell_of_correction(const Calibration& found, MapResult& result) {
   calibration.scale_is_off = found.scale_is_off;
   calibration.open_travel_error_m = found.open_travel_error_m;
   calibration.scale_corrected = found.scale_is_off && !found.laser_is_mirrored;
-  const std::vector<std::string> words = correction_warnings(calibration);
+  std::vector<std::string> words = correction_warnings(calibration);
   result.warnings.insert(result.warnings.begin(), words.begin(), words.end());
   if (calibration.mirror_is_in_doubt && !result.verdict.measures.empty())
     result.verdict = judge_map(result);
+  return words;
 }
 
 }  // namespace loopstone

@@ -413,6 +413,7 @@ FORMATS = [
         bombs.picture_message,
     ),
     Format("wheels", "wheels", ["wheels/*"], ".wheels", None, [], bombs.wheels),
+    Format("edits_toml", "edits_toml", ["edits_toml/*"], ".toml", None, [], bombs_of_text.toml),
     Format("closure_csv", "closure_csv", ["closure_csv/*"], ".csv", None, [], bombs_of_text.text),
     Format(
         "view_client", "view_client", ["view_client/*"], ".message", None, [], bombs_of_text.text

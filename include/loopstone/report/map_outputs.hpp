@@ -4,6 +4,7 @@
 
 #include "loopstone/localization/landmark_mapping.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
+#include "loopstone/report/edit_outputs.hpp"
 #include "loopstone/report/run_info.hpp"
 #include "loopstone/slam/map_result.hpp"
 
@@ -13,6 +14,7 @@ namespace loopstone {
 struct MapExtras {
   const FloorTexture* texture = nullptr;
   const LandmarkMapping* landmarks = nullptr;
+  const EditOutputs* edits = nullptr;  ///< the map is one that somebody edited
 };
 
 /// Writes trajectory.tum, odometry.tum, graph.g2o, map.pgm, map.yaml, map.png, report.html,
@@ -24,13 +26,13 @@ struct MapExtras {
 /// UsageError when it holds something and `force` is false, else std::runtime_error naming what
 /// can't be written.
 /// \param extras  of the floor: texture.png and what belongs to it as well (texture_outputs.hpp);
-///                of landmarks: landmarks.csv
+///                of landmarks: landmarks.csv; of edits: edits.toml and the masks of zones
 void write_map_outputs(const MapResult& result, const RunInfo& info, const std::string& out_dir,
                        const MapExtras& extras = {});
 
 /// The text of summary.json: one object, every figure of the run, units in the key names, keys in a
 /// fixed order.
-/// \param extras  of each that is given an object with its figures, "texture" and "landmarks"
+/// \param extras  of each that is given an object with its figures, "texture", "landmarks" and "edits"
 [[nodiscard]] std::string format_summary(const MapResult& result, const RunInfo& info,
                                          const MapExtras& extras = {});
 

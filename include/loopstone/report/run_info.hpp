@@ -38,6 +38,8 @@ struct RunInfo {
   /// made, too.
   std::int64_t peak_memory_bytes = 0;
   LeftOut left_out{};  ///< of the log, as far as it was read
+  /// Those of the result's warnings that the log itself gives reason for, whatever the map.
+  std::vector<std::string> log_warnings{};
   int threads = 0;
   std::optional<PaceFigures> pace{};  ///< of a replay in real time
   bool force = false;                 ///< files of an earlier run may be replaced

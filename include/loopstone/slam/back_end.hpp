@@ -91,11 +91,8 @@ class BackEnd {
 
   /// After finish().
   [[nodiscard]] const PoseGraph& graph() const { return graph_; }
-  [[nodiscard]] std::vector<KeyScan> keys() const { return chain_.keys(); }  ///< the graph's nodes
-  [[nodiscard]] std::vector<StepDrift> drifts(const std::deque<TrackedPose>& track,
-                                              double scale) const {
-    return chain_.drifts(track, scale);
-  }
+  [[nodiscard]] const KeyChain& chain() const { return chain_; }  ///< its keys: the graph's nodes
+  [[nodiscard]] std::vector<KeyScan> keys() const { return chain_.keys(); }
   [[nodiscard]] double path_length_m() const { return chain_.length_m(); }
   [[nodiscard]] double loop_closing_s() const { return loop_closing_s_; }
   [[nodiscard]] double optimisation_s() const { return optimisation_s_; }

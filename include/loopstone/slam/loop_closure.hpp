@@ -37,7 +37,7 @@ constexpr auto words_of(ClosureState /*any*/) {
                     Word{kRejected, "rejected"}, Word{kRevoked, "revoked"}};
 }
 
-/// Why a closure does not stand.
+/// Why a closure does not stand, or by whom it does.
 enum class ClosureReason {
   kNone,              ///< it stands
   kTooFewPairs,       ///< registration found too little to align
@@ -49,6 +49,9 @@ enum class ClosureReason {
   kNoSecond,          ///< and none came until the end
   kContradictsGraph,  ///< its residual is too large to be chance
   kSurroundings,      ///< the submaps around both ends do not hold it where it bends the map
+  kAddedByHand,       ///< it stands: somebody said so
+  kDeletedByHand,     ///< it stood until somebody said no
+  kIgnored,           ///< without scans that are not to be used, too little is left of it
 };
 
 /// Without comma or quote.
@@ -63,7 +66,10 @@ constexpr auto words_of(ClosureReason /*any*/) {
                     Word{kWaitsForSecond, "waits for a second closure that asks for the same"},
                     Word{kNoSecond, "no second closure asks for the same"},
                     Word{kContradictsGraph, "revoked: contradicts the rest of the graph"},
-                    Word{kSurroundings, "the places around do not bear it out"}};
+                    Word{kSurroundings, "the places around do not bear it out"},
+                    Word{kAddedByHand, "added by hand"},
+                    Word{kDeletedByHand, "deleted by hand"},
+                    Word{kIgnored, "its scans are ignored"}};
 }
 
 /// A place that was recognised, or looked like it, with the evidence.

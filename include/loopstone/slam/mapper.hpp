@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@
 namespace loopstone {
 
 struct MapperState;
+struct SettledMap;
 
 /// What the mapper itself decides by.
 struct MapperNumbers {
@@ -118,6 +120,11 @@ class Mapper {
   ///                  incomplete
   [[nodiscard]] MapResult finish(const ProgressCallback& progress = {},
                                  const std::stop_token& cancel = {});
+
+  /// Ends the recording as finish() does, up to the solved graph: what an edit of the map begins
+  /// with (map_editor.hpp). Call once, instead of finish(); nothing may follow.
+  /// \param goes_on  asked while loops are closed; once it returns false the search ends
+  [[nodiscard]] SettledMap settle(const std::function<bool()>& goes_on = {});
 
   /// What finish() brings into the graph beside the laser's own; not part of a saved state. What a
   /// key scan's intensities tell is lost where a run goes on from one.

@@ -30,6 +30,8 @@ class PoseCovariances {
   /// rad^2]; zero for held poses. Cost: once a stretch what lies between it and the root of an
   /// elimination tree, below a millisecond.
   [[nodiscard]] Eigen::Matrix3d of(NodeId node) const;
+  /// The map is told in a frame that is turned: so are the axes of of() from now on.
+  void turn_axes(double new_yaw_map_rad) { turned_rad_ += new_yaw_map_rad; }
   /// Of the motion from one pose to another, (x, y, yaw) in the first one's frame. Cost: as
   /// that of a stretch.
   [[nodiscard]] Eigen::Matrix3d between(NodeId from, NodeId to) const;
@@ -37,6 +39,7 @@ class PoseCovariances {
  private:
   struct Knowledge;
   std::shared_ptr<Knowledge> knowledge_{};
+  double turned_rad_ = 0.0;  ///< since it was known
 };
 
 }  // namespace loopstone

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/calibration.hpp"
 #include "loopstone/slam/map_result.hpp"
@@ -19,7 +22,8 @@ namespace loopstone {
 /// The robot with beams, and odometry's scale, as the drive tells them.
 [[nodiscard]] RobotModel corrected_robot(RobotModel robot, const Calibration& found);
 
-/// Notes in the map of a corrected robot what the first one had found, and warns.
-void tell_of_correction(const Calibration& found, MapResult& result);
+/// Notes in the map of a corrected robot what the first one had found, and warns. Returns the words
+/// of the warnings.
+std::vector<std::string> tell_of_correction(const Calibration& found, MapResult& result);
 
 }  // namespace loopstone

@@ -10,6 +10,8 @@
 #include <string>
 #include <variant>
 
+#include "loopstone/slam/map_editor.hpp"
+
 namespace loopstone {
 namespace {
 
@@ -65,8 +67,10 @@ TEST(DecisionNumbers, AreAllOnTheList) {
       }
     }
   }
-  // Those of landmarks are on record where landmarks are mapped: landmark_numbers().
-  EXPECT_EQ(decision_numbers().size() + 1, structs) << "see decision_numbers.cpp";
+  // Those of landmarks are on record where landmarks are mapped, landmark_numbers(), and those of
+  // edits where a map was edited.
+  EXPECT_EQ(decision_numbers().size() + edit_numbers().size() + 1, structs)
+      << "see decision_numbers.cpp";
 }
 
 TEST(DecisionNumbers, WereMeasuredByScriptsThatAreThere) {
