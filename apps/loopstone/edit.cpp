@@ -204,7 +204,7 @@ Outputs outputs_for(const Arguments& arguments, const AppContext& context) {
     throw UsageError("--check writes nothing: leave out -o, or --check");
   Outputs outputs(context, arguments.force);
   outputs.reads(arguments.folder);
-  outputs.reads(arguments.edits);
+  if (!arguments.edits.empty()) outputs.reads(arguments.edits);
   if (!arguments.out.empty()) outputs.add_folder("-o", arguments.out);
   return outputs;
 }
@@ -213,7 +213,7 @@ ExitCode run_edit(const Arguments& arguments, const AppContext& context) {
   const auto start = Clock::now();
   const Outputs outputs = outputs_for(arguments, context);
   outputs.check();
-  const EditsFile more = read_edits_file(arguments.edits);
+  const EditsFile more = arguments.edits.empty() ? EditsFile{} : read_edits_file(arguments.edits);
   const EditedFolder folder = read_edited_folder(arguments.folder);
   const EditsFile edits = all_edits(folder, more);
 
@@ -261,9 +261,12 @@ void add_edit_command(CLI::App& app, AppContext& context) {
       ->add_option("OUT", arguments->folder,
                    "a folder of results that `loopstone map --keep-state` left; it stays as it is")
       ->required();
-  command->add_option("--edits", arguments->edits, "what to do, as TOML")
-      ->type_name("FILE.toml")
-      ->required();
+  command
+      ->add_option(
+          "--edits", arguments->edits,
+          "what to do, as TOML; without it the map is drawn as it is, which completes what a "
+          "run left that was killed")
+      ->type_name("FILE.toml");
   command
       ->add_option("-o,--out", arguments->out,
                    "folder for the results; made, or empty unless --force")

@@ -60,6 +60,8 @@ LeftOut left_out_in(const Json& json) {
 
 EditedFolder read_edited_folder(const std::string& out) {
   const Json summary = summary_of(out);
+  // A run that was killed leaves its state alone: what it has led to is a map, too.
+  if (summary.is_null() && std::filesystem::exists(state_path(out))) return {};
   const auto complete = summary.find("complete");
   if (complete == summary.end() || *complete != true) {
     throw DataError({out},
@@ -81,7 +83,7 @@ EditedFolder read_edited_folder(const std::string& out) {
   return folder;
 }
 
-MapEditor open_kept_map(const std::string& out, const AppContext& context, KeptMap& kept) {
+SettledMap settle_kept_map(const std::string& out, const AppContext& context, KeptMap& kept) {
   Session session = read_kept_session(out, "edit", context);
   const std::string path = state_path(out);
   if (session.terms.robot_toml.empty()) {
@@ -101,7 +103,11 @@ MapEditor open_kept_map(const std::string& out, const AppContext& context, KeptM
   } catch (const UsageError& error) {
     throw DataError({path}, std::string("is damaged: ") + error.what());
   }
-  return MapEditor(mapper.settle(), context.threads());
+  return mapper.settle();
+}
+
+MapEditor open_kept_map(const std::string& out, const AppContext& context, KeptMap& kept) {
+  return MapEditor(settle_kept_map(out, context, kept), context.threads());
 }
 
 }  // namespace loopstone::app

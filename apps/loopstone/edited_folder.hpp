@@ -10,6 +10,7 @@
 #include "loopstone/slam/map_editor.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_verdict.hpp"
+#include "loopstone/slam/settled_map.hpp"
 
 // A folder of results as something that can be edited: its state, and what its summary.json still
 // knows of the log.
@@ -26,7 +27,8 @@ struct EditedFolder {
   bool was_edited = false;
 };
 
-/// Throws DataError when there is no summary.json of a whole run, or one of the edits that it tells
+/// Of a folder with a state and no summary.json, as a run leaves it that was killed, nothing is
+/// known. Throws DataError when there is no summary.json of a whole run, or one of the edits that it tells
 /// of is not there any more.
 [[nodiscard]] EditedFolder read_edited_folder(const std::string& out);
 
@@ -37,6 +39,8 @@ struct KeptMap {
   std::string options_toml{};
 };
 
+[[nodiscard]] SettledMap settle_kept_map(const std::string& out, const AppContext& context,
+                                         KeptMap& kept);
 /// Reads the state of a folder and closes the last loops, until the user interrupts. Throws
 /// DataError as read_kept_session() does, and when the state is damaged.
 [[nodiscard]] MapEditor open_kept_map(const std::string& out, const AppContext& context,

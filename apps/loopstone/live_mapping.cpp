@@ -79,7 +79,7 @@ class LiveMapping {
   void take_updates(PoseLines& poses);
   [[nodiscard]] Checkpoint::How checkpoints() const;
   [[nodiscard]] MapResult finish();
-  [[nodiscard]] RunInfo info_of(const LeftOut& left_out) const;
+  [[nodiscard]] RunInfo info_of(const LogSummary& judged) const;
   void write(const MapResult& result, RunInfo& info);
 
   const LiveArguments& arguments_;
@@ -128,6 +128,7 @@ void LiveMapping::watch_it(const RobotModel& robot) {
 }
 
 void LiveMapping::begin(const RobotModel& robot) {
+  terms_.robot_toml = robot_to_toml(robot);
   terms_.robot_toml = robot_to_toml(robot);
   mapper_ = std::make_unique<Mapper>(robot, options_, context_.threads());
   if (before_) continue_from(arguments_.from, std::move(*before_), *mapper_, context_);
@@ -189,10 +190,11 @@ MapResult LiveMapping::finish() {
   return result;
 }
 
-RunInfo LiveMapping::info_of(const LeftOut& left_out) const {
+RunInfo LiveMapping::info_of(const LogSummary& judged) const {
   // The folder holds the checkpoints of this run, if nothing else.
   constexpr bool kMayOverwrite = true;
-  RunInfo info = run_info(names_of_sources(arguments_), left_out, kMayOverwrite, context_);
+  RunInfo info = run_info(names_of_sources(arguments_), judged.left_out, kMayOverwrite, context_);
+  info.log_warnings = warnings_of(judged);
   info.options_toml = terms_.options_toml;
   info.wall_time_s = std::chrono::duration<double>(Clock::now() - started_).count();
   return info;
@@ -229,7 +231,7 @@ ExitCode LiveMapping::run() {
   for (const std::string& warning : warnings_of(judged)) result.warnings.push_back(warning);
   judge_left_out(result.verdict, judged.left_out.share());
   if (feed_) feed_->finish(result);
-  RunInfo info = info_of(judged.left_out);
+  RunInfo info = info_of(judged);
   write(result, info);
   return tell_map(result, {}, info, {.out = arguments_.out}, context_);
 }

@@ -35,7 +35,7 @@ std::string about_of(const ViewAbout& about) {
                                        {"mode", about.mode},
                                        {"name", about.name},
                                        {"can_seek", about.range.has_value()},
-                                       {"can_edit", false}};
+                                       {"can_edit", about.can_edit}};
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -98,7 +98,8 @@ LiveView::LiveView(const ViewFlags& flags, const ViewAbout& about)
 
 std::optional<HttpAnswer> LiveView::answer(std::string_view path) const {
   if (path == "/api/about") return HttpAnswer{.body = about_json_};
-  return board_.answer(path);
+  if (auto answer = board_.answer(path)) return answer;
+  return others_ ? others_(path) : std::nullopt;
 }
 
 void LiveView::open(const AppContext& context) {

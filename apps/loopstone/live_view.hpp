@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app.hpp"
@@ -30,6 +33,7 @@ struct ViewAbout {
   std::string name{};
   std::string mode{};                    ///< "replay", "mapping", "localizing"
   std::optional<PlaybackRange> range{};  ///< clients may seek in it
+  bool can_edit = false;
 };
 
 /// A server with a board.
@@ -43,6 +47,11 @@ class LiveView {
 
   [[nodiscard]] ViewServer& server() { return server_; }
   [[nodiscard]] ViewBoard& board() { return board_; }
+
+  /// Who answers what the board does not. Before open().
+  void on_get(std::function<std::optional<HttpAnswer>(std::string_view path)> answer) {
+    others_ = std::move(answer);
+  }
 
   /// Listens, says where, and shows it in the user's browser where there is a screen. Throws
   /// UsageError when the port is taken.
@@ -58,6 +67,7 @@ class LiveView {
 
   bool opens_browser_;
   std::string about_json_;
+  std::function<std::optional<HttpAnswer>(std::string_view path)> others_{};
   ViewServer server_;
   ViewBoard board_;
 };

@@ -42,6 +42,13 @@ void add_view_command(CLI::App& app, AppContext& context) {
                    "of a folder: the log whose scans are shown (default: the one that it was made "
                    "of)")
       ->type_name("LOG");
+  command->add_flag("--edit", request->edit,
+                    "of a folder that `map --keep-state` left: the map may be put right by hand in "
+                    "the browser");
+  command
+      ->add_option("--edits", request->edits,
+                   "of --edit: where the edits are saved (default: WHAT.edits.toml)")
+      ->type_name("FILE.toml");
   add_view_flags(*command, request->view);
   add_cut_flags(*command, request->cut);
   add_log_flags(*command, request->reading);
@@ -55,6 +62,7 @@ WebSocket". Ctrl-C ends it. Only this machine can connect unless --listen and --
 
 Examples:
   loopstone view out
+  loopstone view out --edit                  then: loopstone edit out --edits out.edits.toml -o out2
   loopstone view intel.clf --speed 20
   loopstone map intel.clf -o out --view)");
   context.on_run(*command, [request, &context] {

@@ -10,9 +10,12 @@
 #include <utility>
 #include <variant>
 
+#include "edited_folder.hpp"
 #include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/robot_file.hpp"
+#include "loopstone/formats/text_file.hpp"
+#include "loopstone/live/edit_desk.hpp"
 #include "loopstone/live/folder_view.hpp"
 #include "loopstone/live/replay_clock.hpp"
 #include "loopstone/report/map_folder.hpp"
@@ -128,6 +131,36 @@ RobotModel robot_for(const ViewRequest& request, const LogOfFolder& log,
   }
 }
 
+/// Where edits are saved: beside the folder, which is never changed.
+std::string edits_path(const ViewRequest& request) {
+  if (!request.edits.empty()) return request.edits;
+  std::string folder = request.what;
+  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+  return folder + ".edits.toml";
+}
+
+/// The folder's map as something that clients edit. Nothing when that is not asked for.
+std::unique_ptr<EditDesk> desk_of(const ViewRequest& request, LiveView& view,
+                                  const AppContext& context) {
+  if (!request.edit) return nullptr;
+  const EditedFolder folder = read_edited_folder(request.what);
+  KeptMap kept;
+  SettledMap map = settle_kept_map(request.what, context, kept);
+  const std::string file = edits_path(request);
+  auto desk = std::make_unique<EditDesk>(
+      map, folder.edits.edits, view.board(),
+      EditDeskOptions{.file = file,
+                      .command = "loopstone edit " + request.what + " --edits " + file + " -o " +
+                                 short_name(request.what) + "-edited",
+                      .save = [file](const std::string& toml) { write_text_file(file, toml); },
+                      .threads = context.threads()});
+  view.on_get([&desk = *desk](std::string_view path) { return desk.get(path); });
+  view.server().on_post([&desk = *desk](std::string_view path, std::string_view body) {
+    return desk.post(path, body);
+  });
+  return desk;
+}
+
 }  // namespace
 
 bool is_map_folder(const std::string& path) {
@@ -138,6 +171,8 @@ bool is_map_folder(const std::string& path) {
 }
 
 ExitCode view_folder(const ViewRequest& request, const AppContext& context) {
+  if (!request.edits.empty() && !request.edit)
+    throw UsageError("--edits says where --edit saves what was done; add --edit");
   MapFolder folder = read_map_folder(request.what, context.memory());
   for (const std::string& reason : folder.left_out) context.warn("not shown: " + reason);
   const LogOfFolder log = log_of(folder.summary_json);
@@ -145,12 +180,13 @@ ExitCode view_folder(const ViewRequest& request, const AppContext& context) {
   const HeldInterrupt held(kViewEnds);
   const PlaybackRange range{folder.trajectory.front().stamp, folder.trajectory.back().stamp};
 
-  LiveView view(request.view, {short_name(request.what), "replay", range});
+  LiveView view(request.view, {short_name(request.what), "replay", range, request.edit});
   ReplayClock clock(range, request.speed,
                     [&](const PlaybackState& state) { view.server().set_playback(state); });
   view.server().on_playback([&](const PlaybackControl& control) { clock.control(control); });
   FolderView shown(std::move(folder), robot, view.board());
   add_scans(request, log, shown, context);
+  const std::unique_ptr<EditDesk> desk = desk_of(request, view, context);
   if (interrupted()) return kExitDone;
   const ClosesFirst closes_first(view);
   view.open(context);

@@ -166,6 +166,9 @@ class LogReplay {
 ExitCode view_log(const ViewRequest& request, const AppContext& context) {
   if (!request.log.empty())
     throw UsageError("--log names the scans of a finished map; " + request.what + " is none");
+  if (request.edit || !request.edits.empty())
+    throw UsageError("--edit: a finished map can be edited, a log can't; `loopstone map " +
+                     request.what + " -o out --keep-state` makes one");
   if (is_stream(request.what))
     throw UsageError(request.what +
                      ": a pipe can be read once only, and a view goes back in it; write it into a "

@@ -12,6 +12,8 @@ namespace loopstone::app {
 struct ViewRequest {
   std::string what{};  ///< a folder or a log
   std::string log{};   ///< of a folder: whose scans are shown; empty: the one that it names
+  bool edit = false;
+  std::string edits{};  ///< where edits are saved; empty: beside the folder
   double speed = 1.0;
   LogCut cut{};
   LogFlags reading{};
