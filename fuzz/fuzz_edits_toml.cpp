@@ -30,14 +30,13 @@ MapEditor& editor() {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace loopstone;
-  const std::string_view text = fuzz::text_of(data, size);
-  return fuzz::expect_work_or_refusal(text, [&] {
-    const std::vector<MapEdit> edits = parse_edits(text, "edits.toml");
+  const std::string_view text = loopstone::fuzz::text_of(data, size);
+  return loopstone::fuzz::expect_work_or_refusal(text, [&] {
+    const std::vector<MapEdit> edits = loopstone::parse_edits(text, "edits.toml");
     // There is one way to write what was read, and it reads the same.
-    const std::string written = edits_to_toml(edits);
-    if (parse_edits(written, "again.toml") != edits) __builtin_trap();
-    if (!fuzz::goes_on()) return;
+    const std::string written = loopstone::edits_to_toml(edits);
+    if (loopstone::parse_edits(written, "again.toml") != edits) __builtin_trap();
+    if (!loopstone::fuzz::goes_on()) return;
     constexpr std::size_t kMost = 20;
     const std::size_t count = edits.size() < kMost ? edits.size() : kMost;
     editor().set_edits(std::span(edits).first(count));

@@ -292,7 +292,7 @@ std::optional<LoopClosure> best_of_all_reaches(HandCandidate candidate, const Ed
   for (const auto& [from_nodes, to_nodes] : reaches) {
     candidate.from_nodes = from_nodes;
     candidate.to_nodes = to_nodes;
-    const auto found = register_places(candidate, path, ignores);
+    auto found = register_places(candidate, path, ignores);
     if (found && waits(*found)) return found;
     if (found && (!best || found->score > best->score)) best = found;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "loopstone/slam/map_edit.hpp"
 #include "slam/edit_state.hpp"
@@ -17,7 +18,7 @@ struct ClosureEdit {
 class ClosureRefusal : public EditRefusal {
  public:
   ClosureRefusal(const std::string& why, LoopClosure refused)
-      : EditRefusal(why), closure(refused) {}
+      : EditRefusal(why), closure(std::move(refused)) {}
   LoopClosure closure;
 };
 

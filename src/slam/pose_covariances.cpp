@@ -191,7 +191,7 @@ Eigen::Matrix3d PoseCovariances::of(NodeId node) const {
   const Eigen::Matrix3d motion = knowledge_->segments.motion_at(place, Eigen::Vector2d::Zero());
   const Eigen::Matrix3d& of_segment =
       knowledge_->of_segment(knowledge_->segments.segment_of(place));
-  const Eigen::Matrix3d covariance =
+  Eigen::Matrix3d covariance =
       motion * of_segment * motion.transpose() + knowledge_->own_of(node) +
       of_scale(knowledge_->pose(node).translation() - knowledge_->poses.front().translation());
   if (turned_rad_ == 0.0) return covariance;
