@@ -206,8 +206,7 @@ to_submap = 4000
 }
 
 TEST_F(EditCommand, WhatIsNoEditIsUsageWithLines) {
-  const ProgramResult result =
-      edit("map", "[[edit]]\nkind = \"crop\"\nboxx = [0, 0, 1, 1]\n", "x");
+  const ProgramResult result = edit("map", "[[edit]]\nkind = \"crop\"\nboxx = [0, 0, 1, 1]\n", "x");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.error, AllOf(HasSubstr("x.toml:3: "), HasSubstr("did you mean box?")));
   EXPECT_FALSE(fs::exists(*folder_ / "x"));
@@ -225,8 +224,9 @@ TEST_F(EditCommand, SaysWhatIsMissing) {
   const ProgramResult nowhere = run_program(
       {"edit", *folder_ / "map", "--edits", *folder_ / "absent.toml", "-o", *folder_ / "no"});
   EXPECT_EQ(nowhere.exit_code, 1);
-  const ProgramResult both = run_program({"edit", *folder_ / "map", "--edits", *folder_ / "absent.toml",
-                                          "--check", "-o", *folder_ / "no"});
+  const ProgramResult both =
+      run_program({"edit", *folder_ / "map", "--edits", *folder_ / "absent.toml", "--check", "-o",
+                   *folder_ / "no"});
   EXPECT_EQ(both.exit_code, 2);
   EXPECT_FALSE(fs::exists(*folder_ / "no"));
 }
