@@ -47,7 +47,8 @@ def edits_of(folder, duration_s):
     for row in chosen:
         x_m, y_m = float(row["x_m"]) + 0.2, float(row["y_m"]) - 0.2
         edits.append(
-            f'kind = "add_closure"\n{named(row)}x_m = {x_m}\ny_m = {y_m}\nyaw_rad = {row["yaw_rad"]}\n'
+            f'kind = "add_closure"\n{named(row)}x_m = {x_m}\ny_m = {y_m}\n'
+            f'yaw_rad = {row["yaw_rad"]}\n'
         )
     for i in range(EDITS):
         begin_s = duration_s * (2 * i + 1) / (2 * EDITS)

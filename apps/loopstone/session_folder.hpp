@@ -68,8 +68,8 @@ void add_continue_flags(CLI::App& command, ContinueFlags& flags);
 
 /// The state that a finished map can be gone on from, beside its results.
 [[nodiscard]] std::string state_path(const std::string& out);
-/// Throws DataError when the folder has none, it is damaged, of another version or of other options,
-/// or of a map that was edited.
+/// Throws DataError when the folder has none, it is damaged, of another version or of other
+/// options, or of a map that was edited.
 [[nodiscard]] MapperState read_state(const std::string& out, const SessionTerms& now,
                                      const AppContext& context);
 /// The whole session that --keep-state left. Throws DataError when there is none, it is damaged or

@@ -11,8 +11,8 @@ namespace loopstone {
 
 namespace {
 
-/// The servers of a mask: who shows it, and who says how it is meant. A number without a point would
-/// be no double there.
+/// The servers of a mask: who shows it, and who says how it is meant. A number without a point
+/// would be no double there.
 std::string servers_of(const std::string& name, const FilterMask& mask) {
   return fmt::format(R"({0}_filter_mask_server:
   ros__parameters:

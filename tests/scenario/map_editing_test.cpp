@@ -1,7 +1,6 @@
 // Maps edited by hand, on simulated worlds with truth: what is right makes them better, what is
 // wrong worse, and either is said.
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,8 +16,6 @@
 
 namespace loopstone::test {
 namespace {
-
-using testing::HasSubstr;
 
 MapEditor editor_of(const SimulatedLog& log, const MapOptions& options = {}) {
   Mapper mapper(log.robot, options, {});

@@ -32,7 +32,7 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
 
 /// The text of summary.json: one object, every figure of the run, units in the key names, keys in a
 /// fixed order.
-/// \param extras  of each that is given an object with its figures, "texture", "landmarks" and "edits"
+/// \param extras  of each that is given an object with its figures: "texture", "landmarks", "edits"
 [[nodiscard]] std::string format_summary(const MapResult& result, const RunInfo& info,
                                          const MapExtras& extras = {});
 

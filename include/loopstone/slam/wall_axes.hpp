@@ -52,9 +52,9 @@ struct WallAxes {
   }
 };
 
-/// By where surfaces face: the direction, of a quarter turn, that most of them share, as the mean of
-/// those near to it. Surfaces are thinned to an even spacing, so each counts by its length and by
-/// how often it was seen.
+/// By where surfaces face: the direction, of a quarter turn, that most of them share, as the mean
+/// of those near to it. Surfaces are thinned to an even spacing, so each counts by its length and
+/// by how often it was seen.
 /// \param map_T_keys  of key scans
 /// \param surfaces    of each, its own frame; whose normals were guessed do not count
 /// Cost: O(surfaces). Deterministic.
