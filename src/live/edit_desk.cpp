@@ -16,9 +16,9 @@
 #include "live/snapshot_contents.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/thinned.hpp"
-#include "loopstone/geometry/polygon.hpp"
 #include "loopstone/formats/edits_file.hpp"
 #include "loopstone/formats/options_file.hpp"
+#include "loopstone/geometry/polygon.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/map_editor.hpp"
 #include "loopstone/slam/map_snapshot.hpp"
@@ -290,7 +290,8 @@ void EditDesk::Impl::show_graph() const {
 /// Draws the newest list, again and again; one that is overtaken is given up.
 void EditDesk::Impl::run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [this] { return drawn_ < revision_; })) {
+  const auto is_behind = [this] { return drawn_ < revision_; };
+  while (changed_.wait(lock, stop, is_behind) && !stop.stop_requested()) {
     const std::int64_t drawing = revision_;
     const std::vector<MapEdit> list = edits(0);
     lock.unlock();

@@ -469,5 +469,37 @@ TEST_F(ViewCommand, ShowsAMapThatIsMadeLive) {
   EXPECT_EQ(Json::parse(dir_->read("live/summary.json"))["complete"], true);
 }
 
+TEST_F(ViewCommand, AMapThatIsPutRightInItIsPutRightByTheSavedEditsToo) {
+  const std::string kept = *dir_ / "kept";
+  ASSERT_EQ(run_program({"map", log_, "-o", kept, "--keep-state", "--quiet"}).exit_code, 0);
+  const ProgramResult result =
+      view({"view", kept, "--edit", "--port", "0", "--no-open"}, [&](std::uint16_t port) {
+        Viewer viewer(port);
+        viewer.look_until([&] { return viewer.has("/loopstone/trajectory"); });
+        WebClient http(port);
+        EXPECT_EQ(Json::parse(http.get("/api/about").body)["can_edit"], true);
+        const Json edit{{"toml", "[[edit]]\nkind = \"ignore\"\nfrom_node = 10\nto_node = 20\n"}};
+        const Json state = Json::parse(http.post("/api/edits", edit.dump()).body);
+        ASSERT_EQ(state["edits"].size(), 1U);
+        EXPECT_EQ(state["edits"][0]["applied"], true);
+        EXPECT_EQ(Json::parse(http.post("/api/edits/save", "{}").body)["saved"], 1);
+        for (int i = 0; i < 600; ++i) {
+          const Json now = Json::parse(http.get("/api/edits").body);
+          if (now["drawn"] == now["revision"]) return;
+          std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        }
+        FAIL() << "the map was not drawn";
+      });
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  const ProgramResult edited = run_program(
+      {"edit", kept, "--edits", kept + ".edits.toml", "-o", *dir_ / "edited", "--quiet"});
+  EXPECT_EQ(edited.exit_code, 0) << edited.error;
+
+  const ProgramResult refused = run_program({"view", map_, "--edit", "--no-open", "--port", "0"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.error, HasSubstr("--keep-state"));
+  EXPECT_EQ(run_program({"view", log_, "--edit"}).exit_code, 2);
+}
+
 }  // namespace
 }  // namespace loopstone::test
