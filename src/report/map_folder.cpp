@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostPictureBytes = std::size_t{24} << 20U;
 constexpr int kPngCompression = 1;
 
-/// Cells are read before the matrix is begun: Eigen's comma aborts when a refusal leaves it half full.
+/// Cells are read before the matrix is begun: Eigen's comma aborts when a refusal leaves it half
+/// full.
 Eigen::Matrix3d covariance_in(const CsvRow& row) {
   const double xx = row.number("xx_m2");
   const double xy = row.number("xy_m2");

@@ -18,8 +18,8 @@ inline constexpr std::string_view kTcpScheme = "tcp://";
 /// chunk is whole.
 /// \param source  "-", the standard input; a pipe; a file, which is read from its beginning on and
 ///                then followed while it grows; tcp://HOST:PORT, a connection that is made
-/// Throws DataError when there is nothing at the source, or no such log; UsageError for a connection
-/// that is not named so; ReadingStopped.
+/// Throws DataError when there is nothing at the source, or no such log; UsageError for a
+/// connection that is not named so; ReadingStopped.
 [[nodiscard]] std::unique_ptr<LogReader> open_live_log(const std::string& source,
                                                        const LogOptions& options = {});
 

@@ -22,9 +22,9 @@ namespace loopstone {
 ///     while (auto estimate = localizer.next_update()) feed.add(*estimate, localizer);
 ///   }
 ///
-/// Of ViewPeriods `robot_s`, `status_s` and `map_s` are used, the last for particles and path. Calls
-/// come from one thread at a time, and cost microseconds, or some tenths of a millisecond where
-/// particles are shown.
+/// Of ViewPeriods `robot_s`, `status_s` and `map_s` are used, the last for particles and path.
+/// Calls come from one thread at a time, and cost microseconds, or some tenths of a millisecond
+/// where particles are shown.
 class LocalizationFeed {
  public:
   LocalizationFeed(ViewBoard& board, const RobotModel& robot, const LocalizationMap& map,
