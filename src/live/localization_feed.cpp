@@ -58,6 +58,7 @@ class LocalizationFeed::Impl {
   void catch_up(const Localizer& localizer);
 
  private:
+  void drop_scans();
   void show_robot();
   void show_status();
   void show_belief(const Localizer& localizer);
@@ -97,6 +98,10 @@ void LocalizationFeed::Impl::add(const LocalizationEstimate& estimate, const Loc
 
 void LocalizationFeed::Impl::catch_up(const Localizer& localizer) {
   if (!last_) return;
+  if (!board_.is_watched()) {
+    drop_scans();
+    return;
+  }
   if (waits_.robot && robot_timer_.is_due()) {
     show_robot();
     waits_.robot = false;
@@ -109,6 +114,10 @@ void LocalizationFeed::Impl::catch_up(const Localizer& localizer) {
     show_status();
     waits_.status = false;
   }
+  drop_scans();
+}
+
+void LocalizationFeed::Impl::drop_scans() {
   while (!scans_.empty() && scans_.front().stamp < last_->stamp) scans_.pop_front();
 }
 

@@ -211,6 +211,7 @@ class MapFeed::Impl {
   [[nodiscard]] const RobotModel& robot() const { return robot_; }
 
  private:
+  void drop_scans();
   void show_robot(const MapUpdate& update);
   [[nodiscard]] const LaserScan* scan_at(Stamp stamp) const;
   void show_status(Stamp stamp);
@@ -271,6 +272,11 @@ void MapFeed::Impl::add(const MapUpdate& update, const Mapper& mapper) {
 
 void MapFeed::Impl::catch_up(const Mapper& mapper) {
   if (!last_) return;
+  if (!board_.is_watched()) {
+    // Who comes later is shown what waits.
+    drop_scans();
+    return;
+  }
   if (waits_.robot && robot_timer_.is_due()) {
     show_robot(*last_);
     waits_.robot = false;
@@ -285,7 +291,11 @@ void MapFeed::Impl::catch_up(const Mapper& mapper) {
     show_status(last_->stamp);
     waits_.status = false;
   }
-  // Those of other lasers may have the same stamp.
+  drop_scans();
+}
+
+/// Those of other lasers may have the same stamp.
+void MapFeed::Impl::drop_scans() {
   while (!scans_.empty() && scans_.front().stamp < last_->stamp) scans_.pop_front();
 }
 

@@ -272,6 +272,9 @@ void ViewBoard::Impl::show_graph(Stamp stamp) {
 ViewBoard::ViewBoard(ViewSink sink) : impl_(std::make_unique<Impl>(std::move(sink))) {}
 ViewBoard::~ViewBoard() = default;
 
+bool ViewBoard::is_watched() const {
+  return !impl_->sink_.is_watched || impl_->sink_.is_watched();
+}
 void ViewBoard::begin_anew(Stamp stamp, double resolution_m) {
   impl_->begin_anew(stamp, resolution_m);
 }
@@ -345,7 +348,8 @@ ViewSink sink_of(ViewServer& server) {
           [&server](ViewChannel channel) { return server.add_channel(std::move(channel)); },
       .publish = [&server](ChannelId channel, Stamp stamp,
                            std::string bytes) { server.publish(channel, stamp, std::move(bytes)); },
-      .set_time = [&server](Stamp now) { server.set_time(now); }};
+      .set_time = [&server](Stamp now) { server.set_time(now); },
+      .is_watched = [&server] { return server.clients() > 0; }};
 }
 
 }  // namespace loopstone

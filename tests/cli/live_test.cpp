@@ -118,12 +118,17 @@ TEST_F(LiveCommand, AFileThatGrowsIsMappedUntilCtrlC) {
 
 TEST_F(LiveCommand, WhatWasSavedBeforeACrashIsGoneOnWith) {
   const std::string state = *folder_ / "crashed/state.loopstone";
-  Words words = live("replay:" + log_, "crashed", {"--speed", "6", "--checkpoint", "0.3"});
-  (void)kill_program(std::chrono::milliseconds(1500), words);
+  Words words = live("replay:" + log_, "crashed", {"--speed", "3", "--checkpoint", "0.3"});
+  (void)kill_program(std::chrono::milliseconds(2500), words);
   ASSERT_TRUE(fs::exists(state));
   const ProgramResult result = run_program(
       live("replay:" + mcap_, "joined", {"--speed", "1000", "--continue", *folder_ / "crashed"}));
   ASSERT_EQ(result.exit_code, 0) << result.error;
+  const ProgramResult drawn =
+      run_program({"edit", *folder_ / "crashed", "-o", *folder_ / "drawn", "--quiet"});
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.error;
+  EXPECT_GT(summary_of("drawn")["scans"].get<int>(), 10) << "what the run had led to";
+
   const Json summary = summary_of("joined");
   EXPECT_GT(summary["scans"].get<int>(), summary_of("map")["scans"].get<int>());
   EXPECT_EQ(summary["drives"].size(), 1U);

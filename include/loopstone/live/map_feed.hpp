@@ -35,8 +35,8 @@ struct ViewPeriods {
 ///   feed.finish(mapper.finish());
 ///
 /// The mapper's thread is kept for microseconds an update; the map is drawn, and all that is long
-/// is written, on a thread of the feed's own. The mapper's result does not depend on it. Calls come
-/// from one thread at a time.
+/// is written, on a thread of the feed's own. The mapper's result does not depend on it. As long as
+/// nobody looks nothing is drawn. Calls come from one thread at a time.
 class MapFeed {
  public:
   /// \param map  as the mapper's

@@ -25,6 +25,8 @@ struct ViewSink {
   std::function<ChannelId(ViewChannel)> add_channel{};
   std::function<void(ChannelId, Stamp, std::string)> publish{};
   std::function<void(Stamp)> set_time{};
+  /// Whether anybody looks; empty: it may be.
+  std::function<bool()> is_watched{};
 };
 [[nodiscard]] ViewSink sink_of(ViewServer& server);
 
@@ -46,6 +48,9 @@ class ViewBoard {
   ~ViewBoard();
   ViewBoard(const ViewBoard&) = delete;
   ViewBoard& operator=(const ViewBoard&) = delete;
+
+  /// Whether anybody looks. What is costly to make need not be shown until then.
+  [[nodiscard]] bool is_watched() const;
 
   /// All that was shown is no more; tiles are of that resolution from now on.
   void begin_anew(Stamp stamp, double resolution_m);

@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::json;
 
 /// A finished map of a few rooms on a desk.
-class EditDeskThread : public testing::Test {
+class Desk : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     const test::SimulatedLog log = test::simulate_log("rooms", 1, {.duration_s = 90.0});
@@ -70,7 +70,7 @@ class EditDeskThread : public testing::Test {
   bool is_full_ = false;
 };
 
-TEST_F(EditDeskThread, DoesWhatIsPostedAndShowsIt) {
+TEST_F(Desk, DoesWhatIsPostedAndShowsIt) {
   const auto desk = this->desk();
   EXPECT_EQ(state(*desk)["edits"].size(), 0U);
   EXPECT_EQ(state(*desk)["revision"], 0);
@@ -99,7 +99,7 @@ TEST_F(EditDeskThread, DoesWhatIsPostedAndShowsIt) {
       << "as the library alone does it";
 }
 
-TEST_F(EditDeskThread, UndoesAndSaves) {
+TEST_F(Desk, UndoesAndSaves) {
   const auto desk = this->desk();
   EXPECT_EQ(desk->post("/api/edits/undo", "{}")->status, 409) << "there is nothing to undo";
   (void)post(*desk, box("keep_out"));
@@ -122,7 +122,7 @@ TEST_F(EditDeskThread, UndoesAndSaves) {
   EXPECT_EQ(state(*desk)["saved"], 2);
 }
 
-TEST_F(EditDeskThread, BuildsOnEditsThatWereThere) {
+TEST_F(Desk, BuildsOnEditsThatWereThere) {
   const auto desk = this->desk(parse_edits(box("erase"), "before"));
   EXPECT_EQ(state(*desk)["edits"].size(), 0U);
   EXPECT_EQ(desk->post("/api/edits/undo", "{}")->status, 409) << "they are not the client's";
@@ -131,7 +131,7 @@ TEST_F(EditDeskThread, BuildsOnEditsThatWereThere) {
   EXPECT_EQ(parse_edits(saved_, "saved").size(), 1U);
 }
 
-TEST_F(EditDeskThread, RefusesWhatItDoesNotUnderstand) {
+TEST_F(Desk, RefusesWhatItDoesNotUnderstand) {
   const auto desk = this->desk();
   for (const std::string body :
        {"", "[]", "{", R"({"toml": 5})", R"({"toml": "[[edit]]\nkind=7"})"}) {
@@ -150,7 +150,7 @@ TEST_F(EditDeskThread, RefusesWhatItDoesNotUnderstand) {
   EXPECT_FALSE(refused["edits"][0]["told"].get<std::string>().empty());
 }
 
-TEST_F(EditDeskThread, GivesTheScansOfNodes) {
+TEST_F(Desk, GivesTheScansOfNodes) {
   const auto desk = this->desk();
   const Json scan = Json::parse(desk->get("/api/nodes/3/scan")->body);
   EXPECT_GT(scan["points"].size(), 100U);
@@ -159,7 +159,7 @@ TEST_F(EditDeskThread, GivesTheScansOfNodes) {
   EXPECT_EQ(desk->get("/api/nodes/3x/scan")->status, 404);
 }
 
-TEST_F(EditDeskThread, MayGoWhileItDraws) {
+TEST_F(Desk, MayGoWhileItDraws) {
   for (int i = 0; i < 3; ++i) {
     const auto desk = this->desk();
     (void)post(*desk, box("erase"));

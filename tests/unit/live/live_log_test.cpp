@@ -83,7 +83,7 @@ struct News {
   }
 };
 
-TEST(LiveLogThread, GivesAllOfASourceInItsOrder) {
+TEST(LiveSources, GivesAllOfASourceInItsOrder) {
   LiveLog log({scans("laser", 5000, 100.0)}, {.most_waiting = 10});
   ASSERT_TRUE(log.wait_for_sources());
   const auto messages = all_of(log);
@@ -92,7 +92,7 @@ TEST(LiveLogThread, GivesAllOfASourceInItsOrder) {
     EXPECT_EQ(stamp_of(messages[i]), Stamp::from_seconds(100.0 + 0.1 * static_cast<double>(i)));
 }
 
-TEST(LiveLogThread, LosesTheOldestScansOfWhatDoesNotWait) {
+TEST(LiveSources, LosesTheOldestScansOfWhatDoesNotWait) {
   News news;
   LiveLogOptions options = news.options();
   options.most_waiting = 50;
@@ -107,7 +107,7 @@ TEST(LiveLogThread, LosesTheOldestScansOfWhatDoesNotWait) {
   EXPECT_EQ(news.count("left out"), 1);
 }
 
-TEST(LiveLogThread, OpensASourceThatIsLostAgain) {
+TEST(LiveSources, OpensASourceThatIsLostAgain) {
   News news;
   LiveLogOptions options = news.options();
   options.again_s = 0.01;
@@ -134,7 +134,7 @@ TEST(LiveLogThread, OpensASourceThatIsLostAgain) {
   EXPECT_GE(news.count("laser: is back"), 1);
 }
 
-TEST(LiveLogThread, WhatCanNeverBeOpenedIsThrown) {
+TEST(LiveSources, WhatCanNeverBeOpenedIsThrown) {
   LiveSource wrong;
   wrong.name = "wrong";
   wrong.open = [](const LogOptions&) -> std::unique_ptr<LogReader> {
@@ -152,7 +152,7 @@ TEST(LiveLogThread, WhatCanNeverBeOpenedIsThrown) {
   EXPECT_THROW((void)other.wait_for_sources(), DataError);
 }
 
-TEST(LiveLogThread, TellsOfSilenceAndItsEnd) {
+TEST(LiveSources, TellsOfSilenceAndItsEnd) {
   News news;
   LiveLogOptions options = news.options();
   options.silence_s = 0.1;
@@ -172,7 +172,7 @@ TEST(LiveLogThread, TellsOfSilenceAndItsEnd) {
   EXPECT_GT(idle, 2);
 }
 
-TEST(LiveLogThread, NumbersLasersAndPlacesThemAsTheirSourcesSay) {
+TEST(LiveSources, NumbersLasersAndPlacesThemAsTheirSourcesSay) {
   LiveLog log({source("two",
                       [](int i) -> std::optional<SensorMessage> {
                         if (i == 20) return {};
@@ -203,7 +203,7 @@ TEST(LiveLogThread, NumbersLasersAndPlacesThemAsTheirSourcesSay) {
   for (const int count : seen) EXPECT_GT(count, 0);
 }
 
-TEST(LiveLogThread, PutsClocksTogetherThatDiffer) {
+TEST(LiveSources, PutsClocksTogetherThatDiffer) {
   News news;
   LiveLog log({source("laser",
                       [](int i) -> std::optional<SensorMessage> {
@@ -229,7 +229,7 @@ TEST(LiveLogThread, PutsClocksTogetherThatDiffer) {
   EXPECT_EQ(news.count("its stamps are put on that"), 1);
 }
 
-TEST(LiveLogThread, EndsWhenNothingComesAndWhenToldTo) {
+TEST(LiveSources, EndsWhenNothingComesAndWhenToldTo) {
   const auto silent_after_ten = [](int i) -> std::optional<SensorMessage> {
     if (i == 10) std::this_thread::sleep_for(milliseconds(600));
     if (i == 11) return {};
