@@ -320,8 +320,6 @@ export class DemoEdits {
   readonly asked: string[] = [];
   /** The next request is answered by this instead. */
   refuseNext: BadRequest | null = null;
-  /** The next request is done, and its answer is lost on the way. */
-  loseNext = false;
   private list: Table[] = [];
   private revision = 0;
   private drawn = 0;

@@ -200,7 +200,7 @@ export class DemoServer {
         can_edit: this.edits !== null,
       });
     } else if (path.startsWith("/api/edits")) {
-      this.answerEdits(request, response, path, json);
+      this.answerEdits(request, path, json);
     } else if (/^\/api\/nodes\/\d+\/scan$/.test(path)) {
       const node = this.run.nodes[Number(path.split("/")[3])];
       if (node === undefined) json(404, { error: "no such node" });
@@ -216,7 +216,6 @@ export class DemoServer {
 
   private answerEdits(
     request: IncomingMessage,
-    response: ServerResponse,
     path: string,
     json: (status: number, body: object) => void,
   ): void {
@@ -231,10 +230,7 @@ export class DemoServer {
       if (request.headers["content-type"] !== "application/json")
         return json(400, { error: "Content-Type must be application/json" });
       try {
-        const state = edits.post(path, JSON.parse(body.toString()));
-        if (!edits.loseNext) return json(200, state);
-        edits.loseNext = false;
-        response.destroy();
+        json(200, edits.post(path, JSON.parse(body.toString())));
       } catch (error) {
         const status = error instanceof BadRequest ? error.status : 400;
         json(status, { error: error instanceof Error ? error.message : String(error) });

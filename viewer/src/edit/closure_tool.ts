@@ -38,6 +38,8 @@ export class ClosureTool extends PlacesTool implements MapTool {
     track: Track,
     changed: () => void,
     private readonly fetchScan: (node: number) => Promise<ScanPoints>,
+    /** A scan has come. */
+    private readonly arrived: () => void,
     /** Both places are there: whoever shows the map may go there. */
     private readonly placed: (a: Pose, b: Pose) => void,
   ) {
@@ -87,7 +89,7 @@ export class ClosureTool extends PlacesTool implements MapTool {
     const points = await this.fetchScan(node);
     if (this.nodes[which] !== node) return;
     this.scans[which] = points;
-    this.changed();
+    this.arrived();
   }
 
   private placeOf(which: 0 | 1): Pose | null {

@@ -104,7 +104,8 @@ export class Editor {
     if (kind === "origin") return new OriginTool(this.toolChanged);
     if (kind === "add_closure") {
       const fetchScan = (node: number) => this.fetchScan(node);
-      return new ClosureTool(track, this.toolChanged, fetchScan, (a, b) => this.lookAt(a, b));
+      const lookAt = (a: Pose, b: Pose) => this.lookAt(a, b);
+      return new ClosureTool(track, this.toolChanged, fetchScan, this.changed, lookAt);
     }
     return new PolygonTool(kind satisfies PolygonKind, this.toolChanged);
   }
