@@ -228,6 +228,7 @@ class Page {
   private escape(): void {
     const { measure } = this.app.map;
     if (this.app.editor.tool !== null) this.app.editor.cancel();
+    else if (this.app.editor.message.bad) this.app.editor.say("");
     else if (measure.active) this.tools.toggleMeasure();
     else if (this.app.selected !== null) this.app.select(null);
     else this.openDrawer(false);

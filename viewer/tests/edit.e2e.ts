@@ -165,6 +165,8 @@ scene("a zone by clicks: closed, corrected, named, drawn on the map", {}, async 
   await page.fill("#edit-name", 'the "old" stairs');
   await page.click("#edit-send");
   const state = await until((one) => kinds(one).length === 1 && drawn(one), "added");
+  await says(page, "#edit-words", /^Done: \d+\.\d m2 are not to be entered/);
+  await page.locator("#edit-words").getByRole("button", { name: "Close" }).click();
   assert.equal(state.edit.tool, null);
   const polygon = state.edits?.edits[0]?.polygon ?? [];
   assert.equal(polygon.length, 8);
@@ -308,6 +310,24 @@ scene("a closure is added: two scans, dragged, turned, sent", {}, async (tools) 
   const turned = parse((await state()).edit.toml);
   assert.ok((turned["yaw_rad"] ?? 0) - (first["yaw_rad"] ?? 0) > 0.1, "turned, counter-clockwise");
   assert.ok(Math.abs((turned["x_m"] ?? 0) - (moved["x_m"] ?? 0)) < 1e-3, "in its place");
+  const second = compose(run.nodes[from]?.pose ?? { x: 0, y: 0, yaw: 0 }, {
+    x: turned["x_m"] ?? 0,
+    y: turned["y_m"] ?? 0,
+    yaw: turned["yaw_rad"] ?? 0,
+  });
+  const tip = [
+    second.x + (48 / scale) * Math.cos(second.yaw),
+    second.y + (48 / scale) * Math.sin(second.yaw),
+  ] as [number, number];
+  const aside = [-30 * Math.sin(second.yaw), -30 * Math.cos(second.yaw)] as [number, number];
+  await dragFrom(page, tip, aside);
+  const byArrow = parse((await state()).edit.toml);
+  const angle = (byArrow["yaw_rad"] ?? 0) - (turned["yaw_rad"] ?? 0);
+  assert.ok(Math.abs(angle - Math.atan2(30, 48)) < 0.03, `its arrow turns it, by ${angle}`);
+  await page.keyboard.press("Control+z");
+  assert.match((await state()).edit.toml, /y_m/);
+  await page.locator("#edit-yaw").fill("20");
+  Object.assign(turned, parse((await state()).edit.toml));
   await page.locator("#overlay").focus();
   await page.keyboard.press("ArrowUp");
   await page.keyboard.press("Shift+ArrowUp");

@@ -18,7 +18,8 @@ import { numberIn } from "./polygon_tool.ts";
 import { PlacesTool } from "./stretch_tool.ts";
 
 const kGrabReach = 14;
-const kArrow = 26;
+/** Of the arrows of both robots; the second one's tip turns its scan. */
+const kArrow = 48;
 
 /** A scan of a node, or that there is none. */
 export type ScanPoints = number[] | null;
@@ -51,7 +52,7 @@ export class ClosureTool extends PlacesTool implements MapTool {
     if (this.target === 0) return `${missedWords}Click the first place on the path.`;
     if (this.target === 1) return `${missedWords}Click the second place, of the other visit.`;
     if (this.withoutGuess) return "It is searched for about where the map has it now.";
-    return "Drag the second scan (crosses) onto the first; Shift or the right button turns it.";
+    return "Drag the second scan (crosses) onto the first. Its arrow, or Shift, turns it.";
   }
 
   override choose(which: 0 | 1, node: number): void {
@@ -151,8 +152,18 @@ export class ClosureTool extends PlacesTool implements MapTool {
     return false;
   }
 
-  grab(at: Point, turning: boolean, camera: Camera): Drag | null {
+  private atTip(at: Point, camera: Camera): boolean {
+    const { second } = this;
+    if (second === null) return false;
+    const { x, y } = camera.toScreen(second);
+    const angle = second.yaw + camera.angle;
+    const tip = { x: x + kArrow * Math.cos(angle), y: y - kArrow * Math.sin(angle) };
+    return distance(tip, at) <= kGrabReach;
+  }
+
+  grab(at: Point, withShift: boolean, camera: Camera): Drag | null {
     const begin = this.second;
+    const turning = withShift || this.atTip(at, camera);
     if (!this.placing || begin === null || !(turning || this.near(at, camera))) return null;
     const start = camera.toWorld(at);
     const before = this.moved;
@@ -198,7 +209,8 @@ export class ClosureTool extends PlacesTool implements MapTool {
 
   cursor(at: Point, camera: Camera): string {
     if (this.target !== null) return "crosshair";
-    return this.placing && this.near(at, camera) ? "move" : "";
+    if (!this.placing) return "";
+    return this.atTip(at, camera) ? "grab" : this.near(at, camera) ? "move" : "";
   }
 
   draw(overlay: Overlay): void {

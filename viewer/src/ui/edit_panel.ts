@@ -96,11 +96,11 @@ export class EditPanel {
     if (first instanceof HTMLElement) first.focus({ preventScroll: true });
   }
 
-  /** To the fields of the tool in hand. */
+  /** To what is left to do with the tool in hand: a name, or to send it. */
   toForm(): void {
     this.wanted("panel");
     this.show();
-    const field = this.form.querySelector<HTMLElement>("input[type=text]:not(:disabled)");
+    const field = this.form.querySelector<HTMLElement>("#edit-name");
     (field ?? this.send).focus();
   }
 
