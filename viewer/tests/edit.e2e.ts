@@ -1,7 +1,7 @@
 /** Editing in a browser: each tool from its button to the map, by pointer and by keyboard. */
 import assert from "node:assert/strict";
 import type { Page } from "playwright-core";
-import { BadRequest } from "../demo/edits.ts";
+import { BadRequest } from "../demo/edited.ts";
 import { DemoServer } from "../demo/server.ts";
 import { kPalettes } from "../src/colours.ts";
 import { compose, inverse } from "../src/geometry.ts";

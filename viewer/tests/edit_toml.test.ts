@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { parseEdits } from "../demo/edits.ts";
+import { parseEdits } from "../demo/edited.ts";
 import { Random } from "../demo/random.ts";
 import * as toml from "../src/edit_toml.ts";
 import type { Edit } from "../src/edits.ts";

@@ -160,80 +160,75 @@ function stretchForm(app: App, tool: StretchTool): Form {
   return { fields: [...pickers.map((one) => one.element), words], show };
 }
 
-function closureForm(app: App, tool: ClosureTool, editor: Editor): Form {
-  const pickers = [
-    new PlacePicker(app, tool, 0, "First place (1, dots)"),
-    new PlacePicker(app, tool, 1, "Second place (2, crosses)"),
-  ];
-  const field = { size: 7, inputmode: "decimal" };
+/** Where the second place lies, in numbers; the scan that is dragged shows itself here. */
+function guessFields(tool: ClosureTool): Form {
   // What is shown is rounded: of the three only the one that is written is taken.
   const take = (part: keyof Pose, unit: number) => (text: string) => {
     if (tool.guess !== null) tool.setGuess({ ...tool.guess, [part]: numberIn(text) * unit });
   };
+  const field = { size: 7, inputmode: "decimal" };
   const inputs = [
     textField("Ahead [m]", "edit-x", field, take("x", 1)),
     textField("To the left [m]", "edit-y", field, take("y", 1)),
     textField("Turned [°]", "edit-yaw", field, take("yaw", kDegree)),
   ];
   const reset = plainButton("As the map has it", "edit-reset", () => tool.reset());
+  const legend = h("legend", {}, "The second place, seen from the first");
+  const lines = inputs.map(({ line }) => line);
+  const guess = h("fieldset", { class: "guess" }, legend, ...lines, reset);
+  const show = () => {
+    const pose = tool.guess;
+    const values = pose === null ? [] : [pose.x, pose.y, pose.yaw / kDegree];
+    inputs.forEach(({ input }, i) => {
+      input.disabled = pose === null || tool.withoutGuess;
+      showNumber(input, values[i] ?? null, i === 2 ? 1 : 2);
+    });
+    setOff(reset, !tool.isMoved);
+  };
+  return { fields: [guess], show };
+}
+
+/** How it is searched, and whether what does not fit is taken. */
+function searchFields(tool: ClosureTool, editor: Editor): Form {
   const without = checkBox("without a guess", "edit-without", (checked) => {
     tool.withoutGuess = checked;
     editor.changed();
   });
-  const half = textField(
-    "Search within [m]",
-    "edit-half",
-    { ...field, placeholder: "as usual" },
-    (text) => {
-      tool.halfWindow = text;
-    },
-  );
+  const field = { size: 7, inputmode: "decimal", placeholder: "as usual" };
+  const half = textField("Search within [m]", "edit-half", field, (text) => {
+    tool.halfWindow = text;
+  });
   const force = checkBox("force", "edit-force", (checked) => {
     tool.force = checked;
     editor.changed();
   });
-  const warning = h(
-    "p",
-    { class: "warning small", id: "edit-force-words", hidden: true },
-    "It is taken however little fits, and never revoked: a wrong one spoils the map.",
-  );
+  const attributes = { class: "warning small", id: "edit-force-words", hidden: true };
+  const words = "It is taken however little fits, and never revoked: a wrong one spoils the map.";
+  const warning = h("p", attributes, words);
   force.box.setAttribute("aria-describedby", "edit-force-words");
-  const scans = h("p", { class: "soft small", id: "edit-scans" });
-  const guess = h(
-    "fieldset",
-    { class: "guess" },
-    h("legend", {}, "The second place, seen from the first"),
-    ...inputs.map(({ line }) => line),
-    reset,
-  );
-  const result = h("p", { class: "small", id: "edit-result" });
-  const fields = [
-    ...pickers.map((one) => one.element),
-    scans,
-    guess,
-    without.line,
-    half.line,
-    force.line,
-    warning,
-    result,
+  return {
+    fields: [without.line, half.line, force.line, warning],
+    show: () => (warning.hidden = !tool.force),
+  };
+}
+
+function closureForm(app: App, tool: ClosureTool): Form {
+  const { editor } = app;
+  const pickers = [
+    new PlacePicker(app, tool, 0, "First place (1, dots)"),
+    new PlacePicker(app, tool, 1, "Second place (2, crosses)"),
   ];
+  const scans = h("p", { class: "soft small", id: "edit-scans" });
+  const parts = [guessFields(tool), searchFields(tool, editor)];
+  const result = h("p", { class: "small", id: "edit-result" });
   const show = () => {
-    for (const picker of pickers) picker.show();
-    const pose = tool.guess;
-    const degrees = pose === null ? null : pose.yaw / kDegree;
-    [pose?.x ?? null, pose?.y ?? null, degrees].forEach((value, i) => {
-      const input = inputs[i]?.input;
-      if (input === undefined) return;
-      input.disabled = pose === null || tool.withoutGuess;
-      showNumber(input, value, i === 2 ? 1 : 2);
-    });
-    setOff(reset, !tool.isMoved);
-    warning.hidden = !tool.force;
+    for (const one of [...pickers, ...parts]) one.show();
     setText(scans, scanWords(tool));
     const figures = editor.refused?.closure ?? null;
     setText(result, figures === null ? "" : `Refused with ${figureWords(figures)}.`);
   };
-  return { fields, show };
+  const places = pickers.map((one) => one.element);
+  return { fields: [...places, scans, ...parts.flatMap((one) => one.fields), result], show };
 }
 
 function scanWords(tool: ClosureTool): string {
@@ -270,7 +265,7 @@ function originForm(tool: OriginTool): Form {
 export function formFor(app: App, tool: EditTool): Form {
   const { editor } = app;
   if (tool instanceof PolygonTool) return polygonForm(tool, editor.changed);
-  if (tool instanceof ClosureTool) return closureForm(app, tool, editor);
+  if (tool instanceof ClosureTool) return closureForm(app, tool);
   if (tool instanceof StretchTool) return stretchForm(app, tool);
   if (tool instanceof OriginTool) return originForm(tool);
   return { fields: [], show: () => undefined };
