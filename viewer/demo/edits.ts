@@ -1,5 +1,5 @@
 /** The list of edits of the made run, in memory: what a server of the contract answers. */
-import { apply, type Pose } from "../src/geometry.ts";
+import { apply, kIdentity, type Pose } from "../src/geometry.ts";
 import {
   BadRequest,
   type Done,
@@ -17,11 +17,15 @@ import { kVerdict } from "./messages.ts";
 import type { DemoClosure, Node, Run } from "./run.ts";
 import type { Tiles } from "./tiled_map.ts";
 
+const kPictures = ["/loopstone/quality", "/loopstone/texture"];
+
 export class DemoEdits {
   nodes: Node[];
   closures: DemoClosure[];
   tiles: Tiles;
   verdict: typeof kVerdict = kVerdict;
+  /** Pictures on the map are of the frame without edits. */
+  moved = false;
   /** What was written by the last save. */
   written = "";
   /** Texts that were sent, newest last. */
@@ -107,7 +111,7 @@ export class DemoEdits {
     this.timer = setTimeout(() => {
       this.tiles = redrawn(this.run, outlines.frame, outlines.list);
       this.drawn = this.revision;
-      this.publish(["/loopstone/tiles", "/loopstone/verdict"]);
+      this.publish(["/loopstone/tiles", "/loopstone/verdict", ...kPictures]);
     }, this.drawDelay);
   }
 
@@ -126,7 +130,9 @@ export class DemoEdits {
     this.closures = map.closures;
     this.shift = shiftOf(first, poses);
     const sentence = kSentences[map.verdict] ?? "";
-    this.verdict = { ...kVerdict, verdict: map.verdict, sentence };
+    const places = kVerdict.places.map((place) => ({ ...place, ...apply(map.frame, place) }));
+    this.verdict = { ...kVerdict, verdict: map.verdict, sentence, places };
+    this.moved = map.frame !== kIdentity;
     return { frame: map.frame, list: map.outlines.filter((one) => one !== null) };
   }
 

@@ -373,6 +373,8 @@ export class DemoServer {
   private sendLast(client: Client, topic: string): void {
     const { run, time } = this;
     const finished = this.options.mode === "replay";
+    // The floor is not painted anew in another frame.
+    const shown = (picture: object) => (this.edits?.moved ? { ...picture, png: "" } : picture);
     const send: Record<string, () => void> = {
       "/tf_static": () =>
         client.publish(topic, time, wire.transforms(time, [["base_link", "laser", kMount]])),
@@ -387,8 +389,10 @@ export class DemoServer {
       "/loopstone/verdict": () =>
         finished && client.publishJson(topic, time, this.edits?.verdict ?? wire.kVerdict),
       "/loopstone/warnings": () => client.publishJson(topic, time, wire.warnings(this.begin)),
-      "/loopstone/quality": () => run.quality && client.publishJson(topic, time, run.quality),
-      "/loopstone/texture": () => run.texture && client.publishJson(topic, time, run.texture),
+      "/loopstone/quality": () =>
+        run.quality && client.publishJson(topic, time, shown(run.quality)),
+      "/loopstone/texture": () =>
+        run.texture && client.publishJson(topic, time, shown(run.texture)),
       "/pose": () => (this.shown = -1),
     };
     send[topic]?.();

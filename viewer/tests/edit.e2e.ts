@@ -492,6 +492,11 @@ scene(
     await until((one) => one.edit.tool === null && kinds(one).length === 3 && drawn(one), "set");
     const node = await nodeOf(page, 0);
     assert.ok(node && node.x < -15, "the path is told from there");
+    const { pictures, damaged } = await until(
+      (one) => !one.pictures.texture,
+      "no floor in this frame",
+    );
+    assert.deepEqual([pictures.quality, damaged], [false, 0]);
   },
 );
 

@@ -6,6 +6,7 @@ import { areaOf, faultOf, middleOf } from "../src/edit/polygon.ts";
 import { numberIn } from "../src/edit/polygon_tool.ts";
 import { readEditState, readRefusal } from "../src/edits.ts";
 import { parseClock } from "../src/format.ts";
+import { readPicture } from "../src/json_messages.ts";
 import { Track } from "../src/track.ts";
 import { editWords, figureWords, shiftWords, zoneName } from "../src/words.ts";
 
@@ -174,4 +175,11 @@ test("what a reader writes: times and numbers, or nothing", () => {
   assert.deepEqual(["1.5", "-2,25", "+3", " 7 ", "5."].map(numberIn), [1.5, -2.25, 3, 7, 5]);
   for (const text of ["", "x", "1e5", "0x10", "1 2", "NaN", "--1", "."])
     assert.ok(Number.isNaN(numberIn(text)), text);
+});
+
+test("a picture that there is no more is none, and no damage", () => {
+  assert.deepEqual(readPicture('{"x":0,"y":0,"resolution":1,"png":""}'), { picture: null });
+  assert.deepEqual(readPicture('{"x":1,"y":2,"resolution":0.1,"png":"aa"}')?.picture?.x, 1);
+  for (const text of ["{}", "[]", '{"x":0,"y":0,"resolution":0,"png":"aa"}', '{"png":5}'])
+    assert.equal(readPicture(text), null, text);
 });
