@@ -201,8 +201,10 @@ scene("a double click and Enter close; Esc ends", {}, async ({ page, until, stat
   await drawPolygon(page);
   await page.keyboard.press("Enter");
   assert.equal((await state()).edit.problem, null);
+  await dragFrom(page, [15, 6], [120, 0]);
+  await says(page, "#edit-words", /^Sides of the polygon cross each other/);
   await page.keyboard.press("Control+z");
-  assert.notEqual((await state()).edit.problem, null, "Ctrl+Z opens it again");
+  assert.match((await state()).edit.problem ?? "", /close it/, "Ctrl+Z opens it again");
   await page.click("#edit-cancel");
   assert.equal((await state()).edit.tool, null);
   await settle();
@@ -716,7 +718,7 @@ scene(
   "on a telephone: the drawer makes room, fingers are enough",
   { phone: true },
   async (tools) => {
-    const { page, until, state } = tools;
+    const { page, until, state, settle } = tools;
     await until(editable, "shown");
     await page.tap("#drawer");
     await page.tap("#tab-edit");
@@ -728,6 +730,7 @@ scene(
     assert.deepEqual(small, [], "large enough for fingers");
     await page.tap("#edit-speed");
     await page.locator("#side").waitFor({ state: "hidden" });
+    await settle();
     for (const [x, y] of kCorners) {
       const at = await screenOf(page, x, y);
       await page.touchscreen.tap(at.x, at.y);

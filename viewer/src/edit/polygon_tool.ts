@@ -28,6 +28,8 @@ export class PolygonTool implements MapTool {
   ) {}
 
   instruction(): string {
+    const fault = this.closed ? faultOf(this.points) : null;
+    if (fault !== null) return `${fault} Move a corner, or take one back.`;
     if (this.closed) return "Closed. Corners can be moved; then add it.";
     if (this.boxing) return "Drag from one corner of the box to the other.";
     if (this.points.length === 0) return "Click the first corner, or drag a box with Shift.";
