@@ -21,9 +21,17 @@ const kinds = (state: PageState) =>
   (state.edits?.edits ?? []).filter((one) => one.kind !== "as_edited").map((one) => one.kind);
 const drawn = (state: PageState) => state.edits?.drawn === state.edits?.revision;
 
+/** What was done is shown with the next picture. */
+async function nextPicture(page: Page): Promise<void> {
+  await page.evaluate(
+    () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))),
+  );
+}
+
 async function clickAt(page: Page, x: number, y: number): Promise<void> {
   const at = await screenOf(page, x, y);
   await page.mouse.click(at.x, at.y);
+  await nextPicture(page);
 }
 
 async function clickNode(page: Page, i: number): Promise<void> {
@@ -38,6 +46,7 @@ async function dragFrom(page: Page, from: [number, number], by: [number, number]
   await page.mouse.down();
   await page.mouse.move(at.x + by[0], at.y + by[1], { steps: 5 });
   await page.mouse.up();
+  await nextPicture(page);
 }
 
 /** Waits until an element says it. */
