@@ -1,4 +1,4 @@
-/** The page with a run made by code: npm run demo [-- --mode mapping] [-- --large] [-- --port 8700] */
+/** The page with a run made by code: npm run demo [-- --mode mapping] [-- --large] [-- --no-edit] [-- --port 8700] */
 import { readFile } from "node:fs/promises";
 import { parseArgs } from "node:util";
 import { largeRun, officeRun } from "./run.ts";
@@ -9,6 +9,7 @@ const { values } = parseArgs({
     mode: { type: "string", default: "replay" },
     port: { type: "string", default: "8700" },
     large: { type: "boolean", default: false },
+    "no-edit": { type: "boolean", default: false },
     token: { type: "string" },
     page: { type: "string", default: "built/index.html" },
   },
@@ -23,6 +24,7 @@ const options: Options = {
   token: values.token ?? null,
   canSeek: mode !== "localizing",
   playing: true,
+  edit: mode === "replay" && !values.large && !values["no-edit"],
 };
 const server = new DemoServer(values.large ? largeRun() : officeRun(), options);
 await server.listen(Number(values.port));

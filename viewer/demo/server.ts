@@ -4,6 +4,8 @@ import type { AddressInfo } from "node:net";
 import { type WebSocket, WebSocketServer } from "ws";
 import { compose, inverse, type Pose } from "../src/geometry.ts";
 import { nanosecondsOf, secondsOf } from "../src/protocol.ts";
+import { BadRequest } from "./edited.ts";
+import { DemoEdits } from "./edits.ts";
 import * as wire from "./messages.ts";
 import { Random } from "./random.ts";
 import { type Node, pointsAt, type Run, scanAt } from "./run.ts";
@@ -15,6 +17,9 @@ export interface Options {
   token: string | null;
   canSeek: boolean;
   playing: boolean;
+  /** Whether the run can be edited, and how long drawing its map takes [ms]. */
+  edit?: boolean;
+  drawDelay?: number;
 }
 
 interface Channel {
@@ -48,6 +53,8 @@ const kTopics: [string, "cdr" | "json", string][] = [
 
 const kMount: Pose = { x: 0.2, y: 0, yaw: 0 };
 const kTick = 33;
+const kMostBytes = 64 * 1024;
+const kDrawDelay = 1200;
 
 class Client {
   readonly subscriptions = new Map<string, number>();
@@ -78,6 +85,8 @@ export class DemoServer {
   /** Addresses that were asked for over HTTP, and those of sockets. */
   readonly requests: string[] = [];
   sessionId = "demo-1";
+  /** Null where nobody may edit. */
+  readonly edits: DemoEdits | null;
   private readonly http: Server;
   private readonly sockets: WebSocketServer;
   private readonly clients = new Set<Client>();
@@ -93,6 +102,9 @@ export class DemoServer {
     readonly options: Options,
   ) {
     this.time = this.begin;
+    const delay = options.drawDelay ?? kDrawDelay;
+    const publish = (topics: string[]) => this.sendAgain(topics);
+    this.edits = options.edit === true ? new DemoEdits(run, delay, publish) : null;
     this.status = options.playing ? 0 : 1;
     const skipped = options.mode === "localizing" ? [] : ["/particles"];
     this.channels = kTopics
@@ -140,6 +152,7 @@ export class DemoServer {
 
   async close(): Promise<void> {
     if (this.timer !== null) clearInterval(this.timer);
+    this.edits?.close();
     this.dropClients();
     this.sockets.close();
     this.http.closeAllConnections();
@@ -185,8 +198,14 @@ export class DemoServer {
         mode,
         name: this.run.name,
         can_seek: canSeek,
-        can_edit: false,
+        can_edit: this.edits !== null,
       });
+    } else if (path.startsWith("/api/edits")) {
+      this.answerEdits(request, path, json);
+    } else if (/^\/api\/nodes\/\d+\/scan$/.test(path)) {
+      const node = this.run.nodes[Number(path.split("/")[3])];
+      if (node === undefined) json(404, { error: "no such node" });
+      else json(200, { t: node.t, points: pointsAt(this.run.walls, node.pose) });
     } else if (path.startsWith("/api/closures/")) {
       const evidence = this.evidence(Number(path.slice("/api/closures/".length)));
       if (evidence === null) json(404, { error: "no such closure" });
@@ -196,8 +215,47 @@ export class DemoServer {
     }
   }
 
+  private answerEdits(
+    request: IncomingMessage,
+    path: string,
+    json: (status: number, body: object) => void,
+  ): void {
+    const { edits } = this;
+    if (edits === null) return json(403, { error: "this folder cannot be edited" });
+    if (request.method !== "POST") return json(200, edits.state());
+    const parts: Buffer[] = [];
+    request.on("data", (part: Buffer) => parts.push(part));
+    request.on("end", () => {
+      const body = Buffer.concat(parts);
+      if (body.length > kMostBytes) return json(413, { error: "more than 64 KiB" });
+      if (request.headers["content-type"] !== "application/json")
+        return json(400, { error: "Content-Type must be application/json" });
+      try {
+        json(200, edits.post(path, JSON.parse(body.toString())));
+      } catch (error) {
+        const status = error instanceof BadRequest ? error.status : 400;
+        json(status, { error: error instanceof Error ? error.message : String(error) });
+      }
+    });
+  }
+
+  private sendAgain(topics: string[]): void {
+    for (const client of this.clients) {
+      for (const topic of topics) this.sendLast(client, topic);
+    }
+    this.shown = -1;
+  }
+
+  private get nodes(): Node[] {
+    return this.edits?.nodes ?? this.run.nodes;
+  }
+
+  private get closures() {
+    return this.edits?.closures ?? this.run.closures;
+  }
+
   private evidence(id: number): object | null {
-    const closure = this.run.closures.find((one) => one.id === id);
+    const closure = this.closures.find((one) => one.id === id);
     if (closure === undefined) return null;
     const from = this.run.nodes[closure.from] as Node;
     const to = this.run.nodes[closure.to] as Node;
@@ -308,27 +366,33 @@ export class DemoServer {
 
   private closuresNow() {
     const { known } = this;
-    return this.run.closures.filter((one) => one.to < known);
+    return this.closures.filter((one) => one.to < known);
   }
 
   /** What a new subscriber gets. */
   private sendLast(client: Client, topic: string): void {
     const { run, time } = this;
     const finished = this.options.mode === "replay";
+    // The floor is not painted anew in another frame.
+    const shown = (picture: object) => (this.edits?.moved ? { ...picture, png: "" } : picture);
     const send: Record<string, () => void> = {
       "/tf_static": () =>
         client.publish(topic, time, wire.transforms(time, [["base_link", "laser", kMount]])),
-      "/loopstone/tiles": () => client.publish(topic, time, wire.mapTiles(run, run.tiles(), true)),
+      "/loopstone/tiles": () =>
+        client.publish(topic, time, wire.mapTiles(run, this.edits?.tiles ?? run.tiles(), true)),
       "/loopstone/trajectory": () =>
-        client.publish(topic, time, wire.trajectory(run.nodes, 0, this.known)),
+        client.publish(topic, time, wire.trajectory(this.nodes, 0, this.known)),
       "/loopstone/closures": () =>
-        client.publishJson(topic, time, wire.closures(run.nodes, this.closuresNow())),
+        client.publishJson(topic, time, wire.closures(this.nodes, this.closuresNow())),
       "/loopstone/submaps": () =>
         client.publishJson(topic, time, wire.submaps(run.nodes.slice(0, this.known))),
-      "/loopstone/verdict": () => finished && client.publishJson(topic, time, wire.kVerdict),
+      "/loopstone/verdict": () =>
+        finished && client.publishJson(topic, time, this.edits?.verdict ?? wire.kVerdict),
       "/loopstone/warnings": () => client.publishJson(topic, time, wire.warnings(this.begin)),
-      "/loopstone/quality": () => run.quality && client.publishJson(topic, time, run.quality),
-      "/loopstone/texture": () => run.texture && client.publishJson(topic, time, run.texture),
+      "/loopstone/quality": () =>
+        run.quality && client.publishJson(topic, time, shown(run.quality)),
+      "/loopstone/texture": () =>
+        run.texture && client.publishJson(topic, time, shown(run.texture)),
       "/pose": () => (this.shown = -1),
     };
     send[topic]?.();
@@ -349,7 +413,7 @@ export class DemoServer {
   private sendNow(always: boolean): void {
     const at = this.nodeNow;
     const moved = at !== this.shown;
-    const node = this.run.nodes[at];
+    const node = this.nodes[at];
     if (node === undefined || this.clients.size === 0 || !(moved || always)) return;
     const time = Buffer.alloc(9);
     time.writeUInt8(2, 0);
@@ -393,7 +457,8 @@ export class DemoServer {
   private scanOf(at: number, node: Node): number[] {
     let ranges = this.scans.get(at);
     if (ranges === undefined) {
-      ranges = scanAt(this.run.walls, compose(node.pose, kMount));
+      const { pose } = this.run.nodes[at] ?? node;
+      ranges = scanAt(this.run.walls, compose(pose, kMount));
       if (this.scans.size < 5000) this.scans.set(at, ranges);
     }
     return ranges;

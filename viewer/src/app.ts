@@ -1,5 +1,6 @@
 /** What the parts of the page share: the model, the choices, the map, and what they ask of each other. */
 import { kPalettes, type Palette, type ThemeName } from "./colours.ts";
+import type { Editor } from "./edit/editor.ts";
 import type { Frames } from "./frames.ts";
 import type { Closure } from "./json_messages.ts";
 import type { MapView } from "./map_view.ts";
@@ -9,6 +10,7 @@ import type { Settings } from "./settings.ts";
 
 export class App {
   map!: MapView;
+  editor!: Editor;
   theme: ThemeName = "dark";
   selected: number | null = null;
   private readonly choices: (() => void)[] = [];

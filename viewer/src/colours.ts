@@ -1,4 +1,5 @@
 /** Colours of the map in both themes. Those of the page around it are in style.css. */
+import type { PolygonKind } from "./edit_toml.ts";
 import type { ClosureState } from "./json_messages.ts";
 
 /** 0..1 each. */
@@ -25,6 +26,7 @@ export interface Palette {
   accent: string;
   closures: Record<ClosureState, string>;
   submaps: Record<"open" | "frozen" | "dropped", string>;
+  edits: Record<PolygonKind, string>;
   ramp: string[];
   drives: string[];
 }
@@ -44,6 +46,7 @@ export const kPalettes: Record<ThemeName, Palette> = {
     accent: "#7ab0ff",
     closures: { standing: "#34d399", waiting: "#fbbf24", rejected: "#ff6b9d", revoked: "#c4a5ff" },
     submaps: { open: "#7ab0ff", frozen: "#75859a", dropped: "#ff6b9d" },
+    edits: { crop: "#7ab0ff", erase: "#c4a5ff", keep_out: "#ff6b9d", speed: "#fbbf24" },
     ramp: ["#3b6fd8", "#35b0d6", "#5fd3a2", "#d5df5a", "#ffb347"],
     drives: ["#56b4e9", "#e69f00", "#2cc79a", "#f0e442", "#e78ac3", "#ff8c5a", "#b5a7ff"],
   },
@@ -61,6 +64,7 @@ export const kPalettes: Record<ThemeName, Palette> = {
     accent: "#1756c4",
     closures: { standing: "#08805b", waiting: "#b45309", rejected: "#b0004e", revoked: "#6d28d9" },
     submaps: { open: "#1756c4", frozen: "#8592a3", dropped: "#b0004e" },
+    edits: { crop: "#1756c4", erase: "#6d28d9", keep_out: "#b0004e", speed: "#9a5b00" },
     ramp: ["#1d3fb8", "#7a2fb5", "#c0278f", "#e0563b", "#e8960c"],
     drives: ["#0072b2", "#d55e00", "#00805c", "#8a6d00", "#b0407f", "#5b3fc4", "#4b5563"],
   },

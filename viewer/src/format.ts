@@ -45,3 +45,13 @@ export function optional(value: number | null, write: (value: number) => string)
 export function percent(value: number): string {
   return `${(value * 100).toFixed(0)} %`;
 }
+
+/** Seconds of "2:13.4", "1:02:13" or "133.4"; null of anything else. */
+export function parseClock(text: string): number | null {
+  const parts = text.trim().replace(",", ".").split(":");
+  const fits = parts.every((part, i) =>
+    i === parts.length - 1 ? /^(\d+\.?\d*|\.\d+)$/.test(part) : /^\d+$/.test(part),
+  );
+  if (!fits || parts.length > 3) return null;
+  return parts.reduce((seconds, part) => 60 * seconds + Number(part), 0);
+}

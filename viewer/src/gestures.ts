@@ -1,7 +1,16 @@
 /** Pointers and the wheel as the map understands them. */
 import type { Point } from "./geometry.ts";
 
+/** Takes what one pointer does from here on, in place of the map. */
+export interface Drag {
+  move(at: Point, before: Point): void;
+  /** `meant` unless a second finger came, or the browser took the pointer away. */
+  end(meant: boolean): void;
+}
+
 export interface GestureTarget {
+  /** Null where a drag from here is the map's own. */
+  grab(at: Point, turning: boolean): Drag | null;
   pan(dx: number, dy: number): void;
   zoom(at: Point, factor: number, turn: number): void;
   click(at: Point): void;
@@ -19,6 +28,7 @@ export class Gestures {
   private turning = false;
   private turned = 0;
   private touches = 0;
+  private drag: Drag | null = null;
 
   constructor(
     private readonly element: HTMLElement,
@@ -43,6 +53,9 @@ export class Gestures {
     if (this.pointers.size === 0) {
       this.moved = this.turned = this.touches = 0;
       this.turning = event.shiftKey || event.button === 1 || event.button === 2;
+      this.drag = this.target.grab(this.placeOf(event), this.turning);
+    } else {
+      this.endDrag(false);
     }
     this.pointers.set(event.pointerId, this.placeOf(event));
     this.touches = Math.max(this.touches, this.pointers.size);
@@ -61,7 +74,8 @@ export class Gestures {
     this.moved += Math.abs(dx) + Math.abs(dy);
     if (this.pointers.size === 2) this.pinch(event.pointerId, before, now);
     else if (this.pointers.size === 1 && (this.moved > kClickSlop || this.touches > 1)) {
-      if (this.turning) this.turnAboutMiddle(before, now);
+      if (this.drag !== null) this.drag.move(now, before);
+      else if (this.turning) this.turnAboutMiddle(before, now);
       else this.target.pan(dx, dy);
     }
   }
@@ -92,9 +106,16 @@ export class Gestures {
   private up(event: PointerEvent, meant: boolean): void {
     const known = this.pointers.delete(event.pointerId);
     const click = known && meant && this.moved <= kClickSlop && this.touches === 1;
+    if (known) this.endDrag(meant && !click);
     if (click && event.button === 0 && this.pointers.size === 0) {
       this.target.click(this.placeOf(event));
     }
+  }
+
+  private endDrag(meant: boolean): void {
+    const { drag } = this;
+    this.drag = null;
+    drag?.end(meant);
   }
 
   private wheel(event: WheelEvent): void {

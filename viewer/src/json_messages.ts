@@ -193,15 +193,17 @@ export function readWarnings(text: string): Warning[] | null {
   }));
 }
 
-export function readPicture(text: string): Picture | null {
+/** Null of what is none; without a picture where there is none any more. */
+export function readPicture(text: string): { picture: Picture | null } | null {
   const json = parseObject(text);
   if (json === null) return null;
+  if (json["png"] === "") return { picture: null };
   const x = numberOf(json["x"]);
   const y = numberOf(json["y"]);
   const resolution = numberOf(json["resolution"]);
   const png = textOf(json["png"]);
   if (x === null || y === null || resolution === null || resolution <= 0 || !png) return null;
-  return { x, y, resolution, png };
+  return { picture: { x, y, resolution, png } };
 }
 
 export function readAbout(text: string): About | null {

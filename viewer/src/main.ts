@@ -1,5 +1,7 @@
 /** Puts the page together. */
 import { App } from "./app.ts";
+import { EditClient, type EditSurroundings } from "./edit_client.ts";
+import { Editor } from "./edit/editor.ts";
 import { kPalettes } from "./colours.ts";
 import { Frames } from "./frames.ts";
 import { type MapListener, MapView } from "./map_view.ts";
@@ -10,6 +12,8 @@ import { exposeState } from "./state.ts";
 import { kSubProtocols } from "./protocol.ts";
 import { ClosuresPanel } from "./ui/closures_panel.ts";
 import { h, need } from "./ui/dom.ts";
+import { EditPanel } from "./ui/edit_panel.ts";
+import { EditWords } from "./ui/edit_words.ts";
 import { Header } from "./ui/header.ts";
 import { Help } from "./ui/help.ts";
 import { listenToKeys } from "./ui/keys.ts";
@@ -29,6 +33,12 @@ const kBrowser: Surroundings = {
   clearTimeout: (timer) => window.clearTimeout(timer),
   now: () => Date.now(),
   random: () => Math.random(),
+};
+
+const kForEdits: EditSurroundings = {
+  fetch: (url, init) => fetch(url, init),
+  setTimeout: (task, milliseconds) => window.setTimeout(task, milliseconds),
+  clearTimeout: (timer) => window.clearTimeout(timer),
 };
 
 function storage(): Storage | null {
@@ -56,6 +66,7 @@ class Page {
   private readonly help: Help;
   private readonly closures: ClosuresPanel;
   private readonly plots: PlotsPanel;
+  private readonly edits: EditPanel;
   private readonly side = need("side");
   private readonly drawer = need<HTMLButtonElement>("drawer");
   private toldVerdict = "";
@@ -68,6 +79,7 @@ class Page {
     this.app = new App(model, settings, session, frames, announce);
     const canvases = [need<HTMLCanvasElement>("map"), need<HTMLCanvasElement>("overlay")] as const;
     this.app.map = new MapView(...canvases, model, settings, kPalettes.dark, this.mapListener());
+    this.app.editor = this.makeEditor();
     this.tools = new MapTools(this.app);
     this.places = new Places(need("places"), this.app);
     this.header = new Header(this.app);
@@ -75,12 +87,28 @@ class Page {
     this.help = new Help(this.app);
     this.closures = new ClosuresPanel(this.app);
     this.plots = new PlotsPanel(this.app);
+    this.edits = new EditPanel(this.app, (what) => this.showFor(what));
+    new EditWords(this.app, () => this.edits.toForm());
     this.tabs = this.makeTabs();
     new Notices(this.app);
     this.listen();
     this.header.applyTheme();
     exposeState(this.app, this.closures.detail, this.tabs);
     session.connect();
+  }
+
+  private makeEditor(): Editor {
+    const { app } = this;
+    const client = new EditClient(app.model, app.session.api, kForEdits, () =>
+      app.editor.changed(),
+    );
+    return new Editor(app, client);
+  }
+
+  /** The map, which a drawer may cover, or the panel of edits. */
+  private showFor(what: "map" | "panel"): void {
+    if (what === "panel") this.tabs.show("edit");
+    this.openDrawer(what === "panel");
   }
 
   private mapListener(): MapListener {
@@ -112,11 +140,14 @@ class Page {
       { id: "closures", label: "Closures", panel: this.closures.panel },
       { id: "layers", label: "Layers", panel: new LayersPanel(app).panel },
       { id: "plots", label: "Plots", panel: this.plots.panel },
+      { id: "edit", label: "Edit", panel: this.edits.panel },
     ];
     const tabs = new Tabs(need("tabs"), need("panels"), list, (id) => {
       this.plots.visible = id === "plots";
       app.frames.request(this.plots.refresh);
     });
+    tabs.setThere("edit", false);
+    app.watch(["about", "reset"], () => tabs.setThere("edit", app.editor.allowed));
     app.watch(["closures", "reset"], () => tabs.setCount("closures", app.model.closures.length));
     return tabs;
   }
@@ -147,10 +178,11 @@ class Page {
   private keys(): Record<string, () => void> {
     const { app, timeline, tools, closures } = this;
     const tab = (id: string) => () => {
+      if (!this.tabs.isThere(id)) return;
       this.tabs.show(id);
       this.openDrawer(true);
     };
-    const { map } = app;
+    const { map, editor } = app;
     return {
       " ": () => timeline.toggle(),
       ArrowLeft: () => timeline.step(-1),
@@ -184,6 +216,9 @@ class Page {
       "2": tab("closures"),
       "3": tab("layers"),
       "4": tab("plots"),
+      "5": tab("edit"),
+      Delete: () => closures.detail.delete(),
+      "Ctrl+z": () => void (editor.takeBack() || editor.undo()),
       "?": () => this.help.toggle(),
       Escape: () => this.escape(),
     };
@@ -192,7 +227,9 @@ class Page {
   /** Ends whatever was begun last. */
   private escape(): void {
     const { measure } = this.app.map;
-    if (measure.active) this.tools.toggleMeasure();
+    if (this.app.editor.tool !== null) this.app.editor.cancel();
+    else if (this.app.editor.message.bad) this.app.editor.say("");
+    else if (measure.active) this.tools.toggleMeasure();
     else if (this.app.selected !== null) this.app.select(null);
     else this.openDrawer(false);
   }

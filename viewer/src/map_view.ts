@@ -1,11 +1,13 @@
 /** The map as the reader handles it: draws when something has changed, moves, picks, measures. */
 import { Camera } from "./camera.ts";
 import type { Palette } from "./colours.ts";
+import type { MapTool } from "./edit/map_tool.ts";
 import { distanceToSegment, isEmpty, type Point, wrapAngle } from "./geometry.ts";
-import { Gestures, type GestureTarget } from "./gestures.ts";
+import { type Drag, Gestures, type GestureTarget } from "./gestures.ts";
 import type { Closure } from "./json_messages.ts";
 import { Measure } from "./measure.ts";
 import type { Model } from "./model.ts";
+import { drawEdits } from "./edit/draw.ts";
 import { Overlay } from "./overlay.ts";
 import { Scene } from "./scene.ts";
 import type { Settings } from "./settings.ts";
@@ -35,6 +37,8 @@ export interface MapListener {
 export class MapView implements GestureTarget {
   readonly camera = new Camera();
   readonly measure = new Measure();
+  /** What takes clicks, drags and keys for now. */
+  tool: MapTool | null = null;
   scene: Scene;
   mode: Mode = "fit";
   pixelRatio = 1;
@@ -83,7 +87,8 @@ export class MapView implements GestureTarget {
 
   private listenToModel(): void {
     const parts = ["trajectory", "closures", "submaps", "scan", "particles"] as const;
-    for (const part of [...parts, "quality", "texture", "map", "pose", "reset"] as const) {
+    const others = ["quality", "texture", "map", "pose", "edits", "reset"] as const;
+    for (const part of [...parts, ...others]) {
       this.model.on([part], () => {
         this.scene.changed(part);
         this.redraw();
@@ -145,7 +150,9 @@ export class MapView implements GestureTarget {
     this.scene.draw(camera, this.pixelRatio);
     const overlay = new Overlay(this.context, camera, this.palette);
     overlay.begin(this.pixelRatio);
+    if (settings.layers.edits && model.edits !== null) drawEdits(overlay, model.edits);
     if (settings.layers.robot && model.robot !== null) overlay.robot(model.robot);
+    this.tool?.draw(overlay, this.hoverAt);
     if (measure.points.length > 0) overlay.measure(measure, this.hoverAt);
     if (this.overlay.matches(":focus-visible")) overlay.crosshair();
     overlay.scaleBar(16, 14);
@@ -188,6 +195,14 @@ export class MapView implements GestureTarget {
   /** Pixels that the tools on the left take, where there is room to spare them. */
   private get tools(): number {
     return this.camera.width > 600 ? 44 : 0;
+  }
+
+  /** Something else wants the map. */
+  endMeasuring(): void {
+    if (!this.measure.active) return;
+    this.measure.active = false;
+    this.measure.clear();
+    this.listener.measured();
   }
 
   setMode(mode: Mode): void {
@@ -241,7 +256,16 @@ export class MapView implements GestureTarget {
     this.zoom({ x: this.camera.width / 2, y: this.camera.height / 2 }, factor, 0);
   }
 
-  click(at: Point): void {
+  grab(at: Point, turning: boolean): Drag | null {
+    return this.tool?.grab(at, turning, this.camera) ?? null;
+  }
+
+  click(at: Point, byKey = false): void {
+    if (this.tool !== null) {
+      this.tool.click(at, this.camera, byKey);
+      this.redraw();
+      return;
+    }
     if (this.measure.active) {
       this.measure.add(this.camera.toWorld(at));
       this.listener.measured();
@@ -252,7 +276,10 @@ export class MapView implements GestureTarget {
   }
 
   doubleClick(at: Point): void {
-    if (this.measure.active) {
+    if (this.tool !== null) {
+      this.tool.doubleClick();
+      this.redraw();
+    } else if (this.measure.active) {
       this.measure.undo(); // the second of both clicks
       this.measure.finish();
       this.listener.measured();
@@ -265,9 +292,14 @@ export class MapView implements GestureTarget {
   hover(at: Point | null): void {
     this.hoverAt = at;
     this.listener.pointed(at === null ? null : this.camera.toWorld(at));
-    const near = at !== null && !this.measure.active && this.closureAt(at, 6) !== null;
-    this.overlay.style.cursor = this.measure.active ? "crosshair" : near ? "pointer" : "";
-    if (this.measure.active) this.redraw();
+    this.overlay.style.cursor = this.cursorAt(at);
+    if (this.measure.active || this.tool !== null) this.redraw();
+  }
+
+  private cursorAt(at: Point | null): string {
+    if (this.tool !== null) return at === null ? "" : this.tool.cursor(at, this.camera);
+    if (this.measure.active) return "crosshair";
+    return at !== null && this.closureAt(at, 6) !== null ? "pointer" : "";
   }
 
   /** The closure whose line is nearest to a place of the screen, of those that are shown. */
@@ -293,17 +325,28 @@ export class MapView implements GestureTarget {
   }
 
   private key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (this.tool?.key(event, this.camera)) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.redraw();
+      return;
+    }
     // With Shift, arrows are of time.
-    if (event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
+    if (event.shiftKey) return;
     const middle = { x: this.camera.width / 2, y: this.camera.height / 2 };
     const actions: Record<string, () => void> = {
       ArrowLeft: () => this.pan(kPanStep, 0),
       ArrowRight: () => this.pan(-kPanStep, 0),
       ArrowUp: () => this.pan(0, kPanStep),
       ArrowDown: () => this.pan(0, -kPanStep),
-      Enter: () => (this.measure.active ? this.click(middle) : this.pickNear(middle)),
+      Enter: () => {
+        if (this.tool !== null || this.measure.active) this.click(middle, true);
+        else this.pickNear(middle);
+      },
       Backspace: () => {
-        this.measure.undo();
+        if (this.tool !== null) this.tool.takeBack();
+        else this.measure.undo();
         this.listener.measured();
         this.redraw();
       },

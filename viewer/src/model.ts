@@ -1,4 +1,5 @@
 /** All that the page knows of the run. Messages fill it, views are told which part has changed. */
+import type { EditState } from "./edits.ts";
 import { compose, type Ellipse, ellipseOf, emptyBox, kIdentity, type Pose } from "./geometry.ts";
 import type { About, Closure, Picture, Status, Submap, Verdict, Warning } from "./json_messages.ts";
 import type { LaserScan, MapTiles, OccupancyGrid, Transform } from "./messages.ts";
@@ -23,6 +24,7 @@ export type Part =
   | "warnings"
   | "quality"
   | "texture"
+  | "edits"
   | "reset";
 
 export type Connection =
@@ -93,6 +95,8 @@ export class Model {
   notes: string[] = [];
   quality: Picture | null = null;
   texture: Picture | null = null;
+  /** Null until the server has told, and where it lets nobody edit. */
+  edits: EditState | null = null;
   readonly mapBox = emptyBox();
   damaged = 0;
   received = 0;
@@ -133,6 +137,7 @@ export class Model {
     this.warnings = [];
     this.notes = [];
     this.quality = this.texture = null;
+    this.edits = null;
     Object.assign(this.mapBox, emptyBox());
     this.transforms.length = 0;
     this.fixed.clear();

@@ -12,9 +12,9 @@ const kFont = '12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 export class Overlay {
   constructor(
-    private readonly context: CanvasRenderingContext2D,
-    private readonly camera: Camera,
-    private readonly palette: Palette,
+    readonly context: CanvasRenderingContext2D,
+    readonly camera: Camera,
+    readonly palette: Palette,
   ) {}
 
   begin(pixelRatio: number): void {

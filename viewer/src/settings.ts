@@ -15,6 +15,7 @@ export const kLayers = [
   "particles",
   "robot",
   "places",
+  "edits",
 ] as const;
 export type Layer = (typeof kLayers)[number];
 
@@ -40,6 +41,7 @@ export class Settings {
     particles: true,
     robot: true,
     places: true,
+    edits: true,
   };
   /** 0..1 */
   readonly opacity: Record<"map" | "quality" | "texture", number> = {

@@ -45,6 +45,17 @@ export function stateOf(app: App, detail: ClosureDetail, tabs: Tabs) {
       end: model.end,
       speed: model.speed,
     },
+    edits: model.edits,
+    edit: {
+      tool: app.editor.kind,
+      busy: app.editor.client.busy,
+      message: { ...app.editor.message },
+      problem: app.editor.tool?.problem() ?? null,
+      toml:
+        app.editor.tool !== null && app.editor.tool.problem() === null
+          ? app.editor.tool.toml()
+          : "",
+    },
     measure: {
       active: map.measure.active,
       points: [...map.measure.points],

@@ -68,12 +68,12 @@ const kJson: Record<string, Reader> = {
     model.warnings = value;
     model.changed("warnings");
   }),
-  "/loopstone/quality": ofJson(json.readPicture, (model, value) => {
-    model.quality = value;
+  "/loopstone/quality": ofJson(json.readPicture, (model, { picture }) => {
+    model.quality = picture;
     model.changed("quality");
   }),
-  "/loopstone/texture": ofJson(json.readPicture, (model, value) => {
-    model.texture = value;
+  "/loopstone/texture": ofJson(json.readPicture, (model, { picture }) => {
+    model.texture = picture;
     model.changed("texture");
   }),
 };

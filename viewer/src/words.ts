@@ -1,4 +1,7 @@
 /** What the states of the program mean, in plain words. */
+import { type PolygonKind, valueIn } from "./edit_toml.ts";
+import type { ClosureFigures, Edit, Shift } from "./edits.ts";
+import { metres, optional, percent, significant } from "./format.ts";
 import type { ClosureState } from "./json_messages.ts";
 
 export type Mood = "good" | "doubt" | "bad";
@@ -98,4 +101,62 @@ export function figureLabel(name: string): string {
   const unit = /_(m|ms|s|deg|rad|mb|m2|percent)$/.exec(name)?.[1];
   const words = (unit ? name.slice(0, -unit.length - 1) : name).replaceAll("_", " ");
   return unit ? `${words} [${{ mb: "MB", m2: "m²", percent: "%" }[unit] ?? unit}]` : words;
+}
+
+/** Kinds of edits; what is not known is shown as it comes. */
+const kEdits: Record<string, string> = {
+  delete_closure: "Closure deleted",
+  add_closure: "Closure added",
+  ignore: "Stretch ignored",
+  crop: "Cropped",
+  erase: "Erased",
+  straighten: "Straightened",
+  origin: "Origin set",
+  keep_out: "Keep-out zone",
+  speed: "Speed zone",
+};
+
+/** With its name, where it has one. */
+export function editWords({ kind, toml }: Pick<Edit, "kind" | "toml">): string {
+  const words = kEdits[kind] ?? (kind.replaceAll("_", " ") || "Edit");
+  const name = valueIn(toml, "name");
+  return name ? `${words} “${name}”` : words;
+}
+
+const kZones: Record<PolygonKind, string> = {
+  crop: "crop",
+  erase: "erased",
+  keep_out: "keep out",
+  speed: "slow",
+};
+
+/** What is written on the map: the name, and how fast. */
+export function zoneName(kind: PolygonKind, toml: string): string {
+  const name = valueIn(toml, "name") || kZones[kind];
+  const share = valueIn(toml, "percent");
+  const limit = valueIn(toml, "limit_m_s");
+  if (kind !== "speed" || (share === null && limit === null)) return name;
+  return `${name}: ${share !== null ? `${share} %` : `${limit} m/s`}`;
+}
+
+const kStill = 0.0005;
+
+export function shiftWords(shift: Shift | null): string {
+  if (shift === null) return "";
+  const degrees = (shift.turned * 180) / Math.PI;
+  if (shift.largest < kStill && degrees < 0.005) return "Nothing moved.";
+  const turned = degrees >= 0.005 ? `, turned by up to ${significant(degrees, 2)}°` : "";
+  return `Moved by up to ${metres(shift.largest)}, ${metres(shift.mean)} on average${turned}.`;
+}
+
+export function figureWords(figures: ClosureFigures): string {
+  const entries: [string, string][] = [
+    ["score", optional(figures.score, significant)],
+    ["second score", optional(figures.secondScore, significant)],
+    ["overlap", optional(figures.overlap, percent)],
+    ["agreement", optional(figures.agreement, percent)],
+    ["χ²", optional(figures.chi2, significant)],
+  ];
+  const known = entries.filter(([, text]) => text !== "–");
+  return known.map(([name, text]) => `${name} ${text}`).join(", ");
 }

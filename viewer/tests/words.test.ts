@@ -122,7 +122,7 @@ test("text stands out by 4.5 to 1 on every ground, lines of closures by 3 to 1",
           .padStart(2, "0"),
       )
       .join("")}`;
-    const lines = { ...kPalettes[theme].closures };
+    const lines = { ...kPalettes[theme].closures, ...kPalettes[theme].edits };
     for (const [state, hex] of Object.entries(lines)) {
       const ratio = contrast(hex, free);
       assert.ok(ratio >= 3, `${theme}: ${state} has ${ratio.toFixed(2)} on free floor`);

@@ -20,6 +20,7 @@ export class ClosureDetail {
   private readonly keys = h("span");
   private readonly reason = h("div", { class: "reason" });
   private readonly figures = h("dl", { class: "figures" });
+  private readonly remove = h("button", { type: "button", class: "plain", id: "closure-delete" });
   /** By closure and its nodes: numbers may be given anew while a run is mapped. */
   private readonly kept = new Map<string, Evidence>();
   private readonly radios: HTMLInputElement[] = [];
@@ -41,7 +42,11 @@ export class ClosureDetail {
     );
     const under = h("div", { class: "under" }, this.keys, this.choice());
     const pair = h("div", { class: "pair" }, this.canvas, this.words);
-    this.element.append(head, pair, under, this.reason, this.figures);
+    this.remove.textContent = "Delete this closure (Del)";
+    this.remove.addEventListener("click", () => this.delete());
+    const actions = h("div", { class: "buttons" }, this.remove);
+    this.element.append(head, pair, under, this.reason, this.figures, actions);
+    app.watch(["about"], () => this.showFigures());
     app.onSelected(() => this.select());
     app.watch(["closures"], () => this.showFigures());
     app.watch(["trajectory"], () => {
@@ -75,6 +80,11 @@ export class ClosureDetail {
     this.show(!this.asMeasured);
     const [measured, graph] = this.radios;
     if (measured && graph) (this.asMeasured ? measured : graph).checked = true;
+  }
+
+  /** As an edit that can be undone. */
+  delete(): void {
+    void this.app.editor.deleteClosure(this.app.closure(this.app.selected));
   }
 
   zoomTo(): void {
@@ -165,6 +175,7 @@ export class ClosureDetail {
       if (app.selected !== null && app.model.closures.length > 0) app.select(null);
       return;
     }
+    this.remove.hidden = !app.editor.allowed || closure.state !== "standing";
     const words = kClosureWords[closure.state];
     this.title.textContent = `Closure ${closure.id}, ${words.label}`;
     const why = closure.reason

@@ -31,6 +31,12 @@ export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** A button that does nothing now; unlike a disabled one it keeps the focus. */
+export function setOff(button: HTMLElement, off: boolean): void {
+  if (off) button.setAttribute("aria-disabled", "true");
+  else button.removeAttribute("aria-disabled");
+}
+
 /**
  * Fills an element anew only when what it shows has changed: what is replaced loses the focus, and is
  * read aloud again.

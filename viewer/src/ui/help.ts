@@ -3,7 +3,24 @@ import { kClosureStates } from "../json_messages.ts";
 import { kClosureWords, trackingWords } from "../words.ts";
 import { h, iconButton, need, swatch } from "./dom.ts";
 
-const kKeys: [string, [string, string][]][] = [
+type Section = [string, [string, string][]];
+
+/** Where the map may be edited. */
+const kEditKeys: Section = [
+  "Editing",
+  [
+    ["5", "the edits, and what can be done"],
+    ["Del", "delete the chosen closure"],
+    ["Ctrl+Z", "take back the last point; without any undo the last edit"],
+    ["Enter", "a point in the middle; the first one, or the last again, closes"],
+    ["Backspace", "take back the last point"],
+    ["← ↑ → ↓", "move the second scan, in small steps with Shift"],
+    ["[ ]", "turn the second scan, or the heading of the origin"],
+    ["Esc", "put the tool away"],
+  ],
+];
+
+const kKeys: Section[] = [
   [
     "Time",
     [
@@ -67,7 +84,8 @@ export class Help {
 
   private fill(): void {
     const columns = h("div", { class: "columns" });
-    for (const [title, keys] of kKeys) {
+    const sections = this.app.editor.allowed ? [...kKeys, kEditKeys] : kKeys;
+    for (const [title, keys] of sections) {
       const list = h("dl");
       for (const [key, meaning] of keys) {
         const parts = key.split(" ").map((one) => h("kbd", {}, one));

@@ -6,10 +6,11 @@ const kOwnArrows = "input, select, textarea, [role=tablist] *, [role=grid]";
 
 export function listenToKeys(actions: KeyActions, busy: () => boolean): void {
   document.addEventListener("keydown", (event) => {
-    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.defaultPrevented || event.altKey) return;
     if (busy() && event.key !== "?") return;
     const target = event.target instanceof Element ? event.target : document.body;
-    if (target.matches("select, textarea, input[type=text]")) return;
+    const writes = target.matches("select, textarea, input[type=text]");
+    if (writes && event.key !== "Escape") return;
     // A button, a box or a switch is worked with space, sliders and lists with arrows.
     if (
       event.key === " " &&
@@ -18,8 +19,10 @@ export function listenToKeys(actions: KeyActions, busy: () => boolean): void {
       return;
     if (event.key.startsWith("Arrow") && target.matches(kOwnArrows)) return;
     if (event.key === "Enter") return;
-    const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift+${event.key}` : event.key;
-    const action = actions[name] ?? actions[name.toLowerCase()];
+    const control = event.ctrlKey || event.metaKey;
+    const shift = event.shiftKey && (control || event.key.startsWith("Arrow"));
+    const name = `${control ? "Ctrl+" : ""}${shift ? "Shift+" : ""}${event.key}`;
+    const action = actions[name] ?? (control ? undefined : actions[name.toLowerCase()]);
     if (action === undefined) return;
     event.preventDefault();
     action();

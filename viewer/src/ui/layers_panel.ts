@@ -14,6 +14,8 @@ interface Row {
   look?: (app: App) => SVGSVGElement;
   /** Whether there is anything to show. */
   there?: (app: App) => boolean;
+  /** Whether there could be: else the row is hidden. */
+  offered?: (app: App) => boolean;
 }
 
 const hexOf = (colour: readonly [number, number, number]) =>
@@ -67,6 +69,12 @@ const kRows: Row[] = [
     label: "loop closures",
     look: (app) => swatch(app.palette.closures.standing, "", "disc"),
   },
+  {
+    layer: "edits",
+    label: "edits: zones and polygons",
+    look: (app) => swatch(app.palette.edits.keep_out, "none", "box"),
+    offered: (app) => app.model.about?.canEdit ?? false,
+  },
   { layer: "path", label: "path", look: (app) => swatch(app.palette.ramp[2] ?? "", "", "") },
 ];
 
@@ -102,7 +110,7 @@ export class LayersPanel {
     });
   }
 
-  private row({ layer, label, opacity, look, there }: Row): HTMLElement {
+  private row({ layer, label, opacity, look, there, offered }: Row): HTMLElement {
     const { app } = this;
     const box = h("input", {
       type: "checkbox",
@@ -129,6 +137,10 @@ export class LayersPanel {
     if (there !== undefined) {
       const show = () => words.classList.toggle("off", !there(app));
       app.watch(["quality", "texture", "particles", "verdict", "submaps", "reset"], show);
+    }
+    if (offered !== undefined) {
+      app.watch(["about", "reset"], () => (line.hidden = !offered(app)));
+      line.hidden = true;
     }
     return line;
   }

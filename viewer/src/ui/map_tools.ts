@@ -51,7 +51,8 @@ export class MapTools {
   }
 
   toggleMeasure(): void {
-    const { map } = this.app;
+    const { map, editor } = this.app;
+    editor.cancel();
     map.measure.active = !map.measure.active;
     map.measure.clear();
     map.hover(null);

@@ -58,6 +58,18 @@ export class Tabs {
     this.shown(id);
   }
 
+  /** Whether there is such a tab at all; a hidden one is left out by keys, too. */
+  setThere(id: string, there: boolean): void {
+    const button = this.buttons.get(id);
+    if (button === undefined || button.hidden === !there) return;
+    button.hidden = !there;
+    if (!there && this.current === id) this.show(this.tabs[0]?.id ?? "");
+  }
+
+  isThere(id: string): boolean {
+    return this.buttons.get(id)?.hidden === false;
+  }
+
   focus(): void {
     this.buttons.get(this.current)?.focus();
   }
@@ -68,8 +80,9 @@ export class Tabs {
   }
 
   private key(event: KeyboardEvent): void {
-    const at = this.tabs.findIndex((tab) => tab.id === this.current);
-    const last = this.tabs.length - 1;
+    const tabs = this.tabs.filter((tab) => this.isThere(tab.id));
+    const at = tabs.findIndex((tab) => tab.id === this.current);
+    const last = tabs.length - 1;
     const to: Record<string, number> = {
       ArrowLeft: at === 0 ? last : at - 1,
       ArrowRight: at === last ? 0 : at + 1,
@@ -80,7 +93,7 @@ export class Tabs {
     if (next === undefined) return;
     event.preventDefault();
     event.stopPropagation();
-    this.show(this.tabs[next]?.id ?? this.current);
+    this.show(tabs[next]?.id ?? this.current);
     this.focus();
   }
 }
