@@ -130,7 +130,7 @@ class EditDesk::Impl {
   [[nodiscard]] HttpAnswer scan_of(std::string_view node) const;
   [[nodiscard]] Json state() const;
   [[nodiscard]] Json json_of_edit(std::size_t place) const;
-  [[nodiscard]] std::vector<MapEdit> edits(std::size_t first) const;
+  [[nodiscard]] std::vector<MapEdit> edits(std::size_t first, bool refused_too = true) const;
   void has_changed();
   void show_graph() const;
   void run(const std::stop_token& stop);
@@ -207,7 +207,8 @@ HttpAnswer EditDesk::Impl::undo() {
 HttpAnswer EditDesk::Impl::save() {
   if (!options_.save) return refusal(403, "edits can't be saved here");
   try {
-    options_.save(edits_to_toml(edits(first_)));
+    // What was refused is refused the next time, too, and then nothing would be done.
+    options_.save(edits_to_toml(edits(first_, /*refused_too=*/false)));
   } catch (const std::exception& error) {
     return refusal(500, error.what());
   }
@@ -231,9 +232,11 @@ HttpAnswer EditDesk::Impl::scan_of(std::string_view node) const {
   return answer_of({{"t", stamps_[number].seconds()}, {"points", std::move(points)}});
 }
 
-std::vector<MapEdit> EditDesk::Impl::edits(std::size_t first) const {
+std::vector<MapEdit> EditDesk::Impl::edits(std::size_t first, bool refused_too) const {
   std::vector<MapEdit> list;
-  for (std::size_t i = first; i < editor_.size(); ++i) list.push_back(editor_.edit(i));
+  for (std::size_t i = first; i < editor_.size(); ++i) {
+    if (refused_too || editor_.report(i).applied) list.push_back(editor_.edit(i));
+  }
   return list;
 }
 
@@ -330,7 +333,9 @@ void EditDesk::Impl::show(const EditedMap& map) const {
   board_.show_path(stamp, thinned(result.trajectory.poses(), kMostPathPoses));
   board_.show_graph(stamp);
   board_.show_verdict(stamp, verdict_of(result));
-  if (const auto layer = quality_layer_of(result)) board_.show_quality(stamp, *layer);
+  board_.show_quality(stamp, quality_layer_of(result).value_or(ViewLayer{}));
+  // The floor lies where it was, and is not coloured anew.
+  board_.show_texture(stamp, {});
 }
 
 EditDesk::EditDesk(const SettledMap& map, std::span<const MapEdit> before, ViewBoard& board,

@@ -147,6 +147,9 @@ TEST_F(Desk, RefusesWhatItDoesNotUnderstand) {
   const Json refused = Json::parse(
       post(*desk, "[[edit]]\nkind = \"delete_closure\"\nfrom_node = 0\nto_node = 1\n").body);
   EXPECT_EQ(refused["edits"][0]["applied"], false);
+  (void)post(*desk, box("keep_out"));
+  ASSERT_EQ(desk->post("/api/edits/save", "{}")->status, 200);
+  EXPECT_EQ(parse_edits(saved_, "saved").size(), 1U) << "only what was done";
   EXPECT_FALSE(refused["edits"][0]["told"].get<std::string>().empty());
 }
 
