@@ -59,13 +59,14 @@ class ThreadedLiveLog : public testing::Test {
 TEST_F(ThreadedLiveLog, OfAFileThatGrowsGivesEachScanAsSoonAsItIsThere) {
   const std::string path = folder_.write("log.clf", scan_lines(0, 50));
   std::ofstream file(path, std::ios::app);
-  const std::jthread writer([&] {
+  std::jthread writer([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     file << scan_line(50) << std::flush;
   });
   const auto log = open_live_log(path, options());
   EXPECT_EQ(log->format(), "carmen");
   ASSERT_EQ(count_scans(*log, 51), 51);
+  writer.join();
   for (int i = 51; i < 60; ++i) {
     // Nothing follows this one before it was read.
     file << scan_line(i) << std::flush;
