@@ -36,6 +36,7 @@ fi
 measure bench/session.py $quick
 measure bench/continued.py $quick
 measure bench/editing.py $quick
+measure bench/live.py $quick
 measure bench/localization.py $quick
 if [[ -z $quick ]]; then
   measure bench/own_maps.py

@@ -98,9 +98,7 @@ def latency(loopstone, lines, seconds, clients):
     pacer = Pacer(lines, seconds)
     pacer.start()
     out = loopstone.work / f"latency-{clients}"
-    process, port = start(
-        loopstone, ["live", "--source", pacer.url, "-o", out, "--end-after", "1"]
-    )
+    process, port = start(loopstone, ["live", "--source", pacer.url, "-o", out, "--end-after", "1"])
     threading.Thread(target=process.stderr.read, daemon=True).start()
     for _ in range(clients - 1):
         listen(port)
@@ -158,8 +156,8 @@ def text_of(section):
         [
             tables.provenance(section),
             "",
-            "From a scan's line on the wire (loopback) to its pose at a client, a simulated office at "
-            "its own pace:",
+            "From a scan's line on the wire (loopback) to its pose at a client, a simulated "
+            "office at its own pace:",
             "",
             table(
                 ["clients>", "poses>", "median [ms]>", "99 % within [ms]>"],

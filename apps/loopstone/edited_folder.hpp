@@ -28,8 +28,8 @@ struct EditedFolder {
 };
 
 /// Of a folder with a state and no summary.json, as a run leaves it that was killed, nothing is
-/// known. Throws DataError when there is no summary.json of a whole run, or one of the edits that it tells
-/// of is not there any more.
+/// known. Throws DataError when there is no summary.json of a whole run, or one of the edits that
+/// it tells of is not there any more.
 [[nodiscard]] EditedFolder read_edited_folder(const std::string& out);
 
 /// What the map was made by.

@@ -272,9 +272,7 @@ void ViewBoard::Impl::show_graph(Stamp stamp) {
 ViewBoard::ViewBoard(ViewSink sink) : impl_(std::make_unique<Impl>(std::move(sink))) {}
 ViewBoard::~ViewBoard() = default;
 
-bool ViewBoard::is_watched() const {
-  return !impl_->sink_.is_watched || impl_->sink_.is_watched();
-}
+bool ViewBoard::is_watched() const { return !impl_->sink_.is_watched || impl_->sink_.is_watched(); }
 void ViewBoard::begin_anew(Stamp stamp, double resolution_m) {
   impl_->begin_anew(stamp, resolution_m);
 }
