@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,7 +30,6 @@ namespace loopstone::app {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 struct Arguments {
@@ -124,11 +122,6 @@ LocalizationOptions options_of(const Arguments& arguments, const AppContext& con
 
 /// What is read and written, held against each other before the work.
 Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
-  const fs::path file(arguments.output);
-  if (file.extension() == ".csv") {
-    throw UsageError("-o " + arguments.output +
-                     ": the table beside the trajectory takes that name; name this one .tum");
-  }
   Outputs outputs(context, arguments.force);
   if (arguments.landmarks.file.empty()) {
     outputs.reads_log(arguments.log);
@@ -138,8 +131,7 @@ Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
     for (const std::string& path : landmark_log_files(arguments.log)) outputs.reads(path);
     outputs.reads(arguments.landmarks.file);
   }
-  outputs.add_file("-o", arguments.output);
-  if (!is_stream(arguments.output)) outputs.add_file("", fs::path(file).replace_extension(".csv"));
+  add_trajectory_output(arguments.output, outputs);
   if (!arguments.report.empty()) outputs.add_folder("--report", arguments.report);
   if (!arguments.animation.empty()) outputs.add_folder("--animation", arguments.animation);
   return outputs;

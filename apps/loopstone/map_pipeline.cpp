@@ -49,16 +49,6 @@ void refuse_flags_of_submaps(const MapArguments& arguments) {
   }
 }
 
-/// To the mapper, and to who looks on if there is somebody.
-void add_watched(const SensorMessage& message, MapFeed* feed, Mapper& mapper) {
-  if (feed == nullptr) return mapper.add(message);
-  feed->add(message);
-  const auto start = std::chrono::steady_clock::now();
-  mapper.add(message);
-  feed->note_front_end(
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-}
-
 void feed(const MapPipeline::Source& source, ScanToScanMapper& mapper) {
   while (const auto message = source.log.next()) {
     source.camera.take(*message);
@@ -85,6 +75,15 @@ void feed(const MapPipeline::Source& source, Mapper& mapper) {
 }
 
 }  // namespace
+
+void add_watched(const SensorMessage& message, MapFeed* feed, Mapper& mapper) {
+  if (feed == nullptr) return mapper.add(message);
+  feed->add(message);
+  const auto start = std::chrono::steady_clock::now();
+  mapper.add(message);
+  feed->note_front_end(
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}
 
 std::uint64_t most_cells(const AppContext& context) {
   // A cell takes five bytes, and as many again in what is made of it for the files.

@@ -78,6 +78,9 @@ void visit_options(LandmarkMapOptions& options, Visitor&& visit) {
   visit.group("landmarks", options.landmarks);
 }
 
+/// To the mapper, and to who looks on if there is somebody.
+void add_watched(const SensorMessage& message, MapFeed* feed, Mapper& mapper);
+
 /// Those of the file and of --set, and --reflector-threshold over them. Throws OptionsError.
 [[nodiscard]] LandmarkMapOptions landmark_map_options(const LandmarkMapFlags& flags,
                                                       const AppContext& context);

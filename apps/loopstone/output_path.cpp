@@ -81,6 +81,16 @@ void add_force_flag(CLI::App& command, bool& force) {
   command.add_flag("--force", force, "replace what is there already under an output's name");
 }
 
+void add_trajectory_output(const std::string& path, Outputs& outputs) {
+  const fs::path file(path);
+  if (file.extension() == ".csv") {
+    throw UsageError("-o " + path +
+                     ": the table beside the trajectory takes that name; name this one .tum");
+  }
+  outputs.add_file("-o", path);
+  if (!is_stream(path)) outputs.add_file("", fs::path(file).replace_extension(".csv"));
+}
+
 std::int64_t least_bytes_of_results(std::int64_t log_bytes) {
   // A log spends 100 bytes or more on what becomes one; packed ones spend a tenth of that.
   return Outputs::kLeastBytes + log_bytes / 100;

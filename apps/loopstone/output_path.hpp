@@ -74,6 +74,10 @@ class Outputs {
   std::vector<Output> outputs_{};
 };
 
+/// "-o FILE.tum" of localisation, which has a table beside it. Throws UsageError for a name that
+/// the table takes.
+void add_trajectory_output(const std::string& path, Outputs& outputs);
+
 /// What any run leaves that reads so much of a log: far less than the truth, and known before.
 [[nodiscard]] std::int64_t least_bytes_of_results(std::int64_t log_bytes);
 

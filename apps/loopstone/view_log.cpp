@@ -1,6 +1,5 @@
 #include "view_log.hpp"
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -142,11 +141,7 @@ class LogReplay {
         const Turn turn = clock_.wait_for(scan->stamp, goes_on);
         if (turn != Turn::kGoOn) return turn;
       }
-      feed_.add(*message);
-      const auto start = std::chrono::steady_clock::now();
-      mapper.add(*message);
-      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-      feed_.note_front_end(took.count());
+      add_watched(*message, &feed_, mapper);
       while (const auto update = mapper.next_update()) feed_.add(*update, mapper);
     }
     return interrupted() ? Turn::kStopped : Turn::kGoOn;
