@@ -15,14 +15,12 @@
 
 #include "live/snapshot_contents.hpp"
 #include "loopstone/base/error.hpp"
-#include "loopstone/base/thinned.hpp"
 #include "loopstone/formats/edits_file.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/geometry/polygon.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "loopstone/slam/map_editor.hpp"
 #include "loopstone/slam/map_snapshot.hpp"
-#include "report/written_states.hpp"
 
 namespace loopstone {
 namespace {
@@ -282,12 +280,7 @@ void EditDesk::Impl::has_changed() {
 
 void EditDesk::Impl::show_graph() const {
   if (stamps_.empty() || preview_.map_T_keys.size() != stamps_.size()) return;
-  const MapResult result = result_of(preview_, stamps_);
-  const Stamp stamp = stamps_.back();
-  board_.show_nodes(stamp, nodes_of(result, snapshot_));
-  board_.show_closures(stamp, closures_of(result, snapshot_));
-  board_.show_path(stamp, thinned(result.trajectory.poses(), kMostPathPoses));
-  board_.show_graph(stamp);
+  show_poses(board_, stamps_.back(), result_of(preview_, stamps_), snapshot_);
 }
 
 /// Draws the newest list, again and again; one that is overtaken is given up.
@@ -324,16 +317,7 @@ void EditDesk::Impl::run(const std::stop_token& stop) {
 void EditDesk::Impl::show(const EditedMap& map) const {
   const MapResult& result = map.result;
   const Stamp stamp = result.trajectory.empty() ? Stamp{} : result.trajectory.back().stamp;
-  board_.show_nodes(stamp, nodes_of(result, snapshot_));
-  board_.show_closures(stamp, closures_of(result, snapshot_));
-  if (result.map_failure.empty()) {
-    board_.replace_tiles(stamp, result.map);
-    board_.show_grid(stamp, states_to_write(result.map));
-  }
-  board_.show_path(stamp, thinned(result.trajectory.poses(), kMostPathPoses));
-  board_.show_graph(stamp);
-  board_.show_verdict(stamp, verdict_of(result));
-  board_.show_quality(stamp, quality_layer_of(result).value_or(ViewLayer{}));
+  if (!show_result(board_, stamp, result, snapshot_)) board_.show_quality(stamp, {});
   // The floor lies where it was, and is not coloured anew.
   board_.show_texture(stamp, {});
 }

@@ -2,24 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <optional>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "live/pace_meter.hpp"
 #include "live/timer.hpp"
+#include "live/waiting_scans.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "loopstone/report/peak_memory.hpp"
-#include "loopstone/sensor/mounted_scan.hpp"
 
 namespace loopstone {
 namespace {
 
-/// Scans that wait for their estimate.
-constexpr std::size_t kMostScansWaiting = 100;
 /// More arrows than these show no more.
 constexpr std::size_t kMostParticles = 2000;
 /// The path is shown by a pose each so many metres, of the last so many.
@@ -42,13 +38,7 @@ class LocalizationFeed::Impl {
     board_.show_grid({}, cells);
   }
 
-  void add(const SensorMessage& message) {
-    const auto* const scan = std::get_if<LaserScan>(&message);
-    if (scan == nullptr) return;
-    if (scans_.size() >= kMostScansWaiting) scans_.pop_front();
-    const auto mounted = as_mounted(*scan, robot_);
-    scans_.push_back(mounted ? *mounted : *scan);
-  }
+  void add(const SensorMessage& message) { scans_.add(message, robot_); }
   void add(const LocalizationEstimate& estimate, const Localizer& localizer);
   void add_warning(const std::string& text) {
     const Stamp now = last_ ? last_->stamp : Stamp{};
@@ -58,7 +48,6 @@ class LocalizationFeed::Impl {
   void catch_up(const Localizer& localizer);
 
  private:
-  void drop_scans();
   void show_robot();
   void show_status();
   void show_belief(const Localizer& localizer);
@@ -74,7 +63,7 @@ class LocalizationFeed::Impl {
     bool status = false;
     bool belief = false;
   } waits_{};  ///< what of the last estimate is still to be shown
-  std::deque<LaserScan> scans_{};
+  WaitingScans scans_{};
   std::vector<ViewNode> nodes_{};
   std::vector<ViewWarning> warnings_{};
   std::int64_t estimates_ = 0;
@@ -99,7 +88,7 @@ void LocalizationFeed::Impl::add(const LocalizationEstimate& estimate, const Loc
 void LocalizationFeed::Impl::catch_up(const Localizer& localizer) {
   if (!last_) return;
   if (!board_.is_watched()) {
-    drop_scans();
+    scans_.drop_before(last_->stamp);
     return;
   }
   if (waits_.robot && robot_timer_.is_due()) {
@@ -114,17 +103,12 @@ void LocalizationFeed::Impl::catch_up(const Localizer& localizer) {
     show_status();
     waits_.status = false;
   }
-  drop_scans();
-}
-
-void LocalizationFeed::Impl::drop_scans() {
-  while (!scans_.empty() && scans_.front().stamp < last_->stamp) scans_.pop_front();
+  scans_.drop_before(last_->stamp);
 }
 
 void LocalizationFeed::Impl::show_robot() {
-  const auto scan = std::ranges::find(scans_, last_->stamp, &LaserScan::stamp);
-  board_.show_robot(last_->stamp, last_->map_T_robot, last_->covariance,
-                    scan == scans_.end() ? nullptr : &*scan, robot_);
+  board_.show_robot(last_->stamp, last_->map_T_robot, last_->covariance, scans_.at(last_->stamp),
+                    robot_);
 }
 
 void LocalizationFeed::Impl::show_belief(const Localizer& localizer) {

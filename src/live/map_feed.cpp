@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <deque>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -13,20 +12,17 @@
 #include "live/pace_meter.hpp"
 #include "live/snapshot_contents.hpp"
 #include "live/timer.hpp"
+#include "live/waiting_scans.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "loopstone/report/peak_memory.hpp"
-#include "loopstone/sensor/mounted_scan.hpp"
 #include "loopstone/slam/live_map.hpp"
 #include "report/live_grid.hpp"
 #include "report/map_messages.hpp"
-#include "report/written_states.hpp"
 
 namespace loopstone {
 namespace {
 
-/// Scans that wait for their update.
-constexpr std::size_t kMostScansWaiting = 100;
 /// A robot that stands does not travel, whatever its pose does.
 constexpr double kTravelStepM = 0.02;
 /// Of a map that is sent whole, again and again.
@@ -193,7 +189,7 @@ class MapFeed::Impl {
   }
 
   void begin_anew(const RobotModel& robot);
-  void add(const LaserScan& scan);
+  void add(const SensorMessage& message) { scans_.add(message, robot_); }
   void add(const MapUpdate& update, const Mapper& mapper);
   void catch_up(const Mapper& mapper);
   void end(const Mapper& mapper) {
@@ -208,12 +204,9 @@ class MapFeed::Impl {
   }
   void note_front_end(double seconds) { front_end_s_ = std::max(front_end_s_, seconds); }
   void flush() { drawer_.flush(); }
-  [[nodiscard]] const RobotModel& robot() const { return robot_; }
 
  private:
-  void drop_scans();
   void show_robot(const MapUpdate& update);
-  [[nodiscard]] const LaserScan* scan_at(Stamp stamp) const;
   void show_status(Stamp stamp);
   void draw(const MapUpdate& update, const Mapper& mapper);
   void note(const MapUpdate& update);
@@ -233,8 +226,8 @@ class MapFeed::Impl {
     bool status = false;
   } waits_{};  ///< what of the last update is still to be shown
   std::optional<MapSnapshot> final_{};
-  std::deque<LaserScan> scans_{};  ///< whose updates are still to come
-  NodeSigmas sigmas_{};            ///< since the last drawing
+  WaitingScans scans_{};  ///< whose updates are still to come
+  NodeSigmas sigmas_{};   ///< since the last drawing
   std::vector<ViewWarning> warnings_{};
   ViewStatus status_{};
   std::optional<Pose2> travelled_to_{};  ///< odom frame
@@ -258,11 +251,6 @@ void MapFeed::Impl::begin_anew(const RobotModel& robot) {
   board_.begin_anew({}, resolution_m_);
 }
 
-void MapFeed::Impl::add(const LaserScan& scan) {
-  if (scans_.size() >= kMostScansWaiting) scans_.pop_front();
-  scans_.push_back(scan);
-}
-
 void MapFeed::Impl::add(const MapUpdate& update, const Mapper& mapper) {
   note(update);
   last_ = update;
@@ -274,7 +262,7 @@ void MapFeed::Impl::catch_up(const Mapper& mapper) {
   if (!last_) return;
   if (!board_.is_watched()) {
     // Who comes later is shown what waits.
-    drop_scans();
+    scans_.drop_before(last_->stamp);
     return;
   }
   if (waits_.robot && robot_timer_.is_due()) {
@@ -291,12 +279,7 @@ void MapFeed::Impl::catch_up(const Mapper& mapper) {
     show_status(last_->stamp);
     waits_.status = false;
   }
-  drop_scans();
-}
-
-/// Those of other lasers may have the same stamp.
-void MapFeed::Impl::drop_scans() {
-  while (!scans_.empty() && scans_.front().stamp < last_->stamp) scans_.pop_front();
+  scans_.drop_before(last_->stamp);
 }
 
 void MapFeed::Impl::note(const MapUpdate& update) {
@@ -319,13 +302,8 @@ void MapFeed::Impl::note(const MapUpdate& update) {
 }
 
 void MapFeed::Impl::show_robot(const MapUpdate& update) {
-  board_.show_robot(update.stamp, update.map_T_robot(), update.covariance, scan_at(update.stamp),
+  board_.show_robot(update.stamp, update.map_T_robot(), update.covariance, scans_.at(update.stamp),
                     robot_);
-}
-
-const LaserScan* MapFeed::Impl::scan_at(Stamp stamp) const {
-  const auto scan = std::ranges::find(scans_, stamp, &LaserScan::stamp);
-  return scan == scans_.end() ? nullptr : &*scan;
 }
 
 void MapFeed::Impl::draw(const MapUpdate& update, const Mapper& mapper) {
@@ -357,19 +335,10 @@ void MapFeed::Impl::finish(const MapResult& result) {
   drawer_.drop();
   const Stamp stamp = result.trajectory.empty() ? Stamp{} : result.trajectory.back().stamp;
   const MapSnapshot last = final_ ? *std::exchange(final_, std::nullopt) : drawer_.last().snapshot;
-  board_.show_nodes(stamp, nodes_of(result, last));
   board_.show_submaps(stamp, moved_to(result, last, drawer_.submaps_of(last)));
-  board_.show_closures(stamp, closures_of(result, last));
-  if (result.map_failure.empty()) {
-    board_.replace_tiles(stamp, result.map);
-    board_.show_grid(stamp, states_to_write(result.map));
-  }
-  board_.show_path(stamp, thinned(result.trajectory.poses(), kMostPathPoses));
-  board_.show_graph(stamp);
-  board_.show_verdict(stamp, verdict_of(result));
+  (void)show_result(board_, stamp, result, last);
   for (const std::string& warning : result.warnings) warnings_.push_back({std::nullopt, warning});
   board_.show_warnings(stamp, warnings_);
-  if (const auto layer = quality_layer_of(result)) board_.show_quality(stamp, *layer);
   const MapStatistics& statistics = result.statistics;
   status_.submaps = static_cast<std::size_t>(statistics.submaps);
   status_.closures = static_cast<std::size_t>(statistics.loop_closures_accepted);
@@ -377,8 +346,8 @@ void MapFeed::Impl::finish(const MapResult& result) {
   if (last_) status_.status = to_string(last_->status);
   show_status(stamp);
   if (!result.trajectory.empty()) {
-    board_.show_robot(stamp, result.trajectory.back().pose, Eigen::Matrix3d::Zero(), scan_at(stamp),
-                      robot_);
+    board_.show_robot(stamp, result.trajectory.back().pose, Eigen::Matrix3d::Zero(),
+                      scans_.at(stamp), robot_);
   }
   last_.reset();
 }
@@ -389,12 +358,7 @@ MapFeed::MapFeed(ViewBoard& board, const RobotModel& robot, const OccupancyOptio
 MapFeed::~MapFeed() = default;
 
 void MapFeed::begin_anew(const RobotModel& robot) { impl_->begin_anew(robot); }
-void MapFeed::add(const SensorMessage& message) {
-  const auto* const scan = std::get_if<LaserScan>(&message);
-  if (scan == nullptr) return;
-  const auto mounted = as_mounted(*scan, impl_->robot());
-  impl_->add(mounted ? *mounted : *scan);
-}
+void MapFeed::add(const SensorMessage& message) { impl_->add(message); }
 void MapFeed::add(const MapUpdate& update, const Mapper& mapper) { impl_->add(update, mapper); }
 void MapFeed::add_warning(const std::string& text) { impl_->add_warning(text); }
 void MapFeed::note_front_end(double seconds) { impl_->note_front_end(seconds); }

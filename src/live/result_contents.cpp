@@ -3,9 +3,11 @@
 #include <string_view>
 
 #include "live/snapshot_contents.hpp"
+#include "loopstone/base/thinned.hpp"
 #include "loopstone/formats/image.hpp"
 #include "loopstone/report/quality_picture.hpp"
 #include "report/quality_summary.hpp"
+#include "report/written_states.hpp"
 
 namespace loopstone {
 namespace {
@@ -88,6 +90,25 @@ std::optional<ViewLayer> quality_layer_of(const MapResult& result) {
   const auto layer = draw_quality_layer(result.quality);
   if (!layer) return {};
   return ViewLayer{layer->corner, layer->resolution_m, encode_png(layer->image)};
+}
+
+void show_poses(ViewBoard& board, Stamp stamp, const MapResult& result, const MapSnapshot& last) {
+  board.show_nodes(stamp, nodes_of(result, last));
+  board.show_closures(stamp, closures_of(result, last));
+  board.show_path(stamp, thinned(result.trajectory.poses(), kMostPathPoses));
+  board.show_graph(stamp);
+}
+
+bool show_result(ViewBoard& board, Stamp stamp, const MapResult& result, const MapSnapshot& last) {
+  show_poses(board, stamp, result, last);
+  if (result.map_failure.empty()) {
+    board.replace_tiles(stamp, result.map);
+    board.show_grid(stamp, states_to_write(result.map));
+  }
+  board.show_verdict(stamp, verdict_of(result));
+  const auto layer = quality_layer_of(result);
+  if (layer) board.show_quality(stamp, *layer);
+  return layer.has_value();
 }
 
 }  // namespace loopstone

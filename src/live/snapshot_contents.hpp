@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/live/view_board.hpp"
 #include "loopstone/live/view_contents.hpp"
 #include "loopstone/slam/map_result.hpp"
 #include "loopstone/slam/map_snapshot.hpp"
@@ -53,5 +54,11 @@ class SubmapOutlines {
 [[nodiscard]] ViewVerdict verdict_of(const nlohmann::ordered_json& quality, bool complete);
 /// Places where visits agree and where not; nothing when there are none.
 [[nodiscard]] std::optional<ViewLayer> quality_layer_of(const MapResult& result);
+
+/// Shows the path and its closures. Of the result only its poses are asked.
+void show_poses(ViewBoard& board, Stamp stamp, const MapResult& result, const MapSnapshot& last);
+/// Shows a finished map: path, closures, cells, verdict, and where visits agree. Returns whether
+/// there was anything to show of the last.
+bool show_result(ViewBoard& board, Stamp stamp, const MapResult& result, const MapSnapshot& last);
 
 }  // namespace loopstone
