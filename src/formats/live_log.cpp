@@ -6,6 +6,7 @@
 
 #include "formats/byte_source.hpp"
 #include "formats/byte_stream.hpp"
+#include "formats/log_head.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_format.hpp"
 
@@ -13,9 +14,6 @@ namespace loopstone {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Enough for the marks of all formats.
-constexpr std::size_t kHeadBytes = 16;
 
 std::unique_ptr<ByteStream> connect(const std::string& source, std::function<bool()> stop) {
   const std::string place = source.substr(kTcpScheme.size());
@@ -50,8 +48,7 @@ std::unique_ptr<LogReader> open_live_log(const std::string& source, const LogOpt
   auto content = std::make_shared<ReadableBytes>(
       readable_stream(open_stream(source, how.stop), how.live->look_s));
   LogInput log{.name = content->name, .path = source, .is_stream = true, .content = content};
-  log.head.resize(kHeadBytes);
-  log.head.resize(read_fully(*content->look(0), log.head));
+  log.head = head_of(*content);
   if (log.head.empty()) throw DataError({log.name}, "ended before anything came");
   return open_log(log, recognise_log(log), how);
 }

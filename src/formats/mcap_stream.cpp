@@ -20,11 +20,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-bool is_of_laser(const RecordedTopic& topic) {
-  const TopicKind kind = kind_of(topic.type);
-  return kind == TopicKind::kScan || kind == TopicKind::kEchoScan || kind == TopicKind::kCloud;
-}
-
 /// A stream's bytes, of which as many stand in memory as the record at hand has.
 class StreamWindow {
  public:
@@ -139,7 +134,7 @@ std::optional<RecordedMessage> McapStream::next() {
     auto message = next_of_stream();
     if (!message) return {};
     if (!first_) first_ = Clock::now();
-    has_laser_ = has_laser_ || is_of_laser(topics()[message->topic]);
+    has_laser_ = has_laser_ || is_laser(kind_of(topics()[message->topic].type));
     if (!keeps_) return message;
     keep(*message);
   }

@@ -5,6 +5,7 @@
 
 #include "formats/byte_source.hpp"
 #include "formats/byte_stream.hpp"
+#include "formats/log_head.hpp"
 #include "formats/log_path.hpp"
 #include "loopstone/formats/log_format.hpp"
 #include "loopstone/formats/log_format_words.hpp"
@@ -13,9 +14,6 @@ namespace loopstone {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Enough for the longest mark below, and for those of the formats.
-constexpr std::size_t kHeadBytes = 16;
 
 /// Files that are known not to be logs, or not of a format that is read: told what they are.
 struct ForeignFile {
@@ -78,8 +76,7 @@ LogInput look_at_log(const std::string& path, std::function<bool()> stop) {
       std::make_shared<ReadableBytes>(open_file_or_pipe(log.path.string(), std::move(stop)));
   log.name = log.content->name;
   log.is_stream = !fs::is_regular_file(log.path, ignored);
-  log.head.resize(kHeadBytes);
-  log.head.resize(read_fully(*log.content->look(0), log.head));
+  log.head = head_of(*log.content);
   if (log.head.empty()) throw DataError({log.name}, "the file is empty");
   return log;
 }

@@ -34,6 +34,10 @@ enum class TopicKind {
   kCameraInfo,     ///< sensor_msgs/CameraInfo
 };
 
+[[nodiscard]] constexpr bool is_laser(TopicKind kind) {
+  return kind == TopicKind::kScan || kind == TopicKind::kEchoScan || kind == TopicKind::kCloud;
+}
+
 [[nodiscard]] TopicKind kind_of(const std::string& type);
 /// Also by what the topic's definition tells.
 [[nodiscard]] TopicKind kind_of(const RecordedTopic& topic);
@@ -63,9 +67,7 @@ struct TopicFacts {
   bool is_decoded = false;                  ///< one of its messages could be read
   std::string fault{};                      ///< why its messages can't be read
 
-  [[nodiscard]] bool is_laser() const {
-    return kind == TopicKind::kScan || kind == TopicKind::kEchoScan || kind == TopicKind::kCloud;
-  }
+  [[nodiscard]] bool is_laser() const { return loopstone::is_laser(kind); }
   [[nodiscard]] bool is_picture() const {
     return kind == TopicKind::kPicture || kind == TopicKind::kPackedPicture;
   }
