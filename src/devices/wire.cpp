@@ -1,7 +1,6 @@
 #include "devices/wire.hpp"
 
 #include <fcntl.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/ioctl.h>
@@ -14,7 +13,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <utility>
 
 #include "loopstone/devices/scanner.hpp"
@@ -48,71 +46,48 @@ std::string words_of_connect_error(int error) {
   return std::string("can't be connected to: ") + std::strerror(error);
 }
 
-using AddressList = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
-
 }  // namespace
 
 Wire::Wire(const DeviceAddress& address, std::function<bool()> stop, double patience_s)
     : address_(address), stop_(std::move(stop)), patience_s_(patience_s) {
-  try {
-    if (address_.is_serial()) {
-      open_serial();
-    } else {
-      connect(patience_s);
-    }
-  } catch (...) {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    throw;
+  if (address_.is_serial()) {
+    open_serial();
+  } else {
+    connect(patience_s);
   }
 }
-
-Wire::~Wire() { ::close(descriptor_); }
 
 void Wire::fail(const std::string& reason) const { throw DeviceError(address_.text, reason); }
 
 void Wire::open_serial() {
-  descriptor_ = ::open(address_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor_ < 0) fail(words_of_open_error(errno));
-  if (::ioctl(descriptor_, TIOCEXCL) != 0 || !make_raw_line(descriptor_, address_.baud)) {
+  descriptor_ =
+      Descriptor(::open(address_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (!descriptor_.is_open()) fail(words_of_open_error(errno));
+  const int port = descriptor_.number();
+  if (::ioctl(port, TIOCEXCL) != 0 || !make_raw_line(port, address_.baud)) {
     if (errno == ENOTTY) fail("is no serial port; name one (ls /dev/ttyACM* /dev/ttyUSB*)");
     fail("can't be set to " + std::to_string(address_.baud) + " baud: " + std::strerror(errno));
   }
 }
 
 void Wire::connect(double patience_s) {
-  addrinfo wanted{};
-  wanted.ai_family = AF_UNSPEC;
-  wanted.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int unknown =
-      ::getaddrinfo(address_.host.c_str(), std::to_string(address_.port).c_str(), &wanted, &found);
-  if (unknown != 0)
-    fail(std::string("names no host: ") + ::gai_strerror(unknown) + "; give its IP address");
-  const AddressList owner(found, &::freeaddrinfo);
-  int error = ETIMEDOUT;
-  for (const addrinfo* place = found; place != nullptr; place = place->ai_next) {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    descriptor_ = ::socket(place->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (descriptor_ < 0) fail(std::string("no socket can be had: ") + std::strerror(errno));
-    error = ::connect(descriptor_, place->ai_addr, place->ai_addrlen) == 0 ? 0 : errno;
-    if (error == EINPROGRESS) {
-      socklen_t size = sizeof error;
-      error = ETIMEDOUT;
-      if (wait(POLLOUT, patience_s)) ::getsockopt(descriptor_, SOL_SOCKET, SO_ERROR, &error, &size);
-    }
-    if (error == 0) break;
-  }
-  if (error != 0) fail(words_of_connect_error(error));
+  TcpConnection made = try_tcp(address_.host, std::to_string(address_.port),
+                               [&](int socket) { return wait(socket, POLLOUT, patience_s); });
+  if (!made.unknown_host.empty())
+    fail("names no host: " + made.unknown_host + "; give its IP address");
+  if (!made.had_socket) fail(std::string("no socket can be had: ") + std::strerror(made.error));
+  if (made.error != 0) fail(words_of_connect_error(made.error));
+  descriptor_ = std::move(made.socket);
   const int on = 1;  // commands are short, and wait for nothing
-  ::setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  ::setsockopt(descriptor_.number(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
 
-bool Wire::wait(short events, double patience_s) const {
+bool Wire::wait(int descriptor, short events, double patience_s) const {
   const double end_s = now_s() + patience_s;
   for (;;) {
     if (stop_ && stop_()) throw StopAsked();
     const double left_s = std::max(0.0, end_s - now_s());
-    pollfd wanted{descriptor_, events, 0};
+    pollfd wanted{descriptor, events, 0};
     const auto look_ms = static_cast<int>(std::ceil(std::min(left_s, kLookAfterS) * 1e3));
     const int ready = ::poll(&wanted, 1, look_ms);
     if (ready > 0) return true;
@@ -125,8 +100,8 @@ bool Wire::wait(short events, double patience_s) const {
 std::string_view Wire::read(double patience_s) {
   const double end_s = now_s() + patience_s;
   for (;;) {
-    if (!wait(POLLIN, end_s - now_s())) return {};
-    const ssize_t count = ::read(descriptor_, bytes_.data(), bytes_.size());
+    if (!wait(descriptor_.number(), POLLIN, end_s - now_s())) return {};
+    const ssize_t count = ::read(descriptor_.number(), bytes_.data(), bytes_.size());
     const int error = errno;
     if (count > 0) {
       heard_ = HostTime::now();
@@ -141,10 +116,12 @@ std::string_view Wire::read(double patience_s) {
 
 void Wire::write(std::string_view bytes) {
   while (!bytes.empty()) {
-    if (!wait(POLLOUT, patience_s_)) fail("takes no bytes; switch it off and on");
-    const ssize_t count = address_.is_serial()
-                              ? ::write(descriptor_, bytes.data(), bytes.size())
-                              : ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (!wait(descriptor_.number(), POLLOUT, patience_s_))
+      fail("takes no bytes; switch it off and on");
+    const ssize_t count =
+        address_.is_serial()
+            ? ::write(descriptor_.number(), bytes.data(), bytes.size())
+            : ::send(descriptor_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (count >= 0) {
       bytes.remove_prefix(static_cast<std::size_t>(count));
     } else if (errno != EAGAIN && errno != EINTR) {
@@ -155,7 +132,7 @@ void Wire::write(std::string_view bytes) {
 
 void Wire::set_dtr(bool on) const {
   const int line = TIOCM_DTR;
-  if (address_.is_serial()) (void)::ioctl(descriptor_, on ? TIOCMBIS : TIOCMBIC, &line);
+  if (address_.is_serial()) (void)::ioctl(descriptor_.number(), on ? TIOCMBIS : TIOCMBIC, &line);
 }
 
 double Wire::seconds_for(std::size_t bytes) const {

@@ -8,6 +8,7 @@
 
 #include "devices/clock_mapping.hpp"
 #include "devices/device_address.hpp"
+#include "devices/tcp_connection.hpp"
 
 namespace loopstone {
 
@@ -20,7 +21,7 @@ class Wire {
   /// \param patience_s  for a connection, and for a device that takes no bytes
   /// Throws DeviceError; StopAsked.
   Wire(const DeviceAddress& address, std::function<bool()> stop, double patience_s);
-  ~Wire();
+  ~Wire() = default;
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
@@ -43,12 +44,12 @@ class Wire {
   void connect(double patience_s);
   void open_serial();
   /// False when patience ended first.
-  [[nodiscard]] bool wait(short events, double patience_s) const;
+  [[nodiscard]] bool wait(int descriptor, short events, double patience_s) const;
 
   DeviceAddress address_;
   std::function<bool()> stop_;
   double patience_s_;
-  int descriptor_ = -1;
+  Descriptor descriptor_{};
   HostTime heard_{};
   std::array<char, 65536> bytes_{};
 };

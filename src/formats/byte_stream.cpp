@@ -1,9 +1,7 @@
 #include "formats/byte_stream.hpp"
 
 #include <fcntl.h>
-#include <netdb.h>
 #include <sys/poll.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +9,7 @@
 #include <cstring>
 #include <utility>
 
+#include "devices/tcp_connection.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_reader.hpp"
 
@@ -18,24 +17,6 @@ namespace loopstone {
 namespace {
 
 constexpr int kPatience_ms = static_cast<int>(ByteStream::kPatience.count());
-
-/// An open file that is closed in the end.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  Descriptor& operator=(Descriptor&&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] bool is_open() const { return number_ >= 0; }
-
- private:
-  int number_;
-};
 
 /// What pipes and connections share.
 class DescriptorStream final : public ByteStream {
@@ -134,31 +115,17 @@ void refuse_device(const Descriptor& descriptor, const std::string& name) {
                                       : "is a device, not a log");
 }
 
-/// Waits until a connection stands. The errno of what went wrong, or 0.
-int wait_for_connection(int socket, const std::function<bool()>& stop) {
+/// Until a connection stands, or does not.
+bool wait_for_connection(int socket, const std::function<bool()>& stop) {
   constexpr int kMostWaits = 10'000 / kPatience_ms;
   for (int waits = 0; waits < kMostWaits; ++waits) {
     if (stop && stop()) throw ReadingStopped();
     pollfd wanted{socket, POLLOUT, 0};
     const int ready = ::poll(&wanted, 1, kPatience_ms);
-    if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
-    int error = 0;
-    socklen_t size = sizeof error;
-    if (::getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size) != 0) return errno;
-    return error;
+    if (ready != 0 && (ready > 0 || errno != EINTR)) return true;
   }
-  return ETIMEDOUT;
+  return false;
 }
-
-struct AddressList {
-  addrinfo* first = nullptr;
-  AddressList() = default;
-  ~AddressList() {
-    if (first != nullptr) ::freeaddrinfo(first);
-  }
-  AddressList(const AddressList&) = delete;
-  AddressList& operator=(const AddressList&) = delete;
-};
 
 }  // namespace
 
@@ -180,24 +147,13 @@ std::unique_ptr<ByteStream> connect_tcp(const std::string& host, const std::stri
                                         std::function<bool()> stop) {
   const std::string name =
       "tcp://" + (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + port;
-  addrinfo wanted{};
-  wanted.ai_socktype = SOCK_STREAM;
-  AddressList found;
-  if (const int fault = ::getaddrinfo(host.c_str(), port.c_str(), &wanted, &found.first);
-      fault != 0) {
-    throw DataError({name}, std::string("there is no such place: ") + ::gai_strerror(fault));
-  }
-  int error = 0;
-  for (const addrinfo* at = found.first; at != nullptr; at = at->ai_next) {
-    Descriptor socket(
-        ::socket(at->ai_family, at->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, at->ai_protocol));
-    if (!socket.is_open()) continue;
-    error = ::connect(socket.number(), at->ai_addr, at->ai_addrlen) == 0 ? 0 : errno;
-    if (error == EINPROGRESS) error = wait_for_connection(socket.number(), stop);
-    if (error != 0) continue;
-    return std::make_unique<DescriptorStream>(name, std::move(socket), std::move(stop));
-  }
-  throw DataError({name}, std::string("no connection: ") + std::strerror(error));
+  TcpConnection made =
+      try_tcp(host, port, [&](int socket) { return wait_for_connection(socket, stop); });
+  if (!made.unknown_host.empty())
+    throw DataError({name}, "there is no such place: " + made.unknown_host);
+  if (made.error != 0)
+    throw DataError({name}, std::string("no connection: ") + std::strerror(made.error));
+  return std::make_unique<DescriptorStream>(name, std::move(made.socket), std::move(stop));
 }
 
 std::unique_ptr<ByteStream> follow_file(const std::string& path, std::function<bool()> stop) {

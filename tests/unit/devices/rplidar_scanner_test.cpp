@@ -11,6 +11,7 @@
 #include "loopstone/geometry/angle.hpp"
 #include "support/emulated_rplidar.hpp"
 #include "support/segment_world.hpp"
+#include "unit/devices/scanner_checks.hpp"
 
 // Against an emulated scanner: no hardware was at hand.
 namespace loopstone {
@@ -18,7 +19,9 @@ namespace {
 
 using test::EmulatedRoom;
 using test::EmulatedRplidar;
+using test::error_of;
 using test::RplidarModel;
+using test::scans_of;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -50,21 +53,6 @@ RplidarModel quick_s1() {
           .express_us = 50.0,
           .dense_us = 25.0,
           .range_max_m = 40.0};
-}
-
-std::vector<LaserScan> scans_of(Scanner& scanner, int count) {
-  std::vector<LaserScan> scans;
-  for (int i = 0; i < count; ++i) scans.push_back(scanner.next().value());
-  return scans;
-}
-
-std::string error_of(auto&& action) {
-  try {
-    action();
-  } catch (const DeviceError& error) {
-    return error.what();
-  }
-  return "nothing was wrong";
 }
 
 /// Each range is one that the room has within half a beam (and half a degree of rounding).

@@ -13,6 +13,7 @@
 #include "support/emulated_scip.hpp"
 #include "support/segment_world.hpp"
 #include "support/web_client.hpp"
+#include "unit/devices/scanner_checks.hpp"
 
 // Against an emulated scanner: no hardware was at hand.
 namespace loopstone {
@@ -20,6 +21,8 @@ namespace {
 
 using test::EmulatedRoom;
 using test::EmulatedScip;
+using test::error_of;
+using test::scans_of;
 using test::ScipModel;
 using test::ScipTroubles;
 using testing::Contains;
@@ -51,21 +54,6 @@ ScipModel small_model() {
           .turns_a_minute = 3000,
           .nothing = 0,
           .knows_intensities = false};
-}
-
-std::vector<LaserScan> scans_of(Scanner& scanner, int count) {
-  std::vector<LaserScan> scans;
-  for (int i = 0; i < count; ++i) scans.push_back(scanner.next().value());
-  return scans;
-}
-
-std::string error_of(auto&& action) {
-  try {
-    action();
-  } catch (const DeviceError& error) {
-    return error.what();
-  }
-  return "nothing was wrong";
 }
 
 TEST(ScipScannerThread, TellsWhatItIs) {
