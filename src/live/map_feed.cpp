@@ -27,6 +27,9 @@ namespace {
 constexpr double kTravelStepM = 0.02;
 /// Of a map that is sent whole, again and again.
 constexpr double kCellsPerS = 4e6;
+/// Of the time that passes, what drawing takes at most: the rest is for the mapper. A robot's own
+/// pace is far from that; a recording that is mapped in seconds is not.
+constexpr double kDrawingShare = 0.1;
 
 /// What the drawing thread is given.
 struct Drawing {
@@ -60,7 +63,10 @@ class Drawer {
   }
   void flush() {
     std::unique_lock lock(mutex_);
+    is_hurried_ = true;
+    changed_.notify_all();
     changed_.wait(lock, [&] { return !next_ && !is_busy_ && is_done_; });
+    is_hurried_ = false;
   }
   /// Nothing is drawn when it returns, nor later. What waited is given up.
   void drop() {
@@ -100,14 +106,18 @@ class Drawer {
       } else {
         changed_.wait_for(lock, std::chrono::duration<double>(period_s_), has_work);
       }
+      changed_.wait_until(lock, rest_until_, [&] { return stop.stop_requested() || is_hurried_; });
       if (stop.stop_requested()) return;
       if (!next_ && is_done_) continue;
       if (next_) current_ = *std::exchange(next_, std::nullopt);
       sigmas_.merge(std::exchange(next_sigmas_, {}));
       is_busy_ = true;
       lock.unlock();
+      const Clock::time_point begin = Clock::now();
       const bool is_done = show();
+      const Clock::duration took = Clock::now() - begin;
       lock.lock();
+      rest_until_ = begin + std::chrono::duration_cast<Clock::duration>(took / kDrawingShare);
       is_busy_ = false;
       is_done_ = is_done;
       changed_.notify_all();
@@ -147,6 +157,8 @@ class Drawer {
     board_.show_graph(stamp);
   }
 
+  using Clock = std::chrono::steady_clock;
+
   ViewBoard& board_;
   OccupancyOptions map_;
   double footprint_radius_m_;
@@ -167,6 +179,8 @@ class Drawer {
   std::condition_variable changed_{};
   std::optional<Drawing> next_{};
   NodeSigmas next_sigmas_{};
+  Clock::time_point rest_until_{};
+  bool is_hurried_ = false;  ///< somebody waits for it
   bool is_busy_ = false;
   bool is_done_ = true;
   std::jthread thread_{};  ///< last, so that it ends first
@@ -194,7 +208,7 @@ class MapFeed::Impl {
   void catch_up(const Mapper& mapper);
   void end(const Mapper& mapper) {
     final_ = mapper.snapshot();
-    if (last_) draw(*last_, mapper);
+    if (last_ && board_.is_watched()) draw(*last_, mapper);
   }
   void finish(const MapResult& result);
   void add_warning(const std::string& text) {
