@@ -49,6 +49,7 @@ nlohmann::ordered_json path_breaks(const MapResult& result) {
                     {"to_s", (gap.to - start).seconds()},
                     {"cause", to_string(gap.cause)},
                     {"bridged_by", to_string(gap.bridge)},
+                    {"ends_log", gap.ends_log},
                     {"odometry_m", gap.odometry_m},
                     {"bridge_sigma_m", gap.bridge_sigma_m()},
                     {"closures", gap.closures},

@@ -57,7 +57,7 @@ std::string what_was_seen(const PathBreak& gap, const MapResult& result, const R
   const bool may_be_carried = gap.bridge == BreakBridge::kOdometry &&
                               gap.odometry_m <= kFrontEndRejoin.short_m &&
                               gap.bridge_sigma_m() >= kFrontEndRejoin.carried_along_m;
-  return "no usable scans " + when + " (a gap of " +
+  return "no usable scans " + (gap.ends_log ? clock.to_the_end(gap.from) : when) + " (a gap of " +
          fmt::format("{:.1f}", (gap.to - gap.from).seconds()) + " s" + gone + ")" +
          (may_be_carried ? ", and along what it sees then the robot may have been carried" : "");
 }
@@ -74,9 +74,10 @@ std::string what_ties(const PathBreak& gap) {
   if (gap.bridge == BreakBridge::kLaser) return "; it was found again nearby";
   const std::string bridge =
       gap.bridge == BreakBridge::kOdometry
-          ? ": odometry alone carried the path across, within " +
-                readable_metres(gap.bridge_sigma_m())
+          ? std::string(": odometry alone carried the path ") + (gap.ends_log ? "on" : "across") +
+                ", within " + readable_metres(gap.bridge_sigma_m())
           : ": nothing tells how the robot moved, and it was not found where it had been";
+  if (gap.ends_log) return bridge;
   if (gap.closures == 0) {
     return bridge + (gap.bridge == BreakBridge::kOdometry
                          ? "; no loop closure ties both sides"

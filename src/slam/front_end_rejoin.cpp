@@ -375,6 +375,22 @@ void FrontEnd::begin_piece(const BlindMotion& blind, BreakCause cause, Stamp sta
   own_.lost_in_a_row = 0;
 }
 
+std::optional<PathBreak> FrontEnd::break_in_the_end(
+    Stamp last, const std::optional<OdometryReading>& odometry) const {
+  if (!own_.held || (last - own_.held->stamp).seconds() <= longest_step_s()) return {};
+  MotionGuess guess;
+  guess.local_T_robot = predictor_.last_pose();
+  const BlindMotion blind = blind_motion(last, guess, odometry);
+  return PathBreak{
+      .from = own_.held->stamp,
+      .to = last,
+      .cause = own_.lost_in_a_row > 0 ? BreakCause::kContradicted : BreakCause::kNoScans,
+      .bridge = blind.prior.holds_unobserved ? BreakBridge::kOdometry : BreakBridge::kNothing,
+      .odometry_m = blind.odometry_m,
+      .ends_log = true,
+      .covariance = blind.prior.information.inverse()};
+}
+
 PosePrior2 FrontEnd::in_submap(const PosePrior2& prior) const {
   const Pose2& local_T_submap = active_.front().local_T_submap;
   return {local_T_submap.inverse() * prior.target_T_source,

@@ -1,17 +1,42 @@
 #include "loopstone/slam/map_result.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace loopstone {
 
-Eigen::Matrix3d MapResult::covariance_at(Stamp stamp) const {
-  const auto later = std::ranges::lower_bound(node_stamps, stamp);
-  const auto node = [&](auto at) { return NodeId{static_cast<int>(at - node_stamps.begin())}; };
-  if (later == node_stamps.begin()) return covariances.of(node(later));
-  if (later == node_stamps.end()) return covariances.of(node(later - 1));
+namespace {
+
+/// What is added where the laser did not hold the pose: nothing at both ends of a break that it
+/// ended; between them a path that leads from one to the other.
+Eigen::Matrix3d of_breaks(std::span<const PathBreak> breaks, Stamp stamp) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const PathBreak& gap : breaks) {
+    if (stamp <= gap.from || stamp > gap.to) continue;
+    const double share = (stamp - gap.from).seconds() / (gap.to - gap.from).seconds();
+    sum += (gap.ends_log ? share * share : share * (1.0 - share)) * gap.covariance;
+  }
+  return sum;
+}
+
+/// Between key scans that of both.
+Eigen::Matrix3d of_nodes(const MapResult& result, Stamp stamp) {
+  const auto& stamps = result.node_stamps;
+  const auto covariance = [&](auto at) {
+    return result.covariances.of(NodeId{static_cast<int>(at - stamps.begin())});
+  };
+  const auto later = std::ranges::lower_bound(stamps, stamp);
+  if (later == stamps.begin()) return covariance(later);
+  if (later == stamps.end()) return covariance(later - 1);
   const auto earlier = later - 1;
   const double share = (stamp - *earlier).seconds() / (*later - *earlier).seconds();
-  return (1.0 - share) * covariances.of(node(earlier)) + share * covariances.of(node(later));
+  return (1.0 - share) * covariance(earlier) + share * covariance(later);
+}
+
+}  // namespace
+
+Eigen::Matrix3d MapResult::covariance_at(Stamp stamp) const {
+  return of_nodes(*this, stamp) + of_breaks(breaks, stamp);
 }
 
 std::vector<Trajectory> MapResult::trajectories() const {

@@ -110,6 +110,7 @@ class Mapper::Impl {
   void put_up_faults();
   void hand_over(LaserScan scan, const Pose2& robot_T_lidar, TrackedScan tracked);
   void end_log();
+  [[nodiscard]] std::optional<PathBreak> break_in_the_end() const;
   [[nodiscard]] Pose2 end_of_sweep(const LaserScan& scan, const Pose2& local_T_robot) const;
 
   RobotModel robot_;
@@ -340,6 +341,15 @@ void Mapper::Impl::end_log() {
   back_end_.add_submaps(front_end_.finish());
 }
 
+/// The log may end while the laser does not hold the pose.
+std::optional<PathBreak> Mapper::Impl::break_in_the_end() const {
+  if (so_far_.track.empty()) return {};
+  const Stamp last = so_far_.track.back().stamp;
+  auto open_end = front_end_.break_in_the_end(last, scan_queue_.reading_at(last));
+  if (open_end) open_end->to_scan = so_far_.track.size();
+  return open_end;
+}
+
 Calibration Mapper::Impl::judge_robot() {
   end_log();
   back_end_.wait();
@@ -360,6 +370,7 @@ SettledMap Mapper::Impl::settle(const std::function<bool()>& goes_on) {
   statistics.scans = scans();
   report_sensors(front_end_, scan_queue_, map.counted);
   map.counted.breaks = so_far_.breaks;
+  if (auto open_end = break_in_the_end()) map.counted.breaks.push_back(*open_end);
   map.counted.drives = so_far_.drives;
   const BackEnd& back_end = back_end_.back_end();
   statistics.path_length_m = back_end.path_length_m();

@@ -17,6 +17,10 @@ class RunClock {
                        (to - start_).seconds());
   }
 
+  [[nodiscard]] std::string to_the_end(Stamp from) const {
+    return fmt::format("from {:.1f} s to the end", (from - start_).seconds());
+  }
+
  private:
   Stamp start_;
 };

@@ -147,6 +147,12 @@ class FrontEnd {
   /// begins anew with its first scan.
   [[nodiscard]] std::vector<FinishedSubmap> begin_drive();
 
+  /// Whether the laser did not hold the pose any more in the end, and what carried it since.
+  /// \param last      stamp of the last scan, with
+  /// \param odometry  dead reckoning at that time, if there is any
+  [[nodiscard]] std::optional<PathBreak> break_in_the_end(
+      Stamp last, const std::optional<OdometryReading>& odometry) const;
+
   /// The submaps still open, as they are. Call once, at the end.
   [[nodiscard]] std::vector<FinishedSubmap> finish();
 

@@ -112,7 +112,8 @@ struct MapResult {
   [[nodiscard]] std::vector<Trajectory> trajectories() const;
 
   /// Covariance of map_T_robot at a stamp against the first pose: (x, y, yaw), axes of the map; in
-  /// between key scans that of both. Covariances must be available.
+  /// between key scans that of both, and more where the laser did not hold the pose. Covariances
+  /// must be available.
   [[nodiscard]] Eigen::Matrix3d covariance_at(Stamp stamp) const;
 };
 

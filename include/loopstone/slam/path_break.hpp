@@ -41,12 +41,13 @@ constexpr auto words_of(BreakBridge /*any*/) {
 
 /// A time during which the laser did not hold the robot's pose.
 struct PathBreak {
-  Stamp from{};  ///< of the last scan that the laser held
-  Stamp to{};    ///< of the first scan after
-  std::size_t to_scan = 0;
+  Stamp from{};             ///< of the last scan that the laser held
+  Stamp to{};               ///< of the first scan after
+  std::size_t to_scan = 0;  ///< beyond the last one where the log ended meanwhile
   BreakCause cause = BreakCause::kNoScans;
   BreakBridge bridge = BreakBridge::kLaser;
   double odometry_m = 0.0;  ///< path across as odometry has it; 0 when it can't be trusted
+  bool ends_log = false;    ///< no scan held the pose again; of finished maps only
   /// Of the motion across, (x, y, yaw), local frame.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   // Told when the map is finished:

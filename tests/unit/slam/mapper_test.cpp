@@ -232,6 +232,37 @@ TEST(Mapper, BlindStretchesAreBridgedByOdometry) {
   EXPECT_LT(worst_error_m(result), 0.15);
 }
 
+TEST(Mapper, WhatOdometryAloneCarriesToTheEndOfTheLogIsUncertainAndSaidSo) {
+  auto messages = recording().messages;
+  for (std::size_t i = messages.size() / 3; i < messages.size(); ++i) {
+    if (auto* scan = std::get_if<LaserScan>(&messages[i])) {
+      scan->ranges_m.assign(scan->ranges_m.size(), std::numeric_limits<float>::infinity());
+    }
+  }
+  const auto result = map_of(messages, 1);
+  ASSERT_FALSE(result.breaks.empty());
+  const PathBreak& open_end = result.breaks.back();
+  EXPECT_TRUE(open_end.ends_log);
+  EXPECT_EQ(open_end.bridge, BreakBridge::kOdometry);
+  EXPECT_EQ(open_end.to, result.trajectory.back().stamp);
+  EXPECT_EQ(open_end.to_scan, result.trajectory.size());
+  const auto sigma_m = [&](Stamp stamp) { return std::sqrt(result.covariance_at(stamp)(0, 0)); };
+  EXPECT_LT(sigma_m(open_end.from), 0.1);
+  const Stamp between = open_end.from + Duration{(open_end.to - open_end.from).nanoseconds / 2};
+  EXPECT_GT(sigma_m(between), 2.0 * sigma_m(open_end.from));
+  EXPECT_GT(sigma_m(open_end.to), 1.5 * sigma_m(between));
+  const Pose2& truth = recording().truth.back().pose;
+  const Pose2 last = result.trajectory.back().pose;
+  EXPECT_LT(std::hypot(last.x - truth.x, last.y - truth.y), 3.0 * sigma_m(open_end.to));
+  EXPECT_NE(result.verdict.overall, Verdict::kGood);
+  EXPECT_TRUE(std::ranges::any_of(result.warnings, [](const std::string& warning) {
+    return warning.find("to the end") != warning.npos;
+  })) << "nobody was told";
+
+  const auto whole = map_of(recording().messages, 1);
+  EXPECT_TRUE(std::ranges::none_of(whole.breaks, &PathBreak::ends_log));
+}
+
 TEST(Mapper, RepeatedAndReversedStampsDoNoHarm) {
   std::vector<SensorMessage> messages;
   for (std::size_t i = 0; i < 300; ++i) {
