@@ -160,6 +160,7 @@ class LiveLog::Impl {
   std::optional<double> reference_s_{};  ///< of the first source's clock: stamp less arrival
   std::string reference_{};
   std::optional<Clock::time_point> last_message_{};
+  std::optional<Clock::time_point> watched_{};
 };
 
 // Threads of the sources.
@@ -378,13 +379,17 @@ void LiveLog::Impl::say(const Feed& feed, std::string text, bool is_trouble) {
 /// Who has fallen silent, and whose scans are left out.
 void LiveLog::Impl::watch() {
   constexpr double kBetweenDropsS = 10.0;
+  constexpr double kBetweenLooksS = 0.05;
+  if (watched_ && seconds_since(*watched_) < kBetweenLooksS) return;
+  watched_ = Clock::now();
   for (Feed& feed : feeds_) {
     const double silent_s = feed.last_scan ? seconds_since(*feed.last_scan) : 0.0;
     bool is_open = false;
     std::int64_t dropped = 0;
     {
       const std::scoped_lock lock(mutex_);
-      is_open = feed.is_open;
+      // Who is behind with what came does not know yet.
+      is_open = feed.is_open && waiting_.empty();
       const bool may_tell = !feed.told_drops || seconds_since(*feed.told_drops) > kBetweenDropsS;
       if (may_tell) dropped = std::exchange(feed.dropped, 0);
     }

@@ -9,6 +9,7 @@
 #include "live/pace_meter.hpp"
 #include "live/timer.hpp"
 #include "live/waiting_scans.hpp"
+#include "live/warning_list.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "loopstone/report/peak_memory.hpp"
@@ -42,8 +43,8 @@ class LocalizationFeed::Impl {
   void add(const LocalizationEstimate& estimate, const Localizer& localizer);
   void add_warning(const std::string& text) {
     const Stamp now = last_ ? last_->stamp : Stamp{};
-    warnings_.push_back({last_ ? std::optional(now) : std::nullopt, text});
-    board_.show_warnings(now, warnings_);
+    warnings_.add(last_ ? std::optional(now) : std::nullopt, text);
+    board_.show_warnings(now, warnings_.shown());
   }
   void catch_up(const Localizer& localizer);
 
@@ -65,7 +66,7 @@ class LocalizationFeed::Impl {
   } waits_{};  ///< what of the last estimate is still to be shown
   WaitingScans scans_{};
   std::vector<ViewNode> nodes_{};
-  std::vector<ViewWarning> warnings_{};
+  WarningList warnings_{};
   std::int64_t estimates_ = 0;
   PaceMeter pace_{};
 };

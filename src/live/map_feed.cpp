@@ -13,6 +13,7 @@
 #include "live/snapshot_contents.hpp"
 #include "live/timer.hpp"
 #include "live/waiting_scans.hpp"
+#include "live/warning_list.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "loopstone/report/peak_memory.hpp"
@@ -213,8 +214,8 @@ class MapFeed::Impl {
   void finish(const MapResult& result);
   void add_warning(const std::string& text) {
     const Stamp now = last_ ? last_->stamp : Stamp{};
-    warnings_.push_back({last_ ? std::optional(now) : std::nullopt, text});
-    board_.show_warnings(now, warnings_);
+    warnings_.add(last_ ? std::optional(now) : std::nullopt, text);
+    board_.show_warnings(now, warnings_.shown());
   }
   void note_front_end(double seconds) { front_end_s_ = std::max(front_end_s_, seconds); }
   void flush() { drawer_.flush(); }
@@ -242,7 +243,7 @@ class MapFeed::Impl {
   std::optional<MapSnapshot> final_{};
   WaitingScans scans_{};  ///< whose updates are still to come
   NodeSigmas sigmas_{};   ///< since the last drawing
-  std::vector<ViewWarning> warnings_{};
+  WarningList warnings_{};
   ViewStatus status_{};
   std::optional<Pose2> travelled_to_{};  ///< odom frame
   double front_end_s_ = 0.0;             ///< the longest since the last status
@@ -306,13 +307,14 @@ void MapFeed::Impl::note(const MapUpdate& update) {
   }
   if (update.key_scan)
     sigmas_[update.stamp.nanoseconds] = largest_sigma(update.covariance.topLeftCorner<2, 2>());
-  const std::size_t before = warnings_.size();
+  bool is_news = false;
   for (const MapEvent& event : update.events) {
     const auto told = diagnostic_of(event);
-    if (told && told->level != msg::DiagnosticStatus::kOk)
-      warnings_.push_back({update.stamp, told->name + ": " + told->message});
+    if (!told || told->level == msg::DiagnosticStatus::kOk) continue;
+    warnings_.add(update.stamp, told->name + ": " + told->message);
+    is_news = true;
   }
-  if (warnings_.size() != before) board_.show_warnings(update.stamp, warnings_);
+  if (is_news) board_.show_warnings(update.stamp, warnings_.shown());
 }
 
 void MapFeed::Impl::show_robot(const MapUpdate& update) {
@@ -351,8 +353,8 @@ void MapFeed::Impl::finish(const MapResult& result) {
   const MapSnapshot last = final_ ? *std::exchange(final_, std::nullopt) : drawer_.last().snapshot;
   board_.show_submaps(stamp, moved_to(result, last, drawer_.submaps_of(last)));
   (void)show_result(board_, stamp, result, last);
-  for (const std::string& warning : result.warnings) warnings_.push_back({std::nullopt, warning});
-  board_.show_warnings(stamp, warnings_);
+  for (const std::string& warning : result.warnings) warnings_.add({}, warning);
+  board_.show_warnings(stamp, warnings_.shown());
   const MapStatistics& statistics = result.statistics;
   status_.submaps = static_cast<std::size_t>(statistics.submaps);
   status_.closures = static_cast<std::size_t>(statistics.loop_closures_accepted);

@@ -172,6 +172,21 @@ TEST(LiveSources, TellsOfSilenceAndItsEnd) {
   EXPECT_GT(idle, 2);
 }
 
+TEST(LiveSources, WhoIsBehindDoesNotCallItSilence) {
+  News news;
+  LiveLogOptions options = news.options();
+  options.silence_s = 0.1;
+  LiveLog log({scans("laser", 40, 100.0)}, options);
+  ASSERT_TRUE(log.wait_for_sources());
+  int count = 0;
+  while (log.next()) {
+    if (++count % 10 == 0 && count < 40) std::this_thread::sleep_for(milliseconds(200));
+  }
+  EXPECT_EQ(count, 40);
+  EXPECT_EQ(news.count("no scan for"), 0);
+  EXPECT_EQ(news.count("scans come again"), 0);
+}
+
 TEST(LiveSources, NumbersLasersAndPlacesThemAsTheirSourcesSay) {
   LiveLog log({source("two",
                       [](int i) -> std::optional<SensorMessage> {

@@ -72,6 +72,16 @@ class Feed : public testing::Test {
   mutable SeenTiles live_tiles_{};
 };
 
+TEST_F(Feed, OfMoreWarningsThanAnybodyReadsTheOldestAreCounted) {
+  MapFeed feed(board_, log_->robot, {});
+  for (int i = 0; i < 250; ++i) feed.add_warning("trouble " + std::to_string(i));
+  const auto warnings = view_.last_json("/loopstone/warnings")["warnings"];
+  ASSERT_EQ(warnings.size(), 201U);
+  EXPECT_EQ(warnings[0]["text"], "50 earlier ones");
+  EXPECT_EQ(warnings[1]["text"], "trouble 50");
+  EXPECT_EQ(warnings[200]["text"], "trouble 249");
+}
+
 TEST_F(Feed, ShowsWhatTheMapperDoes) {
   MapFeed feed(board_, log_->robot, {}, kAlways);
   const Run run = map(feed);
