@@ -146,6 +146,8 @@ nlohmann::ordered_json quality_json(const MapResult& result) {
       {"contradictions", contradictions_json(result)},
       {"agreeing_visits", q.agreeing.size()},
       {"variance_factor", result.ties.variance_factor},
+      {"possible_error_m", result.ties.possible.m},
+      {"possible_error_rad", result.ties.possible.rad},
       {"loose_parts", loose_json(result.ties)},
       {"open_stretches", open_json(result.ties)},
       {"certificate", g.certificate ? nlohmann::ordered_json(to_string(g.certificate->status))

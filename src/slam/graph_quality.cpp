@@ -59,7 +59,8 @@ bool GraphQuality::is_proven() const {
   if (!certificate) return false;
   return certificate->certified() ||
          (certificate->status == CertificateStatus::kGapOpen &&
-          certificate->optimality_gap <= kGraphQuality.open_share * certificate->cost);
+          certificate->optimality_gap <=
+              std::max(kGraphQuality.open_share * certificate->cost, kGraphQuality.open_chi2));
 }
 
 GraphQuality assess_graph(const PoseGraph& solved, std::span<const Pose2> delivered,

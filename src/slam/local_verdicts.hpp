@@ -10,6 +10,10 @@
 
 namespace loopstone {
 
+/// Whether some place may be off by more than what a right map is, by what nothing ties or what is
+/// as long as odometry says.
+[[nodiscard]] bool may_be_wrong(const MapResult& result);
+
 /// Two visits that contradict each other over some metres of wall: where, when and by how much.
 [[nodiscard]] QualityMeasure judge_contradictions(const MapResult& result);
 /// The part of the path that hangs on nothing or on one closure: by how much it could be off.

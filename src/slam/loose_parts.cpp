@@ -11,19 +11,11 @@
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "slam/loose_parts_numbers.hpp"
+#include "slam/path_chain.hpp"
+#include "slam/possible_error.hpp"
 
 namespace loopstone {
 namespace {
-
-/// The path from node to node.
-struct Chain {
-  std::vector<double> travelled_m{};      ///< at each node
-  std::vector<Eigen::Matrix3d> drifts{};  ///< of each edge, map axes
-  std::vector<bool> open{};               ///< edges that leave a direction to odometry
-  std::vector<Eigen::Vector2d> off{};     ///< each edge from what odometry says, map axes
-  double factor = 1.0;                    ///< drifts are wrong by that
-  double scale_sigma = 0.0;               ///< so is what is open, all in the same sense
-};
 
 /// Of an edge that tells no more than its covariance.
 bool is_open(const Eigen::Matrix3d& covariance) {
@@ -33,8 +25,8 @@ bool is_open(const Eigen::Matrix3d& covariance) {
 }
 
 /// Nothing where the path has a hole.
-std::optional<Chain> chain_of(const PoseGraph& graph, std::span<const StepDrift> drifts) {
-  Chain chain;
+std::optional<PathChain> chain_of(const PoseGraph& graph, std::span<const StepDrift> drifts) {
+  PathChain chain;
   if (graph.poses.size() < 2) return {};
   std::vector<Eigen::Matrix3d> variances(graph.poses.size() - 1, Eigen::Matrix3d::Constant(-1.0));
   for (const RelativePoseEdge& edge : graph.edges) {
@@ -58,15 +50,13 @@ std::optional<Chain> chain_of(const PoseGraph& graph, std::span<const StepDrift>
 
 /// Of the motion between two nodes by the path alone, map axes. What is open is too long or too
 /// short by the same factor all along.
-Eigen::Matrix3d by_path(const PoseGraph& graph, const Chain& chain, std::size_t first,
+Eigen::Matrix3d by_path(const PoseGraph& graph, const PathChain& chain, std::size_t first,
                         std::size_t last) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   Eigen::Vector2d open = Eigen::Vector2d::Zero();
   for (std::size_t i = first; i < last; ++i) {
     const Eigen::Vector2d arm = graph.poses[last].translation() - graph.poses[i + 1].translation();
-    Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
-    lever(0, 2) = -arm.y();
-    lever(1, 2) = arm.x();
+    const Eigen::Matrix3d lever = lever_of(arm);
     sum += chain.factor * lever * chain.drifts[i] * lever.transpose();
     if (chain.open[i]) open += graph.poses[i + 1].translation() - graph.poses[i].translation();
   }
@@ -93,7 +83,7 @@ std::vector<Tie> ties_of(std::span<const VisitTie> agreeing, std::span<const Sta
 }
 
 /// Closures whose both ends lie near one another along the path, joined: the first of each.
-std::vector<std::vector<Tie>> recognitions(const PoseGraph& graph, const Chain& chain,
+std::vector<std::vector<Tie>> recognitions(const PoseGraph& graph, const PathChain& chain,
                                            std::vector<Tie> ties) {
   for (const RelativePoseEdge& edge : graph.edges) {
     if (edge.kind != EdgeKind::kLoopClosure) continue;
@@ -122,7 +112,7 @@ std::vector<std::vector<Tie>> recognitions(const PoseGraph& graph, const Chain& 
 }
 
 /// How many recognitions lead across each edge of the path.
-std::vector<int> ties_across(const PoseGraph& graph, const Chain& chain,
+std::vector<int> ties_across(const PoseGraph& graph, const PathChain& chain,
                              std::vector<Tie> agreeing) {
   std::vector<int> change(graph.poses.size(), 0);
   for (const std::vector<Tie>& group : recognitions(graph, chain, std::move(agreeing))) {
@@ -141,9 +131,8 @@ Eigen::Vector2d middle_of(const PoseGraph& graph, std::size_t first, std::size_t
   return graph.poses[first + (last - first) / 2].translation();
 }
 
-std::vector<LoosePart> loose_parts(const PoseGraph& graph, const Chain& chain,
-                                   std::span<const Stamp> stamps, std::vector<Tie> agreeing) {
-  const std::vector<int> across = ties_across(graph, chain, std::move(agreeing));
+std::vector<LoosePart> loose_parts(const PoseGraph& graph, const PathChain& chain,
+                                   std::span<const Stamp> stamps, std::span<const int> across) {
   std::vector<LoosePart> parts;
   for (std::size_t first = 0; first < across.size();) {
     if (across[first] > 1) {
@@ -171,7 +160,7 @@ std::vector<LoosePart> loose_parts(const PoseGraph& graph, const Chain& chain,
 using Nodes = std::pair<std::size_t, std::size_t>;
 
 /// Runs of edges that are open along one direction and lead the same way, the longest first.
-std::vector<Nodes> open_runs(const PoseGraph& graph, const Chain& chain) {
+std::vector<Nodes> open_runs(const PoseGraph& graph, const PathChain& chain) {
   std::vector<Nodes> runs;
   for (std::size_t i = 0; i < chain.open.size(); ++i) {
     if (!chain.open[i]) continue;
@@ -199,7 +188,7 @@ std::vector<Nodes> open_runs(const PoseGraph& graph, const Chain& chain) {
 
 /// Of the way from first to last, without what its heading swings. Where it is not as long as
 /// odometry says, something that moves with the robot held it back.
-double sigma_along(const PoseGraph& graph, const Chain& chain, const Nodes& run) {
+double sigma_along(const PoseGraph& graph, const PathChain& chain, const Nodes& run) {
   Eigen::Matrix2d walk = Eigen::Matrix2d::Zero();
   Eigen::Vector2d off = Eigen::Vector2d::Zero();
   for (std::size_t i = run.first; i < run.second; ++i) {
@@ -213,7 +202,7 @@ double sigma_along(const PoseGraph& graph, const Chain& chain, const Nodes& run)
                    std::pow(kLooseParts.off_share * along.dot(off), 2));
 }
 
-std::vector<OpenStretch> open_stretches(const PoseGraph& graph, const Chain& chain,
+std::vector<OpenStretch> open_stretches(const PoseGraph& graph, const PathChain& chain,
                                         std::span<const Stamp> stamps) {
   std::vector<OpenStretch> stretches;
   for (const Nodes& run : open_runs(graph, chain)) {
@@ -249,7 +238,9 @@ GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
   }
   chain->factor = ties.variance_factor;
   chain->scale_sigma = scale_sigma;
-  ties.loose = loose_parts(solved, *chain, stamps, ties_of(agreeing, stamps));
+  const std::vector<int> across = ties_across(solved, *chain, ties_of(agreeing, stamps));
+  ties.possible = possible_error(solved, *chain, across);
+  ties.loose = loose_parts(solved, *chain, stamps, across);
   ties.open = open_stretches(solved, *chain, stamps);
   least_certain_first(ties.loose, static_cast<std::size_t>(kLooseParts.most_loose));
   least_certain_first(ties.open, static_cast<std::size_t>(kLooseParts.most_open));

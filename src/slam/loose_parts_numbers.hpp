@@ -15,6 +15,9 @@ struct LoosePartsNumbers {
   int least_loops = 3;
   double least_factor = 0.02;
   double most_factor = 25.0;
+  int draws = 200;
+  int most_steps = 400;
+  double sure_share = 0.975;
 };
 inline constexpr LoosePartsNumbers kLooseParts{};
 
@@ -39,6 +42,10 @@ void visit_numbers(const LoosePartsNumbers& n, Visitor&& visit) {
         "measured by bench/quality.py: of edges that tell no drift; in clean worlds they are seven "
         "times too wide");
   visit("most_factor", n.most_factor, "chosen: five times as wrong as promised says enough");
+  visit("draws", n.draws,
+        "chosen: of how far the map may be off, so many tell the rarest fortieth");
+  visit("most_steps", n.most_steps, "chosen: bounds the cost; a path has a bend in some metres");
+  visit("sure_share", n.sure_share, "chosen: two standard deviations, both sides");
 }
 
 }  // namespace loopstone

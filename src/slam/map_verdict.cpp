@@ -122,12 +122,11 @@ QualityMeasure certified(const GraphQuality& g) {
   }
   const bool near = g.certified_shift_m <= kMapVerdict.certified_near_m;
   measure.verdict = near ? Verdict::kGood : Verdict::kDoubtful;
-  const double open = g.certificate->optimality_gap / std::max(g.certificate->cost, 1e-12);
   const std::string best = g.certificate->certified()
                                ? "The graph's best solution is known and proven"
                                : "No solution of the graph is better by more than " +
-                                     number(100.0 * open, 2) +
-                                     " % than one that is known, which is proven";
+                                     number(g.certificate->optimality_gap, 2) +
+                                     " of chi-square than one that is known, which is proven";
   measure.sentence = best + "; the solver that begins there arrives within " +
                      centimetres(g.certified_shift_m) +
                      " of the one that was found. Surfaces that scans share " +
@@ -135,27 +134,31 @@ QualityMeasure certified(const GraphQuality& g) {
   return measure;
 }
 
-QualityMeasure breaks(const std::vector<PathBreak>& path_breaks, const MapStatistics& s) {
+QualityMeasure breaks(const MapResult& result) {
   QualityMeasure measure{.name = "break_tie_m", .title = "Breaks of the path"};
-  if (path_breaks.empty() && !(s.path_length_m > kMapVerdict.short_travel_m))
+  if (result.breaks.empty() && !(result.statistics.path_length_m > kMapVerdict.short_travel_m))
     return unknown(std::move(measure), kNoTravel);
+  const bool map_may_be_wrong = may_be_wrong(result);
   measure.verdict = Verdict::kGood;
   std::int64_t untied = 0;
   std::int64_t count = 0;
-  for (const PathBreak& gap : path_breaks) {
+  for (const PathBreak& gap : result.breaks) {
     if (gap.bridge == BreakBridge::kLaser && gap.cause != BreakCause::kCarried) continue;
     ++count;
-    // One closure by itself may be wrong.
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
-    const bool tied = gap.closures > 1 || gap.bridge_sigma_m() <= kMapVerdict.break_tie_m.doubtful;
+    // One closure by itself may be wrong. What the bridge loses is in what the whole map may be off
+    // by, but for what no key scan follows.
+    const bool is_counted = !gap.ends_log && gap.bridge == BreakBridge::kOdometry;
+    const bool tied = gap.closures > 1 || (is_counted && !map_may_be_wrong) ||
+                      gap.bridge_sigma_m() <= kMapVerdict.break_tie_m.doubtful;
     if (!tied) ++untied;
     // Where a robot was carried to, or went with nothing to tell how, a likeness of places is all
     // that ties the sides, and closures between places that are alike agree with one another.
     const bool sure =
         tied && gap.cause != BreakCause::kCarried && gap.bridge != BreakBridge::kNothing;
     measure.value = std::max(measure.value, gap.tie_sigma_m);
-    const Verdict alone =
-        guessed ? Verdict::kBad : against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
+    Verdict alone = guessed ? Verdict::kBad : against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
+    if (is_counted && !map_may_be_wrong) alone = Verdict::kGood;
     measure.verdict =
         std::max({measure.verdict, alone, sure ? Verdict::kGood : Verdict::kDoubtful});
   }
@@ -259,7 +262,7 @@ MapVerdict judge_map(const MapResult& result) {
                       certified(result.graph_quality),
                       judge_loose_parts(result),
                       judge_open_stretches(result),
-                      breaks(result.breaks, result.statistics),
+                      breaks(result),
                       sensors(all_faults(result), result.statistics)};
   conclude(verdict);
   return verdict;

@@ -39,8 +39,15 @@ struct OpenStretch {
   double sigma_m = 0.0;
 };
 
+/// How far a map may be off anywhere, best aligned, all but surely (39 of 40 times).
+struct PossibleError {
+  double m = 0.0;
+  double rad = 0.0;
+};
+
 /// How well a graph holds together.
 struct GraphTies {
+  PossibleError possible{};         ///< by all that is loose or open, together
   std::vector<LoosePart> loose{};   ///< the least certain first
   std::vector<OpenStretch> open{};  ///< the least certain first
   double variance_factor = 1.0;     ///< by which the graph's covariances were scaled

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/rng.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/rigid_alignment.hpp"
 
 namespace loopstone {
 namespace {
@@ -132,6 +135,101 @@ TEST(LooseParts, AnOpenStretchIsAsLongAsOdometrysScaleSays) {
   for (std::size_t i = 40; i < graph.poses.size(); ++i)
     graph.poses[i] = graph.poses[39] * Pose2{0.0, static_cast<double>(i - 39), kPi / 2};
   EXPECT_EQ(ties().open.size(), 2U);
+}
+
+/// Drifts that turn and shift, and a path with a bend.
+std::pair<PoseGraph, std::vector<StepDrift>> bent_path() {
+  PoseGraph graph = path(81);
+  for (std::size_t i = 41; i < graph.poses.size(); ++i)
+    graph.poses[i] =
+        graph.poses[40] * Pose2{0.0, 0.0, kPi / 2} * Pose2{static_cast<double>(i - 40), 0.0, 0.0};
+  Eigen::Matrix3d drift = Eigen::Vector3d(4e-5, 1e-5, 4e-7).asDiagonal().toDenseMatrix();
+  drift(1, 2) = drift(2, 1) = 1e-6;
+  return {graph, std::vector<StepDrift>(80, {.covariance = drift})};
+}
+
+/// The naive twin: whole paths with errors drawn step by step, laid onto the true one.
+PossibleError drawn(const PoseGraph& graph, const std::vector<StepDrift>& drifts, int draws) {
+  Rng rng(7);
+  std::vector<double> metres;
+  std::vector<double> radians;
+  for (int k = 0; k < draws; ++k) {
+    std::vector<Pose2> wrong{graph.poses.front()};
+    for (std::size_t i = 0; i < drifts.size(); ++i) {
+      const Eigen::Matrix3d root = drifts[i].covariance.llt().matrixL();
+      const Eigen::Vector3d lost = root * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal());
+      wrong.push_back(wrong.back() * (graph.poses[i].inverse() * graph.poses[i + 1]) *
+                      Pose2{lost.x(), lost.y(), lost.z()});
+    }
+    std::vector<Eigen::Vector2d> source;
+    std::vector<Eigen::Vector2d> target;
+    for (std::size_t i = 1; i < wrong.size(); ++i) {
+      source.push_back(wrong[i].translation());
+      target.push_back(graph.poses[i].translation());
+    }
+    const auto alignment = align_rigidly<2>(source, target);
+    const double turn = std::atan2(alignment.rotation(1, 0), alignment.rotation(0, 0));
+    double most_m = 0.0;
+    double most_rad = 0.0;
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      const Eigen::Vector2d moved = alignment.rotation * source[i] + alignment.translation;
+      most_m = std::max(most_m, (moved - target[i]).norm());
+      most_rad = std::max(most_rad,
+                          std::abs(wrap_angle(wrong[i + 1].yaw + turn - graph.poses[i + 1].yaw)));
+    }
+    metres.push_back(most_m);
+    radians.push_back(most_rad);
+  }
+  std::ranges::sort(metres);
+  std::ranges::sort(radians);
+  const auto at = static_cast<std::size_t>(0.975 * (draws - 1));
+  return {metres[at], radians[at]};
+}
+
+TEST(PossibleError, IsThatOfPathsThatAreDrawnAtRandom) {
+  const auto [graph, drifts] = bent_path();
+  const PossibleError said =
+      find_ties_of(graph, stamps_of(graph), drifts, 0.0, {}, 0, 1.0).possible;
+  const PossibleError twin = drawn(graph, drifts, 4000);
+  EXPECT_NEAR(said.m, twin.m, 0.2 * twin.m);
+  EXPECT_NEAR(said.rad, twin.rad, 0.2 * twin.rad);
+  EXPECT_GT(said.m, 0.05);
+}
+
+TEST(PossibleError, GrowsWithDriftsAndEndsWhereTwoPlacesTie) {
+  auto [graph, drifts] = bent_path();
+  const auto possible = [&] {
+    return find_ties_of(graph, stamps_of(graph), drifts, 0.0, {}, 0, 1.0).possible;
+  };
+  const PossibleError once = possible();
+  for (StepDrift& drift : drifts) drift.covariance *= 4.0;
+  EXPECT_NEAR(possible().m, 2.0 * once.m, 1e-9);
+  EXPECT_NEAR(possible().rad, 2.0 * once.rad, 1e-9);
+  close(graph, 0, 79);
+  EXPECT_NEAR(possible().m, 2.0 * once.m, 1e-9) << "a single recognition may be wrong";
+  close(graph, 5, 80);
+  const PossibleError tied = possible();
+  EXPECT_LT(tied.m, 0.5 * once.m) << "its ends are still loose";
+  EXPECT_GT(tied.m, 0.0);
+}
+
+TEST(PossibleError, NoClosureTiesTheLengthOfWhatIsOpen) {
+  PoseGraph graph = path(101);
+  close(graph, 0, 100);
+  close(graph, 0, 96);
+  close(graph, 5, 100);
+  std::vector<StepDrift> drifts(
+      100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal().toDenseMatrix()});
+  const auto possible_m = [&](double scale_sigma) {
+    return find_ties_of(graph, stamps_of(graph), drifts, scale_sigma, {}, 0, 1.0).possible.m;
+  };
+  const double closed = possible_m(0.01);
+  EXPECT_EQ(closed, possible_m(0.0));
+  EXPECT_LT(closed, 0.05);
+  for (std::size_t i = 10; i < 90; ++i) drifts[i].open = true;
+  EXPECT_GT(possible_m(0.0), closed);
+  // 80 m are 1.6 m too long in two standard deviations; half of that, best aligned.
+  EXPECT_NEAR(possible_m(0.01), 0.8, 0.3);
 }
 
 TEST(LooseParts, NothingIsSaidOfAGraphWithoutAPath) {

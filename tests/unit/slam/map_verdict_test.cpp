@@ -101,8 +101,10 @@ TEST(MapVerdict, FollowsEachFigureByItself) {
 TEST(MapVerdict, AMapIsNoBetterThanWhatTiesItsPieces) {
   PathBreak gap{.bridge = BreakBridge::kOdometry};
   gap.covariance.diagonal() << 0.25, 0.25, 0.01;
+  double possible_m = 0.8;
   const auto judged = [&](BreakBridge bridge, int closures, double tie_sigma_m) {
     MapResult result = fine_map();
+    result.ties.possible.m = possible_m;
     gap.bridge = bridge;
     gap.closures = closures;
     gap.tie_sigma_m = tie_sigma_m;
@@ -116,6 +118,13 @@ TEST(MapVerdict, AMapIsNoBetterThanWhatTiesItsPieces) {
   EXPECT_EQ(judged(BreakBridge::kOdometry, 3, 0.05), Verdict::kGood);
   EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
   EXPECT_EQ(judged(BreakBridge::kNothing, 4, 0.05), Verdict::kDoubtful) << "a likeness of places";
+  possible_m = 0.3;
+  EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 0.5), Verdict::kGood) << "no place moves by so much";
+  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
+  gap.ends_log = true;
+  EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 0.5), Verdict::kDoubtful) << "no key scan follows it";
+  gap.ends_log = false;
+  possible_m = 0.8;
   gap.cause = BreakCause::kCarried;
   EXPECT_EQ(judged(BreakBridge::kNothing, 4, 0.05), Verdict::kDoubtful) << "a likeness of places";
   EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
@@ -167,6 +176,7 @@ TEST(MapVerdict, APartThatHangsLooselyIsToldWithWhatItCouldMove) {
                           .where = {3.0, 4.0},
                           .sigma_m = sigma_m,
                           .sigma_rad = sigma_rad}};
+    result.ties.possible = {2.0 * sigma_m, 2.0 * sigma_rad};
     return judge_map(result);
   };
   EXPECT_EQ(judged(0.1, 0.002).overall, Verdict::kGood);
@@ -183,6 +193,8 @@ TEST(MapVerdict, ABareCorridorIsDoubtfulOnlyWhereItsLengthIs) {
   result.ties.open = {{.path_m = 60.0, .sigma_m = 0.1}};
   EXPECT_EQ(judge_map(result).overall, Verdict::kGood);
   result.ties.open.front().sigma_m = 0.3;
+  EXPECT_EQ(judge_map(result).overall, Verdict::kGood) << "best aligned it is half of that";
+  result.ties.possible.m = 0.6;
   EXPECT_EQ(verdict_of(judge_map(result), "degenerate_travel_share"), Verdict::kDoubtful);
 }
 
@@ -223,7 +235,7 @@ TEST(MapVerdict, WhenLaserAndOdometryContradictForAWhileEitherMayBeWrong) {
 TEST(MapVerdict, WhatIsNotProvenIsDoubtfulNotBad) {
   MapResult result = fine_map();
   result.graph_quality.certificate =
-      Certificate{.status = CertificateStatus::kGapOpen, .cost = 7.0, .optimality_gap = 0.7};
+      Certificate{.status = CertificateStatus::kGapOpen, .cost = 7.0, .optimality_gap = 1.7};
   EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful);
   result = fine_map();
   result.graph_quality.certified_shift_m = 3.0;
@@ -257,6 +269,7 @@ TEST(MapVerdict, WithoutASecondVisitNothingIsKnown) {
   EXPECT_EQ(judge_map(once).overall, Verdict::kUnknown)
       << "no degenerate travel is no evidence for a good map";
   once.ties.open = {{.path_m = 20.0, .sigma_m = 0.6}};
+  once.ties.possible.m = 0.7;
   EXPECT_EQ(judge_map(once).overall, Verdict::kDoubtful);
 }
 
@@ -296,6 +309,9 @@ TEST(GraphQuality, ABoundThatRoundingKeepsOpenIsAProof) {
   EXPECT_TRUE(result.graph_quality.is_proven());
   EXPECT_EQ(verdict_of(judge_map(result), "certified_shift_m"), Verdict::kGood);
   open.optimality_gap = 0.7;
+  result.graph_quality.certificate = open;
+  EXPECT_TRUE(result.graph_quality.is_proven()) << "less than one edge's standard deviation";
+  open.optimality_gap = 1.5;
   result.graph_quality.certificate = open;
   EXPECT_FALSE(result.graph_quality.is_proven());
   EXPECT_EQ(verdict_of(judge_map(result), "certified_shift_m"), Verdict::kDoubtful);

@@ -1,0 +1,146 @@
+#include "slam/possible_error.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "loopstone/base/rng.hpp"
+#include "slam/loose_parts_numbers.hpp"
+
+namespace loopstone {
+namespace {
+
+/// A stretch of the path, as one: what it may lose.
+struct Step {
+  Eigen::Vector2d end = Eigen::Vector2d::Zero();   ///< map frame
+  Eigen::Matrix3d root = Eigen::Matrix3d::Zero();  ///< of the covariance at its end
+  Eigen::Vector2d open = Eigen::Vector2d::Zero();  ///< the way that is as long as odometry says
+  Eigen::Vector2d off = Eigen::Vector2d::Zero();   ///< of that from what odometry says
+};
+
+Eigen::Matrix3d root_of(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+  return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+Eigen::Vector2d motion_of(const PoseGraph& graph, std::size_t edge) {
+  return graph.poses[edge + 1].translation() - graph.poses[edge].translation();
+}
+
+/// What of an edge's drift nothing else takes back.
+Eigen::Matrix3d freedom_of(const PoseGraph& graph, const PathChain& chain, std::size_t edge,
+                           bool is_loose) {
+  const Eigen::Matrix3d drift = chain.factor * chain.drifts[edge];
+  if (is_loose) return drift;
+  Eigen::Matrix3d along_only = Eigen::Matrix3d::Zero();
+  if (!chain.open[edge]) return along_only;
+  const Eigen::Vector2d along = motion_of(graph, edge).stableNormalized();
+  along_only.topLeftCorner<2, 2>() =
+      along.dot(drift.topLeftCorner<2, 2>() * along) * along * along.transpose();
+  return along_only;
+}
+
+std::vector<Step> steps_of(const PoseGraph& graph, const PathChain& chain,
+                           std::span<const int> across) {
+  const std::size_t edges = across.size();
+  const std::size_t stride = 1 + edges / static_cast<std::size_t>(kLooseParts.most_steps);
+  std::vector<Step> steps;
+  for (std::size_t first = 0; first < edges; first += stride) {
+    const std::size_t last = std::min(first + stride, edges);
+    Step step{.end = graph.poses[last].translation()};
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (std::size_t i = first; i < last; ++i) {
+      const Eigen::Matrix3d lever = lever_of(step.end - graph.poses[i + 1].translation());
+      covariance += lever * freedom_of(graph, chain, i, across[i] <= 1) * lever.transpose();
+      if (!chain.open[i]) continue;
+      step.open += motion_of(graph, i);
+      step.off += chain.off[i];
+    }
+    step.root = root_of(covariance);
+    steps.push_back(step);
+  }
+  return steps;
+}
+
+/// Errors of the ends of all steps.
+struct Draw {
+  std::vector<Eigen::Vector2d> at{};
+  std::vector<double> heading{};
+};
+
+Draw draw_of(const std::vector<Step>& steps, double scale_sigma, Rng rng) {
+  Draw draw;
+  const double scale = scale_sigma * rng.normal();
+  const double off_share = kLooseParts.off_share * rng.normal();
+  // An error at a node moves all that follows: by itself, and about the node.
+  Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+  double turned = 0.0;
+  for (const Step& step : steps) {
+    const Eigen::Vector3d unit(rng.normal(), rng.normal(), rng.normal());
+    const Eigen::Vector3d lost = step.root * unit;
+    moved += lost.head<2>() + scale * step.open + off_share * step.off;
+    moved -= lost.z() * Eigen::Vector2d(-step.end.y(), step.end.x());
+    turned += lost.z();
+    draw.at.emplace_back(moved + turned * Eigen::Vector2d(-step.end.y(), step.end.x()));
+    draw.heading.push_back(turned);
+  }
+  return draw;
+}
+
+/// What is left of it on the map that fits best.
+PossibleError worst_of(const std::vector<Step>& steps, const Draw& draw) {
+  const auto count = static_cast<double>(steps.size());
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    middle += steps[i].end / count;
+    shift += draw.at[i] / count;
+  }
+  double turn = 0.0;
+  double arms = 0.0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Eigen::Vector2d arm = steps[i].end - middle;
+    turn += arm.x() * draw.at[i].y() - arm.y() * draw.at[i].x();
+    arms += arm.squaredNorm();
+  }
+  if (arms > 0.0) turn /= arms;
+  PossibleError worst;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Eigen::Vector2d arm = steps[i].end - middle;
+    const Eigen::Vector2d left = draw.at[i] - shift - turn * Eigen::Vector2d(-arm.y(), arm.x());
+    worst.m = std::max(worst.m, left.norm());
+    worst.rad = std::max(worst.rad, std::abs(draw.heading[i] - turn));
+  }
+  return worst;
+}
+
+double quantile(std::vector<double> values) {
+  const auto at =
+      static_cast<std::ptrdiff_t>(kLooseParts.sure_share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+}  // namespace
+
+PossibleError possible_error(const PoseGraph& graph, const PathChain& chain,
+                             std::span<const int> across) {
+  const std::vector<Step> steps = steps_of(graph, chain, across);
+  if (steps.empty()) return {};
+  const Rng draws(1);
+  std::vector<double> metres;
+  std::vector<double> radians;
+  for (int i = 0; i < kLooseParts.draws; ++i) {
+    const Draw draw = draw_of(steps, chain.scale_sigma, draws.fork(static_cast<std::uint64_t>(i)));
+    const PossibleError worst = worst_of(steps, draw);
+    metres.push_back(worst.m);
+    radians.push_back(worst.rad);
+  }
+  return {quantile(std::move(metres)), quantile(std::move(radians))};
+}
+
+}  // namespace loopstone
