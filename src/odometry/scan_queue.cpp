@@ -18,6 +18,7 @@ constexpr Duration kSilenceOfIncrements =
     Duration::from_milliseconds(kScanQueue.silence_of_increments_ms);
 constexpr Duration kShortSilenceOfIncrements =
     Duration::from_milliseconds(kScanQueue.short_silence_of_increments_ms);
+constexpr Duration kMostShift = Duration::from_milliseconds(kScanQueue.most_shift_ms);
 constexpr Duration kSilenceOfSums = Duration::from_milliseconds(kScanQueue.silence_of_sums_ms);
 
 }  // namespace
@@ -71,17 +72,37 @@ void ScanQueue::finish() {
 std::optional<LaserScan> ScanQueue::next() {
   if (own_.waiting.empty()) return {};
   const Stamp stamp = own_.waiting.front().stamp;
+  const Duration shift = shift_at(stamp);
   auto known_until = odometer_.newest();
   if (!known_until) known_until = gyro_.newest();
-  const bool known = known_until && *known_until >= stamp;
+  const bool known = known_until && *known_until >= stamp + shift;
   const bool may_come = known_until || own_.newest - *own_.first <= kSilentStart;
-  if (!known && may_come && !own_.finished && own_.newest - stamp < kPatience) return {};
+  const Duration patience = kPatience + std::max(shift, Duration{});
+  if (!known && may_come && !own_.finished && own_.newest - stamp < patience) return {};
+  own_.shift = shift;
+  own_.last_scan = stamp;
   LaserScan scan = std::move(own_.waiting.front());
   own_.waiting.pop_front();
   return scan;
 }
 
+bool ScanQueue::shift_odometry(Duration later) {
+  const Duration wanted = own_.shift_wanted + later;
+  if (std::abs(wanted.nanoseconds) > kMostShift.nanoseconds) return false;
+  own_.shift_wanted = wanted;
+  return true;
+}
+
+Duration ScanQueue::shift_at(Stamp scan) const {
+  if (!is_shifting() || !own_.last_scan) return own_.shift;
+  const Duration step =
+      Duration::from_seconds(kScanQueue.shift_rate * std::abs((scan - *own_.last_scan).seconds()));
+  const Duration missing = own_.shift_wanted - own_.shift;
+  return own_.shift + std::clamp(missing, Duration{-step.nanoseconds}, step);
+}
+
 std::optional<OdometryReading> ScanQueue::reading_at(Stamp stamp) const {
+  stamp = stamp + own_.shift;
   if (odometer_.newest()) {
     const auto known = odometer_.pose_at(stamp);
     if (!known) return {};
@@ -102,6 +123,11 @@ void ScanQueue::restore(State state) {
   require_sound(state.own.waiting.empty() || state.own.first, "scans that wait for no start");
   require_sound(is_amount(state.own.travel.path_m) && is_amount(state.own.travel.turned_rad),
                 "a path without a length");
+  const auto is_within = [](Duration shift) {
+    return shift <= kMostShift && shift >= Duration{-kMostShift.nanoseconds};
+  };
+  require_sound(is_within(state.own.shift) && is_within(state.own.shift_wanted),
+                "clocks that are too far apart");
   odometer_.restore(std::move(state.odometer));
   gyro_.restore(std::move(state.gyro));
   own_ = std::move(state.own);

@@ -354,7 +354,7 @@ void FrontEnd::note_gap(const BlindMotion& blind, BreakCause cause, Stamp stamp,
                                  .cause = cause,
                                  .bridge = BreakBridge::kLaser,
                                  .odometry_m = blind.odometry_m,
-                                 .covariance = tracked.covariance};
+                                 .covariance = blind.prior.information.inverse()};
 }
 
 void FrontEnd::begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp,

@@ -134,6 +134,18 @@ QualityMeasure certified(const GraphQuality& g) {
   return measure;
 }
 
+/// Scans that the laser did not hold stand where odometry says, whatever ties both sides.
+bool may_be_off_between(const PathBreak& gap, const Trajectory& path) {
+  if ((gap.to - gap.from).seconds() < kMapVerdict.bridged_s) return false;
+  const auto scans = std::ranges::count_if(path.poses(), [&](const StampedPose2& pose) {
+    return pose.stamp > gap.from && pose.stamp < gap.to;
+  });
+  // Two standard deviations, half of which are left in the middle.
+  return scans >= kMapVerdict.bridged_scans &&
+         !(gap.bridge_sigma_m() <= kMapVerdict.right_m &&
+           std::sqrt(gap.covariance(2, 2)) <= kMapVerdict.right_rad);
+}
+
 QualityMeasure breaks(const MapResult& result) {
   QualityMeasure measure{.name = "break_tie_m", .title = "Breaks of the path"};
   if (result.breaks.empty() && !(result.statistics.path_length_m > kMapVerdict.short_travel_m))
@@ -142,8 +154,15 @@ QualityMeasure breaks(const MapResult& result) {
   measure.verdict = Verdict::kGood;
   std::int64_t untied = 0;
   std::int64_t count = 0;
+  double between_m = 0.0;
   for (const PathBreak& gap : result.breaks) {
-    if (gap.bridge == BreakBridge::kLaser && gap.cause != BreakCause::kCarried) continue;
+    const bool between = may_be_off_between(gap, result.trajectory);
+    if (between) {
+      measure.verdict = std::max(measure.verdict, Verdict::kDoubtful);
+      between_m = std::max(between_m, gap.bridge_sigma_m());
+    }
+    if (gap.bridge == BreakBridge::kLaser && gap.cause != BreakCause::kCarried && !between)
+      continue;
     ++count;
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
     // One closure by itself may be wrong. What the bridge loses is in what the whole map may be off
@@ -157,7 +176,8 @@ QualityMeasure breaks(const MapResult& result) {
     const bool sure =
         tied && gap.cause != BreakCause::kCarried && gap.bridge != BreakBridge::kNothing;
     measure.value = std::max(measure.value, gap.tie_sigma_m);
-    Verdict alone = guessed ? Verdict::kBad : against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
+    Verdict alone = against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
+    if (guessed) alone = std::max(alone, Verdict::kDoubtful);
     if (is_counted && !map_may_be_wrong) alone = Verdict::kGood;
     measure.verdict =
         std::max({measure.verdict, alone, sure ? Verdict::kGood : Verdict::kDoubtful});
@@ -172,6 +192,8 @@ QualityMeasure breaks(const MapResult& result) {
       readable_metres(measure.value) + " by odometry or loop closures" +
       (untied > 0 ? ", " + std::to_string(untied) + " of them by nothing that was seen twice."
                   : ".");
+  if (between_m > 0.0)
+    measure.sentence += " Meanwhile the path may be off by " + readable_metres(between_m) + ".";
   return measure;
 }
 

@@ -23,6 +23,8 @@ struct MapVerdictNumbers {
   double right_rad = 0.0349;
   double passing_s = 30.0;
   VerdictLimits break_tie_m{0.167, 2.0};
+  double bridged_s = 2.5;
+  int bridged_scans = 3;
   VerdictLimits left_out_share{0.05, 0.5};
   double short_travel_m = 1.0;
   double certified_near_m = 0.10;
@@ -70,6 +72,8 @@ void visit_numbers(const MapVerdictNumbers& n, Visitor&& visit) {
   visit("break_tie_doubtful_m", n.break_tie_m.doubtful,
         "derived: three of these standard deviations are right_m");
   visit("break_tie_bad_m", n.break_tie_m.bad, "chosen: what doubles a corridor");
+  visit("bridged_s", n.bridged_s, "chosen: what is off for less is no part of the path");
+  visit("bridged_scans", n.bridged_scans, "chosen: nor are fewer scans");
   visit("left_out_share_doubtful", n.left_out_share.doubtful,
         "chosen: one scan or record in twenty could not be used");
   visit("left_out_share_bad", n.left_out_share.bad, "chosen: half of the log could not be used");

@@ -103,6 +103,7 @@ class Mapper::Impl {
   void lay_beside(TrackedScan& tracked) const;
   [[nodiscard]] PathBreak break_before_drive(Stamp to) const;
   void add_scan(LaserScan scan);
+  void keep_odometry_in_time();
   void count_scan(const TrackedScan& tracked);
   void tell(const TrackedScan& tracked);
   void place_lost();
@@ -143,6 +144,7 @@ void Mapper::Impl::add_scan(LaserScan scan) {
     tracked.path_break = break_before_drive(scan.stamp);
     so_far_.drive_begins = false;
   }
+  keep_odometry_in_time();
   count_scan(tracked);
   so_far_.track.push_back({scan.stamp, tracked.local_T_robot, odom_T_robot});
   if (tracked.path_break) {
@@ -155,6 +157,14 @@ void Mapper::Impl::add_scan(LaserScan scan) {
   so_far_.statistics.front_end_s += watch.seconds();
   take_out(tracked.taken_out, scan);
   hand_over(std::move(scan), robot_T_lidar, std::move(tracked));
+}
+
+/// Odometry that is found late is read later from then on, as its clock runs.
+void Mapper::Impl::keep_odometry_in_time() {
+  if (options_.front_end.odometry == OdometryUse::kTrust) return;
+  const auto lag_s = front_end_.odometry_check().lag_s();
+  if (lag_s && !scan_queue_.shift_odometry(Duration::from_seconds(*lag_s))) return;
+  if (lag_s || scan_queue_.is_shifting()) front_end_.forget_lag();
 }
 
 void Mapper::Impl::begin_drive() {
@@ -240,9 +250,9 @@ void Mapper::Impl::tell(const TrackedScan& tracked) {
       odom_frame_.follow(tracked.local_T_robot, tracked.guess_local_T_robot, may_jump);
   const Pose2 map_T_local = board_.map_T_local();
   update.map_T_odom = map_T_local * odom_frame_.local_T_odom();
-  update.covariance =
-      rotated(tracked.path_break ? tracked.path_break->covariance : tracked.covariance,
-              map_T_local.rotation());
+  const bool is_guessed = tracked.path_break && tracked.path_break->bridge != BreakBridge::kLaser;
+  update.covariance = rotated(is_guessed ? tracked.path_break->covariance : tracked.covariance,
+                              map_T_local.rotation());
   update.status = tracked.tracking;
   if (update.status == TrackingStatus::kDegenerate)
     update.open_direction_rad = open_direction(update.covariance);

@@ -35,6 +35,31 @@ ToldMotion reach_of(const Pose2& said, const OdometryReading& from, const Odomet
 double distance(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 double turn(const Pose2& a, const Pose2& b) { return std::abs(wrap_angle(a.yaw - b.yaw)); }
 
+/// What is left of a motion that a part of odometry tells which is not trusted: of one that stands
+/// while the robot moves, or moves while it stands, nothing.
+double share_of(const MotionAgreement& agreement) {
+  if (agreement.trusted()) return 1.0;
+  switch (agreement.fault()) {
+    case OdometryFault::kStuck:
+    case OdometryFault::kSpinning:
+      return 0.0;
+    case OdometryFault::kScaled:
+    case OdometryFault::kMirrored:
+      return agreement.ratio() != 0.0 ? 1.0 / agreement.ratio() : 0.0;
+    case OdometryFault::kLagging:
+    case OdometryFault::kWrong:
+      return 1.0;
+  }
+  return 1.0;
+}
+
+/// Odometry that is not trusted is hearsay. But while the laser sees nothing there is nothing else,
+/// and no motion goes on for ever.
+Pose2 hearsay(const Pose2& said, const OdometryCheck& check) {
+  const double way = share_of(check.translation());
+  return {way * said.x, way * said.y, share_of(check.rotation()) * said.yaw};
+}
+
 }  // namespace
 
 double MotionPredictor::coast_sigma_m() const { return std::sqrt(own_.coast_variance_m2); }
@@ -89,7 +114,7 @@ std::vector<MotionGuess> MotionPredictor::guesses(
     return {{own_.last_pose * (odometry ? gone_on(blind_s) : Pose2{}),
              information_of(fastest_m_s() * blind_s, fastest_rad_s() * blind_s), false}};
   }
-  const std::vector<Pose2> going_on = over ? std::vector<Pose2>{Pose2{}} : coasts(stamp);
+  std::vector<Pose2> going_on = over ? std::vector<Pose2>{Pose2{}} : coasts(stamp);
   std::vector<MotionGuess> guesses;
   const Pose2 said = corrected_motion(*own_.last_odometry, *odometry);
   const bool translates = odometry->has_translation && (!checks_ || check_.trusts_translation());
@@ -111,6 +136,8 @@ std::vector<MotionGuess> MotionPredictor::guesses(
     }
     return guesses;
   }
+  const bool is_blind = (stamp - own_.placed).seconds() > kMotionPredictor.longest_gone_on_s;
+  if (is_blind && odometry->has_translation) going_on = {hearsay(said, check_)};
   for (const Pose2& motion : going_on) {
     const Pose2& translation = translates ? said : motion;
     const Pose2& rotation = turns ? said : motion;
@@ -212,6 +239,7 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
     measure_speed((stamp - *own_.last_stamp).seconds(), motion, seen);
     remember_step(stamp, motion);
   }
+  if (!own_.last_stamp || seen.translation || seen.rotation) own_.placed = stamp;
   own_.last_stamp = stamp;
   own_.last_pose = local_T_robot;
   own_.last_odometry = odometry;

@@ -52,7 +52,7 @@ void find_ties(std::vector<PathBreak>& breaks, const PoseGraph& graph,
                std::span<const std::size_t> node_scans) {
   for (PathBreak& gap : breaks) {
     gap.closures = 0;
-    gap.tie_sigma_m = gap.bridge_sigma_m();
+    gap.tie_sigma_m = gap.bridge == BreakBridge::kLaser ? 0.0 : gap.bridge_sigma_m();
     const auto after = static_cast<int>(
         std::lower_bound(node_scans.begin(), node_scans.end(), gap.to_scan) - node_scans.begin());
     if (gap.bridge == BreakBridge::kLaser || after == 0 ||

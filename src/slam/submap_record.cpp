@@ -22,6 +22,7 @@ void SubmapRecord::freeze(FinishedSubmap submap) {
 void SubmapRecord::drop() {
   state = SubmapState::kDropped;
   frozen = nullptr;
+  descriptor = {};
 }
 
 std::vector<Pose2> poses_of(std::span<const SubmapRecord> submaps) {

@@ -76,6 +76,35 @@ TEST(Robustness, HealthyOdometryIsNotAccused) {
   }
 }
 
+TEST(Robustness, OdometryOfAnotherClockIsReadAtItsOwnTime) {
+  // 0.75 s apart in the end, as those of cheap oscillators are after a few hours.
+  SimulationOptions options{.duration_s = small_scale() ? 100.0 : 250.0, .odometry_poses = true};
+  options.laser.beams = 181;
+  options.laser.rate_hz = 5.0;
+  SimulatedLog log = simulate_log("office", 3, options);
+  const Stamp begin = stamp_of(log.messages.front());
+  for (SensorMessage& message : log.messages) {
+    auto* pose = std::get_if<OdometryPose>(&message);
+    if (pose == nullptr) continue;
+    const double passed_s = (pose->stamp - begin).seconds();
+    pose->stamp = pose->stamp + Duration::from_seconds(0.003 * passed_s);
+  }
+  std::ranges::stable_sort(log.messages, {},
+                           [](const SensorMessage& message) { return stamp_of(message); });
+  const MapResult result = map_of(log);
+  EXPECT_TRUE(as_usual(ate_rmse_m(result.trajectory, log), 0.006));
+  EXPECT_TRUE(warns_of(result, "from then on it is read so much later"));
+  EXPECT_FALSE(warns_of(result, "it was not used"));
+  ASSERT_FALSE(result.odometry_episodes.empty());
+  double late_s = 0.0;
+  for (const OdometryEpisode& episode : result.odometry_episodes) {
+    EXPECT_EQ(episode.fault, OdometryFault::kLagging);
+    EXPECT_TRUE(episode.over);
+    late_s += episode.lag_s;
+  }
+  EXPECT_NEAR(late_s, 0.003 * options.duration_s, 0.3);
+}
+
 TEST(Robustness, AGyroAloneGivesTheHeading) {
   const SimulatedLog log = office_with({.odometry = Fault::kMissing}, false);
   const MapResult result = map_of(log);

@@ -45,6 +45,12 @@ struct Stamp {
 [[nodiscard]] constexpr Duration operator-(Stamp later, Stamp earlier) {
   return {later.nanoseconds - earlier.nanoseconds};
 }
+[[nodiscard]] constexpr Duration operator+(Duration one, Duration other) {
+  return {one.nanoseconds + other.nanoseconds};
+}
+[[nodiscard]] constexpr Duration operator-(Duration one, Duration other) {
+  return {one.nanoseconds - other.nanoseconds};
+}
 [[nodiscard]] constexpr Stamp operator+(Stamp stamp, Duration span) {
   return {stamp.nanoseconds + span.nanoseconds};
 }

@@ -244,6 +244,10 @@ class OdometryCheck {
 
   [[nodiscard]] bool trusts_translation() const { return translation_.trusted() && !lag_.lag_s(); }
   [[nodiscard]] bool trusts_rotation() const { return rotation_.trusted() && !lag_.lag_s(); }
+  /// How late odometry is; nothing while it is in time, as far as is known.
+  [[nodiscard]] std::optional<double> lag_s() const { return lag_.lag_s(); }
+  /// From now on it is read at another time: what is known of its lag is no more.
+  void forget_lag() { lag_ = {}; }
 
   /// In order of their beginning; the last of a part may still go on.
   [[nodiscard]] const std::vector<OdometryEpisode>& episodes() const { return own_.episodes; }

@@ -20,6 +20,8 @@ struct ScanQueueNumbers {
   double silence_steps = 4.0;
   int readings_to_know = 40;
   int silence_of_sums_ms = 60000;
+  double shift_rate = 0.1;
+  int most_shift_ms = 8000;
 };
 inline constexpr ScanQueueNumbers kScanQueue{};
 
@@ -41,11 +43,17 @@ void visit_numbers(const ScanQueueNumbers& n, Visitor&& visit) {
         "chosen: so many tell what is usual; some seconds at ten a second");
   visit("silence_of_sums_ms", n.silence_of_sums_ms,
         "chosen: poses and counters go on, unless the robot was off, which takes longer");
+  visit("shift_rate", n.shift_rate,
+        "chosen: where odometry is read at another time from now on, motions are wrong by that "
+        "share until it is");
+  visit("most_shift_ms", n.most_shift_ms, "derived: less than the memory of odometry, 10 s");
 }
 
 /// Holds each scan back until odometry for its time has come, at most 0.25 s of the recording. A
 /// stream that has had neither odometry nor gyro for its first second has none: then scans wait no
 /// more, until some comes.
+///
+/// Clocks of laser and odometry may run apart: shift_odometry() says by how much.
 ///
 ///   queue.add(message);
 ///   while (auto scan = queue.next()) use(*scan, queue.odometer().pose_at(scan->stamp));
@@ -63,9 +71,15 @@ class ScanQueue {
   [[nodiscard]] std::optional<LaserScan> next();
 
   [[nodiscard]] const Odometer& odometer() const { return odometer_; }
-  /// Dead reckoning at a scan's stamp: from wheels or the log's own poses; as long as there are
-  /// none, the gyro's heading.
+  /// Dead reckoning at the stamp of the last scan: from wheels or the log's own poses; as long as
+  /// there are none, the gyro's heading.
   [[nodiscard]] std::optional<OdometryReading> reading_at(Stamp stamp) const;
+
+  /// Odometry's clock is so much ahead of the laser's, beyond what was known: step by step it is
+  /// read so much later. False, and nothing is done, when both would be too far apart.
+  bool shift_odometry(Duration later);
+  /// Whether it is on its way there.
+  [[nodiscard]] bool is_shifting() const { return own_.shift != own_.shift_wanted; }
 
   /// The path as odometry has it, up to its newest pose.
   struct Travel {
@@ -89,10 +103,14 @@ class ScanQueue {
       bool finished = false;
       Travel travel{};
       bool increments = false;  ///< odometry is counts since the last reading
+      Duration shift{};         ///< of odometry's clock from the laser's, at the last scan
+      Duration shift_wanted{};
+      std::optional<Stamp> last_scan{};
 
       template <typename Archive>
       void archive(Archive& a) {
-        a(waiting, first, newest, finished, travel, increments);
+        a(waiting, first, newest, finished, travel, increments, shift.nanoseconds,
+          shift_wanted.nanoseconds, last_scan);
       }
     };
     Odometer::State odometer{};
@@ -113,6 +131,8 @@ class ScanQueue {
   /// What odometry's newest pose adds to the path so far.
   void follow_odometry();
   [[nodiscard]] Duration longest_step() const;
+  /// Of odometry's clock, for the next scan.
+  [[nodiscard]] Duration shift_at(Stamp scan) const;
 
   bool counts_are_cumulative_;
   Odometer odometer_;

@@ -138,6 +138,8 @@ class FrontEnd {
 
   /// How odometry fared beside the laser.
   [[nodiscard]] const OdometryCheck& odometry_check() const { return predictor_.check(); }
+  /// From now on odometry is read at another time than was found late.
+  void forget_lag() { predictor_.forget_lag(); }
   [[nodiscard]] const LaserCheck& laser_check() const { return laser_check_; }
 
   /// FrozenSubmap::lies_within() of the submaps still open.

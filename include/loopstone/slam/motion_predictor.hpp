@@ -193,6 +193,7 @@ class MotionPredictor {
   [[nodiscard]] double coast_sigma_m() const;
   [[nodiscard]] double coast_sigma_rad() const;
   [[nodiscard]] const OdometryCheck& check() const { return check_; }
+  void forget_lag() { check_.forget_lag(); }
   [[nodiscard]] const Pose2& last_pose() const { return own_.last_pose; }
   [[nodiscard]] const std::optional<Stamp>& last_stamp() const { return own_.last_stamp; }
 
@@ -235,11 +236,12 @@ class MotionPredictor {
       double coast_variance_rad2 = kMotionPredictor.coast_first_rad2;
       Speeds speeds{};
       std::optional<UnseenMotion> unseen{};
+      Stamp placed{};  ///< of the last scan that the laser placed, or the first one
 
       template <typename Archive>
       void archive(Archive& a) {
         a(last_stamp, last_pose, last_odometry, last_seen, steps, coast_variance_m2,
-          coast_variance_rad2, unseen, speeds);
+          coast_variance_rad2, unseen, placed, speeds);
       }
     };
     OdometryCheck::State check{};

@@ -48,7 +48,7 @@ struct PathBreak {
   BreakBridge bridge = BreakBridge::kLaser;
   double odometry_m = 0.0;  ///< path across as odometry has it; 0 when it can't be trusted
   bool ends_log = false;    ///< no scan held the pose again; of finished maps only
-  /// Of the motion across, (x, y, yaw), local frame.
+  /// Of the motion across without the laser, (x, y, yaw), local frame.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   // Told when the map is finished:
   int closures = 0;  ///< that stand and lead from one side to the other

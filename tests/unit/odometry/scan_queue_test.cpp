@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace loopstone {
 namespace {
 
@@ -77,6 +79,48 @@ TEST(ScanQueue, GivesOutWhatIsLeftInOrderAtTheEnd) {
   EXPECT_EQ(queue.next()->stamp, Stamp::from_seconds(0.0));
   EXPECT_EQ(queue.next()->stamp, Stamp::from_seconds(0.1));
   EXPECT_FALSE(queue.next().has_value());
+}
+
+/// Where odometry puts the robot at each scan, ten a second for 20 s; it drives 1 m/s. Odometry is
+/// late by so much, and is shifted after 5 s.
+std::vector<double> positions(double late_s, double shift_s) {
+  ScanQueue queue(WheelModel{});
+  std::vector<double> positions;
+  for (int i = 0; i <= 200; ++i) {
+    const double now = 0.1 * i;
+    if (i == 50) {
+      EXPECT_TRUE(queue.shift_odometry(Duration::from_seconds(shift_s)));
+      EXPECT_TRUE(queue.is_shifting());
+    }
+    queue.add(OdometryPose{Stamp::from_seconds(now), Pose2{now - late_s, 0.0, 0.0}});
+    queue.add(scan_at(now));
+    while (const auto scan = queue.next()) {
+      EXPECT_EQ(scan->stamp, Stamp::from_seconds(0.1 * static_cast<double>(positions.size())));
+      positions.push_back(queue.reading_at(scan->stamp)->odom_T_robot.x);
+    }
+  }
+  EXPECT_FALSE(queue.is_shifting());
+  return positions;
+}
+
+TEST(ScanQueue, OdometryThatIsLateIsReadLaterStepByStep) {
+  for (const double late_s : {0.4, -0.3, 0.0}) {
+    const auto found = positions(late_s, late_s == 0.0 ? 0.2 : late_s);
+    const double left_s = late_s == 0.0 ? -0.2 : 0.0;
+    ASSERT_GT(found.size(), 190U);
+    for (std::size_t i = 1; i < found.size(); ++i)
+      EXPECT_NEAR(found[i] - found[i - 1], 0.1, 0.0101) << "a tenth more or less at most";
+    EXPECT_NEAR(found[40], 4.0 - late_s, 1e-6);
+    EXPECT_NEAR(found[190], 19.0 - left_s, 1e-6);
+  }
+}
+
+TEST(ScanQueue, ClocksThatAreTooFarApartAreLeftAlone) {
+  ScanQueue queue(WheelModel{});
+  EXPECT_TRUE(queue.shift_odometry(Duration::from_seconds(7.0)));
+  EXPECT_FALSE(queue.shift_odometry(Duration::from_seconds(2.0)));
+  EXPECT_TRUE(queue.shift_odometry(Duration::from_seconds(-7.0)));
+  EXPECT_FALSE(queue.is_shifting());
 }
 
 TEST(ScanQueue, TellsThePathAndWhenOdometryWasSilent) {

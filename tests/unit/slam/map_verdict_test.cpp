@@ -116,20 +116,45 @@ TEST(MapVerdict, AMapIsNoBetterThanWhatTiesItsPieces) {
   EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 3.0), Verdict::kBad);
   EXPECT_EQ(judged(BreakBridge::kOdometry, 1, 0.05), Verdict::kDoubtful) << "a single closure";
   EXPECT_EQ(judged(BreakBridge::kOdometry, 3, 0.05), Verdict::kGood);
-  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
+  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kDoubtful) << "a guess";
+  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 3.0), Verdict::kBad);
   EXPECT_EQ(judged(BreakBridge::kNothing, 4, 0.05), Verdict::kDoubtful) << "a likeness of places";
   possible_m = 0.3;
   EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 0.5), Verdict::kGood) << "no place moves by so much";
-  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
+  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kDoubtful);
   gap.ends_log = true;
   EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 0.5), Verdict::kDoubtful) << "no key scan follows it";
   gap.ends_log = false;
   possible_m = 0.8;
   gap.cause = BreakCause::kCarried;
   EXPECT_EQ(judged(BreakBridge::kNothing, 4, 0.05), Verdict::kDoubtful) << "a likeness of places";
-  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kBad);
+  EXPECT_EQ(judged(BreakBridge::kNothing, 0, 3.0), Verdict::kBad);
   EXPECT_EQ(judged(BreakBridge::kLaser, 0, 0.0), Verdict::kDoubtful)
       << "found again by the scan, which is a likeness of places, too";
+}
+
+TEST(MapVerdict, APathThatRodeOnOdometryMayBeOffThoughBothSidesAreTied) {
+  MapResult result = fine_map();
+  for (int i = 0; i < 100; ++i) result.trajectory.append(Stamp::from_seconds(i), Pose2{});
+  PathBreak gap{.from = Stamp::from_seconds(20.0), .to = Stamp::from_seconds(50.0)};
+  gap.tie_sigma_m = 0.0;
+  gap.covariance.diagonal() << 0.09, 0.09, 0.0001;
+  const auto judged = [&] {
+    result.breaks = {gap};
+    return judge_map(result);
+  };
+  EXPECT_EQ(judged().overall, Verdict::kGood);
+  gap.covariance(0, 0) = 0.64;
+  EXPECT_EQ(verdict_of(judged(), "break_tie_m"), Verdict::kDoubtful);
+  const std::vector<QualityMeasure> measures = judged().measures;
+  EXPECT_TRUE(std::any_of(measures.begin(), measures.end(), [](const QualityMeasure& measure) {
+    return measure.sentence.find("the path may be off by 80 cm") != std::string::npos;
+  }));
+  gap.covariance(0, 0) = 0.09;
+  gap.covariance(2, 2) = 0.01;
+  EXPECT_EQ(verdict_of(judged(), "break_tie_m"), Verdict::kDoubtful) << "turned";
+  gap.to = Stamp::from_seconds(21.9);
+  EXPECT_EQ(judged().overall, Verdict::kGood) << "no scan was taken meanwhile";
 }
 
 VisitContradiction drawn_twice() {

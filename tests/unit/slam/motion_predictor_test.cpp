@@ -143,6 +143,42 @@ TEST(MotionPredictor, WheelsThatWereFoundWrongAreNotAsked) {
   EXPECT_TRUE(pose_near(guess_with_stuck_wheels(false), Pose2{}, 1e-9, 1e-9)) << "trusted as asked";
 }
 
+/// The robot drives steadily, and wheels say something else; then the laser is blind for so long,
+/// and each scan stands where it is guessed. The motion that is guessed next.
+Pose2 guess_of_the_blind(const Pose2& said, double blind_s) {
+  MotionPredictor predictor;
+  Pose2 local_T_robot;
+  OdometryReading odometry;
+  int scan = 0;
+  const auto take = [&] {
+    odometry.odom_T_robot = odometry.odom_T_robot * said;
+    odometry.path_m += std::hypot(said.x, said.y);
+    return stamp_at(0.1 * ++scan);
+  };
+  while (scan < 300) {
+    const Stamp stamp = take();
+    local_T_robot = local_T_robot * kStep;
+    predictor.settle(stamp, local_T_robot, odometry, {true, true});
+  }
+  while (scan < 300 + static_cast<int>(10.0 * blind_s)) {
+    const Stamp stamp = take();
+    local_T_robot = predictor.guesses(stamp, odometry).front().local_T_robot;
+    predictor.settle(stamp, local_T_robot, odometry, {false, false});
+  }
+  const Stamp stamp = take();
+  return local_T_robot.inverse() * predictor.guesses(stamp, odometry).front().local_T_robot;
+}
+
+TEST(MotionPredictor, ABlindRobotDoesNotGoOnForEver) {
+  EXPECT_TRUE(pose_near(guess_of_the_blind(Pose2{}, 1.0), kStep, 1e-9, 1e-9)) << "a moment";
+  EXPECT_TRUE(pose_near(guess_of_the_blind(Pose2{}, 10.0), Pose2{}, 1e-9, 1e-9));
+  const Pose2 doubled{2.0 * kStep.x, 2.0 * kStep.y, kStep.yaw};
+  EXPECT_TRUE(pose_near(guess_of_the_blind(doubled, 10.0), kStep, 1e-3, 1e-3))
+      << "wheels that are wrong by a factor";
+  const Pose2 right{kStep.x, kStep.y, kStep.yaw};
+  EXPECT_TRUE(pose_near(guess_of_the_blind(right, 10.0), kStep, 1e-6, 1e-6));
+}
+
 TEST(MotionPredictor, WheelsThatAreTooLargeAreCorrected) {
   MotionPredictor predictor;
   Pose2 local_T_robot;
