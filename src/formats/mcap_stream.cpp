@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <deque>
 #include <utility>
 #include <vector>
 
@@ -13,7 +12,7 @@
 #include "formats/mcap_record.hpp"
 #include "formats/mcap_topics.hpp"
 #include "formats/recorded_topics.hpp"
-#include "formats/topic_survey.hpp"
+#include "formats/stream_look.hpp"
 
 namespace loopstone {
 namespace {
@@ -66,9 +65,9 @@ class McapStream final : public StreamedRecording {
              std::optional<double> look_s)
       : name_(std::move(name)),
         options_(options),
-        look_s_(look_s),
         window_(std::move(bytes)),
-        topics_(options.memory, 0, name_) {
+        topics_(options.memory, 0, name_),
+        look_(name_, look_s) {
     if (window_.front(kMcapMagic.size()) != kMcapMagic)
       throw DataError({name_}, "is no stream of MCAP");
     window_.pass(kMcapMagic.size());
@@ -83,34 +82,21 @@ class McapStream final : public StreamedRecording {
   [[nodiscard]] std::span<const char> bytes_at(const MessagePlace& place) override {
     throw_message_gone({name_, {}, place.at});
   }
-  void rewind() override { at_kept_ = 0; }
-  void survey_is_over() override { keeps_ = false; }
+  void rewind() override { look_.rewind(); }
+  void survey_is_over() override { look_.end(); }
   [[nodiscard]] ReadProgress progress() const override { return {window_.passed(), 0}; }
 
  private:
-  /// A message that was read while the stream was looked at.
-  struct Kept {
-    std::size_t topic = 0;
-    Stamp recorded{};
-    std::int64_t offset = 0;
-    std::vector<char> bytes{};
-  };
-
-  [[nodiscard]] std::optional<RecordedMessage> next_kept();
   [[nodiscard]] std::optional<RecordedMessage> next_of_stream();
   [[nodiscard]] std::optional<RecordedMessage> next_in_chunk();
   [[nodiscard]] std::optional<RecordedMessage> use(McapOp op, std::string_view fields);
   void open_chunk(std::string_view fields);
-  void keep(const RecordedMessage& message);
-  /// When whoever looks is told that there is no more.
-  [[nodiscard]] std::optional<Clock::time_point> end_of_look() const;
   [[noreturn]] void fail(const std::string& what) const {
     throw DataError({name_, {}, window_.passed()}, what);
   }
 
   std::string name_;
   RecordingOptions options_;
-  std::optional<double> look_s_;
   StreamWindow window_;
   RecordedTopics topics_;
   McapTopics channels_{};
@@ -118,68 +104,25 @@ class McapStream final : public StreamedRecording {
   std::string_view chunk_{};  ///< what is left of the one that was unpacked
   std::size_t to_pass_ = 0;   ///< of the window: the record in use, or the chunk's
   bool is_over_ = false;
-  bool keeps_ = true;
-  std::deque<Kept> kept_{};
-  std::size_t at_kept_ = 0;
-  Kept in_use_{};
-  std::optional<Clock::time_point> first_{};  ///< when the first message came
-  bool has_laser_ = false;
+  StreamLook look_;
 };
 
 std::optional<RecordedMessage> McapStream::next() {
   while (true) {
-    if (auto kept = next_kept()) return kept;
-    const auto until = end_of_look();
-    if (until && Clock::now() > *until) return {};
+    if (auto kept = look_.next_kept(topics_)) return kept;
+    if (look_.is_enough()) return {};
     auto message = next_of_stream();
     if (!message) return {};
-    if (!first_) first_ = Clock::now();
-    has_laser_ = has_laser_ || is_laser(kind_of(topics()[message->topic].type));
-    if (!keeps_) return message;
-    keep(*message);
+    look_.take(*message, topics_);
+    if (!look_.is_on()) return message;
   }
-}
-
-/// Those that are not wanted are kept all the same while the stream is looked at: somebody else may
-/// want them.
-std::optional<RecordedMessage> McapStream::next_kept() {
-  while (at_kept_ < kept_.size()) {
-    const Kept* kept = &kept_[at_kept_];
-    if (keeps_) {
-      ++at_kept_;
-    } else {
-      in_use_ = std::move(kept_.front());
-      kept_.pop_front();
-      kept = &in_use_;
-    }
-    if (!topics_.is_wanted(kept->topic)) continue;
-    return RecordedMessage{.topic = kept->topic,
-                           .recorded = kept->recorded,
-                           .bytes = kept->bytes,
-                           .file = &name_,
-                           .offset = kept->offset};
-  }
-  return {};
-}
-
-void McapStream::keep(const RecordedMessage& message) {
-  kept_.push_back({message.topic,
-                   message.recorded,
-                   message.offset,
-                   {message.bytes.begin(), message.bytes.end()}});
-}
-
-std::optional<Clock::time_point> McapStream::end_of_look() const {
-  if (!keeps_ || !look_s_ || !has_laser_) return {};
-  return *first_ +
-         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*look_s_));
 }
 
 std::optional<RecordedMessage> McapStream::next_of_stream() {
   while (!is_over_) {
     if (auto message = next_in_chunk()) return message;
     window_.pass(std::exchange(to_pass_, 0));
-    const auto until = end_of_look();
+    const auto until = look_.until();
     const auto bytes = window_.front(kMcapHead, until);
     if (!bytes || bytes->empty()) break;
     const auto head = read_mcap_head(*bytes);
@@ -245,7 +188,7 @@ std::optional<RecordedMessage> McapStream::use(McapOp op, std::string_view field
   const auto message = read_mcap_message(fields);
   if (!message) fail("a message is damaged");
   const auto topic = channels_.topic_of(message->channel);
-  if (!topic || (!keeps_ && !topics_.is_wanted(*topic))) return {};
+  if (!topic || (!look_.is_on() && !topics_.is_wanted(*topic))) return {};
   return RecordedMessage{.topic = *topic,
                          .recorded = message->recorded,
                          .bytes = {message->bytes.data(), message->bytes.size()},
