@@ -59,6 +59,13 @@ constexpr double kUntoldM = 0.15;
 /// Returns used for registration.
 constexpr std::size_t kRefinePoints = 240;
 
+PoseWithCovariance2 pose_given(const InitialPose& initial) {
+  PoseWithCovariance2 given{.pose = initial.map_T_robot};
+  given.covariance.diagonal() << initial.sigma_m * initial.sigma_m,
+      initial.sigma_m * initial.sigma_m, initial.sigma_rad * initial.sigma_rad;
+  return given;
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -88,6 +95,24 @@ class Localizer::Impl {
     const auto mounted = as_mounted(message, robot_);
     queue_.add(mounted ? *mounted : message);
     process_ready();
+  }
+
+  void restart_at(const InitialPose& initial) {
+    initial_ = initial;
+    foretold_ = pose_given(initial);
+    belief_.forget();
+    track_.reset();
+    riding_.reset();
+    untold_at_m_.reset();
+    best_id_ = -1;
+    fit_.reset();
+    lately_.reset();
+    along_.reset();
+    state_.begin_anew();
+    doubted_scans_ = 0;
+    jumped_ = false;
+    rest_share_ = 0.0;
+    motion_.carried();
   }
 
   std::optional<LocalizationEstimate> next_update() {
@@ -182,9 +207,7 @@ class Localizer::Impl {
   /// unlikely ones: where the given place is only similar to the true one, the true one wins soon.
   void start_around(const LocalizationScan& view, const InitialPose& initial) {
     constexpr double kGivenIsWrong = 0.03;
-    PoseBelief::Proposal given{.map_T_robot = {.pose = initial.map_T_robot}};
-    given.map_T_robot.covariance.diagonal() << initial.sigma_m * initial.sigma_m,
-        initial.sigma_m * initial.sigma_m, initial.sigma_rad * initial.sigma_rad;
+    const PoseBelief::Proposal given{.map_T_robot = pose_given(initial)};
     belief_.add(std::span(&given, 1), 1.0);
     if (!options_.recover) return;
     std::vector<PoseBelief::Proposal> proposals = search(view, "start");
@@ -653,6 +676,7 @@ Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
 void Localizer::add(const SensorMessage& message) { impl_->add(message); }
+void Localizer::restart_at(const InitialPose& initial) { impl_->restart_at(initial); }
 std::optional<LocalizationEstimate> Localizer::next_update() { return impl_->next_update(); }
 std::vector<Pose2> Localizer::particles() const { return impl_->particles(); }
 LocalizationResult Localizer::finish() { return impl_->finish(); }

@@ -24,6 +24,8 @@ class RobotMotion {
   /// Where the robot was found to be at the last stamp: the only source of its velocity without
   /// odometry.
   void found_at(const Pose2& map_T_robot);
+  /// Where it is found next says nothing of how it moved.
+  void carried() { found_.reset(); }
 
   [[nodiscard]] const PoseWithCovariance2& since_weighing() const { return since_weighing_; }
   [[nodiscard]] bool moved(double distance_m, double angle_rad) const {

@@ -77,6 +77,8 @@ class PoseBelief {
   /// Gives `share` of the belief to new places; all of it when there are none yet. Proposals that
   /// fall where the belief already has particles add to them.
   void add(std::span<const Proposal> proposals, double share);
+  /// As if nothing had been believed yet.
+  void forget() { places_.clear(); }
 
   void predict(const MotionModel& motion);
 
