@@ -12,6 +12,7 @@
 #include "live/tile_store.hpp"
 #include "live/view_json.hpp"
 #include "live/view_topics.hpp"
+#include "loopstone/report/ros_messages.hpp"
 #include "report/map_messages.hpp"
 
 namespace loopstone {
@@ -37,18 +38,6 @@ std::optional<std::size_t> id_in(std::string_view path) {
   const auto [end, error] = std::from_chars(path.data(), path.data() + path.size(), id);
   if (error != std::errc{} || end != path.data() + path.size()) return {};
   return id;
-}
-
-/// x, y and yaw among the six of space.
-std::array<double, 36> covariance_message(const Eigen::Matrix3d& covariance) {
-  constexpr std::array<std::size_t, 3> kPlaces{0, 1, 5};
-  std::array<double, 36> all{};
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 3; ++column)
-      all[6 * kPlaces[row] + kPlaces[column]] =
-          covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
-  }
-  return all;
 }
 
 /// A channel whose messages are sent only when they differ from the last one.
@@ -198,9 +187,7 @@ void ViewBoard::Impl::show_robot(Stamp stamp, const Pose2& map_T_robot,
   if (scan != nullptr) send_scan(*scan, robot);
   send(transforms_, stamp,
        msg::TFMessage{{transform_message(stamp, kMapFrame, kBaseFrame, map_T_robot)}});
-  msg::PoseWithCovarianceStamped pose{.header = {stamp, kMapFrame}};
-  pose.pose = {to_message(map_T_robot), covariance_message(covariance)};
-  send(pose_, stamp, pose);
+  send(pose_, stamp, pose_message(stamp, map_T_robot, covariance));
 }
 
 void ViewBoard::Impl::show_particles(Stamp stamp, const std::vector<Pose2>& map_T_robot) {
