@@ -12,8 +12,8 @@
 
 namespace loopstone::app {
 
-void AppContext::set_command_line(int argc, const char* const* argv) {
-  command_line_ = "loopstone";
+void AppContext::set_command_line(const std::string& program, int argc, const char* const* argv) {
+  command_line_ = program;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const bool plain = word.find_first_of(" \t\"'$&|;<>*?()") == std::string::npos && !word.empty();

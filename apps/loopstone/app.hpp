@@ -83,7 +83,7 @@ class AppContext {
 
   /// What the user typed, for the report.
   [[nodiscard]] const std::string& command_line() const { return command_line_; }
-  void set_command_line(int argc, const char* const* argv);
+  void set_command_line(const std::string& program, int argc, const char* const* argv);
 
   /// One line of the log on stderr, not in the way of the progress bar. note() is silent with
   /// --quiet.

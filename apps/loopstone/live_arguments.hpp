@@ -5,13 +5,15 @@
 #include <vector>
 
 #include "app.hpp"
+#include "live_listener.hpp"
 #include "live_view.hpp"
 #include "log_flags.hpp"
+#include "loopstone/live/live_log.hpp"
 #include "loopstone/slam/front_end.hpp"
 
 namespace loopstone::app {
 
-/// What `loopstone live` is asked for.
+/// What a program is asked for that maps or localises live.
 struct LiveArguments {
   std::vector<std::string> sources{};
   double speed = 1.0;      ///< of logs that are replayed
@@ -29,6 +31,10 @@ struct LiveArguments {
   ViewFlags view{};
   LogFlags reading{};
   bool force = false;
+
+  // What is not said by the user: another program's own source, and who hears of the drive there.
+  std::vector<LiveSource> given{};
+  LiveListener* listener = nullptr;
 };
 
 /// Makes a map of what comes, until Ctrl-C.

@@ -32,7 +32,7 @@ void LiveDrive::tell(const LiveNews& news) {
   } else {
     context_.note(text);
   }
-  if (watch_.warn) watch_.warn(text);
+  if (watch_.warn) watch_.warn(news, text);
 }
 
 std::optional<RobotModel> LiveDrive::wait_for_robot() {
@@ -57,6 +57,7 @@ void LiveDrive::run(const RobotModel& robot,
   messages_.emplace(log_, LogCut{}, !context_.robot_given(), step_, display_);
   while (const auto message = messages_->next()) {
     recorder.add(*message);
+    if (arguments_.listener != nullptr) arguments_.listener->add(*message);
     use(*message, poses);
   }
   recorder.finish();

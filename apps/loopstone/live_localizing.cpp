@@ -49,6 +49,7 @@ class LiveLocalizing {
  private:
   void watch_it(const RobotModel& robot, const LocalizationMap& map);
   void drive(const RobotModel& robot);
+  void take_initial_pose();
   [[nodiscard]] ExitCode tell_result(const LocalizationResult& result);
 
   const LiveArguments& arguments_;
@@ -62,20 +63,37 @@ class LiveLocalizing {
 };
 
 void LiveLocalizing::watch_it(const RobotModel& robot, const LocalizationMap& map) {
+  LiveListener* const listener = arguments_.listener;
   view_ = drive_.make_view("localizing");
-  if (!view_) return;
-  feed_ = std::make_unique<LocalizationFeed>(view_->board(), robot, map);
-  drive_.set_watch({.warn = [this](const std::string& text) { feed_->add_warning(text); },
-                    .idle = [this] { feed_->catch_up(*localizer_); }});
-  view_->open(context_);
+  if (view_) feed_ = std::make_unique<LocalizationFeed>(view_->board(), robot, map);
+  if (listener != nullptr) listener->localizing_begins(map);
+  drive_.set_watch({.warn =
+                        [this, listener](const LiveNews& news, const std::string& text) {
+                          if (feed_) feed_->add_warning(text);
+                          if (listener != nullptr) listener->add(news);
+                        },
+                    .idle =
+                        [this, listener] {
+                          if (feed_) feed_->catch_up(*localizer_);
+                          if (listener != nullptr) listener->catch_up(nullptr);
+                        }});
+  if (view_) view_->open(context_);
+}
+
+void LiveLocalizing::take_initial_pose() {
+  if (arguments_.listener == nullptr) return;
+  const auto initial = arguments_.listener->take_initial_pose();
+  if (initial) localizer_->restart_at(*initial);
 }
 
 void LiveLocalizing::drive(const RobotModel& robot) {
   drive_.run(robot, [&](const SensorMessage& message, PoseLines& poses) {
     if (feed_) feed_->add(message);
+    take_initial_pose();
     localizer_->add(message);
     while (const auto estimate = localizer_->next_update()) {
       if (feed_) feed_->add(*estimate, *localizer_);
+      if (arguments_.listener != nullptr) arguments_.listener->add(*estimate);
       poses.tell(*estimate);
     }
   });

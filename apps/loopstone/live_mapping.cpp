@@ -98,9 +98,18 @@ void LiveMapping::begin(const RobotModel& robot) {
   terms_.robot_toml = robot_to_toml(robot);
   mapper_ = std::make_unique<Mapper>(robot, options_, context_.threads());
   if (before_) continue_from(arguments_.from, std::move(*before_), *mapper_, context_);
-  if (!feed_) return;
-  drive_.set_watch({.warn = [this](const std::string& text) { feed_->add_warning(text); },
-                    .idle = [this] { feed_->catch_up(*mapper_); }});
+  LiveListener* const listener = arguments_.listener;
+  if (listener != nullptr) listener->mapping_begins(robot, options_.map);
+  drive_.set_watch({.warn =
+                        [this, listener](const LiveNews& news, const std::string& text) {
+                          if (feed_) feed_->add_warning(text);
+                          if (listener != nullptr) listener->add(news);
+                        },
+                    .idle =
+                        [this, listener] {
+                          if (feed_) feed_->catch_up(*mapper_);
+                          if (listener != nullptr) listener->catch_up(mapper_.get());
+                        }});
 }
 
 /// Into the folder of the results: what the run has led to, now and then in case it does not come
@@ -127,6 +136,7 @@ void LiveMapping::drive(const RobotModel& robot) {
     add_watched(message, feed_.get(), *mapper_);
     while (const auto update = mapper_->next_update()) {
       if (feed_) feed_->add(*update, *mapper_);
+      if (arguments_.listener != nullptr) arguments_.listener->add(*update, *mapper_);
       poses.tell(*update);
     }
     checkpoint.after(message, *mapper_);
@@ -138,6 +148,7 @@ MapResult LiveMapping::finish() {
   Calibration found;
   if (arguments_.from.empty()) found = mapper_->judge_robot();
   if (feed_) feed_->end(*mapper_);
+  if (arguments_.listener != nullptr) arguments_.listener->end(*mapper_);
   MapResult result = mapper_->finish([](const Progress&) { return !interrupted(); });
   if (found.map_is_bent()) {
     result.warnings.emplace_back(
@@ -180,6 +191,7 @@ ExitCode LiveMapping::run() {
   for (const std::string& warning : warnings_of(judged)) result.warnings.push_back(warning);
   judge_left_out(result.verdict, judged.left_out.share());
   if (feed_) feed_->finish(result);
+  if (arguments_.listener != nullptr) arguments_.listener->finish(result);
   RunInfo info = info_of(judged);
   write_map_outputs(result, info, arguments_.out, {});
   info.peak_memory_bytes = peak_memory_bytes();

@@ -58,12 +58,15 @@ std::vector<LiveSource> live_sources(const LiveArguments& arguments) {
   std::vector<LiveSource> sources;
   for (const std::string& name : arguments.sources)
     sources.push_back(source_of(name, arguments.speed));
+  sources.insert(sources.end(), arguments.given.begin(), arguments.given.end());
   return sources;
 }
 
 std::string names_of_sources(const LiveArguments& arguments) {
   std::string names;
   for (const std::string& name : arguments.sources) names += (names.empty() ? "" : ", ") + name;
+  for (const LiveSource& source : arguments.given)
+    names += (names.empty() ? "" : ", ") + source.name;
   return names;
 }
 

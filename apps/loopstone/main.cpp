@@ -1,20 +1,12 @@
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <exception>
-#include <new>
 
 #include "commands.hpp"
-#include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_format_words.hpp"
-#include "loopstone/formats/log_reader.hpp"
 #include "loopstone/version.hpp"
-#include "progress_display.hpp"
-#include "terminal_text.hpp"
+#include "program.hpp"
 
 namespace loopstone::app {
 
@@ -72,46 +64,26 @@ void refuse_unknown_command(const CLI::App& app, int argc, char** argv) {
       (nearest.empty() ? "; `loopstone --help` lists all" : "; did you mean " + nearest + "?"));
 }
 
-int fail(ExitCode code, const char* reason) {
-  ProgressDisplay::clear_line();
-  std::fprintf(stderr, "loopstone: %s\n", terminal_text(reason).c_str());
-  return code;
-}
-
-int run_program(int argc, char** argv) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("loopstone"));
-  spdlog::set_pattern("%^%l%$: %v");
-  listen_for_interrupts();
-
+int run_loopstone(int argc, char** argv) {
+  begin_program("loopstone");
   CLI::App app{"Loopstone turns the log of a robot with a 2D laser scanner into a map.",
                "loopstone"};
   AppContext context;
-  context.set_command_line(argc, argv);
+  context.set_command_line("loopstone", argc, argv);
   app.set_version_flag("--version", "loopstone " + std::string(kVersion));
   app.require_subcommand(1);
   add_commands(app, context);
   app.footer(footer());  // after the commands, which would inherit it
 
-  try {
+  return run_program(app, [&] {
     refuse_unknown_command(app, argc, argv);
     app.parse(argc, argv);
     return context.run();
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return fail(kExitBadUsage, error.what());
-  } catch (const UsageError& error) {
-    return fail(kExitBadUsage, error.what());
-  } catch (const ReadingStopped& stopped) {
-    return fail(kExitInterrupted, stopped.what());
-  } catch (const std::bad_alloc&) {
-    return fail(kExitBadData, "out of memory");
-  } catch (const std::exception& error) {
-    return fail(kExitBadData, error.what());
-  }
+  });
 }
 
 }  // namespace
 
 }  // namespace loopstone::app
 
-int main(int argc, char** argv) { return loopstone::app::run_program(argc, argv); }
+int main(int argc, char** argv) { return loopstone::app::run_loopstone(argc, argv); }

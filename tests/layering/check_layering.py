@@ -47,6 +47,7 @@ THIRD_PARTY = {
     "boost/": {"live"},
     "CLI/": {"apps"},
     "spdlog/": {"apps"},
+    "dds/": {"apps"},
 }
 
 # POSIX and C headers that reach files, the terminal or the process.
@@ -181,7 +182,7 @@ class Checker:
         target = name.split("/")[0]
         if public:
             self.breach(path, line, f'"{name}": a public header cannot include a private one')
-        elif part == "apps" and (path.parent / name).exists():
+        elif part == "apps" and any((self.root / "apps").glob(f"*/{name}")):
             return
         elif target not in self.parts:
             self.breach(path, line, f'"{name}": write the path from src/, as in "<part>/{name}"')
