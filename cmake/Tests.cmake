@@ -131,6 +131,13 @@ if(TARGET loopstone_program)
   set_tests_properties(docs.are_true PROPERTIES LABELS docs TIMEOUT 240)
 endif()
 
+# The program on the network, against others that speak DDS. Ends with 77 where there are none (scripts/install_ros2_peers.sh).
+if(TARGET loopstone_ros2_program AND NOT LOOPSTONE_SANITIZE)
+  add_test(NAME ros2.network COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/ros2/check_ros2.py"
+                                     "$<TARGET_FILE:loopstone_ros2_program>" "$<TARGET_FILE:loopstone_program>")
+  set_tests_properties(ros2.network PROPERTIES LABELS ros2 TIMEOUT 400 PROCESSORS 2 SKIP_RETURN_CODE 77)
+endif()
+
 # What measures the figures of docs/ is measured itself.
 add_test(NAME bench.self_test COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/bench/check_bench.py")
 set_tests_properties(bench.self_test PROPERTIES LABELS bench TIMEOUT 60)

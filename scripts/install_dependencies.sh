@@ -5,6 +5,7 @@
 #     scripts/install_dependencies.sh          to build, test and run
 #     scripts/install_dependencies.sh --all    and to format, tidy, fuzz, benchmark, and to build
 #                                              and test the page of the live view
+#     scripts/install_dependencies.sh --ros2   and to build loopstone-ros2 (docs/ros2.md)
 set -euo pipefail
 
 packages=(
@@ -16,14 +17,22 @@ packages=(
   libcli11-dev libspdlog-dev
   libgtest-dev libgmock-dev librapidcheck-dev
 )
-if [[ ${1:-} == --all ]]; then
-  packages+=(git clang clang-tidy clang-format libclang-rt-14-dev llvm libbenchmark-dev black)
-elif [[ -n ${1:-} ]]; then
-  sed -n '2,/^[^#]/s/^# \?//p' "$0"
-  exit 2
-fi
+all=
+for flag; do
+  case $flag in
+    --all)
+      all=yes
+      packages+=(git clang clang-tidy clang-format libclang-rt-14-dev llvm libbenchmark-dev black)
+      ;;
+    --ros2) packages+=(cyclonedds-dev) ;;
+    *)
+      sed -n '2,/^[^#]/s/^# \?//p' "$0"
+      exit 2
+      ;;
+  esac
+done
 installed() {
-  [[ ${1:-} != --all ]] || "$(dirname "$0")/install_viewer.sh"
+  [[ -z $all ]] || "$(dirname "$0")/install_viewer.sh"
   exit 0
 }
 
@@ -33,7 +42,7 @@ for package in "${packages[@]}"; do
   grep -qxF "$package" <<<"$present" || missing+=("$package")
 done
 if [[ ${#missing[@]} -eq 0 ]]; then
-  installed "$@"
+  installed
 fi
 
 if ! command -v apt-get >/dev/null; then
@@ -55,8 +64,8 @@ apt_install() {
 # refresh them when it matters.
 lists=$(find /var/lib/apt/lists -maxdepth 1 -name '*_Packages*' -print -quit 2>/dev/null || true)
 if [[ -n $lists ]] && apt_install; then
-  installed "$@"
+  installed
 fi
 "${as_root[@]}" apt-get update -q </dev/null
 apt_install
-installed "$@"
+installed

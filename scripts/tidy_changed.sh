@@ -14,11 +14,13 @@ cd "$(dirname "$0")/.."
 seconds=${LOOPSTONE_TIDY_SECONDS:-300}
 base=${1:-${LOOPSTONE_TIDY_BASE:-}}
 
-# Every source of the compilation database, the program first and the tests last.
+# Every source of the compilation database, the program first and the tests last; loopstone-ros2 is
+# in it where it is built.
 all_sources() {
-  local folder
+  local folder left_out=()
+  grep -qs apps/loopstone_ros2 build/tidy/compile_commands.json || left_out=(-not -path 'apps/loopstone_ros2/*')
   for folder in src apps examples fuzz bench tests; do
-    [[ -d $folder ]] && find "$folder" -name '*.cpp' -not -path 'tests/install/*' -not -path 'bench/peers/*' | sort
+    [[ -d $folder ]] && find "$folder" -name '*.cpp' -not -path 'tests/install/*' -not -path 'bench/peers/*' "${left_out[@]}" | sort
   done
   return 0
 }

@@ -4,17 +4,23 @@
 peer.py robot LOG ...      tells the sensors of a simulated drive, a log of CARMEN
 peer.py listener FILE ...  writes what it hears of the map and the robot, a line of JSON each
 peer.py click X,Y,YAW ...  tells /initialpose, once somebody listens
+peer.py vandal ...         tells noise in the place of messages, on all topics that are listened to
 """
 
 import argparse
 import json
 import math
 import pathlib
+import random
 import signal
 import time
+from dataclasses import dataclass, field
 
 from cyclonedds.core import ReadCondition, InstanceState, SampleState, ViewState, WaitSet
 from cyclonedds.domain import DomainParticipant
+from cyclonedds.idl import IdlStruct
+from cyclonedds.idl.annotations import final
+from cyclonedds.idl.types import sequence, uint8
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -70,6 +76,10 @@ def events_of(log):
             yield float(words[-1]), "scan", (numbers, ranges, laser_x)
 
 
+# From the first beam to the last one, of the simulated laser; CARMEN's text does not tell it.
+SWEEP_S = 0.01875
+
+
 def scan_message(seconds, numbers, ranges):
     first, field_of_view, step, most = numbers[:4]
     return ros.LaserScan(
@@ -77,32 +87,17 @@ def scan_message(seconds, numbers, ranges):
         angle_min=first,
         angle_max=first + field_of_view,
         angle_increment=step,
+        time_increment=SWEEP_S / len(ranges),
         range_min=0.05,
         range_max=most,
         ranges=ranges,
     )
 
 
-def tell_garbage(scans, odometry):
-    """As a robot tells it whose messages are broken, in all ways."""
-    for out, kind in ((scans, ros.LaserScan), (odometry, ros.Odometry)):
-        for cut in (4, 10, 40, 90, 0):
-            message = kind()
-            whole = kind.serialize(message, use_version_2=False)
-            out.write_raw(whole[:cut] if cut else whole[:4] + bytes([255]) * 64)
-
-
-class RawWriter(DataWriter):
-    def write_raw(self, data):
-        from cyclonedds._clayer import ddspy_write
-
-        ddspy_write(self._ref, data + bytes(-len(data) % 4))
-
-
 def robot(arguments):
     participant = DomainParticipant(arguments.domain)
-    scans = RawWriter(participant, Topic(participant, "rt/scan", ros.LaserScan), qos=ros.SENSOR)
-    odometry = RawWriter(participant, Topic(participant, "rt/odom", ros.Odometry), qos=ros.DEFAULT)
+    scans = writer(participant, "/scan", ros.LaserScan, ros.SENSOR)
+    odometry = writer(participant, "/odom", ros.Odometry, ros.DEFAULT)
     moving = writer(participant, "/tf", ros.TFMessage, ros.TRANSFORMS)
     fixed = writer(participant, "/tf_static", ros.TFMessage, ros.LATCHED)
     begin = None
@@ -126,9 +121,6 @@ def robot(arguments):
             fixed.write(ros.TFMessage([mount]))
             told = True
         scans.write(scan_message(seconds, numbers, ranges))
-        if arguments.garbage and seconds - begin[0] > arguments.garbage:
-            tell_garbage(scans, odometry)
-            arguments.garbage = 0.0
     time.sleep(arguments.stay)
 
 
@@ -214,6 +206,38 @@ def click(arguments):
     time.sleep(1.0)
 
 
+def vandal(arguments):
+    noise = random.Random(1)
+    outs = []
+    for name, kind, quality in (
+        ("/scan", ros.LaserScan, ros.SENSOR),
+        ("/odom", ros.Odometry, ros.DEFAULT),
+        ("/tf", ros.TFMessage, ros.TRANSFORMS),
+        ("/tf_static", ros.TFMessage, ros.LATCHED),
+        ("/initialpose", ros.PoseWithCovarianceStamped, ros.DEFAULT),
+    ):
+        outs.append((writer(DomainParticipant(arguments.domain), name, noise_of(kind), quality)))
+    while not all(out.get_matched_subscriptions() for out in outs[:4]):
+        time.sleep(0.05)
+    for size in (0, 1, 4, 12, 60, 500, 5000):
+        for out in outs:
+            out.write(out.data_type([noise.randrange(256) for _ in range(size)]))
+            # As if a string or a list had no end.
+            out.write(out.data_type([255] * size))
+    time.sleep(1.0)
+
+
+def noise_of(kind):
+    """Bytes under the name of another type."""
+
+    @dataclass
+    @final
+    class Noise(IdlStruct, typename=kind.__idl_typename__):
+        data: sequence[uint8] = field(default_factory=list)
+
+    return Noise
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parts = parser.add_subparsers(required=True)
@@ -221,7 +245,6 @@ def main():
     one.add_argument("log")
     one.add_argument("--pace", type=float, default=1.0)
     one.add_argument("--skip", type=float, default=0.0, help="seconds of the drive")
-    one.add_argument("--garbage", type=float, default=0.0, help="so late in the drive [s]")
     one.add_argument("--stay", type=float, default=0.0, help="after the drive [s]")
     one.set_defaults(run=robot)
     one = parts.add_parser("listener")
@@ -230,6 +253,8 @@ def main():
     one = parts.add_parser("click")
     one.add_argument("pose")
     one.set_defaults(run=click)
+    one = parts.add_parser("vandal")
+    one.set_defaults(run=vandal)
     for part in parts.choices.values():
         part.add_argument("--domain", type=int, default=0)
     signal.signal(signal.SIGTERM, lambda *_: exit(0))
