@@ -79,18 +79,26 @@ Stamp now() {
                    .count()};
 }
 
-void tell_log(void* told, const dds_log_data_t* data) {
-  std::string text(data->message, data->size);
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  (*static_cast<std::function<void(const std::string&)>*>(told))("Cyclone DDS: " + text);
+void take_log(void* news, const dds_log_data_t* data) {
+  static_cast<CycloneNews*>(news)->add({data->message, data->size});
 }
 
 }  // namespace
 
+void CycloneNews::add(std::string_view text) {
+  constexpr std::size_t kMostKinds = 20;
+  while (text.ends_with('\n')) text.remove_suffix(1);
+  std::string kind(text);
+  std::erase_if(kind, [](char c) { return (c >= '0' && c <= '9') || c == '.' || c == '-'; });
+  const std::scoped_lock lock(mutex_);
+  if (told_.size() < kMostKinds && told_.insert(kind).second)
+    tell_("Cyclone DDS: " + std::string(text));
+}
+
 DdsNode::DdsNode(const DdsOptions& options, std::function<void(const std::string&)> tell)
-    : tell_(std::move(tell)) {
+    : news_(std::move(tell)) {
   const std::string settings = settings_of(options);
-  dds_set_log_sink(tell_log, &tell_);
+  dds_set_log_sink(take_log, &news_);
   const std::string name = "ROS 2, domain " + std::to_string(options.domain);
   const auto enter = [&](dds_return_t result) {
     if (result >= 0) return result;

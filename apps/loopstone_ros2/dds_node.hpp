@@ -4,9 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "loopstone/formats/message_log.hpp"
@@ -41,6 +44,19 @@ struct DdsOptions {
   std::string interface {};  ///< of the network; empty: Cyclone chooses
 };
 
+/// What Cyclone has to say, each kind once: without its network it says the same again and again.
+class CycloneNews {
+ public:
+  explicit CycloneNews(std::function<void(const std::string&)> tell) : tell_(std::move(tell)) {}
+  /// By any thread.
+  void add(std::string_view text);
+
+ private:
+  std::function<void(const std::string&)> tell_;
+  std::mutex mutex_{};
+  std::set<std::string, std::less<>> told_{};  ///< without their numbers
+};
+
 /// This program among those that speak DDS. What Cyclone has to say is told by `tell`, from any
 /// thread; there may be one such object at a time.
 class DdsNode {
@@ -58,7 +74,7 @@ class DdsNode {
   /// that no topic can have.
   [[nodiscard]] std::int32_t add_topic(const RosTopic& topic) const;
 
-  std::function<void(const std::string&)> tell_;
+  CycloneNews news_;
   std::int32_t domain_ = 0;
   std::int32_t participant_ = 0;
 };
