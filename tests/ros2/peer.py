@@ -76,6 +76,17 @@ def events_of(log):
             yield float(words[-1]), "scan", (numbers, ranges, laser_x)
 
 
+def held(events, hold_s):
+    """The drive, before which the robot stands for a while."""
+    events = list(events)
+    first = {kind: (seconds, what) for seconds, kind, what in reversed(events)}
+    begin = min(seconds for seconds, _ in first.values()) - hold_s
+    for i in range(round(10 * hold_s)):
+        for kind in ("odom", "scan"):
+            yield begin + i / 10, kind, first[kind][1]
+    yield from events
+
+
 # From the first beam to the last one, of the simulated laser; CARMEN's text does not tell it.
 SWEEP_S = 0.01875
 
@@ -102,12 +113,10 @@ def robot(arguments):
     fixed = writer(participant, "/tf_static", ros.TFMessage, ros.LATCHED)
     begin = None
     told = False
-    for seconds, kind, what in events_of(arguments.log):
+    for seconds, kind, what in held(events_of(arguments.log), arguments.hold):
         if begin is None:
             begin = (seconds, time.monotonic())
-        if seconds - begin[0] < arguments.skip:
-            continue
-        late = (seconds - begin[0] - arguments.skip) / arguments.pace
+        late = (seconds - begin[0]) / arguments.pace
         time.sleep(max(0.0, begin[1] + late - time.monotonic()))
         if kind == "odom":
             x, y, yaw = what
@@ -244,7 +253,7 @@ def main():
     one = parts.add_parser("robot")
     one.add_argument("log")
     one.add_argument("--pace", type=float, default=1.0)
-    one.add_argument("--skip", type=float, default=0.0, help="seconds of the drive")
+    one.add_argument("--hold", type=float, default=0.0, help="it stands before the drive [s]")
     one.add_argument("--stay", type=float, default=0.0, help="after the drive [s]")
     one.set_defaults(run=robot)
     one = parts.add_parser("listener")
