@@ -84,13 +84,14 @@ SensorTopics sensor_topics(const TopicOptions& options) {
       throw UsageError("--topic " + std::string(to_string(role)) + "=" + name +
                        ": of a network laser, odometry and imu are read");
     }
-    if (named.insert(role).second) names->clear();
+    if (named.insert(role).second) names->clear();  // of the default
     if (name.empty()) continue;
     names->push_back(name);
     topics.awaited.push_back(name);
   }
-  if (named.contains(TopicRole::kLaser)) std::erase(topics.awaited, "/scan");
-  for (const std::string& scan : topics.scans) topics.awaited.push_back(scan);
+  if (topics.scans.empty()) throw UsageError("--topic laser=: nothing can be done without a laser");
+  if (!named.contains(TopicRole::kLaser))
+    topics.awaited.insert(topics.awaited.end(), topics.scans.begin(), topics.scans.end());
   return topics;
 }
 

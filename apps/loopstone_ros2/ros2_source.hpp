@@ -15,7 +15,7 @@ struct SensorTopics {
   std::vector<std::string> scans{"/scan"};
   std::vector<std::string> odometry{"/odom"};  ///< beside it there is tf
   std::vector<std::string> imu{};
-  std::vector<std::string> awaited{"/scan"};  ///< those that a drive can't begin without
+  std::vector<std::string> awaited{};  ///< those that a drive can't begin without
 };
 
 /// Of the defaults, and of what the user named in their place. Throws UsageError for a role that

@@ -378,6 +378,7 @@ def refuse(bench):
     for code, word, flags in (
         (2, "--topic wheels", ("-o", out, "--topic", "wheels=/joint_states")),
         (2, "topics of ROS are named", ("-o", out, "--topic", "laser=scan")),
+        (2, "without a laser", ("-o", out, "--topic", "laser=")),
         (2, "--interface", ("-o", out, "--interface", "<eth0>")),
         (1, "can't be entered", ("-o", out, "--interface", "eth99")),
         (2, "--domain", ("-o", out, "--domain", "300")),
