@@ -54,6 +54,8 @@ measure bench/calibration.py $quick
 measure bench/residuals.py $quick
 measure bench/covariances.py $quick
 measure bench/quality.py $quick
+# Alone more than an hour: a day at 20 times its pace.
+measure bench/soak.py $quick
 if [[ -z $quick ]]; then
   measure scripts/matching_examples.py
   measure scripts/ros_examples.py
