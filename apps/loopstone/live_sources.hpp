@@ -9,7 +9,8 @@
 
 namespace loopstone::app {
 
-/// The sources that a user names, in their order, then those that are given. Throws UsageError for names that make no sense.
+/// The sources that a user names, in their order, then those that are given. Throws UsageError for
+/// names that make no sense.
 [[nodiscard]] std::vector<LiveSource> live_sources(const LiveArguments& arguments);
 
 /// Their names in a row.

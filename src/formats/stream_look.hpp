@@ -26,8 +26,8 @@ class StreamLook {
       : name_(std::move(name)), look_s_(look_s) {}
 
   /// Every message that is read from the stream. While the look is on it is kept, and comes by
-  /// next_kept() if it is wanted; those that are not wanted are kept all the same: somebody else may
-  /// want them.
+  /// next_kept() if it is wanted; those that are not wanted are kept all the same: somebody else
+  /// may want them.
   void take(const RecordedMessage& message, const RecordedTopics& topics);
   /// The next wanted one of those that were kept.
   [[nodiscard]] std::optional<RecordedMessage> next_kept(const RecordedTopics& topics);

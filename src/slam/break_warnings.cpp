@@ -72,7 +72,7 @@ std::string what_ties(const PathBreak& gap) {
                        gap.closures == 1 ? " ties" : "s tie", readable_metres(gap.tie_sigma_m));
   }
   if (gap.bridge == BreakBridge::kLaser) return "; it was found again nearby";
-  const std::string bridge =
+  std::string bridge =
       gap.bridge == BreakBridge::kOdometry
           ? std::string(": odometry alone carried the path ") + (gap.ends_log ? "on" : "across") +
                 ", within " + readable_metres(gap.bridge_sigma_m())

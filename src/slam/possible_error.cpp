@@ -34,7 +34,7 @@ Eigen::Vector2d motion_of(const PoseGraph& graph, std::size_t edge) {
 /// What of an edge's drift nothing else takes back.
 Eigen::Matrix3d freedom_of(const PoseGraph& graph, const PathChain& chain, std::size_t edge,
                            bool is_loose) {
-  const Eigen::Matrix3d drift = chain.factor * chain.drifts[edge];
+  Eigen::Matrix3d drift = chain.factor * chain.drifts[edge];
   if (is_loose) return drift;
   Eigen::Matrix3d along_only = Eigen::Matrix3d::Zero();
   if (!chain.open[edge]) return along_only;

@@ -46,8 +46,8 @@ class Localizer {
   /// most 0.25 s; one that is not newer than the last is left out.
   void add(const SensorMessage& message);
 
-  /// Somebody says where the robot is at the next scan: what was believed is forgotten. Its odometry
-  /// and the estimates so far go on.
+  /// Somebody says where the robot is at the next scan: what was believed is forgotten. Its
+  /// odometry and the estimates so far go on.
   void restart_at(const InitialPose& initial);
 
   /// The oldest estimate that was not handed out yet: one a scan, in their order, from the first
