@@ -63,27 +63,13 @@ class McapStream final : public StreamedRecording {
  public:
   McapStream(std::unique_ptr<ByteSource> bytes, std::string name, const RecordingOptions& options,
              std::optional<double> look_s)
-      : name_(std::move(name)),
-        options_(options),
-        window_(std::move(bytes)),
-        topics_(options.memory, 0, name_),
-        look_(name_, look_s) {
+      : StreamedRecording(std::move(name), options, look_s), window_(std::move(bytes)) {
     if (window_.front(kMcapMagic.size()) != kMcapMagic)
       throw DataError({name_}, "is no stream of MCAP");
     window_.pass(kMcapMagic.size());
   }
 
-  [[nodiscard]] const std::vector<RecordedTopic>& topics() const override { return topics_.all(); }
-  [[nodiscard]] bool is_indexed() const override { return false; }
-  void want(std::function<bool(const RecordedTopic&)> wanted) override {
-    topics_.want(std::move(wanted));
-  }
   [[nodiscard]] std::optional<RecordedMessage> next() override;
-  [[nodiscard]] std::span<const char> bytes_at(const MessagePlace& place) override {
-    throw_message_gone({name_, {}, place.at});
-  }
-  void rewind() override { look_.rewind(); }
-  void survey_is_over() override { look_.end(); }
   [[nodiscard]] ReadProgress progress() const override { return {window_.passed(), 0}; }
 
  private:
@@ -95,16 +81,12 @@ class McapStream final : public StreamedRecording {
     throw DataError({name_, {}, window_.passed()}, what);
   }
 
-  std::string name_;
-  RecordingOptions options_;
   StreamWindow window_;
-  RecordedTopics topics_;
   McapTopics channels_{};
   ChunkUnpacker unpacker_{};
   std::string_view chunk_{};  ///< what is left of the one that was unpacked
   std::size_t to_pass_ = 0;   ///< of the window: the record in use, or the chunk's
   bool is_over_ = false;
-  StreamLook look_;
 };
 
 std::optional<RecordedMessage> McapStream::next() {

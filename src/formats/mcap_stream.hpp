@@ -5,17 +5,12 @@
 
 #include "formats/byte_source.hpp"
 #include "formats/recording.hpp"
+#include "formats/streamed_recording.hpp"
 
 namespace loopstone {
 
 /// MCAP that comes as a stream: records are read as they come, chunks when they are whole. There is
-/// no going back behind survey_is_over(), no index, no bytes_at(), and no way past damage.
-class StreamedRecording : public Recording {
- public:
-  /// From the next rewind() on what was read is given once more, and forgotten then.
-  virtual void survey_is_over() = 0;
-};
-
+/// no way past damage.
 /// \param name    for messages
 /// \param look_s  so long after the first message, once a laser's was among them, next() says that
 ///                there are no more, until the survey is over; nothing: the end alone is the end

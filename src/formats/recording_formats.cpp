@@ -33,23 +33,15 @@ Recognition by_head(const LogInput& log, bool (*is_it)(std::string_view)) {
   return !log.is_folder && is_it(log.head) ? Recognition::kCertain : Recognition::kNo;
 }
 
-/// Its pictures are left out: they are read when all else is done, and a stream has gone by then.
 std::unique_ptr<LogReader> stream_mcap_log(const LogInput& log, const LogOptions& options) {
-  LogOptions how = options;
-  how.topics.pictures = false;
   const std::optional<double> look_s =
-      how.live ? std::optional(how.live->look_s) : std::optional<double>();
-  const auto stream = std::make_shared<StreamedRecording*>(nullptr);
-  auto reader = open_topic_log(
+      options.live ? std::optional(options.live->look_s) : std::optional<double>();
+  return open_streamed_log(
       "mcap",
-      [stream, log, look_s](const RecordingOptions& recording) {
-        auto opened = stream_mcap(log.content->read(), log.name, recording, look_s);
-        *stream = opened.get();
-        return opened;
+      [log, look_s](const RecordingOptions& recording) {
+        return stream_mcap(log.content->read(), log.name, recording, look_s);
       },
-      how);
-  (*stream)->survey_is_over();
-  return reader;
+      options);
 }
 
 }  // namespace
