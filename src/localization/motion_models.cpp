@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
@@ -55,11 +54,6 @@ Pose2 sample_velocity_motion(const Pose2& map_T_from, double speed_m_s, double y
   const double last_turn = rng.normal(0.0, sigma(noise.turn_from_speed, noise.turn_from_rate));
   const Pose2 arc = exp(Tangent2{speed * duration_s, 0.0, rate * duration_s});
   return map_T_from * arc * Pose2{0.0, 0.0, last_turn * duration_s};
-}
-
-Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
-  const auto axes = symmetric_eigen(covariance);
-  return axes.vectors * axes.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 GaussianMotion::GaussianMotion(const Pose2& from_T_to, const Eigen::Matrix3d& covariance)

@@ -21,14 +21,6 @@ namespace {
 
 using Link = SurfaceSegments::Link;
 
-/// What a small motion (x, y, yaw) of a body does to its point at `offset`.
-Eigen::Matrix3d lever(const Eigen::Vector2d& offset) {
-  Eigen::Matrix3d motion = Eigen::Matrix3d::Identity();
-  motion(0, 2) = -offset.y();
-  motion(1, 2) = offset.x();
-  return motion;
-}
-
 /// A map is as large as the laser's ranges say, or the wheels that agree with them.
 Eigen::Matrix3d of_scale(const Eigen::Vector2d& apart) {
   const Eigen::Vector2d error = kSurfaceAdjustment.range_scale_sigma * apart;
@@ -90,7 +82,7 @@ class Links {
     const Eigen::Vector2d from_T_to = pose(to).translation() - pose(from).translation();
     if (place(to) < 0) {
       // Seen from the one that is held.
-      const Eigen::Matrix3d back = lever(-from_T_to);
+      const Eigen::Matrix3d back = lever_of(-from_T_to);
       links_.push_back(
           {.to = place(from), .information = (back * covariance * back.transpose()).inverse()});
       return;
@@ -122,7 +114,7 @@ class Links {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (int node = from + 1; node <= to; ++node) {
       if (!chain_.known[static_cast<std::size_t>(node)]) return;
-      const Eigen::Matrix3d at = lever(pose(to).translation() - pose(node).translation());
+      const Eigen::Matrix3d at = lever_of(pose(to).translation() - pose(node).translation());
       covariance += at * chain_.to[static_cast<std::size_t>(node)] * at.transpose();
     }
     link(from, to, covariance);
@@ -211,7 +203,7 @@ Eigen::Matrix3d PoseCovariances::between(NodeId from, NodeId to) const {
   };
   add(to, Eigen::Vector2d::Zero(), 1.0);
   add(from, apart, -1.0);
-  const Eigen::Matrix3d swung = lever(apart);
+  const Eigen::Matrix3d swung = lever_of(apart);
   const Eigen::Matrix3d own = knowledge_->own_of(to) + of_scale(apart) +
                               swung * knowledge_->own_of(from) * swung.transpose();
   return segments.through_inverse(rows) + turn * own * turn.transpose();

@@ -1,7 +1,6 @@
 #include "slam/possible_error.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "loopstone/base/rng.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "slam/loose_parts_numbers.hpp"
 
 namespace loopstone {
@@ -22,10 +22,8 @@ struct Step {
   Eigen::Vector2d off = Eigen::Vector2d::Zero();   ///< of that from what odometry says
 };
 
-Eigen::Matrix3d root_of(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
-  return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
+/// A point's shift by a small turn about the origin, per radian.
+Eigen::Vector2d swing_of(const Eigen::Vector2d& point) { return {-point.y(), point.x()}; }
 
 Eigen::Vector2d motion_of(const PoseGraph& graph, std::size_t edge) {
   return graph.poses[edge + 1].translation() - graph.poses[edge].translation();
@@ -60,7 +58,7 @@ std::vector<Step> steps_of(const PoseGraph& graph, const PathChain& chain,
       step.open += motion_of(graph, i);
       step.off += chain.off[i];
     }
-    step.root = root_of(covariance);
+    step.root = square_root(covariance);
     steps.push_back(step);
   }
   return steps;
@@ -83,9 +81,9 @@ Draw draw_of(const std::vector<Step>& steps, double scale_sigma, Rng rng) {
     const Eigen::Vector3d unit(rng.normal(), rng.normal(), rng.normal());
     const Eigen::Vector3d lost = step.root * unit;
     moved += lost.head<2>() + scale * step.open + off_share * step.off;
-    moved -= lost.z() * Eigen::Vector2d(-step.end.y(), step.end.x());
+    moved -= lost.z() * swing_of(step.end);
     turned += lost.z();
-    draw.at.emplace_back(moved + turned * Eigen::Vector2d(-step.end.y(), step.end.x()));
+    draw.at.emplace_back(moved + turned * swing_of(step.end));
     draw.heading.push_back(turned);
   }
   return draw;
@@ -111,7 +109,7 @@ PossibleError worst_of(const std::vector<Step>& steps, const Draw& draw) {
   PossibleError worst;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Eigen::Vector2d arm = steps[i].end - middle;
-    const Eigen::Vector2d left = draw.at[i] - shift - turn * Eigen::Vector2d(-arm.y(), arm.x());
+    const Eigen::Vector2d left = draw.at[i] - shift - turn * swing_of(arm);
     worst.m = std::max(worst.m, left.norm());
     worst.rad = std::max(worst.rad, std::abs(draw.heading[i] - turn));
   }

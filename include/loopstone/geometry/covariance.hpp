@@ -18,6 +18,21 @@ namespace loopstone {
   return turn * covariance * turn.transpose();
 }
 
+/// What a small motion (x, y, yaw) of a body does to its point at `arm`.
+[[nodiscard]] inline Eigen::Matrix3d lever_of(const Eigen::Vector2d& arm) {
+  Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
+  lever(0, 2) = -arm.y();
+  lever(1, 2) = arm.x();
+  return lever;
+}
+
+/// A matrix whose product with its transpose is the given symmetric positive semidefinite one,
+/// which may be singular; negative eigenvalues of rounding count as zero.
+[[nodiscard]] inline Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+  return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
 /// Standard deviation along the axis on which it is largest, in the unit of the covariance's root.
 [[nodiscard]] inline double largest_sigma(const Eigen::Matrix2d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);

@@ -4,6 +4,7 @@
 
 #include "loopstone/base/options.hpp"
 #include "loopstone/base/rng.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/geometry/pose2.hpp"
 
 namespace loopstone {
@@ -95,9 +96,5 @@ class GaussianMotion {
   Pose2 from_T_to_;
   Eigen::Matrix3d root_;  ///< root * root^T = covariance
 };
-
-/// A matrix whose product with its transpose is the given symmetric positive semidefinite one,
-/// which may be singular; negative eigenvalues of rounding count as zero.
-[[nodiscard]] Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance);
 
 }  // namespace loopstone
