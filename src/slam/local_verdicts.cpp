@@ -54,7 +54,7 @@ double most_m(const Part& part) {
 }
 double most_rad(const LoosePart& part) { return kMapVerdict.sure_sigmas * part.sigma_rad; }
 bool is_uncertain(const LoosePart& part) {
-  return !(most_m(part) <= kMapVerdict.right_m && most_rad(part) <= kMapVerdict.right_rad);
+  return !is_right({.m = most_m(part), .rad = most_rad(part)});
 }
 bool is_uncertain(const OpenStretch& stretch) { return !(most_m(stretch) <= kMapVerdict.right_m); }
 
@@ -103,10 +103,11 @@ void tell(const std::vector<Part>& parts, const RunClock& clock,
 
 }  // namespace
 
-bool may_be_wrong(const MapResult& result) {
-  const PossibleError& possible = result.ties.possible;
-  return !(possible.m <= kMapVerdict.right_m && possible.rad <= kMapVerdict.right_rad);
+bool is_right(const PossibleError& error) {
+  return error.m <= kMapVerdict.right_m && error.rad <= kMapVerdict.right_rad;
 }
+
+bool may_be_wrong(const MapResult& result) { return !is_right(result.ties.possible); }
 
 bool is_contradiction(const VisitContradiction& region) {
   return region.share >= kMapVerdict.contradicted_share &&

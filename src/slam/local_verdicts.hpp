@@ -10,6 +10,9 @@
 
 namespace loopstone {
 
+/// Whether what is off by no more than that is right.
+[[nodiscard]] bool is_right(const PossibleError& error);
+
 /// Whether some place may be off by more than what a right map is, by what nothing ties or what is
 /// as long as odometry says.
 [[nodiscard]] bool may_be_wrong(const MapResult& result);

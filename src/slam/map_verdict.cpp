@@ -137,20 +137,19 @@ QualityMeasure certified(const GraphQuality& g) {
 /// Scans that the laser did not hold stand where odometry says, whatever ties both sides.
 bool may_be_off_between(const PathBreak& gap, const Trajectory& path) {
   if ((gap.to - gap.from).seconds() < kMapVerdict.bridged_s) return false;
-  const auto scans = std::ranges::count_if(path.poses(), [&](const StampedPose2& pose) {
-    return pose.stamp > gap.from && pose.stamp < gap.to;
-  });
+  const auto& poses = path.poses();
+  const auto first = std::ranges::upper_bound(poses, gap.from, {}, &StampedPose2::stamp);
+  const auto end = std::ranges::lower_bound(first, poses.end(), gap.to, {}, &StampedPose2::stamp);
   // Two standard deviations, half of which are left in the middle.
-  return scans >= kMapVerdict.bridged_scans &&
-         !(gap.bridge_sigma_m() <= kMapVerdict.right_m &&
-           std::sqrt(gap.covariance(2, 2)) <= kMapVerdict.right_rad);
+  return end - first >= kMapVerdict.bridged_scans &&
+         !is_right({.m = gap.bridge_sigma_m(), .rad = std::sqrt(gap.covariance(2, 2))});
 }
 
 QualityMeasure breaks(const MapResult& result) {
   QualityMeasure measure{.name = "break_tie_m", .title = "Breaks of the path"};
   if (result.breaks.empty() && !(result.statistics.path_length_m > kMapVerdict.short_travel_m))
     return unknown(std::move(measure), kNoTravel);
-  const bool map_may_be_wrong = may_be_wrong(result);
+  const bool is_map_right = !may_be_wrong(result);
   measure.verdict = Verdict::kGood;
   std::int64_t untied = 0;
   std::int64_t count = 0;
@@ -167,9 +166,9 @@ QualityMeasure breaks(const MapResult& result) {
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
     // One closure by itself may be wrong. What the bridge loses is in what the whole map may be off
     // by, but for what no key scan follows.
-    const bool is_counted = !gap.ends_log && gap.bridge == BreakBridge::kOdometry;
-    const bool tied = gap.closures > 1 || (is_counted && !map_may_be_wrong) ||
-                      gap.bridge_sigma_m() <= kMapVerdict.break_tie_m.doubtful;
+    const bool is_harmless = is_map_right && !gap.ends_log && gap.bridge == BreakBridge::kOdometry;
+    const bool tied =
+        gap.closures > 1 || is_harmless || gap.bridge_sigma_m() <= kMapVerdict.break_tie_m.doubtful;
     if (!tied) ++untied;
     // Where a robot was carried to, or went with nothing to tell how, a likeness of places is all
     // that ties the sides, and closures between places that are alike agree with one another.
@@ -178,7 +177,7 @@ QualityMeasure breaks(const MapResult& result) {
     measure.value = std::max(measure.value, gap.tie_sigma_m);
     Verdict alone = against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
     if (guessed) alone = std::max(alone, Verdict::kDoubtful);
-    if (is_counted && !map_may_be_wrong) alone = Verdict::kGood;
+    if (is_harmless) alone = Verdict::kGood;
     measure.verdict =
         std::max({measure.verdict, alone, sure ? Verdict::kGood : Verdict::kDoubtful});
   }
