@@ -32,7 +32,9 @@ void LiveDrive::tell(const LiveNews& news) {
   } else {
     context_.note(text);
   }
-  if (watch_.warn) watch_.warn(news, text);
+  if (!watch_.warn) return;
+  watch_.warn(text);
+  if (arguments_.listener != nullptr) arguments_.listener->add(news);
 }
 
 std::optional<RobotModel> LiveDrive::wait_for_robot() {

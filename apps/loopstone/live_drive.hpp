@@ -25,8 +25,8 @@ class LiveDrive {
  public:
   /// Who looks on. Each may be empty.
   struct Watch {
-    std::function<void(const LiveNews& news, const std::string& text)> warn{};  ///< of a source
-    std::function<void()> idle{};  ///< called while nothing comes
+    std::function<void(const std::string&)> warn{};  ///< told what befalls a source
+    std::function<void()> idle{};                    ///< called while nothing comes
   };
 
   /// \param step  what the progress line calls the work

@@ -68,9 +68,8 @@ void LiveLocalizing::watch_it(const RobotModel& robot, const LocalizationMap& ma
   if (view_) feed_ = std::make_unique<LocalizationFeed>(view_->board(), robot, map);
   if (listener != nullptr) listener->localizing_begins(map);
   drive_.set_watch({.warn =
-                        [this, listener](const LiveNews& news, const std::string& text) {
+                        [this](const std::string& text) {
                           if (feed_) feed_->add_warning(text);
-                          if (listener != nullptr) listener->add(news);
                         },
                     .idle =
                         [this, listener] {

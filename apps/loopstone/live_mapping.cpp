@@ -101,9 +101,8 @@ void LiveMapping::begin(const RobotModel& robot) {
   LiveListener* const listener = arguments_.listener;
   if (listener != nullptr) listener->mapping_begins(robot, options_.map);
   drive_.set_watch({.warn =
-                        [this, listener](const LiveNews& news, const std::string& text) {
+                        [this](const std::string& text) {
                           if (feed_) feed_->add_warning(text);
-                          if (listener != nullptr) listener->add(news);
                         },
                     .idle =
                         [this, listener] {

@@ -73,17 +73,17 @@ std::int32_t checked(dds_return_t result, const std::string& what) {
   return result;
 }
 
-Stamp now() {
-  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(
-                   std::chrono::system_clock::now().time_since_epoch())
-                   .count()};
-}
-
 void take_log(void* news, const dds_log_data_t* data) {
   static_cast<CycloneNews*>(news)->add({data->message, data->size});
 }
 
 }  // namespace
+
+Stamp now() {
+  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(
+                   std::chrono::system_clock::now().time_since_epoch())
+                   .count()};
+}
 
 void CycloneNews::add(std::string_view text) {
   constexpr std::size_t kMostKinds = 20;

@@ -20,6 +20,9 @@
 
 namespace loopstone::app {
 
+/// By this machine's clock.
+[[nodiscard]] Stamp now();
+
 /// How a topic is told, in the words of DDS: RELIABILITY, DURABILITY, HISTORY.
 struct TopicQuality {
   bool is_reliable = false;  ///< else best effort; a reader that is gets nothing of one that isn't

@@ -40,12 +40,6 @@ ViewSink map_sink(const DdsOutlet& map) {
           .set_time = [](Stamp) {}};
 }
 
-Stamp now() {
-  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(
-                   std::chrono::system_clock::now().time_since_epoch())
-                   .count()};
-}
-
 }  // namespace
 
 Ros2Outlets::Ros2Outlets(const DdsNode& node, RobotFrames frames)
