@@ -6,12 +6,12 @@
 #                                            parent of HEAD; nothing known: src/ and apps/
 #     scripts/tidy_changed.sh --everything   all sources, tests too
 #
-# It stops after LOOPSTONE_TIDY_SECONDS (300), so that CI stays within its time: src/ comes first,
+# It stops after LOOPSTONE_TIDY_SECONDS (120), so that CI stays within its time: src/ comes first,
 # then apps/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-seconds=${LOOPSTONE_TIDY_SECONDS:-300}
+seconds=${LOOPSTONE_TIDY_SECONDS:-120}
 base=${1:-${LOOPSTONE_TIDY_BASE:-}}
 
 # Every source of the compilation database, the program first and the tests last; loopstone-ros2 is
