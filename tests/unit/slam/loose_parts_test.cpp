@@ -198,7 +198,7 @@ TEST(PossibleError, IsThatOfPathsThatAreDrawnAtRandom) {
 
 TEST(PossibleError, GrowsWithDriftsAndEndsWhereTwoPlacesTie) {
   auto [graph, drifts] = bent_path();
-  const auto possible = [&] {
+  const auto possible = [&graph = graph, &drifts = drifts] {
     return find_ties_of(graph, stamps_of(graph), drifts, 0.0, {}, 0, 1.0).possible;
   };
   const PossibleError once = possible();
