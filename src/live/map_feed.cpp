@@ -76,6 +76,7 @@ class Drawer {
     is_done_ = true;
     changed_.wait(lock, [&] { return !is_busy_; });
     is_done_ = true;
+    is_standard_old_ = false;
   }
 
   // While nothing is drawn:
@@ -88,6 +89,7 @@ class Drawer {
     sigmas_.clear();
     next_sigmas_.clear();
     current_ = {};
+    is_standard_old_ = false;
     closures_timer_.begin_anew();
     standard_timer_.begin_anew();
   }
@@ -101,15 +103,10 @@ class Drawer {
     std::unique_lock lock(mutex_);
     const std::stop_callback wake(stop, [this] { changed_.notify_all(); });
     while (!stop.stop_requested()) {
-      const auto has_work = [&] { return stop.stop_requested() || next_.has_value(); };
-      if (is_done_) {
-        changed_.wait(lock, has_work);
-      } else {
-        changed_.wait_for(lock, std::chrono::duration<double>(period_s_), has_work);
-      }
+      wait(lock, stop);
       changed_.wait_until(lock, rest_until_, [&] { return stop.stop_requested() || is_hurried_; });
       if (stop.stop_requested()) return;
-      if (!next_ && is_done_) continue;
+      if (!next_ && is_done_ && !(is_standard_old_ && board_.is_standard_wanted())) continue;
       if (next_) current_ = *std::exchange(next_, std::nullopt);
       sigmas_.merge(std::exchange(next_sigmas_, {}));
       is_busy_ = true;
@@ -125,6 +122,14 @@ class Drawer {
     }
   }
 
+  /// Until there is something to draw, or it is time to look again.
+  void wait(std::unique_lock<std::mutex>& lock, const std::stop_token& stop) {
+    const auto has_work = [&] { return stop.stop_requested() || next_.has_value(); };
+    if (is_done_ && !is_standard_old_) return changed_.wait(lock, has_work);
+    const double period_s = is_done_ ? std::max(standard_s_, period_s_) : period_s_;
+    (void)changed_.wait_for(lock, std::chrono::duration<double>(period_s), has_work);
+  }
+
   /// False while something of the present snapshot has still to be shown.
   bool show() {
     const Stamp stamp = current_.stamp;
@@ -134,6 +139,9 @@ class Drawer {
     board_.show_nodes(stamp, nodes_of(current_.snapshot, sigmas_));
     const bool closures = closures_timer_.is_due();
     if (closures) show_closures(stamp);
+    // Of no use to our own page, and the larger the longer a drive is.
+    is_standard_old_ = !board_.is_standard_wanted();
+    if (is_standard_old_) return live_->is_current() && closures;
     const bool standard = standard_timer_.is_due();
     if (standard) show_standard(stamp);
     return live_->is_current() && closures && standard;
@@ -175,6 +183,7 @@ class Drawer {
   SubmapOutlines outlines_{};
   NodeSigmas sigmas_{};
   Drawing current_{};
+  bool is_standard_old_ = false;  ///< /map, /path and /graph are, since nobody takes them
 
   std::mutex mutex_{};
   std::condition_variable changed_{};

@@ -1,6 +1,8 @@
 #include "loopstone/live/view_board.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -10,8 +12,10 @@
 #include "formats/topic_names.hpp"
 #include "live/node_track.hpp"
 #include "live/tile_store.hpp"
+#include "live/told_list.hpp"
 #include "live/view_json.hpp"
 #include "live/view_topics.hpp"
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/report/ros_messages.hpp"
 #include "report/map_messages.hpp"
 
@@ -40,6 +44,52 @@ std::optional<std::size_t> id_in(std::string_view path) {
   return id;
 }
 
+constexpr double kStillM = 1e-3;
+constexpr double kStillRad = 1e-3;
+/// Every solution of the graph moves every chi-square a little.
+constexpr double kSameChi2 = 0.1;
+/// Of points of an outline.
+constexpr float kSameOutlineM = 0.01F;
+
+bool is_near(const Pose2& a, const Pose2& b) {
+  return (a.translation() - b.translation()).lpNorm<Eigen::Infinity>() < kStillM &&
+         std::abs(wrap_angle(a.yaw - b.yaw)) < kStillRad;
+}
+
+bool is_near(const std::optional<double>& a, const std::optional<double>& b) {
+  if (!a || !b) return a == b;
+  return std::abs(*a - *b) <= kSameChi2 * (1.0 + std::abs(*a));
+}
+
+/// Whether what is told of a closure is the same. If so, its chi-square stays as it was told.
+bool keeps_told(const ViewClosure& told, ViewClosure& now) {
+  const LoopClosure& a = told.closure;
+  const LoopClosure& b = now.closure;
+  const bool is_same = told.from_node == now.from_node && told.to_node == now.to_node &&
+                       told.from == now.from && told.to == now.to &&
+                       a.from_submap == b.from_submap && a.to_submap == b.to_submap &&
+                       a.state == b.state && a.reason == b.reason && a.score == b.score &&
+                       a.second_score == b.second_score && a.overlap == b.overlap &&
+                       a.agreement == b.agreement && a.covariance == b.covariance &&
+                       a.by_appearance == b.by_appearance && is_near(a.chi2, b.chi2);
+  if (is_same) now.closure.chi2 = a.chi2;
+  return is_same;
+}
+
+/// Whether a submap lies where it was told, and as it was. If so, it stays as it was told.
+bool keeps_told(const ViewSubmap& told, ViewSubmap& now) {
+  const auto is_same_point = [](const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+    return (a - b).lpNorm<Eigen::Infinity>() < kSameOutlineM;
+  };
+  const bool is_same = told.id == now.id && told.state == now.state &&
+                       is_near(told.map_T_submap, now.map_T_submap) &&
+                       std::ranges::equal(told.outline, now.outline, is_same_point);
+  if (is_same) now = told;
+  return is_same;
+}
+
+constexpr auto kKeepsTold = [](const auto& told, auto& now) { return keeps_told(told, now); };
+
 /// A channel whose messages are sent only when they differ from the last one.
 struct Told {
   ChannelId channel{};
@@ -66,7 +116,11 @@ class ViewBoard::Impl {
   void change_tiles(Stamp stamp, const std::vector<OccupancyTile>& tiles);
   void show_nodes(Stamp stamp, std::vector<ViewNode> nodes);
   void show_closures(Stamp stamp, std::vector<ViewClosure> closures);
+  void show_submaps(Stamp stamp, std::vector<ViewSubmap> submaps);
   void show_graph(Stamp stamp);
+  [[nodiscard]] bool is_wanted(ChannelId channel) const {
+    return !sink_.is_wanted || sink_.is_wanted(channel);
+  }
 
   template <typename M>
   void send(ChannelId channel, Stamp stamp, const M& message) const {
@@ -90,25 +144,29 @@ class ViewBoard::Impl {
   ChannelId path_{};
   ChannelId graph_{};
   ChannelId status_{};
-  Told closures_told_{};
-  Told submaps_told_{};
   Told verdict_{};
   Told warnings_{};
   Told quality_{};
   Told texture_{};
 
   TileStore tiles_{};
-  std::vector<ViewClosure> closures_{};
-  std::vector<ViewSubmap> submaps_{};
+  ToldList<ViewClosure> closures_{};
+  ToldList<ViewSubmap> submaps_{};
 
   void add_channels();
   void tell_locked(Told& told, Stamp stamp, std::string text);
+  void tell_closures(std::vector<ViewClosure> closures);
+  void tell_submaps(std::vector<ViewSubmap> submaps);
   void send_scan(const LaserScan& scan, const RobotModel& robot);
   [[nodiscard]] std::optional<ViewMessage> all_tiles() const;
   [[nodiscard]] std::optional<ViewMessage> all_nodes() const;
+  [[nodiscard]] std::optional<ViewMessage> all_closures() const;
+  [[nodiscard]] std::optional<ViewMessage> all_submaps() const;
 
   ChannelId tiles_channel_{};
   ChannelId nodes_channel_{};
+  ChannelId closures_channel_{};
+  ChannelId submaps_channel_{};
   std::map<int, ChannelId> scans_{};  ///< by laser
   std::optional<ChannelId> particles_{};
   KnownMounts mounts_{};
@@ -133,8 +191,12 @@ void ViewBoard::Impl::add_channels() {
   nodes.whole = [this] { return all_nodes(); };
   nodes_channel_ = add(std::move(nodes));
   status_ = add(json_channel("status", status_schema()));
-  closures_told_.channel = add(json_channel("closures", closures_schema()));
-  submaps_told_.channel = add(json_channel("submaps", submaps_schema()));
+  ViewChannel closures = json_channel("closures", closures_schema(), kChanges);
+  closures.whole = [this] { return all_closures(); };
+  closures_channel_ = add(std::move(closures));
+  ViewChannel submaps = json_channel("submaps", submaps_schema(), kChanges);
+  submaps.whole = [this] { return all_submaps(); };
+  submaps_channel_ = add(std::move(submaps));
   verdict_.channel = add(json_channel("verdict", verdict_schema()));
   warnings_.channel = add(json_channel("warnings", warnings_schema()));
   quality_.channel = add(json_channel("quality", layer_schema()));
@@ -161,6 +223,16 @@ std::optional<ViewMessage> ViewBoard::Impl::all_nodes() const {
   return bytes ? std::optional<ViewMessage>({now_, std::move(*bytes)}) : std::nullopt;
 }
 
+std::optional<ViewMessage> ViewBoard::Impl::all_closures() const {
+  const std::scoped_lock lock(mutex_);
+  return ViewMessage{now_, closures_json(closures_.entries(), closures_.all_places())};
+}
+
+std::optional<ViewMessage> ViewBoard::Impl::all_submaps() const {
+  const std::scoped_lock lock(mutex_);
+  return ViewMessage{now_, submaps_json(submaps_.entries(), submaps_.all_places())};
+}
+
 void ViewBoard::Impl::begin_anew(Stamp stamp, double resolution_m) {
   const std::scoped_lock lock(mutex_);
   tiles_.clear(resolution_m);
@@ -168,10 +240,8 @@ void ViewBoard::Impl::begin_anew(Stamp stamp, double resolution_m) {
   (void)nodes_.change({});
   now_ = stamp;
   send(nodes_channel_, stamp, nodes_.whole());
-  closures_.clear();
-  submaps_.clear();
-  tell_locked(closures_told_, stamp, closures_json({}));
-  tell_locked(submaps_told_, stamp, submaps_json({}));
+  tell_closures({});
+  tell_submaps({});
   tell_locked(verdict_, stamp, verdict_json({}));
   tell_locked(warnings_, stamp, warnings_json({}));
   for (Told* layer : {&quality_, &texture_}) {
@@ -233,19 +303,37 @@ void ViewBoard::Impl::show_nodes(Stamp stamp, std::vector<ViewNode> nodes) {
   send(nodes_channel_, stamp, *message);
 }
 
+void ViewBoard::Impl::tell_closures(std::vector<ViewClosure> closures) {
+  const std::vector<std::size_t> places = closures_.change(std::move(closures), kKeepsTold);
+  if (places.empty() && !closures_.is_shorter()) return;
+  sink_.publish(closures_channel_, now_, closures_json(closures_.entries(), places));
+}
+
+void ViewBoard::Impl::tell_submaps(std::vector<ViewSubmap> submaps) {
+  const std::vector<std::size_t> places = submaps_.change(std::move(submaps), kKeepsTold);
+  if (places.empty() && !submaps_.is_shorter()) return;
+  sink_.publish(submaps_channel_, now_, submaps_json(submaps_.entries(), places));
+}
+
 void ViewBoard::Impl::show_closures(Stamp stamp, std::vector<ViewClosure> closures) {
   const std::scoped_lock lock(mutex_);
-  closures_ = std::move(closures);
-  tell_locked(closures_told_, stamp, closures_json(closures_));
+  now_ = stamp;
+  tell_closures(std::move(closures));
+}
+
+void ViewBoard::Impl::show_submaps(Stamp stamp, std::vector<ViewSubmap> submaps) {
+  const std::scoped_lock lock(mutex_);
+  now_ = stamp;
+  tell_submaps(std::move(submaps));
 }
 
 void ViewBoard::Impl::show_graph(Stamp stamp) {
   const std::scoped_lock lock(mutex_);
   std::vector<Pose2> origins;
-  for (const ViewSubmap& submap : submaps_) origins.push_back(submap.map_T_submap);
+  for (const ViewSubmap& submap : submaps_.entries()) origins.push_back(submap.map_T_submap);
   std::vector<ClosureLine> lines;
   const std::vector<ViewNode>& nodes = nodes_.nodes();
-  for (const ViewClosure& one : closures_) {
+  for (const ViewClosure& one : closures_.entries()) {
     if (std::max(one.from_node, one.to_node) >= nodes.size()) continue;
     lines.push_back({one.closure.state, nodes[one.from_node].map_T_robot.translation(),
                      nodes[one.to_node].map_T_robot.translation()});
@@ -260,6 +348,10 @@ ViewBoard::ViewBoard(ViewSink sink) : impl_(std::make_unique<Impl>(std::move(sin
 ViewBoard::~ViewBoard() = default;
 
 bool ViewBoard::is_watched() const { return !impl_->sink_.is_watched || impl_->sink_.is_watched(); }
+bool ViewBoard::is_standard_wanted() const {
+  return impl_->is_wanted(impl_->grid_) || impl_->is_wanted(impl_->path_) ||
+         impl_->is_wanted(impl_->graph_);
+}
 void ViewBoard::begin_anew(Stamp stamp, double resolution_m) {
   impl_->begin_anew(stamp, resolution_m);
 }
@@ -299,10 +391,7 @@ void ViewBoard::show_closures(Stamp stamp, std::vector<ViewClosure> closures) {
   impl_->show_closures(stamp, std::move(closures));
 }
 void ViewBoard::show_submaps(Stamp stamp, std::vector<ViewSubmap> submaps) {
-  std::string text = submaps_json(submaps);
-  impl_->tell(impl_->submaps_told_, stamp, std::move(text));
-  const std::scoped_lock lock(impl_->mutex_);
-  impl_->submaps_ = std::move(submaps);
+  impl_->show_submaps(stamp, std::move(submaps));
 }
 void ViewBoard::show_graph(Stamp stamp) { impl_->show_graph(stamp); }
 void ViewBoard::show_verdict(Stamp stamp, const ViewVerdict& verdict) {
@@ -322,9 +411,10 @@ std::optional<HttpAnswer> ViewBoard::answer(std::string_view path) const {
   const auto id = id_in(path);
   if (!id) return {};
   const std::scoped_lock lock(impl_->mutex_);
-  if (*id >= impl_->closures_.size())
+  const std::vector<ViewClosure>& closures = impl_->closures_.entries();
+  if (*id >= closures.size())
     return HttpAnswer{.status = 404, .body = R"({"error":"there is no closure of this id"})"};
-  return HttpAnswer{.body = evidence_json(*id, impl_->closures_[*id])};
+  return HttpAnswer{.body = evidence_json(*id, closures[*id])};
 }
 
 ViewSink sink_of(ViewServer& server) {
@@ -334,7 +424,8 @@ ViewSink sink_of(ViewServer& server) {
       .publish = [&server](ChannelId channel, Stamp stamp,
                            std::string bytes) { server.publish(channel, stamp, std::move(bytes)); },
       .set_time = [&server](Stamp now) { server.set_time(now); },
-      .is_watched = [&server] { return server.clients() > 0; }};
+      .is_watched = [&server] { return server.clients() > 0; },
+      .is_wanted = [&server](ChannelId channel) { return server.subscribers(channel) > 0; }};
 }
 
 }  // namespace loopstone

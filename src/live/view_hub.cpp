@@ -102,6 +102,14 @@ std::size_t ViewHub::clients() const {
   return members_.size();
 }
 
+std::size_t ViewHub::subscribers(ChannelId channel) const {
+  const std::scoped_lock lock(mutex_);
+  return static_cast<std::size_t>(std::ranges::count_if(members_, [&](const auto& named) {
+    return std::ranges::any_of(named.second.channel_of,
+                               [&](const auto& wish) { return wish.second == channel.index; });
+  }));
+}
+
 void ViewHub::receive_text(Client client, std::string_view text) {
   take(client, parse_client_text(text));
 }

@@ -41,6 +41,7 @@ class ViewHub {
   [[nodiscard]] std::optional<Client> join(std::function<void()> wake);
   void leave(Client client);
   [[nodiscard]] std::size_t clients() const;
+  [[nodiscard]] std::size_t subscribers(ChannelId channel) const;
 
   void receive_text(Client client, std::string_view text);
   void receive_bytes(Client client, std::string_view bytes);

@@ -1,5 +1,7 @@
 #include "live/view_json.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -61,6 +63,50 @@ Json scan_json(Stamp stamp, const std::shared_ptr<const MappedScan>& scan) {
   return {{"t", stamp.seconds()}, {"points", std::move(points)}};
 }
 
+Json closure_json(std::size_t id, const ViewClosure& shown) {
+  const LoopClosure& closure = shown.closure;
+  return {{"id", id},
+          {"from", shown.from_node},
+          {"to", shown.to_node},
+          {"from_t", shown.from.seconds()},
+          {"to_t", shown.to.seconds()},
+          {"from_submap", closure.from_submap.index},
+          {"to_submap", closure.to_submap.index},
+          {"state", to_string(closure.state)},
+          {"reason", to_string(closure.reason)},
+          {"score", closure.score},
+          {"second_score", or_null(closure.second_score)},
+          {"overlap", closure.overlap},
+          {"agreement", closure.agreement},
+          {"chi2", or_null(closure.chi2)},
+          {"sigma_m", sigma_of(closure.covariance)},
+          {"by_appearance", closure.by_appearance}};
+}
+
+Json submap_json(std::size_t id, const ViewSubmap& submap) {
+  Json outline = Json::array();
+  for (const Eigen::Vector2f& point : submap.outline) {
+    outline.push_back(rounded(point.x()));
+    outline.push_back(rounded(point.y()));
+  }
+  return {{"id", id},
+          {"state", word_of(submap.state)},
+          {"pose", pose_json(submap.map_T_submap)},
+          {"outline", std::move(outline)}};
+}
+
+/// Entry by entry: all of a day's list at once would be many times its text.
+template <typename T>
+std::string list_text(std::string_view name, std::span<const T> entries,
+                      std::span<const std::size_t> places, Json (*json_of)(std::size_t, const T&)) {
+  std::string text = fmt::format(R"({{"count":{},"{}":[)", entries.size(), name);
+  for (const std::size_t place : places) {
+    if (text.back() != '[') text += ',';
+    text += text_of(json_of(place, entries[place]));
+  }
+  return text + "]}";
+}
+
 // Schemas: {"name": type}, where a type is a word of JSON schema.
 
 Json type(const char* word) { return {{"type", word}}; }
@@ -93,44 +139,13 @@ std::string status_json(const ViewStatus& status) {
                   {"figures", status.figures}});
 }
 
-std::string closures_json(std::span<const ViewClosure> closures) {
-  Json list = Json::array();
-  for (const ViewClosure& one : closures) {
-    const LoopClosure& closure = one.closure;
-    list.push_back({{"id", list.size()},
-                    {"from", one.from_node},
-                    {"to", one.to_node},
-                    {"from_t", one.from.seconds()},
-                    {"to_t", one.to.seconds()},
-                    {"from_submap", closure.from_submap.index},
-                    {"to_submap", closure.to_submap.index},
-                    {"state", to_string(closure.state)},
-                    {"reason", to_string(closure.reason)},
-                    {"score", closure.score},
-                    {"second_score", or_null(closure.second_score)},
-                    {"overlap", closure.overlap},
-                    {"agreement", closure.agreement},
-                    {"chi2", or_null(closure.chi2)},
-                    {"sigma_m", sigma_of(closure.covariance)},
-                    {"by_appearance", closure.by_appearance}});
-  }
-  return text_of({{"closures", std::move(list)}});
+std::string closures_json(std::span<const ViewClosure> closures,
+                          std::span<const std::size_t> places) {
+  return list_text("closures", closures, places, closure_json);
 }
 
-std::string submaps_json(std::span<const ViewSubmap> submaps) {
-  Json list = Json::array();
-  for (const ViewSubmap& submap : submaps) {
-    Json outline = Json::array();
-    for (const Eigen::Vector2f& point : submap.outline) {
-      outline.push_back(rounded(point.x()));
-      outline.push_back(rounded(point.y()));
-    }
-    list.push_back({{"id", submap.id},
-                    {"state", word_of(submap.state)},
-                    {"pose", pose_json(submap.map_T_submap)},
-                    {"outline", std::move(outline)}});
-  }
-  return text_of({{"submaps", std::move(list)}});
+std::string submaps_json(std::span<const ViewSubmap> submaps, std::span<const std::size_t> places) {
+  return list_text("submaps", submaps, places, submap_json);
 }
 
 std::string verdict_json(const ViewVerdict& verdict) {
@@ -186,7 +201,7 @@ std::string status_schema() {
 std::string closures_schema() {
   Json states = Json::array();
   for (const std::string_view word : kWords<ClosureState>) states.push_back(word);
-  return schema_of("loopstone closures", {{"closures", list_of(object_of({
+  return schema_of("loopstone closures", {{"count", type("integer")}, {"closures", list_of(object_of({
                                                            {"id", type("integer")},
                                                            {"from", type("integer")},
                                                            {"to", type("integer")},
@@ -209,7 +224,8 @@ std::string closures_schema() {
 std::string submaps_schema() {
   return schema_of(
       "loopstone submaps",
-      {{"submaps", list_of(object_of({{"id", type("integer")},
+      {{"count", type("integer")},
+       {"submaps", list_of(object_of({{"id", type("integer")},
                                       {"state", {{"enum", {"open", "frozen", "dropped"}}}},
                                       {"pose", list_of(type("number"))},
                                       {"outline", list_of(type("number"))}}))}});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,8 +12,11 @@
 namespace loopstone {
 
 [[nodiscard]] std::string status_json(const ViewStatus& status);
-[[nodiscard]] std::string closures_json(std::span<const ViewClosure> closures);
-[[nodiscard]] std::string submaps_json(std::span<const ViewSubmap> submaps);
+/// Those of the list that are to be told. \param places  theirs
+[[nodiscard]] std::string closures_json(std::span<const ViewClosure> closures,
+                                        std::span<const std::size_t> places);
+[[nodiscard]] std::string submaps_json(std::span<const ViewSubmap> submaps,
+                                       std::span<const std::size_t> places);
 [[nodiscard]] std::string verdict_json(const ViewVerdict& verdict);
 [[nodiscard]] std::string warnings_json(std::span<const ViewWarning> warnings);
 [[nodiscard]] std::string layer_json(const ViewLayer& layer);

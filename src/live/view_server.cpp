@@ -509,5 +509,8 @@ std::string ViewServer::url() const {
 }
 
 std::size_t ViewServer::clients() const { return impl_->service.hub.clients(); }
+std::size_t ViewServer::subscribers(ChannelId channel) const {
+  return impl_->service.hub.subscribers(channel);
+}
 
 }  // namespace loopstone

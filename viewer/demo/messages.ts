@@ -96,11 +96,13 @@ function closureJson(nodes: Node[], { id, from, to, state, reason }: DemoClosure
 }
 
 export function closures(nodes: Node[], list: DemoClosure[]): object {
-  return { closures: list.map((one) => closureJson(nodes, one)) };
+  const entries = list.map((one, id) => ({ ...closureJson(nodes, one), id }));
+  return { count: entries.length, closures: entries };
 }
 
 export function submaps(nodes: Node[]): object {
-  return { submaps: nodes.length > 0 ? submapsOf(nodes) : [] };
+  const entries = nodes.length > 0 ? submapsOf(nodes) : [];
+  return { count: entries.length, submaps: entries };
 }
 
 export function status(

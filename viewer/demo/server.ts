@@ -255,7 +255,7 @@ export class DemoServer {
   }
 
   private evidence(id: number): object | null {
-    const closure = this.closures.find((one) => one.id === id);
+    const closure = this.closuresNow()[id];
     if (closure === undefined) return null;
     const from = this.run.nodes[closure.from] as Node;
     const to = this.run.nodes[closure.to] as Node;

@@ -125,12 +125,40 @@ function closureOf(json: Json): Closure | null {
   };
 }
 
-export function readClosures(text: string): Closure[] | null {
+/** Of a list whose entries are named by their place: how many there are now, and those to be put. */
+export interface ListChange<T> {
+  count: number;
+  entries: T[];
+}
+
+const kMostEntries = 1e6;
+
+function readChange<T>(
+  text: string,
+  name: string,
+  read: (json: Json) => T | null,
+): ListChange<T> | null {
   const json = parseObject(text);
-  if (json === null) return null;
-  return objectsOf(json["closures"])
-    .map(closureOf)
+  const count = numberOf(json?.["count"]);
+  if (json === null || count === null || !(count >= 0 && count <= kMostEntries)) return null;
+  const entries = objectsOf(json[name])
+    .map(read)
     .filter((one) => one !== null);
+  return { count, entries };
+}
+
+export function readClosures(text: string): ListChange<Closure> | null {
+  return readChange(text, "closures", closureOf);
+}
+
+function submapOf(json: Json): Submap | null {
+  const id = numberOf(json["id"]);
+  if (id === null) return null;
+  return {
+    id,
+    state: wordOf(json["state"], kSubmapStates),
+    outline: numbersOf(json["outline"]) ?? [],
+  };
 }
 
 export function readStatus(text: string): Status | null {
@@ -157,14 +185,8 @@ export function readStatus(text: string): Status | null {
   };
 }
 
-export function readSubmaps(text: string): Submap[] | null {
-  const json = parseObject(text);
-  if (json === null) return null;
-  return objectsOf(json["submaps"]).map((one) => ({
-    id: numberOf(one["id"]) ?? -1,
-    state: wordOf(one["state"], kSubmapStates),
-    outline: numbersOf(one["outline"]) ?? [],
-  }));
+export function readSubmaps(text: string): ListChange<Submap> | null {
+  return readChange(text, "submaps", submapOf);
 }
 
 export function readVerdict(text: string): Verdict | null {

@@ -5,18 +5,32 @@ import * as cdr from "./messages.ts";
 import type { Model } from "./model.ts";
 import type { Channel } from "./protocol.ts";
 
-/** Reads one message; false where nodes before it are missing and all are needed again. */
+/** Reads one message; false where what lies before it is missing and all are needed again. */
 type Reader = (model: Model, payload: Uint8Array) => boolean | void;
 
 function ofJson<T>(
   read: (text: string) => T | null,
-  apply: (model: Model, value: T) => void,
+  apply: (model: Model, value: T) => boolean | void,
 ): Reader {
   return (model, payload) => {
     const value = read(new TextDecoder().decode(payload));
     if (value === null) throw new DamagedMessage("no JSON object of its kind");
-    apply(model, value);
+    return apply(model, value);
   };
+}
+
+/** The list after a change; null where entries between the known and the given ones are missing. */
+export function changed<T extends { id: number }>(
+  list: T[],
+  { count, entries }: json.ListChange<T>,
+): T[] | null {
+  const now = list.slice(0, count);
+  for (const entry of entries) {
+    if (!(Number.isInteger(entry.id) && entry.id >= 0 && entry.id < count)) continue;
+    if (entry.id > now.length) return null;
+    now[entry.id] = entry;
+  }
+  return now.length === count ? now : null;
 }
 
 function takeTrajectory(model: Model, given: cdr.Trajectory): boolean {
@@ -52,13 +66,19 @@ const kCdr: Record<string, Reader> = {
 
 const kJson: Record<string, Reader> = {
   "/loopstone/status": ofJson(json.readStatus, (model, value) => model.setStatus(value)),
-  "/loopstone/closures": ofJson(json.readClosures, (model, value) => {
-    model.closures = value;
+  "/loopstone/closures": ofJson(json.readClosures, (model, change) => {
+    const closures = changed(model.closures, change);
+    if (closures === null) return false;
+    model.closures = closures;
     model.changed("closures");
+    return true;
   }),
-  "/loopstone/submaps": ofJson(json.readSubmaps, (model, value) => {
-    model.submaps = value;
+  "/loopstone/submaps": ofJson(json.readSubmaps, (model, change) => {
+    const submaps = changed(model.submaps, change);
+    if (submaps === null) return false;
+    model.submaps = submaps;
     model.changed("submaps");
+    return true;
   }),
   "/loopstone/verdict": ofJson(json.readVerdict, (model, value) => {
     model.verdict = value;

@@ -2,6 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import * as protocol from "../src/protocol.ts";
 import * as json from "../src/json_messages.ts";
+import { Model } from "../src/model.ts";
+import { changed, takeMessage } from "../src/topics.ts";
 import { Random } from "../demo/random.ts";
 
 const bufferOf = (bytes: number[]) => Uint8Array.from(bytes).buffer;
@@ -153,12 +155,42 @@ test("any JSON, and text that is none, gives a value of the right shape or null"
 });
 
 test("closures keep what is known and take the rest as unknown", () => {
-  const [one, ...more] = json.readClosures(
-    '{"closures":[{"id":1,"from":2,"to":3,"state":"revoked","score":0.5,"second_score":null},{"id":2},5]}',
-  ) ?? [undefined];
+  const change = json.readClosures(
+    '{"count":7,"closures":[{"id":1,"from":2,"to":3,"state":"revoked","score":0.5,"second_score":null},{"id":2},5]}',
+  );
+  assert.equal(change?.count, 7);
+  const [one, ...more] = change?.entries ?? [];
   assert.equal(more.length, 0);
   assert.equal(one?.state, "revoked");
   assert.equal(one?.score, 0.5);
   assert.equal(one?.secondScore, null);
   assert.equal(one?.chi2, null);
+});
+
+test("a list takes changes, and asks for all of it where entries are missing", () => {
+  const submaps = (count: number, ...ids: number[]) => ({
+    count,
+    entries: ids.map((id) => ({ id, state: "open" as const, outline: [count] })),
+  });
+  const first = changed([], submaps(3, 0, 1, 2));
+  assert.deepEqual(
+    first?.map(({ id }) => id),
+    [0, 1, 2],
+  );
+  const second = changed(first ?? [], submaps(4, 1, 3));
+  assert.deepEqual(
+    second?.map(({ outline }) => outline[0]),
+    [3, 4, 3, 4],
+  );
+  assert.equal(first?.[1]?.outline[0], 3, "who holds the old list keeps it");
+  assert.equal(changed(second ?? [], submaps(2))?.length, 2);
+  assert.equal(changed(second ?? [], submaps(6, 5)), null);
+  assert.equal(changed(second ?? [], submaps(6)), null);
+  assert.equal(changed([], submaps(1, 0, 7, -1, 0.5))?.length, 1);
+  const model = new Model();
+  const channel = { id: 1, topic: "/loopstone/closures", encoding: "json", schemaName: "" };
+  const take = (text: string) => takeMessage(model, channel, new TextEncoder().encode(text));
+  assert.equal(take('{"count":2,"closures":[{"id":1,"from":0,"to":1}]}'), false);
+  assert.equal(take('{"count":1,"closures":[{"id":0,"from":0,"to":1}]}'), true);
+  assert.equal(model.closures.length, 1);
 });

@@ -27,6 +27,8 @@ struct ViewSink {
   std::function<void(Stamp)> set_time{};
   /// Whether anybody looks; empty: it may be.
   std::function<bool()> is_watched{};
+  /// Whether anybody takes a channel's messages; empty: it may be.
+  std::function<bool(ChannelId)> is_wanted{};
 };
 [[nodiscard]] ViewSink sink_of(ViewServer& server);
 
@@ -51,6 +53,8 @@ class ViewBoard {
 
   /// Whether anybody looks. What is costly to make need not be shown until then.
   [[nodiscard]] bool is_watched() const;
+  /// Whether anybody takes what is sent whole for other programs: /map, /path or /graph.
+  [[nodiscard]] bool is_standard_wanted() const;
 
   /// All that was shown is no more; tiles are of that resolution from now on.
   void begin_anew(Stamp stamp, double resolution_m);
@@ -71,7 +75,7 @@ class ViewBoard {
   void show_grid(Stamp stamp, const CellStates& cells);
   void show_nodes(Stamp stamp, std::vector<ViewNode> nodes);
   void show_path(Stamp stamp, const std::vector<StampedPose2>& poses);
-  /// The closures as a list, and with submaps as markers.
+  /// As lists, and, once the path is shown, as markers by show_graph().
   void show_closures(Stamp stamp, std::vector<ViewClosure> closures);
   void show_submaps(Stamp stamp, std::vector<ViewSubmap> submaps);
   void show_graph(Stamp stamp);

@@ -104,6 +104,8 @@ class ViewServer {
   [[nodiscard]] std::string url() const;
   /// WebSockets that are open.
   [[nodiscard]] std::size_t clients() const;
+  /// Those of them that subscribed to a channel.
+  [[nodiscard]] std::size_t subscribers(ChannelId channel) const;
 
  private:
   class Impl;

@@ -66,7 +66,7 @@ TEST_F(FolderOnBoard, AllIsKnownAtOnce) {
   const auto nodes = view.last<msg::Trajectory>("/loopstone/trajectory");
   EXPECT_EQ(nodes.count, 11U);
   EXPECT_FLOAT_EQ(nodes.sigma[3], 0.3F);
-  const Json closures = view.last_json("/loopstone/closures")["closures"];
+  const Json closures = view.list("closures");
   ASSERT_EQ(closures.size(), 2U);
   EXPECT_EQ(closures[0]["to"], 9);
   EXPECT_EQ(view.last<msg::OccupancyGrid>("/map").info.width, 3U);
@@ -156,7 +156,7 @@ TEST_F(FolderOnBoard, ManyClosePosesAreFewNodes) {
   play_to_end(shown);
   const auto nodes = view.last<msg::Trajectory>("/loopstone/trajectory");
   EXPECT_LT(nodes.count, 10U);
-  const Json closure = view.last_json("/loopstone/closures")["closures"][0];
+  const Json closure = view.list("closures")[0];
   EXPECT_NEAR(nodes.t[closure["from"].get<std::size_t>()], 0.137, 1e-9);
   EXPECT_NEAR(nodes.t[closure["to"].get<std::size_t>()], 0.138, 1e-9);
 }

@@ -113,10 +113,17 @@ TEST_F(Feed, ShowsWhatTheMapperDoes) {
   EXPECT_NEAR(status["travelled_m"].get<double>(), result.statistics.path_length_m,
               0.2 * result.statistics.path_length_m + 0.5);
   EXPECT_GT(status["figures"].size(), 1U);
-  EXPECT_EQ(view_.last_json("/loopstone/closures")["closures"].size(), result.loop_closures.size());
-  EXPECT_EQ(view_.last_json("/loopstone/submaps")["submaps"].size(), run.last.submaps.size());
-  const auto submaps = view_.last_json("/loopstone/submaps");
-  for (const auto& submap : submaps["submaps"]) EXPECT_GE(submap["outline"].size(), 6U);
+  const auto closures = view_.list("closures");
+  ASSERT_EQ(closures.size(), result.loop_closures.size());
+  for (std::size_t i = 0; i < closures.size(); ++i) {
+    const LoopClosure& closure = result.loop_closures[i];
+    EXPECT_EQ(closures[i]["state"], to_string(closure.state));
+    EXPECT_EQ(closures[i]["from"], closure.from.index);
+    EXPECT_EQ(closures[i]["score"], closure.score);
+  }
+  const auto submaps = view_.list("submaps");
+  EXPECT_EQ(submaps.size(), run.last.submaps.size());
+  for (const auto& submap : submaps) EXPECT_GE(submap["outline"].size(), 6U);
   const auto verdict = view_.last_json("/loopstone/verdict");
   EXPECT_EQ(verdict["sentence"], result.verdict.sentence);
   EXPECT_EQ(verdict["complete"], true);
@@ -168,6 +175,32 @@ TEST_F(Feed, WhoComesLateGetsAllOfIt) {
   late_nodes.take(view_.decoded<msg::Trajectory>(
       "/loopstone/trajectory", view_.channel("/loopstone/trajectory").whole().value().bytes));
   EXPECT_EQ(late_nodes.poses, nodes().poses);
+  for (const std::string name : {"closures", "submaps"}) {
+    const ViewMessage whole = view_.channel("/loopstone/" + name).whole().value();
+    test::SeenList late_list;
+    late_list.take(nlohmann::json::parse(whole.bytes), name);
+    EXPECT_EQ(late_list.entries(), view_.list(name)) << name;
+  }
+}
+
+TEST_F(Feed, WhatOnlyOtherProgramsReadIsDrawnWhenSomebodyTakesIt) {
+  view_.set_unwanted({"/map", "/path", "/graph"});
+  MapFeed feed(board_, log_->robot, {}, kAlways);
+  Mapper mapper(log_->robot, MapOptions{}, Threads{1});
+  for (const SensorMessage& message : log_->messages) {
+    feed.add(message);
+    mapper.add(message);
+    while (const auto update = mapper.next_update()) feed.add(*update, mapper);
+  }
+  feed.end(mapper);
+  feed.flush();
+  EXPECT_FALSE(view_.list("submaps").empty());
+  for (const char* topic : {"/map", "/path", "/graph"}) EXPECT_TRUE(view_.all(topic).empty());
+  // Nothing more happens, but somebody comes.
+  view_.set_unwanted({"/map", "/path"});
+  for (int i = 0; i < 2000 && view_.all("/graph").empty(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_FALSE(view_.all("/graph").empty());
 }
 
 TEST_F(Feed, TheResultIsTheSameWhoeverLooksOn) {
@@ -219,7 +252,8 @@ TEST_F(Feed, BeginsAnew) {
   feed.begin_anew(log_->robot);
   EXPECT_TRUE(tiles().tiles().empty());
   EXPECT_TRUE(nodes().t.empty());
-  EXPECT_TRUE(view_.last_json("/loopstone/closures")["closures"].empty());
+  EXPECT_TRUE(view_.list("closures").empty());
+  EXPECT_TRUE(view_.list("submaps").empty());
   const MapResult again = map(feed).result;
   EXPECT_EQ(nodes().t.size(), again.node_stamps.size());
   EXPECT_EQ(view_.last_json("/loopstone/status")["scans"], log_->scans().size());

@@ -6,12 +6,14 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "loopstone/live/view_board.hpp"
 #include "loopstone/messages/message_codec.hpp"
+#include "support/seen_list.hpp"
 
 namespace loopstone::test {
 
@@ -40,7 +42,17 @@ class RecordedView {
                 [this](Stamp now) {
                   const std::scoped_lock lock(mutex_);
                   now_ = now;
+                },
+            .is_wanted =
+                [this](ChannelId channel) {
+                  const std::scoped_lock lock(mutex_);
+                  return !unwanted_.contains(channels_.at(channel.index).topic);
                 }};
+  }
+  /// Nobody takes these from now on.
+  void set_unwanted(std::set<std::string> topics) {
+    const std::scoped_lock lock(mutex_);
+    unwanted_ = std::move(topics);
   }
 
   [[nodiscard]] std::vector<ViewChannel> channels() const {
@@ -85,9 +97,17 @@ class RecordedView {
   [[nodiscard]] nlohmann::json last_json(const std::string& topic) const {
     return nlohmann::json::parse(all(topic).at(all(topic).size() - 1).bytes);
   }
+  /// "closures" or "submaps", as its messages have left it.
+  [[nodiscard]] nlohmann::json list(const std::string& name) const {
+    SeenList seen;
+    for (const Message& message : all("/loopstone/" + name))
+      seen.take(nlohmann::json::parse(message.bytes), name);
+    return seen.entries();
+  }
 
  private:
   mutable std::mutex mutex_{};
+  std::set<std::string> unwanted_{};
   std::vector<ViewChannel> channels_{};
   std::vector<Message> messages_{};
   std::optional<Stamp> now_{};

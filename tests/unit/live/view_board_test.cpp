@@ -45,7 +45,7 @@ TEST(ViewBoard, HasTheChannelsOfTheContract) {
                         "/loopstone/closures", "/loopstone/submaps", "/loopstone/verdict",
                         "/loopstone/warnings", "/loopstone/quality", "/loopstone/texture"}));
   EXPECT_EQ(view.channel("/scan").policy, SendPolicy::kDroppable);
-  EXPECT_EQ(view.channel("/loopstone/closures").policy, SendPolicy::kLatest);
+  EXPECT_EQ(view.channel("/loopstone/closures").policy, SendPolicy::kChanges);
 }
 
 TEST(ViewBoard, ShowsTheRobotAndItsScan) {
@@ -107,7 +107,7 @@ TEST(ViewBoard, TellsClosuresWhenTheyChange) {
   board.show_closures(kNow, {one});
   board.show_closures(kNow, {one});
   EXPECT_EQ(view.all("/loopstone/closures").size(), 1U);
-  const auto told = view.last_json("/loopstone/closures")["closures"];
+  const auto told = view.list("closures");
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0]["id"], 0);
   EXPECT_EQ(told[0]["from"], 3);
@@ -116,6 +116,46 @@ TEST(ViewBoard, TellsClosuresWhenTheyChange) {
   EXPECT_EQ(told[0]["second_score"], 0.25);
   EXPECT_TRUE(told[0]["chi2"].is_null());
   EXPECT_NEAR(told[0]["sigma_m"].get<double>(), 0.2, 1e-12);
+}
+
+TEST(ViewBoard, OfListsOnlyWhatChangedIsTold) {
+  RecordedView view;
+  ViewBoard board(view.sink());
+  std::vector<ViewClosure> closures(100);
+  for (ViewClosure& one : closures) one.closure.chi2 = 1.0;
+  board.show_closures(kNow, closures);
+  // Another solution moves every chi-square a little, and one a lot.
+  for (ViewClosure& one : closures) one.closure.chi2 = 1.01;
+  closures[7].closure.chi2 = 50.0;
+  closures[9].closure.state = ClosureState::kRevoked;
+  closures.emplace_back();
+  board.show_closures(kNow, closures);
+  const auto changes = view.last_json("/loopstone/closures");
+  EXPECT_EQ(changes["count"], 101);
+  std::vector<int> ids;
+  for (const auto& one : changes["closures"]) ids.push_back(one["id"]);
+  EXPECT_THAT(ids, ElementsAre(7, 9, 100));
+  // Steps that are small one by one are told once they add up.
+  for (int i = 2; i <= 40; ++i) {
+    for (ViewClosure& one : closures) one.closure.chi2 = 1.0 + 0.01 * i;
+    board.show_closures(kNow, closures);
+  }
+  EXPECT_NEAR(view.list("closures")[3]["chi2"].get<double>(), 1.4, 0.25);
+  closures.resize(3);
+  board.show_closures(kNow, closures);
+  EXPECT_EQ(view.list("closures").size(), 3U);
+
+  std::vector<ViewSubmap> submaps(3);
+  for (std::size_t i = 0; i < submaps.size(); ++i)
+    submaps[i] = {.id = i, .outline = {{0, 0}, {1, 0}, {0, 1}}};
+  board.show_submaps(kNow, submaps);
+  submaps[0].map_T_submap.x = 1e-4;
+  submaps[1].map_T_submap.x = 0.1;
+  submaps[2].outline.emplace_back(-1, -1);
+  board.show_submaps(kNow, submaps);
+  EXPECT_EQ(view.last_json("/loopstone/submaps")["submaps"].size(), 2U);
+  EXPECT_EQ(view.list("submaps")[1]["pose"][0], 0.1);
+  EXPECT_EQ(view.list("submaps")[2]["outline"].size(), 8U);
 }
 
 TEST(ViewBoard, AnswersForTheEvidenceOfAClosure) {
@@ -173,7 +213,7 @@ TEST(ViewBoard, BeginsAnew) {
   EXPECT_TRUE(tiles.whole);
   EXPECT_TRUE(tiles.ids.empty());
   EXPECT_EQ(view.last<msg::Trajectory>("/loopstone/trajectory").count, 0U);
-  EXPECT_TRUE(view.last_json("/loopstone/closures")["closures"].empty());
+  EXPECT_TRUE(view.list("closures").empty());
   EXPECT_EQ(view.last_json("/loopstone/quality")["png"], "");
   EXPECT_FALSE(board.answer("/api/closures/0").value().status == 200);
 }

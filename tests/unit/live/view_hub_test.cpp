@@ -107,6 +107,8 @@ TEST_F(Hub, OnlySubscribersGetMessages) {
   const auto client = greeted();
   const auto other = greeted();
   hub.receive_text(client, subscribe(70, kEvery));
+  EXPECT_EQ(hub.subscribers({kEvery}), 1U);
+  EXPECT_EQ(hub.subscribers({kLatest}), 0U);
   hub.publish({kEvery}, Stamp{1}, "a");
   EXPECT_THAT(all_for(hub, client), ElementsAre("70:a"));
   EXPECT_THAT(all_for(hub, other), ElementsAre());
