@@ -1,6 +1,7 @@
 #include "live_drive.hpp"
 
 #include "live_sources.hpp"
+#include "loopstone/base/release_memory.hpp"
 
 namespace loopstone::app {
 
@@ -12,7 +13,9 @@ LiveDrive::LiveDrive(const LiveArguments& arguments, std::string_view step,
       name_(names_of_sources(arguments)),
       print_problem_(context),
       log_(live_sources(arguments), log_options()),
-      display_(context) {}
+      display_(context) {
+  keep_memory_compact();
+}
 
 LiveLogOptions LiveDrive::log_options() {
   LiveLogOptions options{.reading = app::log_options(arguments_.reading, context_, &print_problem_),

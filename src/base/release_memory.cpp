@@ -14,4 +14,14 @@ void release_unused_memory() {
 #endif
 }
 
+void keep_memory_compact() {
+#if defined(__GLIBC__)
+  constexpr int kLargeBytes = 1 << 18;
+  mallopt(M_ARENA_MAX, 2);
+  // Both would grow by themselves, to tens of megabytes, if they were left alone.
+  mallopt(M_MMAP_THRESHOLD, kLargeBytes);
+  mallopt(M_TRIM_THRESHOLD, kLargeBytes);
+#endif
+}
+
 }  // namespace loopstone

@@ -26,8 +26,9 @@ namespace {
 
 /// A robot that stands does not travel, whatever its pose does.
 constexpr double kTravelStepM = 0.02;
-/// Of a map that is sent whole, again and again.
+/// Of a map, and of a graph's markers, that are sent whole, again and again.
 constexpr double kCellsPerS = 4e6;
+constexpr double kMarkerPointsPerS = 2e4;
 /// Of the time that passes, what drawing takes at most: the rest is for the mapper. A robot's own
 /// pace is far from that; a recording that is mapped in seconds is not.
 constexpr double kDrawingShare = 0.1;
@@ -154,9 +155,12 @@ class Drawer {
 
   void show_standard(Stamp stamp) {
     if (grid_->update(*live_)) board_.show_grid(stamp, grid_->cells());
-    // A large map is sent less often.
+    // What is large is sent less often.
     const auto cells = static_cast<double>(grid_->cells().cells().size());
-    standard_timer_.set_period(std::max(standard_s_, cells / kCellsPerS));
+    const auto points = static_cast<double>(current_.snapshot.submaps.size() +
+                                            2 * current_.snapshot.closures.size());
+    standard_timer_.set_period(
+        std::max({standard_s_, cells / kCellsPerS, points / kMarkerPointsPerS}));
     std::vector<StampedPose2> path;
     for (const KeyScanSnapshot& key : current_.snapshot.key_scans())
       path.push_back({key.stamp, key.map_T_robot});

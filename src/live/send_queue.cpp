@@ -71,10 +71,15 @@ void SendQueue::drop_oldest() {
 void SendQueue::add_change(std::uint64_t source, OutFrame frame) {
   // All of the state, as it will be told, has this change in it.
   if (find(source, Kind::kWhole) != items_.end()) return;
-  const auto waiting = std::ranges::count_if(items_, [&](const Item& item) {
-    return item.source == source && item.kind == Kind::kChange;
-  });
-  if (static_cast<std::size_t>(waiting) < limits_.changes)
+  Amount waiting;
+  for (const Item& item : items_) {
+    if (item.source != source || item.kind != Kind::kChange) continue;
+    ++waiting.frames;
+    waiting.bytes += item.frame.size();
+  }
+  // The first is sent, however large.
+  if (waiting.frames == 0 || (waiting.frames < limits_.changes &&
+                              waiting.bytes + frame.size() <= limits_.change_bytes))
     return append(source, Kind::kChange, std::move(frame));
   push_whole(source);
 }

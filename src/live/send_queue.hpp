@@ -21,7 +21,9 @@ class SendQueue {
     std::size_t droppable_bytes = 0;  ///< beyond, the oldest go
     std::size_t every_frames = 4096;
     std::size_t droppable_frames = 96;
-    std::size_t changes = 32;  ///< of one source; beyond, all of its state is told instead
+    /// Of one source; beyond either, all of its state is told instead.
+    std::size_t changes = 32;
+    std::size_t change_bytes = std::size_t{1} << 20U;
   };
   struct Next {
     std::uint64_t source = 0;

@@ -137,8 +137,15 @@ std::vector<ViewClosure> closures_of(const MapSnapshot& snapshot) {
 std::vector<ViewSubmap> SubmapOutlines::submaps_of(const MapSnapshot& snapshot) {
   std::vector<ViewSubmap> submaps;
   for (const SubmapSnapshot& submap : snapshot.submaps) {
+    if (submap.state == SubmapState::kDropped) {
+      // Others show all that it saw; of a day's submaps most are such.
+      known_.erase(submap.id.index);
+      submaps.push_back({.id = submap.id.index,
+                         .state = submap.state,
+                         .map_T_submap = submap.map_T_submap});
+      continue;
+    }
     Known& known = known_[submap.id.index];
-    // One that is thinned keeps the outline of what it was.
     if (known.scans < submap.scans->size()) {
       known.outline_local = outline_of(*submap.scans);
       known.scans = submap.scans->size();

@@ -89,6 +89,21 @@ TEST(SendQueue, TellsAllOfTheStateInsteadOfManyChanges) {
   EXPECT_EQ(all_of(queue), Words{"5"});
 }
 
+TEST(SendQueue, LargeChangesDoNotPileUp) {
+  SendQueue::Limits limits = kLimits;
+  limits.changes = 100;
+  limits.change_bytes = 2000;
+  SendQueue queue(limits);
+  const std::string large(1500, 'x');
+  queue.push(1, SendPolicy::kChanges, frame(large));
+  queue.push(2, SendPolicy::kChanges, frame(large));
+  EXPECT_EQ(all_of(queue), (Words{large, large}));
+  queue.push(1, SendPolicy::kChanges, frame(large));
+  queue.push(1, SendPolicy::kChanges, frame(large));
+  EXPECT_EQ(all_of(queue), Words{"whole 1"});
+  queue.push(1, SendPolicy::kChanges, frame(std::string(5000, 'y')));
+  EXPECT_EQ(all_of(queue), Words{std::string(5000, 'y')});
+}
 TEST(SendQueue, WhoSubscribesGetsAllBeforeChanges) {
   SendQueue queue(kLimits);
   queue.push_whole(1);
