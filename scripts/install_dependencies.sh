@@ -3,8 +3,8 @@
 # when nothing is missing.
 #
 #     scripts/install_dependencies.sh          to build, test and run
-#     scripts/install_dependencies.sh --all    and to format, tidy, fuzz, benchmark, to build and test
-#                                              the page of the live view, and to make packages
+#     scripts/install_dependencies.sh --all    and to format, tidy, fuzz, benchmark, to build and
+#                                              test the page of the live view, and for packages
 #     scripts/install_dependencies.sh --ros2   and to build loopstone-ros2 (docs/ros2.md)
 set -euo pipefail
 

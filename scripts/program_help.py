@@ -106,4 +106,6 @@ def option_of(left, text, is_positional):
     words = shown.split("|") if re.fullmatch(r"[a-z][\w-]*(\|[a-z][\w-]*)+", shown) else []
     if default and "default" not in text:
         text += f" (default: {default.group(1)})"
-    return Option(names.split(","), shown or (names if is_positional else ""), words, text, is_required)
+    return Option(
+        names.split(","), shown or (names if is_positional else ""), words, text, is_required
+    )

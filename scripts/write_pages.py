@@ -99,17 +99,17 @@ def bash_completion(commands, keys):
         for option in command.options:
             for name in option.names:
                 if option.words:
-                    lines.append(f"    '{command.name} {name}') words='{' '.join(option.words)}' ;;")
+                    lines.append(
+                        f"    '{command.name} {name}') words='{' '.join(option.words)}' ;;"
+                    )
                 elif name == "--set" and command.name in keys:
                     lines.append(f"    '{command.name} --set')")
-                    lines.append(f"      COMPREPLY=($(compgen -S = -W '{' '.join(keys[command.name])}' -- \"$current\"))")
+                    lines.append(
+                        f"      COMPREPLY=($(compgen -S = -W '{' '.join(keys[command.name])}' -- \"$current\"))"
+                    )
                     lines.append("      compopt -o nospace 2>/dev/null")
                     lines.append("      return ;;")
-    lines += [
-        "  esac",
-        "  if [[ -z $words && $current == -* ]]; then",
-        "    case $command in",
-    ]
+    lines += ["  esac", "  if [[ -z $words && $current == -* ]]; then", "    case $command in"]
     for command in rest:
         flags = [name for option in command.options for name in option.names]
         lines.append(f"      {command.name}) words='{' '.join(flags)}' ;;")
@@ -117,7 +117,9 @@ def bash_completion(commands, keys):
     for command in rest:
         for one in command.positionals:
             if one.words:
-                lines.append(f"  [[ -z $words && $command == {command.name} ]] && words='{' '.join(one.words)}'")
+                lines.append(
+                    f"  [[ -z $words && $command == {command.name} ]] && words='{' '.join(one.words)}'"
+                )
     lines += [
         "  # With no words of ours, files: what -o default does.",
         '  [[ -n $words ]] && COMPREPLY=($(compgen -W "$words" -- "$current"))',
@@ -162,7 +164,9 @@ def zsh_completion(commands):
             for name in option.names:
                 lines.append(f"        '*{name}[{zsh_quoted(option.text)}]{zsh_value(option)}' \\")
         for one in command.positionals:
-            lines.append(f"        '{zsh_value(one) if one.words else ':' + zsh_quoted(one.names[0]) + ':_files'}' \\")
+            lines.append(
+                f"        '{zsh_value(one) if one.words else ':' + zsh_quoted(one.names[0]) + ':_files'}' \\"
+            )
         lines.append("        && return 0")
         lines.append("      ;;")
     lines += ["  esac", "}", '_loopstone "$@"']
@@ -177,7 +181,9 @@ def fish_completion(commands):
     whole, *rest = commands
     lines = ["# fish completion for loopstone", "complete -c loopstone -n __fish_use_subcommand -f"]
     for name, text in whole.commands.items():
-        lines.append(f"complete -c loopstone -n __fish_use_subcommand -a {name} -d {fish_quoted(text)}")
+        lines.append(
+            f"complete -c loopstone -n __fish_use_subcommand -a {name} -d {fish_quoted(text)}"
+        )
     for command in rest:
         where = f"complete -c loopstone -n '__fish_seen_subcommand_from {command.name}'"
         for option in command.options:
@@ -185,7 +191,9 @@ def fish_completion(commands):
             for name in option.names:
                 parts.append(f"-l {name[2:]}" if name.startswith("--") else f"-s {name[1:]}")
             if option.takes_value:
-                parts.append(f"-x -a {fish_quoted(' '.join(option.words))}" if option.words else "-r")
+                parts.append(
+                    f"-x -a {fish_quoted(' '.join(option.words))}" if option.words else "-r"
+                )
             parts.append(f"-d {fish_quoted(option.text)}")
             lines.append(" ".join(parts))
         for one in command.positionals:

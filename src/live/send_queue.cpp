@@ -78,8 +78,8 @@ void SendQueue::add_change(std::uint64_t source, OutFrame frame) {
     waiting.bytes += item.frame.size();
   }
   // The first is sent, however large.
-  if (waiting.frames == 0 || (waiting.frames < limits_.changes &&
-                              waiting.bytes + frame.size() <= limits_.change_bytes))
+  if (waiting.frames == 0 ||
+      (waiting.frames < limits_.changes && waiting.bytes + frame.size() <= limits_.change_bytes))
     return append(source, Kind::kChange, std::move(frame));
   push_whole(source);
 }

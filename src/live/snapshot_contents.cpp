@@ -140,9 +140,8 @@ std::vector<ViewSubmap> SubmapOutlines::submaps_of(const MapSnapshot& snapshot) 
     if (submap.state == SubmapState::kDropped) {
       // Others show all that it saw; of a day's submaps most are such.
       known_.erase(submap.id.index);
-      submaps.push_back({.id = submap.id.index,
-                         .state = submap.state,
-                         .map_T_submap = submap.map_T_submap});
+      submaps.push_back(
+          {.id = submap.id.index, .state = submap.state, .map_T_submap = submap.map_T_submap});
       continue;
     }
     Known& known = known_[submap.id.index];

@@ -65,13 +65,12 @@ bool is_near(const std::optional<double>& a, const std::optional<double>& b) {
 bool keeps_told(const ViewClosure& told, ViewClosure& now) {
   const LoopClosure& a = told.closure;
   const LoopClosure& b = now.closure;
-  const bool is_same = told.from_node == now.from_node && told.to_node == now.to_node &&
-                       told.from == now.from && told.to == now.to &&
-                       a.from_submap == b.from_submap && a.to_submap == b.to_submap &&
-                       a.state == b.state && a.reason == b.reason && a.score == b.score &&
-                       a.second_score == b.second_score && a.overlap == b.overlap &&
-                       a.agreement == b.agreement && a.covariance == b.covariance &&
-                       a.by_appearance == b.by_appearance && is_near(a.chi2, b.chi2);
+  const bool is_same =
+      told.from_node == now.from_node && told.to_node == now.to_node && told.from == now.from &&
+      told.to == now.to && a.from_submap == b.from_submap && a.to_submap == b.to_submap &&
+      a.state == b.state && a.reason == b.reason && a.score == b.score &&
+      a.second_score == b.second_score && a.overlap == b.overlap && a.agreement == b.agreement &&
+      a.covariance == b.covariance && a.by_appearance == b.by_appearance && is_near(a.chi2, b.chi2);
   if (is_same) now.closure.chi2 = a.chi2;
   return is_same;
 }

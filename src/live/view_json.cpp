@@ -201,7 +201,8 @@ std::string status_schema() {
 std::string closures_schema() {
   Json states = Json::array();
   for (const std::string_view word : kWords<ClosureState>) states.push_back(word);
-  return schema_of("loopstone closures", {{"count", type("integer")}, {"closures", list_of(object_of({
+  return schema_of("loopstone closures", {{"count", type("integer")},
+                                          {"closures", list_of(object_of({
                                                            {"id", type("integer")},
                                                            {"from", type("integer")},
                                                            {"to", type("integer")},

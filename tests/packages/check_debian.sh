@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the Debian packages on a machine that has nothing (an empty root by debootstrap), and uses
-# them there as their users would. Ends with 77, and says why, where that cannot be done.
+# Installs the Debian packages on a machine that has nothing (an empty root by debootstrap), and
+# uses them there as their users would. Ends with 77, and says why, where that cannot be done.
 #
 #     tests/packages/check_debian.sh [FOLDER_WITH_DEBS]     build/release/packages
 set -euo pipefail

@@ -56,23 +56,39 @@ The end.
 
 def plain(page):
     """A manual page without its formatting."""
-    return page.replace("\\fB", "").replace("\\fI", "").replace("\\fR", "").replace("\\-", "-").replace("\\e", "\\")
+    return (
+        page.replace("\\fB", "")
+        .replace("\\fI", "")
+        .replace("\\fR", "")
+        .replace("\\-", "-")
+        .replace("\\e", "\\")
+    )
 
 
 def check_contents(commands, folder):
-    shells = {one: (folder / one).read_text() for one in ("bash/loopstone", "zsh/_loopstone", "fish/loopstone.fish")}
+    shells = {
+        one: (folder / one).read_text()
+        for one in ("bash/loopstone", "zsh/_loopstone", "fish/loopstone.fish")
+    }
     for command in commands:
         name = "loopstone" + (f"-{command.name}" if command.name else "")
         page = plain((folder / f"man1/{name}.1").read_text())
         for option in command.options:
             for one in option.names:
-                expect(re.search(rf"^(.*, )?{re.escape(one)}\b", page, re.M), f"{name}.1 lacks {one}")
+                expect(
+                    re.search(rf"^(.*, )?{re.escape(one)}\b", page, re.M), f"{name}.1 lacks {one}"
+                )
                 if command.name:
                     expect(one in shells["bash/loopstone"], f"bash lacks {command.name} {one}")
-                    expect(f"*{one}[" in shells["zsh/_loopstone"], f"zsh lacks {command.name} {one}")
+                    expect(
+                        f"*{one}[" in shells["zsh/_loopstone"], f"zsh lacks {command.name} {one}"
+                    )
                     flag = f"-l {one[2:]}" if one.startswith("--") else f"-s {one[1:]}"
                     line = rf"from {command.name}'.*{flag}\b"
-                    expect(re.search(line, shells["fish/loopstone.fish"]), f"fish lacks {command.name} {one}")
+                    expect(
+                        re.search(line, shells["fish/loopstone.fish"]),
+                        f"fish lacks {command.name} {one}",
+                    )
         expect(".SH NAME" in page and ".SH OPTIONS" in page, f"{name}.1 lacks a section")
     lines = [line for line in "".join(shells.values()).splitlines() if line.startswith(("<", ">"))]
     expect(not lines, "completions hold what is none")
@@ -88,11 +104,16 @@ def completed(folder, *words):
 def check_bash(commands, folder):
     expect(completed(folder, "") == list(commands[0].commands), "bash offers all commands")
     expect(completed(folder, "loc") == ["localize"], "bash ends a command's name")
-    expect(completed(folder, "map", "--odometry", "") == ["check", "trust", "ignore"], "bash offers values")
+    expect(
+        completed(folder, "map", "--odometry", "") == ["check", "trust", "ignore"],
+        "bash offers values",
+    )
     expect(completed(folder, "map", "--odometry", "t") == ["trust"], "bash ends a value")
     expect("--view" in completed(folder, "map", "--vi"), "bash ends a flag")
     expect("--view" not in completed(folder, "evaluate", "--"), "bash keeps to the command's flags")
-    expect("loop.min_score=" in completed(folder, "map", "--set", "loop."), "bash knows option keys")
+    expect(
+        "loop.min_score=" in completed(folder, "map", "--set", "loop."), "bash knows option keys"
+    )
     expect(completed(folder, "map", "lo") == [], "bash leaves files to the shell")
 
 
@@ -102,7 +123,10 @@ def check_by_others(folder):
         "bash": (["-n"], ["bash/loopstone"]),
         "zsh": (["-n"], ["zsh/_loopstone"]),
         "fish": (["-n"], ["fish/loopstone.fish"]),
-        "groff": (["-man", "-ww", "-Tutf8", "-z"], [f"man1/{one.name}" for one in (folder / "man1").iterdir()]),
+        "groff": (
+            ["-man", "-ww", "-Tutf8", "-z"],
+            [f"man1/{one.name}" for one in (folder / "man1").iterdir()],
+        ),
     }
     for judge, (flags, files) in judges.items():
         if shutil.which(judge) is None:
@@ -127,7 +151,9 @@ def main():
         for path in folder.rglob("*.*"):
             if path.is_file():
                 other = again / path.relative_to(folder)
-                expect(path.read_bytes() == other.read_bytes(), f"{path.name} differs the second time")
+                expect(
+                    path.read_bytes() == other.read_bytes(), f"{path.name} differs the second time"
+                )
     for problem in problems:
         print(problem)
     print(f"{len(commands)} manual pages, {len(problems)} problems")
