@@ -49,7 +49,7 @@ def read_help(program):
 
 
 def parse_help(name, text):
-    """Sections are told by their titles at the margin; what follows two empty lines is the footer."""
+    """Sections have titles at the margin; what follows two empty lines is the footer."""
     head, _, footer = text.partition("\n\n\n")
     lines = [line.rstrip() for line in head.splitlines()]
     sections, title = {}, None

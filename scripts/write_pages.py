@@ -78,9 +78,27 @@ def option_keys(program, command):
     return keys
 
 
+def bash_values(command, keys):
+    """What stands after an option, as cases of COMMAND OPTION."""
+    lines = []
+    for option in command.options:
+        for name in option.names:
+            where = f"    '{command.name} {name}')"
+            if option.words:
+                lines.append(f"{where} words='{' '.join(option.words)}' ;;")
+            elif name == "--set" and command.name in keys:
+                words = " ".join(keys[command.name])
+                lines += [
+                    where,
+                    f"      COMPREPLY=($(compgen -S = -W '{words}' -- \"$current\"))",
+                    "      compopt -o nospace 2>/dev/null",
+                    "      return ;;",
+                ]
+    return lines
+
+
 def bash_completion(commands, keys):
     whole, *rest = commands
-    names = " ".join(whole.commands)
     lines = [
         "# bash completion for loopstone",
         "_loopstone() {",
@@ -88,7 +106,7 @@ def bash_completion(commands, keys):
         "  local command=${COMP_WORDS[1]} words=",
         "  COMPREPLY=()",
         "  if ((COMP_CWORD == 1)); then",
-        f'    words="{names}"',
+        f"    words='{' '.join(whole.commands)}'",
         "    [[ $current == -* ]] && words='--help --version'",
         '    COMPREPLY=($(compgen -W "$words" -- "$current"))',
         "    return",
@@ -96,19 +114,7 @@ def bash_completion(commands, keys):
         '  case "$command $before" in',
     ]
     for command in rest:
-        for option in command.options:
-            for name in option.names:
-                if option.words:
-                    lines.append(
-                        f"    '{command.name} {name}') words='{' '.join(option.words)}' ;;"
-                    )
-                elif name == "--set" and command.name in keys:
-                    lines.append(f"    '{command.name} --set')")
-                    lines.append(
-                        f"      COMPREPLY=($(compgen -S = -W '{' '.join(keys[command.name])}' -- \"$current\"))"
-                    )
-                    lines.append("      compopt -o nospace 2>/dev/null")
-                    lines.append("      return ;;")
+        lines += bash_values(command, keys)
     lines += ["  esac", "  if [[ -z $words && $current == -* ]]; then", "    case $command in"]
     for command in rest:
         flags = [name for option in command.options for name in option.names]
@@ -117,9 +123,8 @@ def bash_completion(commands, keys):
     for command in rest:
         for one in command.positionals:
             if one.words:
-                lines.append(
-                    f"  [[ -z $words && $command == {command.name} ]] && words='{' '.join(one.words)}'"
-                )
+                lines.append(f"  [[ -z $words && $command == {command.name} ]] &&")
+                lines.append(f"    words='{' '.join(one.words)}'")
     lines += [
         "  # With no words of ours, files: what -o default does.",
         '  [[ -n $words ]] && COMPREPLY=($(compgen -W "$words" -- "$current"))',
@@ -164,9 +169,8 @@ def zsh_completion(commands):
             for name in option.names:
                 lines.append(f"        '*{name}[{zsh_quoted(option.text)}]{zsh_value(option)}' \\")
         for one in command.positionals:
-            lines.append(
-                f"        '{zsh_value(one) if one.words else ':' + zsh_quoted(one.names[0]) + ':_files'}' \\"
-            )
+            files = f":{zsh_quoted(one.names[0])}:_files"
+            lines.append(f"        '{zsh_value(one) if one.words else files}' \\")
         lines.append("        && return 0")
         lines.append("      ;;")
     lines += ["  esac", "}", '_loopstone "$@"']

@@ -96,7 +96,8 @@ def check_contents(commands, folder):
 
 def completed(folder, *words):
     """What bash offers for the last word."""
-    script = """source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _loopstone; printf '%s\\n' "${COMPREPLY[@]}" """
+    script = """source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _loopstone
+    printf '%s\\n' "${COMPREPLY[@]}" """
     run = ["bash", "-c", script, "bash", folder / "bash/loopstone", "loopstone", *words]
     return subprocess.run(run, check=True, stdout=subprocess.PIPE, text=True).stdout.split()
 
