@@ -55,4 +55,8 @@ foreach(component IN LISTS documented)
           RENAME copyright COMPONENT ${name})
 endforeach()
 
+# Of this machine's packages; scripts/package.sh writes it.
+install(FILES "${PROJECT_BINARY_DIR}/loopstone.spdx.json" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/loopstone" COMPONENT program
+        EXCLUDE_FROM_ALL OPTIONAL)
+
 include(CPack)

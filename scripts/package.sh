@@ -23,6 +23,7 @@ scripts/build.sh release loopstone loopstone_program loopstone_pages
 # What is older than the commit was made of it.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || echo 0)}
 export SOURCE_DATE_EPOCH
+python3 -B scripts/write_sbom.py build/release/bin/loopstone build/release/loopstone.spdx.json
 folder=build/release/packages
 rm -rf "$folder"
 cpack --config build/release/CPackConfig.cmake >"build/release/cpack.log" 2>&1 || { cat build/release/cpack.log; exit 1; }

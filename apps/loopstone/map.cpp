@@ -40,6 +40,21 @@ namespace loopstone::app {
 
 namespace {
 
+constexpr const char* kFooter = R"(
+OUT then holds report.html (all of it on one page), map.pgm with map.yaml (as ROS map_server reads it) and map.png, trajectory.tum
+(map_T_robot at every scan: t x y z qx qy qz qw) and trajectory.csv (the same with covariances), graph.g2o, loop_closures.csv,
+quality.png (where visits disagree), summary.json and options.toml; docs/formats.md has them all. The verdict is good, doubtful or
+bad, with what it stands on and where: a map that may be wrong is not called good.
+
+Examples:
+  loopstone map run.mcap -o out                         a ROS 2 recording as it is; open out/report.html
+  loopstone map run.bag -o out --view                   and watch it in the browser while it is made
+  loopstone map ucsd#20 -o out --robot robot.toml       a folder of the UCSD layout, wheels and mounts from a file
+  loopstone map monday.mcap -o monday --keep-state && \
+  loopstone map tuesday.mcap -o both --continue monday  another drive in the same building, from anywhere in it
+  loopstone map long.mcap -o out --checkpoint 30        survives a power cut: the same again with --resume goes on
+  loopstone map run.mcap -o out --set map.resolution_m=0.02 --json | jq .quality.verdict)";
+
 /// What the camera has to do with the files.
 std::string colour_of(const MapArguments& arguments) {
   if (arguments.no_texture) return "none";
@@ -385,6 +400,7 @@ void add_map_command(CLI::App& app, AppContext& context) {
   context.add_threads_flag(*command);
   context.add_option_flags(*command);
   context.add_robot_flag(*command);
+  command->footer(kFooter);
   context.on_run(*command, [arguments, &context] {
     return is_mrclam_log(arguments->log) ? map_mrclam(*arguments, context)
                                          : run_map(*arguments, context);

@@ -13,8 +13,8 @@ class ToldList {
  public:
   [[nodiscard]] const std::vector<T>& entries() const { return entries_; }
 
-  /// What is now, and the places of what is to be told of it. An entry that differs too little stays
-  /// as it was told, so that many small steps do not go unseen.
+  /// Takes what is now; gives the places of what is to be told of it. An entry that differs too
+  /// little stays as it was told, so that many small steps do not go unseen.
   /// \param keeps  (const T& told, T& now): whether it differs too little; then `now` gets what was
   ///               told
   /// \return nothing where nothing is to be told

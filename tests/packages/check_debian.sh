@@ -41,7 +41,7 @@ for deb in "$program" "$library"; do
   [[ -z $(find "$work/$name" ! -user root -o -perm /022 ! -type l) ]] || { echo "$name may be written by others"; exit 1; }
 done
 for file in bin/loopstone share/man/man1/loopstone-map.1 share/bash-completion/completions/loopstone \
-  share/zsh/vendor-completions/_loopstone share/fish/vendor_completions.d/loopstone.fish; do
+  share/zsh/vendor-completions/_loopstone share/doc/loopstone/loopstone.spdx.json share/fish/vendor_completions.d/loopstone.fish; do
   [[ -e $work/loopstone/usr/$file || -e $work/loopstone/usr/$file.gz ]] || { echo "loopstone lacks $file"; exit 1; }
 done
 
