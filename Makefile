@@ -1,6 +1,6 @@
 # A thin front door; the build itself is CMake (see CMakePresets.json and CONTRIBUTING.md).
 .DEFAULT_GOAL := build
-.PHONY: help deps deps-all build test demo bench compare format tidy asan tsan fuzz attack coverage viewer clean
+.PHONY: help deps deps-all build test demo bench compare format tidy asan tsan fuzz attack coverage viewer package site clean
 
 JOBS ?= $(shell nproc)
 export JOBS
@@ -57,6 +57,12 @@ coverage: deps  ## line coverage of the library by the tests
 
 viewer: deps-all  ## the page of the live view anew, viewer/built/index.html
 	@scripts/build_viewer.sh
+
+package: deps  ## Debian packages of program and library, build/release/packages
+	@scripts/package.sh
+
+site:      ## the documentation as a site, build/site/html
+	@scripts/build_site.sh
 
 clean:  ## remove build/
 	rm -rf build
