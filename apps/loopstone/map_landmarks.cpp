@@ -33,6 +33,7 @@ void refuse_flags_of_scans(const MapArguments& arguments) {
   }
   if (arguments.pipeline != Pipeline::kSubmaps) refuse("--pipeline");
   if (arguments.checkpoint.any()) refuse("--checkpoint, --resume");
+  if (arguments.drives.any()) refuse("--keep-state, --continue");
   if (!arguments.mcap.empty()) refuse("--mcap");
   if (arguments.view) refuse("--view");
   if (arguments.realtime > 0.0) refuse("--realtime");

@@ -384,6 +384,8 @@ TEST_F(MrclamCommand, AMapOfItNeedsLandmarksAndNoScans) {
   };
   expect({}, "--landmarks maps them");
   expect({"--landmarks", "--checkpoint", "10"}, "holds landmarks and odometry, no scans");
+  expect({"--landmarks", "--keep-state"}, "holds landmarks and odometry, no scans");
+  expect({"--landmarks", "--continue", "out"}, "holds landmarks and odometry, no scans");
   expect({"--landmarks", "--reflector-threshold", "4"}, "--reflector-threshold");
 }
 
