@@ -65,6 +65,11 @@ if(LOOPSTONE_SANITIZE)
     target_link_options(loopstone_build INTERFACE -fsanitize=float-cast-overflow)
     # Third-party libraries without type information make this one check fire at their borders.
     target_compile_options(loopstone_build INTERFACE -fno-sanitize=vptr)
+    if(LOOPSTONE_SANITIZE_QUICK)
+      # They stand before every access: half of the time to compile.
+      target_compile_options(
+        loopstone_build INTERFACE -fno-sanitize=null,alignment,object-size,nonnull-attribute,returns-nonnull-attribute,pointer-overflow)
+    endif()
   endif()
 endif()
 
