@@ -19,7 +19,11 @@ case ${1:-} in
 esac
 
 command -v dpkg-shlibdeps >/dev/null || install_packages dpkg-dev
-scripts/build.sh release loopstone loopstone_program loopstone_pages
+targets=(loopstone loopstone_program loopstone_pages)
+if grep -qs '^LOOPSTONE_ROS2:BOOL=ON' build/release/CMakeCache.txt; then
+  targets+=(loopstone_ros2_program)
+fi
+scripts/build.sh release "${targets[@]}"
 # What is older than the commit was made of it.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || echo 0)}
 export SOURCE_DATE_EPOCH
