@@ -1,0 +1,27 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+// What each file of this folder adds to the extension module; module.cpp calls them in this order.
+
+namespace loopstone::python {
+
+namespace nb = nanobind;
+
+void bind_errors(nb::module_& m);
+void bind_options(nb::module_& m);
+void bind_robot(nb::module_& m);
+void bind_messages(nb::module_& m);
+void bind_log(nb::module_& m);
+void bind_trajectory(nb::module_& m);
+void bind_maps(nb::module_& m);
+void bind_graph(nb::module_& m);
+void bind_verdict(nb::module_& m);
+void bind_map_result(nb::module_& m);
+void bind_mapper(nb::module_& m);
+void bind_localization(nb::module_& m);
+void bind_match(nb::module_& m);
+void bind_evaluation(nb::module_& m);
+void bind_simulation(nb::module_& m);
+
+}  // namespace loopstone::python

@@ -1,0 +1,327 @@
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "json.hpp"
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/log_files.hpp"
+#include "loopstone/formats/options_file.hpp"
+#include "loopstone/localization/localizer.hpp"
+#include "loopstone/report/localization_outputs.hpp"
+#include "loopstone/report/peak_memory.hpp"
+#include "loopstone/version.hpp"
+#include "mapping.hpp"
+#include "maps.hpp"
+#include "messages.hpp"
+#include "methods.hpp"
+#include "options.hpp"
+#include "stamps.hpp"
+#include "work.hpp"
+
+namespace loopstone::python {
+
+using namespace nb::literals;
+
+namespace {
+
+using Estimate = LocalizationEstimate;
+
+/// A known map made ready.
+struct KnownMap {
+  std::shared_ptr<const LocalizationMap> map{};
+};
+
+/// Where a robot was on a map, and what a folder of results tells beside.
+struct Localized {
+  LocalizationResult result{};
+  LocalizationRunInfo info{};
+  std::shared_ptr<const LocalizationMap> map{};
+};
+
+std::optional<InitialPose> initial_of(const std::optional<ArrayLike>& pose, double sigma_m,
+                                      double sigma_rad) {
+  if (!pose) return {};
+  if (!(sigma_m > 0.0 && sigma_rad > 0.0))
+    throw UsageError("initial_sigma: both standard deviations must be greater than 0");
+  return InitialPose{pose_of(*pose, "initial"), sigma_m, sigma_rad};
+}
+
+LocalizationRunInfo info_of(LocalizationOptions options, const std::optional<InitialPose>& initial,
+                            std::uint64_t seed, Threads threads, const KnownMap& map) {
+  LocalizationRunInfo info;
+  info.run.version = kVersion;
+  info.run.threads = threads.resolved();
+  info.run.options_toml = options_to_toml(list_options(options));
+  info.initial = initial;
+  info.seed = seed;
+  info.map_free_area_m2 = map.map->free_area_m2();
+  info.map_memory_bytes = static_cast<std::int64_t>(map.map->memory_bytes());
+  return info;
+}
+
+/// That no place was found is a result; that no scan could be used is not.
+void require_usable_scans(const LocalizationResult& result, const std::string& log) {
+  if (result.scans == 0 || result.scans_dropped < result.scans) return;
+  throw DataError({log}, "none of its " + std::to_string(result.scans) +
+                             " scans has enough returns to tell a place; `loopstone info` shows "
+                             "what is wrong with them");
+}
+
+std::shared_ptr<Localized> localize_log(const Log& log, const KnownMap& map,
+                                        const LocalizationOptions& options,
+                                        const std::optional<InitialPose>& initial,
+                                        std::uint64_t seed, Threads threads, const Cut& cut,
+                                        Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  const LogFiles files(log.path);
+  const auto reader = log.open([&work] { return !work.goes_on(); });
+  CutLog messages(log, *reader, cut, "localising", work);
+  Localizer localizer(*map.map, log.robot_of(*reader), options, initial, seed, threads);
+  while (const auto message = messages.next()) localizer.add(*message);
+
+  auto done = std::make_shared<Localized>();
+  done->map = map.map;
+  done->result = localizer.finish();
+  const LogSummary judged = messages.judge();
+  std::vector<std::string>& warnings = done->result.warnings;
+  const std::vector<std::string> of_log = warnings_of(judged);
+  warnings.insert(warnings.begin(), of_log.begin(), of_log.end());
+  require_usable_scans(done->result, log.path);
+  for (std::string& change : files.changes()) warnings.push_back(std::move(change));
+  done->info = info_of(options, initial, seed, threads, map);
+  done->info.run.log_path = log.path;
+  done->info.run.left_out = judged.left_out;
+  done->info.run.wall_time_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  done->info.run.peak_memory_bytes = peak_memory_bytes();
+  return done;
+}
+
+/// Follows a robot that drives now; any thread may call it.
+class OnlineLocalizer {
+ public:
+  OnlineLocalizer(const KnownMap& map, const Robot* robot, const OptionValues& values,
+                  const std::optional<InitialPose>& initial, std::uint64_t seed, int threads)
+      : map_(map) {
+    const auto options = options_of<LocalizationOptions>(values);
+    info_ = info_of(options, initial, seed, Threads{threads}, map);
+    info_.run.log_path = "messages";
+    localizer_.emplace(*map.map, robot == nullptr ? RobotModel{} : robot->model, options, initial,
+                       seed, Threads{threads});
+  }
+
+  std::vector<Estimate> add(nb::handle object) {
+    const SensorMessage message = message_of(object);
+    return alone([&](Localizer& localizer) {
+      localizer.add(message);
+      std::vector<Estimate> estimates;
+      while (auto estimate = localizer.next_update()) estimates.push_back(std::move(*estimate));
+      return estimates;
+    });
+  }
+  void restart_at(const ArrayLike& pose, double sigma_m, double sigma_rad) {
+    const auto initial = initial_of(pose, sigma_m, sigma_rad);
+    alone([&](Localizer& localizer) { localizer.restart_at(*initial); });
+  }
+  Matrix particles() {
+    const auto poses = alone([](Localizer& localizer) { return localizer.particles(); });
+    return to_array(std::span<const Pose2>(poses));
+  }
+  std::shared_ptr<Localized> finish() {
+    return alone([this](Localizer& localizer) {
+      auto done = std::make_shared<Localized>();
+      done->result = localizer.finish();
+      done->info = info_;
+      done->map = map_.map;
+      localizer_.reset();
+      return done;
+    });
+  }
+
+ private:
+  template <typename Use>
+  std::invoke_result_t<Use, Localizer&> alone(Use&& use) {
+    const nb::gil_scoped_release unlocked;
+    const std::lock_guard lock(mutex_);
+    if (!localizer_) throw UsageError("this localizer is finished; a new one begins anew");
+    return use(*localizer_);
+  }
+
+  KnownMap map_;
+  LocalizationRunInfo info_{};
+  std::mutex mutex_{};
+  std::optional<Localizer> localizer_{};
+};
+
+void bind_estimate(nb::module_& m) {
+  nb::class_<Estimate> estimate(m, "LocalizationEstimate",
+                                "Where the robot is at a scan, and how far to trust that.");
+  def_stamp(estimate);
+  def_array(
+      estimate, "map_T_robot", [](const Estimate& e) { return to_array(e.map_T_robot); },
+      "(3,) x, y [m], yaw [rad].");
+  def_array(
+      estimate, "map_T_odom", [](const Estimate& e) { return to_array(e.map_T_odom()); },
+      "(3,) moves when the pose is corrected (REP-105).");
+  def_array(
+      estimate, "odom_T_robot", [](const Estimate& e) { return to_array(e.odom_T_robot); },
+      "(3,) by odometry since the first scan: smooth, drifts.");
+  def_array(
+      estimate, "covariance",
+      [](const Estimate& e) { return to_array(Eigen::MatrixXd(e.covariance)); },
+      "(3, 3) of map_T_robot, axes of the map [m^2, m rad, rad^2].");
+  estimate.def_prop_ro(
+      "state", [](const Estimate& e) { return std::string(loopstone::to_string(e.state)); },
+      "``TRACKING``, ``DOUBTFUL`` or ``LOST``.");
+  estimate.def_ro("probability", &Estimate::probability,
+                  "That the pose is within 0.2 m and 5 deg of the truth.");
+  estimate.def_ro("refined", &Estimate::refined,
+                  "By registration to the map; else the particles' mean.");
+  estimate.def_ro("hypotheses", &Estimate::hypotheses, "Places that the robot may be at.");
+  estimate.def_ro("particles", &Estimate::particles);
+  estimate.def_ro("travelled_m", &Estimate::travelled_m);
+  estimate.def("__repr__", [](const Estimate& e) {
+    char text[128];
+    std::snprintf(text, sizeof text, "<LocalizationEstimate (%.2f, %.2f) m, %.0f %%: %s>",
+                  e.map_T_robot.x, e.map_T_robot.y, 100.0 * e.probability,
+                  loopstone::to_string(e.state).data());
+    return std::string(text);
+  });
+}
+
+void bind_result(nb::module_& m) {
+  nb::class_<Localized> result(m, "LocalizationResult", "Where a robot was on a known map.");
+  result.def_prop_ro(
+      "trajectory",
+      [](const Localized& self) { return std::make_shared<Trajectory>(self.result.trajectory()); },
+      "map_T_robot at every scan from the first pose on.");
+  result.def_prop_ro(
+      "estimates", [](const Localized& self) { return self.result.estimates; },
+      "One a scan, with all that is known of it.");
+  def_array(
+      result, "probability",
+      [](const Localized& self) {
+        std::vector<double> values;
+        for (const Estimate& e : self.result.estimates) values.push_back(e.probability);
+        const std::size_t count = values.size();
+        return array_of<double, nb::ndim<1>>(std::move(values), {count});
+      },
+      "(N,) that each pose is within 0.2 m and 5 deg of the truth.");
+  def_array(
+      result, "covariances",
+      [](const Localized& self) {
+        std::vector<double> values;
+        for (const Estimate& e : self.result.estimates)
+          values.insert(values.end(), e.covariance.data(), e.covariance.data() + 9);
+        return array_of<double, nb::ndim<3>>(std::move(values),
+                                             {self.result.estimates.size(), 3, 3});
+      },
+      "(N, 3, 3) [m^2, m rad, rad^2].");
+  result.def_prop_ro(
+      "warnings", [](const Localized& self) { return self.result.warnings; }, "In plain words.");
+  result.def_prop_ro(
+      "summary",
+      [](const Localized& self) {
+        return parse_json(format_summary(self.result, self.map->occupancy(), self.info));
+      },
+      nb::sig("def summary(self) -> dict[str, typing.Any]"), "What summary.json has.");
+  result.def(
+      "save",
+      [](const Localized& self, const std::filesystem::path& folder, bool force) {
+        const nb::gil_scoped_release unlocked;
+        LocalizationRunInfo info = self.info;
+        info.run.force = force;
+        write_localization_outputs(self.result, self.map->occupancy(), info, folder.string());
+      },
+      "folder"_a, nb::kw_only(), "force"_a = false,
+      "Writes the files of ``loopstone localize --report``, all of them or none.");
+  result.def("__repr__", [](const Localized& self) {
+    return "<LocalizationResult of " + std::to_string(self.result.scans) + " scans>";
+  });
+}
+
+}  // namespace
+
+void bind_localization(nb::module_& m) {
+  bind_estimate(m);
+  bind_result(m);
+  nb::class_<KnownMap> known(m, "LocalizationMap",
+                             "A map made ready for localisation, once; many may share it.");
+  known.def(
+      "__init__",
+      [](KnownMap* self, const GridMap& map) {
+        const nb::gil_scoped_release unlocked;
+        new (self) KnownMap{std::make_shared<const LocalizationMap>(*map.cells)};
+      },
+      "map"_a, "Raises UsageError when the map shows no wall or nothing free.");
+  known.def_prop_ro("free_area_m2", [](const KnownMap& k) { return k.map->free_area_m2(); });
+
+  nb::class_<OnlineLocalizer> localizer(
+      m, "Localizer",
+      "Follows a robot on a known map while it drives. Any thread may call it, one at a time "
+      "works.");
+  localizer.def(
+      "__init__",
+      [](OnlineLocalizer* self, const nb::object& map, const Robot* robot,
+         const std::optional<ArrayLike>& initial, double sigma_m, double sigma_rad,
+         std::uint64_t seed, const nb::object& options, int threads, const nb::kwargs& overrides) {
+        const nb::module_ values = nb::module_::import_("loopstone._values");
+        const nb::object known_map = values.attr("localization_map")(map);
+        const nb::object given = values.attr("localization_values")(options, **overrides);
+        new (self) OnlineLocalizer(nb::cast<const KnownMap&>(known_map), robot,
+                                   nb::cast<const OptionValues&>(given),
+                                   initial_of(initial, sigma_m, sigma_rad), seed, threads);
+      },
+      "map"_a, "robot"_a = nb::none(), nb::kw_only(), "initial"_a = nb::none(),
+      "initial_sigma_m"_a = 0.5, "initial_sigma_rad"_a = 0.26, "seed"_a = 1,
+      "options"_a = nb::none(), "threads"_a = 0, "overrides"_a,
+      nb::sig("def __init__(self, map: LocalizationMap | GridMap | OccupancyMap | MapResult | str "
+              "| os.PathLike[str], robot: Robot | None = None, *, initial: "
+              "numpy.typing.ArrayLike | None = None, initial_sigma_m: float = 0.5, "
+              "initial_sigma_rad: float = 0.26, seed: int = 1, options: "
+              "loopstone.options.LocalizationOptions | collections.abc.Mapping[str, typing.Any] | "
+              "str | None = None, threads: int = 0, **overrides: typing.Any) -> None"),
+      "As :func:`loopstone.localize` takes them. Raises OptionsError, UsageError.");
+  localizer.def("add", &OnlineLocalizer::add, "message"_a,
+                nb::sig("def add(self, message: LaserScan | OdometryPose | WheelTicks | ImuSample "
+                        "| RgbdFrame) -> list[LocalizationEstimate]"),
+                "A message as it was measured. Returns the estimates that it led to.");
+  localizer.def("restart_at", &OnlineLocalizer::restart_at, "pose"_a, "sigma_m"_a = 0.5,
+                "sigma_rad"_a = 0.26, "Somebody says where the robot is at the next scan.");
+  def_array(localizer, "particles", &OnlineLocalizer::particles,
+            "(P, 3) what it believes at the newest scan.");
+  localizer.def("finish", &OnlineLocalizer::finish, "Ends the recording. Nothing may follow.");
+
+  m.def(
+      "localize_log",
+      [](const Log& log, const KnownMap& map, const OptionValues& values,
+         const std::optional<ArrayLike>& initial, double sigma_m, double sigma_rad,
+         std::uint64_t seed, double start_s, double duration_s, std::int64_t max_scans, int threads,
+         const nb::object& progress) {
+        const auto options = options_of<LocalizationOptions>(values);
+        const auto place = initial_of(initial, sigma_m, sigma_rad);
+        const Cut cut{start_s, duration_s, max_scans};
+        return work(progress, [&](Work& own) {
+          return localize_log(log, map, options, place, seed, Threads{threads}, cut, own);
+        });
+      },
+      "log"_a, "map"_a, "options"_a, "initial"_a.none(), "initial_sigma_m"_a, "initial_sigma_rad"_a,
+      "seed"_a, "start_s"_a, "duration_s"_a, "max_scans"_a, "threads"_a, "progress"_a.none());
+}
+
+}  // namespace loopstone::python

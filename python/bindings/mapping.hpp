@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loopstone/base/parallel_for.hpp"
+#include "loopstone/formats/log_summary.hpp"
+#include "loopstone/mapping/floor_texture.hpp"
+#include "loopstone/report/run_info.hpp"
+#include "loopstone/sensor/messages.hpp"
+#include "loopstone/slam/map_options.hpp"
+#include "loopstone/slam/map_result.hpp"
+#include "reading.hpp"
+#include "work.hpp"
+
+namespace loopstone::python {
+
+/// The part of a log that is used.
+struct Cut {
+  double start_s = 0.0;
+  double duration_s = 0.0;  ///< 0: to the end
+  std::int64_t max_scans = 0;
+};
+
+/// What was made of a log, and what a folder of results tells beside.
+struct Mapped {
+  MapResult result{};
+  RunInfo info{};
+  std::optional<FloorTexture> texture{};
+  RobotModel robot{};  ///< that the map was made with
+
+  // What is worked out when it is asked for; behind `mutex`.
+  std::mutex mutex{};
+  std::vector<double> covariances{};  ///< of the trajectory, 3 x 3 each
+};
+
+/// Who called this off: Ctrl-C, or a progress callback that raised. Nobody sees it.
+struct CalledOff {};
+
+/// The messages of a log within a cut, and what is in it.
+class CutLog {
+ public:
+  CutLog(const Log& log, LogReader& reader, const Cut& cut, const char* step, Work& work);
+  /// Throws CalledOff.
+  [[nodiscard]] std::optional<SensorMessage> next();
+  /// What `loopstone info` says of it, as far as it was read. Throws DataError when nothing can be
+  /// made of it.
+  [[nodiscard]] LogSummary judge();
+
+ private:
+  const Log& log_;
+  LogReader& reader_;
+  LogAnalyser analyser_;
+  Cut cut_;
+  const char* step_;
+  Work& work_;
+  std::optional<Stamp> first_{};
+  std::int64_t scans_ = 0;
+};
+
+/// The texts of the findings that are warnings.
+[[nodiscard]] std::vector<std::string> warnings_of(const LogSummary& summary);
+
+/// As `loopstone map` does it: the same bytes. Throws DataError, UsageError, CalledOff.
+/// \param texture  the floor in colour, when the log has RGB-D
+[[nodiscard]] std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const Cut& cut,
+                                              Threads threads, bool texture, Work& work);
+
+/// The same of messages that are there already.
+[[nodiscard]] std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
+                                                   const RobotModel& robot, MapOptions options,
+                                                   Threads threads, Work& work);
+
+/// What is known of every run. \param options  effective
+[[nodiscard]] RunInfo run_info(MapOptions options, Threads threads);
+
+/// Not more cells than the machine may hold.
+void limit_cells(MapOptions& options);
+
+}  // namespace loopstone::python

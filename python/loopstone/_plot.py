@@ -1,0 +1,61 @@
+"""Pictures by matplotlib, which is imported when one is asked for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ._convert import needed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ._core import GridMap, MapResult, OccupancyMap
+
+
+def _axes(ax: Axes | None) -> Axes:
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError as error:
+        raise needed("matplotlib", "plot") from error
+    if ax is None:
+        _, ax = plt.subplots(layout="constrained")
+    ax.set_aspect("equal")
+    ax.set_xlabel("x [m]")
+    ax.set_ylabel("y [m]")
+    return ax
+
+
+def plot_grid(grid: GridMap, ax: Axes | None = None) -> Axes:
+    import numpy as np
+
+    ax = _axes(ax)
+    cells = grid.cells
+    grey = np.where(cells < 0, 0.8, 1.0 - cells / 100.0)
+    ax.imshow(grey, origin="lower", extent=grid.extent, cmap="gray", vmin=0.0, vmax=1.0)
+    return ax
+
+
+def plot_occupancy(map: OccupancyMap, ax: Axes | None = None) -> Axes:
+    ax = _axes(ax)
+    ax.imshow(
+        1.0 - map.probability, origin="lower", extent=map.extent, cmap="gray", vmin=0.0, vmax=1.0
+    )
+    return ax
+
+
+def plot_result(result: MapResult, ax: Axes | None = None) -> Axes:
+    ax = _axes(ax)
+    if result.map is not None:
+        plot_occupancy(result.map, ax)
+    poses = result.trajectory.poses
+    ax.plot(poses[:, 0], poses[:, 1], color="tab:blue", linewidth=1.0, label="path")
+    nodes = result.graph.poses
+    label: str | None = "loop closures"
+    for closure in result.loop_closures:
+        if closure.stands:
+            ends = nodes[[closure.from_node, closure.to_node]]
+            ax.plot(ends[:, 0], ends[:, 1], color="tab:red", linewidth=1.0, label=label)
+            label = None
+    ax.legend(loc="upper right", fontsize="small")
+    ax.set_title(f"verdict: {result.verdict.overall}")
+    return ax

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Builds the wheel of the Python package, installs it in a virtual environment of its own
+# (build/python) with what its tests need, and runs tests and mypy. Safe to run again; quick when
+# nothing has changed.
+#
+#     scripts/test_python.sh                library and program as build/release has them
+#     scripts/test_python.sh --from-source  all of it compiled anew, as `pip install .` does
+#     scripts/test_python.sh -- ARGUMENT... for pytest
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source scripts/apt_packages.sh
+
+from_source=
+pytest_arguments=()
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    --from-source) from_source=yes ;;
+    --)
+      shift
+      pytest_arguments=("$@")
+      break
+      ;;
+    *)
+      sed -n '2,/^[^#]/s/^# \?//p' "$0"
+      exit 2
+      ;;
+  esac
+  shift
+done
+
+packages=()
+[[ -f $(python3 -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h ]] || packages+=(python3-dev)
+python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
+install_packages "${packages[@]}"
+
+folder=build/python
+venv=$folder/venv
+pip=("$venv/bin/pip" --quiet --disable-pip-version-check --no-input)
+[[ -x $venv/bin/pip ]] || python3 -m venv "$venv"
+"${pip[@]}" install 'nanobind>=3.1,<4' 'scikit-build-core>=1.1' # as pyproject.toml has them
+
+settings=(--config-settings "build-dir=$folder/from-source")
+if [[ -z $from_source ]]; then
+  scripts/build.sh release loopstone loopstone_program
+  cmake --install build/release --prefix "$PWD/$folder/installed" >"$folder/install.log"
+  settings=(--config-settings "build-dir=$folder/wheel"
+    --config-settings "cmake.define.LOOPSTONE_INSTALLED=$PWD/$folder/installed")
+fi
+rm -rf "$folder/dist"
+"${pip[@]}" wheel . --no-deps --no-build-isolation --wheel-dir "$folder/dist" "${settings[@]}"
+"${pip[@]}" uninstall --yes loopstone
+for wheel in "$folder"/dist/loopstone-*.whl; do
+  "${pip[@]}" install "$wheel[test]"
+done
+
+# Outside the sources, so that the package is the one that was installed.
+"$venv/bin/python" -m pytest "${pytest_arguments[@]}"
+"$venv/bin/mypy"
