@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 folders=()
-for folder in include src apps tests examples fuzz bench scripts .ci; do
+for folder in include src apps python tests examples fuzz bench scripts .ci; do
   [[ -d $folder ]] && folders+=("$folder")
 done
 find_files() { find "${folders[@]}" -type f \( "$@" \) -not -path '*/__pycache__/*' | sort; }

@@ -55,4 +55,5 @@ done
 
 # Outside the sources, so that the package is the one that was installed.
 "$venv/bin/python" -m pytest "${pytest_arguments[@]}"
-"$venv/bin/mypy"
+"$venv/bin/mypy" -p loopstone
+"$venv/bin/mypy" python/tests

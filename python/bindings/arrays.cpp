@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <string>
+#include <type_traits>
 
 #include "loopstone/geometry/angle.hpp"
 
@@ -23,7 +24,8 @@ std::string to_string(const std::vector<std::size_t>& shape) {
   return text + (shape.size() == 1 ? ",)" : ")");
 }
 
-void require_shape(const Numbers& numbers, bool right, std::string_view name,
+template <typename List>
+void require_shape(const List& numbers, bool right, std::string_view name,
                    const std::string& expected) {
   if (right) return;
   refuse(name, "expected an array of shape " + expected + ", not " + to_string(numbers.shape));
@@ -47,20 +49,28 @@ std::vector<Eigen::Matrix<double, kColumns, 1>> points_of(const ArrayLike& argum
   return points;
 }
 
-using AnyNumbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+template <typename T>
+using Contiguous = nb::ndarray<const T, nb::c_contig, nb::device::cpu>;
 
-/// numpy.asarray() of numbers, not of texts and objects.
-AnyNumbers as_array(const ArrayLike& argument, std::string_view name) {
+/// numpy.asarray() of numbers, not of texts and objects. nanobind alone is not asked: it does not
+/// survive every object of NumPy.
+/// \param kinds    of dtypes that will do
+/// \param expected  in words
+template <typename T>
+Contiguous<T> as_array(const ArrayLike& argument, std::string_view name, std::string_view kinds,
+                       const std::string& expected) {
   nb::object array;
   try {
     const nb::module_ numpy = nb::module_::import_("numpy");
     const nb::object given = numpy.attr("asarray")(argument.value);
     const std::string kind = nb::cast<std::string>(given.attr("dtype").attr("kind"));
-    if (kind.find_first_of("iuf") == std::string::npos) {
-      refuse(name, "expected real numbers, not an array of dtype " +
+    const bool is_empty = nb::cast<std::size_t>(given.attr("size")) == 0;
+    if (kind.find_first_of(kinds) == std::string::npos && !is_empty) {
+      refuse(name, "expected " + expected + ", not an array of dtype " +
                        nb::cast<std::string>(given.attr("dtype").attr("name")));
     }
-    array = numpy.attr("ascontiguousarray")(given, numpy.attr("float64"));
+    array = numpy.attr("ascontiguousarray")(
+        given, numpy.attr(std::is_same_v<T, double> ? "float64" : "int64"));
     // ascontiguousarray() makes a single number an array of one.
     array = array.attr("reshape")(given.attr("shape"));
   } catch (nb::python_error& error) {
@@ -70,17 +80,29 @@ AnyNumbers as_array(const ArrayLike& argument, std::string_view name) {
                          nb::handle(reinterpret_cast<PyObject*>(Py_TYPE(argument.value.ptr())))
                              .attr("__name__")));
   }
-  return nb::cast<AnyNumbers>(array);
+  return nb::cast<Contiguous<T>>(array);
+}
+
+Contiguous<double> real_numbers(const ArrayLike& argument, std::string_view name) {
+  return as_array<double>(argument, name, "iuf", "real numbers");
+}
+
+template <typename List, typename T>
+List list_of(const Contiguous<T>& array) {
+  List list;
+  for (std::size_t i = 0; i < array.ndim(); ++i) list.shape.push_back(array.shape(i));
+  list.values.assign(array.data(), array.data() + array.size());
+  return list;
 }
 
 }  // namespace
 
 Numbers numbers_of(const ArrayLike& argument, std::string_view name) {
-  const AnyNumbers array = as_array(argument, name);
-  Numbers numbers;
-  for (std::size_t i = 0; i < array.ndim(); ++i) numbers.shape.push_back(array.shape(i));
-  numbers.values.assign(array.data(), array.data() + array.size());
-  return numbers;
+  return list_of<Numbers>(real_numbers(argument, name));
+}
+
+Integers integers_of(const ArrayLike& argument, std::string_view name) {
+  return list_of<Integers>(as_array<std::int64_t>(argument, name, "iu", "whole numbers"));
 }
 
 Pose2 pose_of(const ArrayLike& argument, std::string_view name) {
@@ -130,7 +152,7 @@ std::vector<Eigen::Vector3d> points3_of(const ArrayLike& argument, std::string_v
 }
 
 std::size_t columns_of(const ArrayLike& argument, std::string_view name) {
-  const AnyNumbers array = as_array(argument, name);
+  const Contiguous<double> array = real_numbers(argument, name);
   if (array.ndim() == 2 && (array.shape(1) == 2 || array.shape(1) == 3)) return array.shape(1);
   return 0;
 }

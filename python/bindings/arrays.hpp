@@ -34,6 +34,14 @@ struct Numbers {
 
 /// Throws ValueError, naming the argument, for what are no numbers.
 [[nodiscard]] Numbers numbers_of(const ArrayLike& argument, std::string_view name);
+
+/// The same of whole numbers. Throws ValueError for others.
+struct Integers {
+  std::vector<std::int64_t> values{};
+  std::vector<std::size_t> shape{};
+};
+[[nodiscard]] Integers integers_of(const ArrayLike& argument, std::string_view name);
+
 /// (x, y, yaw). Throws ValueError for another shape, and for what is not finite.
 [[nodiscard]] Pose2 pose_of(const ArrayLike& argument, std::string_view name);
 /// (N, 3). Throws as pose_of().

@@ -15,6 +15,7 @@ void bind_messages(nb::module_& m);
 void bind_log(nb::module_& m);
 void bind_trajectory(nb::module_& m);
 void bind_maps(nb::module_& m);
+void bind_texture(nb::module_& m);
 void bind_graph(nb::module_& m);
 void bind_verdict(nb::module_& m);
 void bind_map_result(nb::module_& m);

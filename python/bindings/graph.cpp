@@ -1,14 +1,12 @@
 #include "graph.hpp"
 
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
@@ -23,6 +21,7 @@
 #include "loopstone/graph/optimize_graph.hpp"
 #include "methods.hpp"
 #include "options.hpp"
+#include "path_like.hpp"
 #include "work.hpp"
 
 namespace loopstone::python {
@@ -36,8 +35,6 @@ Graph whole_graph(std::shared_ptr<const PoseGraph> graph) {
 }
 
 namespace {
-
-using Pairs = nb::ndarray<const std::int64_t, nb::shape<-1, 2>, nb::c_contig>;
 
 NodeId node_of(std::int64_t index, std::size_t poses, const char* name) {
   if (index < 0 || static_cast<std::size_t>(index) >= poses) {
@@ -59,14 +56,17 @@ EdgeKind kind_of(const std::string& word) {
   throw UsageError("kinds: '" + word + "' is none of odometry, match, loop_closure");
 }
 
-PoseGraph make_graph(const ArrayLike& poses, const Pairs& edges, const ArrayLike& measurements,
+PoseGraph make_graph(const ArrayLike& poses, const ArrayLike& edges, const ArrayLike& measurements,
                      const ArrayLike& information,
                      const std::optional<std::vector<std::string>>& kinds,
                      const std::vector<std::int64_t>& fixed) {
   PoseGraph graph;
   graph.poses = poses_of(poses, "poses");
   const std::vector<Pose2> measured = poses_of(measurements, "measurements");
-  const std::size_t count = edges.shape(0);
+  const Integers pairs = integers_of(edges, "edges");
+  if (pairs.shape.size() != 2 || pairs.shape[1] != 2)
+    throw nb::value_error("edges: expected an array of shape (E, 2)");
+  const std::size_t count = pairs.shape[0];
   if (measured.size() != count)
     throw nb::value_error("edges and measurements: there must be as many of one as of the other");
   const Numbers weights = numbers_of(information, "information");
@@ -76,12 +76,13 @@ PoseGraph make_graph(const ArrayLike& poses, const Pairs& edges, const ArrayLike
   if (kinds && kinds->size() != count)
     throw nb::value_error("kinds: there must be one for each edge");
   for (std::size_t i = 0; i < count; ++i) {
-    RelativePoseEdge edge{node_of(edges(i, 0), graph.poses.size(), "edges"),
-                          node_of(edges(i, 1), graph.poses.size(), "edges"), measured[i]};
+    const std::int64_t from = pairs.values[2 * i];
+    const std::int64_t to = pairs.values[2 * i + 1];
+    RelativePoseEdge edge{node_of(from, graph.poses.size(), "edges"),
+                          node_of(to, graph.poses.size(), "edges"), measured[i]};
     edge.information = information_of(weights, i);
-    edge.kind = kinds                            ? kind_of((*kinds)[i])
-                : edges(i, 1) - edges(i, 0) == 1 ? EdgeKind::kOdometry
-                                                 : EdgeKind::kLoopClosure;
+    edge.kind = to - from == 1 ? EdgeKind::kOdometry : EdgeKind::kLoopClosure;
+    if (kinds) edge.kind = kind_of((*kinds)[i]);
     graph.edges.push_back(edge);
   }
   for (const std::int64_t node : fixed)
@@ -125,12 +126,12 @@ nb::ndarray<nb::numpy, const double, nb::ro, nb::shape<-1, 3>> poses_view(
   return {first, {poses.size(), 3}, self};
 }
 
-Graph read_graph(const std::filesystem::path& path, const std::string& information_order) {
+Graph read_graph(const PathLike& path, const std::string& information_order) {
   const auto order = find_word<InformationOrder>(information_order);
   if (!order) throw UsageError("information_order: must be one of guess, g2o, toro");
   const nb::gil_scoped_release unlocked;
-  GraphFile file = read_g2o(path.string(), *order, machine_memory_budget());
-  require_connected(file, path.string());
+  GraphFile file = read_g2o(path.value, *order, machine_memory_budget());
+  require_connected(file, path.value);
   Graph graph;
   graph.graph = std::make_shared<const PoseGraph>(std::move(file.graph));
   graph.ids = std::move(file.ids);
@@ -140,41 +141,17 @@ Graph read_graph(const std::filesystem::path& path, const std::string& informati
   return graph;
 }
 
-void write_graph(const Graph& graph, const std::filesystem::path& path) {
+void write_graph(const Graph& graph, const PathLike& path) {
   const nb::gil_scoped_release unlocked;
-  if (graph.ids.empty()) return write_g2o(path.string(), *graph.graph);
+  if (graph.ids.empty()) return write_g2o(path.value, *graph.graph);
   GraphFile file;
   file.graph = *graph.graph;
   file.ids = graph.ids;
   file.landmark_ids = graph.landmark_ids;
-  write_g2o(path.string(), file);
+  write_g2o(path.value, file);
 }
 
-void bind_pose_graph(nb::module_& m) {
-  nb::class_<Graph> graph(
-      m, "PoseGraph",
-      "Poses to estimate and measurements between them; can't be changed.\n\n"
-      "The error of an edge is g2o's, e = vector(measurement^-1 * (pose_i^-1 * pose_j)). Held\n"
-      "poses stay; without any, the first pose does.");
-  graph.def(
-      "__init__",
-      [](Graph* self, const ArrayLike& poses, const Pairs& edges, const ArrayLike& measurements,
-         const ArrayLike& information, const std::optional<std::vector<std::string>>& kinds,
-         const std::vector<std::int64_t>& fixed) {
-        new (self) Graph(whole_graph(std::make_shared<const PoseGraph>(
-            make_graph(poses, edges, measurements, information, kinds, fixed))));
-      },
-      "poses"_a, "edges"_a, "measurements"_a, "information"_a, nb::kw_only(),
-      "kinds"_a = nb::none(), "fixed"_a = std::vector<std::int64_t>{},
-      nb::sig("def __init__(self, poses: numpy.typing.ArrayLike, edges: "
-              "numpy.typing.NDArray[numpy.int64], measurements: numpy.typing.ArrayLike, "
-              "information: numpy.typing.ArrayLike, *, kinds: collections.abc.Sequence[str] | None "
-              "= None, fixed: collections.abc.Sequence[int] = ...) -> None"),
-      "Copies (N, 3) poses x, y [m], yaw [rad]; (E, 2) int64 nodes i, j from 0; (E, 3) pose j in\n"
-      "the frame of i as measured; (E, 3, 3) or one (3, 3) information of x, y, yaw.\n\n"
-      ":param kinds: ``odometry``, ``match`` or ``loop_closure`` of each edge; without, edges\n"
-      "    from i to i + 1 are odometry and all others loop closures, which robust kernels doubt\n"
-      "Raises ValueError, and UsageError naming the edge that makes no sense.");
+void def_parts(nb::class_<Graph>& graph) {
   def_array(graph, "poses", poses_view, "(N, 3) x, y [m], yaw [rad], a read-only view.");
   def_array(graph, "edges", edges_of, "(E, 2) int64 nodes.");
   def_array(graph, "measurements", measurements_of, "(E, 3) pose j in the frame of i.");
@@ -200,6 +177,30 @@ void bind_pose_graph(nb::module_& m) {
   graph.def_prop_ro(
       "cost", [](const Graph& self) { return graph_cost(*self.graph); },
       "Sum of e^T information e (no 1/2) at the poses.");
+}
+
+void bind_pose_graph(nb::module_& m) {
+  nb::class_<Graph> graph(
+      m, "PoseGraph",
+      "Poses to estimate and measurements between them; can't be changed.\n\n"
+      "The error of an edge is g2o's, e = vector(measurement^-1 * (pose_i^-1 * pose_j)). Held\n"
+      "poses stay; without any, the first pose does.");
+  graph.def(
+      "__init__",
+      [](Graph* self, const ArrayLike& poses, const ArrayLike& edges, const ArrayLike& measurements,
+         const ArrayLike& information, const std::optional<std::vector<std::string>>& kinds,
+         const std::vector<std::int64_t>& fixed) {
+        new (self) Graph(whole_graph(std::make_shared<const PoseGraph>(
+            make_graph(poses, edges, measurements, information, kinds, fixed))));
+      },
+      "poses"_a, "edges"_a, "measurements"_a, "information"_a, nb::kw_only(),
+      "kinds"_a = nb::none(), "fixed"_a = std::vector<std::int64_t>{},
+      "Copies (N, 3) poses x, y [m], yaw [rad]; (E, 2) int64 nodes i, j from 0; (E, 3) pose j in\n"
+      "the frame of i as measured; (E, 3, 3) or one (3, 3) information of x, y, yaw.\n\n"
+      ":param kinds: ``odometry``, ``match`` or ``loop_closure`` of each edge; without, edges\n"
+      "    from i to i + 1 are odometry and all others loop closures, which robust kernels doubt\n"
+      "Raises ValueError, and UsageError naming the edge that makes no sense.");
+  def_parts(graph);
   graph.def_ro("notes", &Graph::notes, "What was guessed when it was read, in words.");
   graph.def(
       "to_g2o", [](const Graph& self) { return format_g2o(*self.graph); },

@@ -1,12 +1,11 @@
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -30,6 +29,7 @@
 #include "messages.hpp"
 #include "methods.hpp"
 #include "options.hpp"
+#include "path_like.hpp"
 #include "stamps.hpp"
 #include "work.hpp"
 
@@ -196,11 +196,8 @@ void bind_estimate(nb::module_& m) {
   estimate.def_ro("particles", &Estimate::particles);
   estimate.def_ro("travelled_m", &Estimate::travelled_m);
   estimate.def("__repr__", [](const Estimate& e) {
-    char text[128];
-    std::snprintf(text, sizeof text, "<LocalizationEstimate (%.2f, %.2f) m, %.0f %%: %s>",
-                  e.map_T_robot.x, e.map_T_robot.y, 100.0 * e.probability,
-                  loopstone::to_string(e.state).data());
-    return std::string(text);
+    return fmt::format("<LocalizationEstimate ({:.2f}, {:.2f}) m, {:.0f} %: {}>", e.map_T_robot.x,
+                       e.map_T_robot.y, 100.0 * e.probability, loopstone::to_string(e.state));
   });
 }
 
@@ -242,11 +239,11 @@ void bind_result(nb::module_& m) {
       nb::sig("def summary(self) -> dict[str, typing.Any]"), "What summary.json has.");
   result.def(
       "save",
-      [](const Localized& self, const std::filesystem::path& folder, bool force) {
+      [](const Localized& self, const PathLike& folder, bool force) {
         const nb::gil_scoped_release unlocked;
         LocalizationRunInfo info = self.info;
         info.run.force = force;
-        write_localization_outputs(self.result, self.map->occupancy(), info, folder.string());
+        write_localization_outputs(self.result, self.map->occupancy(), info, folder.value);
       },
       "folder"_a, nb::kw_only(), "force"_a = false,
       "Writes the files of ``loopstone localize --report``, all of them or none.");
@@ -255,11 +252,7 @@ void bind_result(nb::module_& m) {
   });
 }
 
-}  // namespace
-
-void bind_localization(nb::module_& m) {
-  bind_estimate(m);
-  bind_result(m);
+void bind_known_map(nb::module_& m) {
   nb::class_<KnownMap> known(m, "LocalizationMap",
                              "A map made ready for localisation, once; many may share it.");
   known.def(
@@ -270,7 +263,9 @@ void bind_localization(nb::module_& m) {
       },
       "map"_a, "Raises UsageError when the map shows no wall or nothing free.");
   known.def_prop_ro("free_area_m2", [](const KnownMap& k) { return k.map->free_area_m2(); });
+}
 
+void bind_localizer(nb::module_& m) {
   nb::class_<OnlineLocalizer> localizer(
       m, "Localizer",
       "Follows a robot on a known map while it drives. Any thread may call it, one at a time "
@@ -297,7 +292,7 @@ void bind_localization(nb::module_& m) {
               "loopstone.options.LocalizationOptions | collections.abc.Mapping[str, typing.Any] | "
               "str | None = None, threads: int = 0, **overrides: typing.Any) -> None"),
       "As :func:`loopstone.localize` takes them. Raises OptionsError, UsageError.");
-  localizer.def("add", &OnlineLocalizer::add, "message"_a,
+  localizer.def("add", &OnlineLocalizer::add, "message"_a.none(),
                 nb::sig("def add(self, message: LaserScan | OdometryPose | WheelTicks | ImuSample "
                         "| RgbdFrame) -> list[LocalizationEstimate]"),
                 "A message as it was measured. Returns the estimates that it led to.");
@@ -306,7 +301,15 @@ void bind_localization(nb::module_& m) {
   def_array(localizer, "particles", &OnlineLocalizer::particles,
             "(P, 3) what it believes at the newest scan.");
   localizer.def("finish", &OnlineLocalizer::finish, "Ends the recording. Nothing may follow.");
+}
 
+}  // namespace
+
+void bind_localization(nb::module_& m) {
+  bind_estimate(m);
+  bind_result(m);
+  bind_known_map(m);
+  bind_localizer(m);
   m.def(
       "localize_log",
       [](const Log& log, const KnownMap& map, const OptionValues& values,

@@ -1,5 +1,4 @@
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -10,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -25,6 +23,7 @@
 #include "loopstone/formats/log_summary.hpp"
 #include "loopstone/formats/machine_memory.hpp"
 #include "messages.hpp"
+#include "path_like.hpp"
 #include "reading.hpp"
 #include "robot.hpp"
 #include "signals.hpp"
@@ -64,11 +63,10 @@ Enum word_of(const std::string& word, const char* name) {
   throw UsageError(std::string(name) + " = " + word + ": must be one of " + known);
 }
 
-Log make_log(const std::filesystem::path& path, const Robot* robot, bool strict,
-             const std::string& stamps, bool intensities, const Topics& topics,
-             const std::string& base_frame, const std::string& echo,
-             const std::optional<std::pair<double, double>>& slice_m) {
-  Log log{.path = path.string()};
+Log make_log(const PathLike& path, const Robot* robot, bool strict, const std::string& stamps,
+             bool intensities, const Topics& topics, const std::string& base_frame,
+             const std::string& echo, const std::optional<std::pair<double, double>>& slice_m) {
+  Log log{.path = path.value};
   log.how.strict = strict;
   log.how.stamps = word_of<StampUse>(stamps, "stamps");
   log.how.memory = machine_memory_budget();
@@ -273,7 +271,7 @@ void bind_log(nb::module_& m) {
       "reads it from its beginning, in bounded memory.");
   log.def(
       "__init__",
-      [](Log* self, const std::filesystem::path& path, const Robot* robot, bool strict,
+      [](Log* self, const PathLike& path, const Robot* robot, bool strict,
          const std::string& stamps, bool intensities, const Topics& topics,
          const std::string& base_frame, const std::string& echo,
          const std::optional<std::pair<double, double>>& slice_m) {

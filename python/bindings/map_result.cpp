@@ -1,11 +1,9 @@
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -23,6 +21,7 @@
 #include "messages.hpp"
 #include "methods.hpp"
 #include "options.hpp"
+#include "path_like.hpp"
 
 namespace loopstone::python {
 
@@ -42,12 +41,12 @@ std::shared_ptr<Part> part(const Shared& whole, Part& part) {
   return {whole, &part};
 }
 
-void save(const Shared& self, const std::filesystem::path& folder, bool force) {
+void save(const Shared& self, const PathLike& folder, bool force) {
   const nb::gil_scoped_release unlocked;
   const std::lock_guard lock(self->mutex);
   RunInfo info = self->info;
   info.force = force;
-  write_map_outputs(self->result, info, folder.string(), extras_of(*self));
+  write_map_outputs(self->result, info, folder.value, extras_of(*self));
 }
 
 nb::object summary(const Shared& self) {
@@ -126,6 +125,14 @@ void def_parts(nb::class_<Mapped>& cls) {
       nb::sig("def map(self) -> OccupancyMap | None"),
       "The occupancy map; None when it would be too large: see ``warnings``.");
   cls.def_prop_ro(
+      "texture",
+      [](const Shared& self) -> std::shared_ptr<FloorTexture> {
+        if (!self->texture) return nullptr;
+        return part(self, *self->texture);
+      },
+      nb::sig("def texture(self) -> FloorTexture | None"),
+      "The floor in colour, when the log has RGB-D.");
+  cls.def_prop_ro(
       "loop_closures", [](const Shared& self) { return self->result.loop_closures; },
       "All that were found, those that do not stand included.");
 }
@@ -194,8 +201,8 @@ void bind_map_result(nb::module_& m) {
       "progress"_a.none());
   m.def(
       "map_messages",
-      [](const nb::iterable& messages, const Robot* robot, const OptionValues& values, int threads,
-         const nb::object& progress) {
+      [](const nb::typed<nb::iterable, nb::object>& messages, const Robot* robot,
+         const OptionValues& values, int threads, const nb::object& progress) {
         const auto options = options_of<MapOptions>(values);
         std::vector<SensorMessage> all;
         for (const nb::handle message : messages) all.push_back(message_of(message));

@@ -209,7 +209,7 @@ void bind_mapper(nb::module_& m) {
               "loopstone.options.MapOptions | collections.abc.Mapping[str, typing.Any] | str | "
               "None = None, threads: int = 0, **overrides: typing.Any) -> None"),
       "As :func:`loopstone.map` takes its options. Raises OptionsError.");
-  mapper.def("add", &OnlineMapper::add, "message"_a,
+  mapper.def("add", &OnlineMapper::add, "message"_a.none(),
              nb::sig("def add(self, message: LaserScan | OdometryPose | WheelTicks | ImuSample | "
                      "RgbdFrame) -> list[MapUpdate]"),
              "A message as it was measured. Returns the updates that it led to, one a scan: none\n"

@@ -1,26 +1,23 @@
 #include "maps.hpp"
 
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/filesystem.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "frames.hpp"
 #include "loopstone/formats/image.hpp"
 #include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 #include "methods.hpp"
+#include "path_like.hpp"
 
 namespace loopstone::python {
 
@@ -36,13 +33,10 @@ View<T, nb::ndim<2>> cells_view(const Grid<T>& grid, nb::handle owner) {
       {static_cast<std::size_t>(frame.rows), static_cast<std::size_t>(frame.columns)}, owner);
 }
 
-std::tuple<double, double, double, double> extent_of(const GridFrame& frame) {
-  return {frame.origin.x(), frame.origin.x() + frame.columns * frame.resolution, frame.origin.y(),
-          frame.origin.y() + frame.rows * frame.resolution};
-}
-
-CellStates make_cells(const nb::ndarray<const std::int8_t, nb::ndim<2>, nb::c_contig>& cells,
-                      double resolution_m, const ArrayLike& origin) {
+CellStates make_cells(const ArrayLike& given, double resolution_m, const ArrayLike& origin) {
+  const Integers cells = integers_of(given, "cells");
+  if (cells.shape.size() != 2)
+    throw nb::value_error("cells: expected an array of shape (rows, columns)");
   if (!(resolution_m > 0.0) || !std::isfinite(resolution_m))
     throw nb::value_error("resolution_m: must be greater than 0");
   const Numbers corner = numbers_of(origin, "origin");
@@ -50,39 +44,21 @@ CellStates make_cells(const nb::ndarray<const std::int8_t, nb::ndim<2>, nb::c_co
                         std::isfinite(corner.values[0]) && std::isfinite(corner.values[1]);
   if (!is_point) throw nb::value_error("origin: expected two finite numbers: x, y");
   constexpr std::size_t kMostSide = std::size_t{1} << 24U;
-  if (cells.shape(0) == 0 || cells.shape(1) == 0 || cells.shape(0) > kMostSide ||
-      cells.shape(1) > kMostSide) {
+  if (cells.shape[0] == 0 || cells.shape[1] == 0 || cells.shape[0] > kMostSide ||
+      cells.shape[1] > kMostSide) {
     throw nb::value_error("cells: a map has at least one row and one column, and at most 2^24");
   }
   CellStates grid(GridFrame{{corner.values[0], corner.values[1]},
                             resolution_m,
-                            static_cast<int>(cells.shape(1)),
-                            static_cast<int>(cells.shape(0))});
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::int8_t cell = cells.data()[i];
+                            static_cast<int>(cells.shape[1]),
+                            static_cast<int>(cells.shape[0])});
+  for (std::size_t i = 0; i < cells.values.size(); ++i) {
+    const std::int64_t cell = cells.values[i];
     if (cell < kUnknownCell || cell > kOccupiedCell)
       throw nb::value_error("cells: must be percent from 0 to 100, or -1 where unknown");
-    grid.cells()[i] = cell;
+    grid.cells()[i] = static_cast<std::int8_t>(cell);
   }
   return grid;
-}
-
-/// What both kinds of map have.
-template <typename Class, typename FrameOf>
-void def_frame(nb::class_<Class>& cls, FrameOf frame_of) {
-  cls.def_prop_ro(
-      "resolution_m", [=](const Class& self) { return frame_of(self).resolution; },
-      "Side of a cell.");
-  def_array(
-      cls, "origin", [=](const Class& self) { return to_array(frame_of(self).origin); },
-      "(2,) lower left corner of cell [0, 0] [m], map frame.");
-  cls.def_prop_ro(
-      "shape",
-      [=](const Class& self) { return std::pair(frame_of(self).rows, frame_of(self).columns); },
-      "(rows, columns): row grows with y, column with x.");
-  cls.def_prop_ro(
-      "extent", [=](const Class& self) { return extent_of(frame_of(self)); },
-      "(left, right, bottom, top) [m], as ``imshow(cells, origin='lower', extent=...)`` takes it.");
 }
 
 nb::bytes png_of(const CellStates& cells) {
@@ -123,14 +99,11 @@ void bind_grid_map(nb::module_& m) {
                            "A map of cells in percent, as ROS has it; can't be changed.");
   grid.def(
       "__init__",
-      [](GridMap* self, const nb::ndarray<const std::int8_t, nb::ndim<2>, nb::c_contig>& cells,
-         double resolution_m, const ArrayLike& origin) {
+      [](GridMap* self, const ArrayLike& cells, double resolution_m, const ArrayLike& origin) {
         new (self)
             GridMap{std::make_shared<const CellStates>(make_cells(cells, resolution_m, origin))};
       },
       "cells"_a, "resolution_m"_a, "origin"_a,
-      nb::sig("def __init__(self, cells: numpy.typing.NDArray[numpy.int8], resolution_m: float, "
-              "origin: numpy.typing.ArrayLike) -> None"),
       "Copies (rows, columns) int8; row 0 has the lowest y. Raises ValueError.");
   def_array(
       grid, "cells",
@@ -141,9 +114,9 @@ void bind_grid_map(nb::module_& m) {
   def_frame(grid, [](const GridMap& self) -> const GridFrame& { return self.cells->frame(); });
   grid.def(
       "save",
-      [](const GridMap& self, const std::filesystem::path& path) {
+      [](const GridMap& self, const PathLike& path) {
         const nb::gil_scoped_release unlocked;
-        write_ros_map(path.string(), *self.cells);
+        write_ros_map(path.value, *self.cells);
       },
       "path"_a, "Writes NAME.yaml and NAME.pgm, as ROS map_server reads them: both or none.");
   grid.def(
@@ -160,10 +133,10 @@ void bind_grid_map(nb::module_& m) {
   });
   m.def(
       "read_map",
-      [](const std::filesystem::path& path) {
+      [](const PathLike& path) {
         const nb::gil_scoped_release unlocked;
-        return GridMap{std::make_shared<const CellStates>(
-            read_ros_map(path.string(), machine_memory_budget()))};
+        return GridMap{
+            std::make_shared<const CellStates>(read_ros_map(path.value, machine_memory_budget()))};
       },
       "path"_a, "Reads a map as ROS map_server does: YAML beside PGM or PNG. Raises DataError.");
 }

@@ -1,12 +1,12 @@
 #include "messages.hpp"
 
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,12 +58,6 @@ LaserScan make_scan(std::int64_t stamp_ns, const ArrayLike& ranges_m, double ang
   if (intensities) scan.intensities = floats_of(*intensities, "intensities");
   require_beams(scan);
   return scan;
-}
-
-std::string text(const char* format, double seconds, std::size_t count) {
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, format, seconds, count);
-  return buffer;
 }
 
 Array<double, nb::ndim<1>> angles(const LaserScan& scan) {
@@ -147,7 +141,8 @@ void bind_scan(nb::module_& m) {
            "    motion during the sweep");
   scan.def("__len__", [](const LaserScan& self) { return self.ranges_m.size(); });
   scan.def("__repr__", [](const LaserScan& self) {
-    return text("<LaserScan at %.6f s, %zu beams>", self.stamp.seconds(), self.ranges_m.size());
+    return fmt::format("<LaserScan at {:.6f} s, {} beams>", self.stamp.seconds(),
+                       self.ranges_m.size());
   });
 }
 

@@ -4,7 +4,7 @@
 NB_MODULE(_core, m) {
   using namespace loopstone::python;
   m.doc() = "The C++ library of Loopstone; `import loopstone` is what to use.";
-  m.attr("__version__") = nanobind::str(loopstone::kVersion.data(), loopstone::kVersion.size());
+  m.attr("version") = nanobind::str(loopstone::kVersion.data(), loopstone::kVersion.size());
   bind_errors(m);
   bind_options(m);
   bind_robot(m);
@@ -12,6 +12,7 @@ NB_MODULE(_core, m) {
   bind_log(m);
   bind_trajectory(m);
   bind_maps(m);
+  bind_texture(m);
   bind_graph(m);
   bind_verdict(m);
   bind_map_result(m);

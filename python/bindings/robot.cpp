@@ -1,16 +1,15 @@
 #include "robot.hpp"
 
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "loopstone/formats/robot_file.hpp"
+#include "path_like.hpp"
 
 namespace loopstone::python {
 
@@ -30,8 +29,8 @@ void bind_robot(nb::module_& m) {
       "From the text of a robot file. Raises OptionsError with all that is wrong with it.");
   robot.def_static(
       "read",
-      [](const std::filesystem::path& path) {
-        return Robot{read_robot_file(path.string()), read_stated_wheels(path.string())};
+      [](const PathLike& path) {
+        return Robot{read_robot_file(path.value), read_stated_wheels(path.value)};
       },
       "path"_a, "From a robot file. Raises OptionsError, DataError.");
   robot.def(

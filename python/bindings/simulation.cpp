@@ -1,10 +1,8 @@
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -19,6 +17,7 @@
 #include "maps.hpp"
 #include "messages.hpp"
 #include "options.hpp"
+#include "path_like.hpp"
 #include "robot.hpp"
 #include "work.hpp"
 
@@ -63,9 +62,9 @@ std::shared_ptr<Simulated> simulate_drive(const World& world, const Robot& robot
   return simulated;
 }
 
-void save_log(const Simulated& self, const std::filesystem::path& path, const std::string& format) {
+void save_log(const Simulated& self, const PathLike& path, const std::string& format) {
   const nb::gil_scoped_release unlocked;
-  const auto writer = create_log(path.string(), format, self.robot.model);
+  const auto writer = create_log(path.value, format, self.robot.model);
   for (const SensorMessage& message : self.messages) writer->write(message);
   writer->finish();
 }

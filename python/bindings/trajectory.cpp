@@ -1,13 +1,12 @@
 #include "loopstone/odometry/trajectory.hpp"
 
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
 #include <cstddef>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/formats/tum.hpp"
 #include "methods.hpp"
+#include "path_like.hpp"
 
 namespace loopstone::python {
 
@@ -28,17 +28,19 @@ static_assert(sizeof(StampedPose2) == 32 && offsetof(StampedPose2, stamp) == 0 &
               offsetof(StampedPose2, pose) == 8 && sizeof(Stamp) == 8 && sizeof(Pose2) == 24);
 constexpr std::int64_t kStep = 4;
 
-Trajectory make_trajectory(const nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig>& stamps,
-                           const ArrayLike& poses) {
+Trajectory make_trajectory(const ArrayLike& stamps_ns, const ArrayLike& poses) {
+  const Integers given = integers_of(stamps_ns, "stamps_ns");
+  if (given.shape.size() != 1) throw nb::value_error("stamps_ns: expected an array of shape (N,)");
+  const std::vector<std::int64_t>& stamps = given.values;
   const std::vector<Pose2> all = poses_of(poses, "poses");
-  if (stamps.shape(0) != all.size())
+  if (stamps.size() != all.size())
     throw nb::value_error("stamps_ns and poses: there must be as many of one as of the other");
   Trajectory trajectory;
   trajectory.reserve(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool is_later = trajectory.empty() || stamps(i) > trajectory.back().stamp.nanoseconds;
+    const bool is_later = trajectory.empty() || stamps[i] > trajectory.back().stamp.nanoseconds;
     if (!is_later) throw nb::value_error("stamps_ns: must increase from each to the next");
-    (void)trajectory.append({stamps(i)}, all[i]);
+    (void)trajectory.append({stamps[i]}, all[i]);
   }
   return trajectory;
 }
@@ -82,12 +84,10 @@ void bind_trajectory(nb::module_& m) {
       m, "Trajectory", "Poses of the robot, their stamps strictly increasing; can't be changed.");
   trajectory.def(
       "__init__",
-      [](Trajectory* self,
-         const nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig>& stamps_ns,
-         const ArrayLike& poses) { new (self) Trajectory(make_trajectory(stamps_ns, poses)); },
+      [](Trajectory* self, const ArrayLike& stamps_ns, const ArrayLike& poses) {
+        new (self) Trajectory(make_trajectory(stamps_ns, poses));
+      },
       "stamps_ns"_a, "poses"_a,
-      nb::sig("def __init__(self, stamps_ns: numpy.typing.NDArray[numpy.int64], poses: "
-              "numpy.typing.ArrayLike) -> None"),
       "Copies (N,) nanoseconds and (N, 3) x, y [m], yaw [rad]. Raises ValueError for what is no\n"
       "trajectory.");
   def_array(trajectory, "stamps_ns", stamps_view, "(N,) int64 [ns], a read-only view.");
@@ -103,9 +103,9 @@ void bind_trajectory(nb::module_& m) {
       "The text of a TUM file, ``t x y z qx qy qz qw`` a line, as the program writes it.");
   trajectory.def(
       "save",
-      [](const Trajectory& self, const std::filesystem::path& path) {
+      [](const Trajectory& self, const PathLike& path) {
         const nb::gil_scoped_release unlocked;
-        write_tum(path.string(), self);
+        write_tum(path.value, self);
       },
       "path"_a, "Writes a TUM file, whole or not at all. Raises DataError.");
   def_python(trajectory, "to_pandas", "loopstone._convert", "trajectory_to_pandas",
@@ -116,16 +116,13 @@ void bind_trajectory(nb::module_& m) {
              "An evo.core.trajectory.PoseTrajectory3D. Needs evo, which is GPL-3.");
   trajectory.def("__len__", &Trajectory::size);
   trajectory.def("__repr__", [](const Trajectory& self) {
-    char text[96];
-    std::snprintf(text, sizeof text, "<Trajectory of %zu poses, %.1f m>", self.size(),
-                  self.path_length_m());
-    return std::string(text);
+    return fmt::format("<Trajectory of {} poses, {:.1f} m>", self.size(), self.path_length_m());
   });
   m.def(
       "read_trajectory",
-      [](const std::filesystem::path& path) {
+      [](const PathLike& path) {
         const nb::gil_scoped_release unlocked;
-        return read_tum(path.string(), machine_memory_budget());
+        return read_tum(path.value, machine_memory_budget());
       },
       "path"_a, "Reads a TUM file; z, roll and pitch are dropped. Raises DataError with the line.");
 }

@@ -62,7 +62,7 @@ def open_log(
     """
     named = {
         role: [names] if isinstance(names, str) else list(names)
-        for role, names in (topics or {}).items()
+        for role, names in dict(topics or {}).items()
     }
     return _core.Log(path, robot, strict, stamps, intensities, named, base_frame, echo, slice_m)
 

@@ -11,14 +11,14 @@ import loopstone as ls
 
 def square(false_closure: bool = False) -> ls.PoseGraph:
     """A drive round a square by odometry that drifts, and the closure that puts it right."""
-    steps = [np.array([1.02, 0.0, np.pi / 2 if i % 10 == 9 else 0.0]) for i in range(40)]
+    steps = [np.array([1.005, 0.0, np.pi / 2 if i % 10 == 9 else 0.0]) for i in range(40)]
     poses = [np.zeros(3)]
     for step in steps:
         x, y, yaw = poses[-1]
         c, s = np.cos(yaw), np.sin(yaw)
-        poses.append(np.array([x + c * step[0], y + s * step[0], yaw + step[2] + 0.01]))
+        poses.append(np.array([x + c * step[0], y + s * step[0], yaw + step[2] + 0.002]))
     edges = [(i, i + 1) for i in range(40)] + [(0, 40)]
-    measured = [*(s + [0, 0, 0.01] for s in steps), np.zeros(3)]
+    measured = [*(s + [0, 0, 0.002] for s in steps), np.zeros(3)]
     if false_closure:
         edges.append((5, 25))
         measured.append(np.array([0.0, 0.0, 0.0]))

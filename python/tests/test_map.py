@@ -165,3 +165,19 @@ def test_options_may_be_an_object_a_mapping_or_a_file(log: Path, tmp_path: Path)
         for given in (options, {"map.resolution_m": 0.1}, path, str(path))
     }
     assert texts == {options.to_toml()}
+
+
+def test_the_floor_in_colour(tmp_path: Path, run: Any) -> None:
+    run("simulate", "office", "-o", tmp_path, "--rgbd", "--duration", "8", "--quiet")
+    made = ls.map(tmp_path)
+    texture = made.texture
+    assert texture is not None and texture.frames_used > 0
+    rows, columns = texture.shape
+    assert texture.colours.shape == (rows, columns, 3) and texture.colours.dtype == np.uint8
+    seen = texture.coverage == 255
+    assert seen.sum() * texture.resolution_m**2 == pytest.approx(texture.seen_area_m2, rel=0.01)
+    assert texture.colours[seen].mean() > texture.colours[~seen].mean()
+
+
+def test_without_a_camera_there_is_no_texture(result: ls.MapResult) -> None:
+    assert result.texture is None

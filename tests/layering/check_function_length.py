@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds functions to 60 lines, so that each can be seen at once.
 
-    check_function_length.py ROOT        include/, src/ and apps/ at ROOT; prints one line per
+    check_function_length.py ROOT        include/, src/, apps/ and python/ at ROOT; prints one line per
                                          breach; exits 1 if there is any
     check_function_length.py --self-test
 
@@ -19,7 +19,7 @@ import sys
 
 LIMIT = 60
 EXCUSE = re.compile(r"\s*///? Over 60 lines: \S")
-FOLDERS = ("include", "src", "apps")
+FOLDERS = ("include", "src", "apps", "python")
 SUFFIXES = {".cpp", ".hpp"}
 
 # Numbers come first, for their separators: 1'000 is no character.

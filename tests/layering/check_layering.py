@@ -48,7 +48,12 @@ THIRD_PARTY = {
     "CLI/": {"apps"},
     "spdlog/": {"apps"},
     "dds/": {"apps"},
+    "nanobind/": {"python"},
+    "Python.h": {"python"},
 }
+# What stands on top of the library, and uses its public headers only: programs and the Python
+# package. Where their sources are, and what each includes of its own from.
+ON_TOP = {"apps": "apps", "python": "python/bindings"}
 
 # POSIX and C headers that reach files, the terminal or the process.
 SYSTEM_HEADERS = (
@@ -114,7 +119,7 @@ class Checker:
         return self.parts.index(part)
 
     def check(self):
-        for folder in ("include/loopstone", "src", "apps"):
+        for folder in ("include/loopstone", "src", *ON_TOP.values()):
             base = self.root / folder
             for path in sorted(base.rglob("*")) if base.is_dir() else []:
                 if path.suffix in SUFFIXES and path.is_file():
@@ -122,9 +127,10 @@ class Checker:
         return self.breaches
 
     def check_file(self, path, names, folder):
-        part = "apps" if folder == "apps" else names[0] if len(names) > 1 else ""
+        on_top = [part for part, sources in ON_TOP.items() if sources == folder]
+        part = on_top[0] if on_top else names[0] if len(names) > 1 else ""
         public = folder.startswith("include")
-        if part not in self.parts and part != "apps" and not (public and names == ("version.hpp",)):
+        if part not in self.parts and not on_top and not (public and names == ("version.hpp",)):
             self.breach(path, 1, f"'{part}' is not a part: {' '.join(self.parts)}")
             return
         text = path.read_text(encoding="utf-8")
@@ -184,12 +190,14 @@ class Checker:
             self.breach(path, line, f'"{name}": a public header cannot include a private one')
         elif part == "apps" and any((self.root / "apps").glob(f"*/{name}")):
             return
+        elif part == "python" and (self.root / ON_TOP[part] / name).exists():
+            return
         elif target not in self.parts:
             self.breach(path, line, f'"{name}": write the path from src/, as in "<part>/{name}"')
         elif not (self.root / "src" / name).exists():
             self.breach(path, line, f'"{name}": no such file in src/')
-        elif part == "apps":
-            self.breach(path, line, f'"{name}": the program uses public headers only')
+        elif part in ON_TOP:
+            self.breach(path, line, f'"{name}": programs and package use public headers only')
         else:
             self.check_edge(path, line, part, target, name)
 
@@ -198,7 +206,7 @@ class Checker:
             self.breach(path, line, f'"{name}": {target} is not a part')
         elif part == "":
             self.breach(path, line, f'"{name}": version.hpp stands below every part')
-        elif part != "apps" and self.rank(target) > self.rank(part):
+        elif part not in ON_TOP and self.rank(target) > self.rank(part):
             self.breach(path, line, f"back edge: {part} includes {target}, which stands above it")
 
     def check_calls(self, path, part, code):
@@ -317,6 +325,20 @@ SELF_TESTS = [
         '#include "grid/detail.hpp"\n',
         "public headers only",
     ),
+    (
+        "the package uses private",
+        "python/bindings/a.cpp",
+        '#include "grid/detail.hpp"\n',
+        "public headers only",
+    ),
+    ("the package prints", "python/bindings/a.cpp", "#include <iostream>\n", "never prints"),
+    (
+        "the package binds",
+        "python/bindings/a.cpp",
+        '#include <nanobind/nanobind.h>\n\n#include "loopstone/slam/a.hpp"\n',
+        None,
+    ),
+    ("nanobind in the core", "src/slam/a.cpp", "#include <nanobind/nanobind.h>\n", "only for"),
 ]
 
 
