@@ -85,7 +85,10 @@ def field_line(name, kind, value):
     line = f"    {name}: {kind} = {value}"
     if len(line) <= 100:
         return line
-    opened, closed = (value[:-1].split("(", 1)) if value.endswith(")") else ("", value)
+    if not value.endswith(")"):  # a word among others
+        words = kind.removeprefix("Literal[").removesuffix("]")
+        return f"    {name}: Literal[\n        {words}\n    ] = {value}"
+    opened, closed = value[:-1].split("(", 1)
     return f"    {name}: {kind} = {opened}(\n        {closed}\n    )"
 
 
@@ -113,7 +116,7 @@ def class_of(name, base, tree, doc, call=None):
 
 
 def extension():
-    """loopstone._core alone: the package may not import while its options are not as they should."""
+    """loopstone._core alone: the package may not import while its options are not current."""
     (folder,) = importlib.util.find_spec("loopstone").submodule_search_locations
     spec = importlib.machinery.PathFinder.find_spec("_core", [folder])
     module = importlib.util.module_from_spec(spec)

@@ -1,4 +1,4 @@
-"""A drive round a square whose odometry drifts; one loop closure puts it right, and that is proven."""
+"""A drive round a square whose odometry drifts; a loop closure puts it right, which is proven."""
 
 import numpy as np
 

@@ -8,7 +8,9 @@ for message in drive:
     for update in mapper.add(message):
         for event in update.events:
             if event.closure is not None and event.closure.stands:
-                print(f"  submap {event.closure.to_submap} is where {event.closure.from_submap} was")
+                print(
+                    f"  submap {event.closure.to_submap} is where {event.closure.from_submap} was"
+                )
         if update.scan % 100 == 0:
             x, y, _ = update.map_T_robot
             print(f"({x:6.2f}, {y:6.2f}) m, {update.status}")

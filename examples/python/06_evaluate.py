@@ -4,12 +4,7 @@ import loopstone as ls
 
 # A laser as on many older robots: 180 degrees, one beam a degree.
 drive = ls.simulate(
-    "office",
-    seed=2,
-    duration_s=150.0,
-    laser__rate_hz=5.0,
-    laser__beams=181,
-    laser__fov_rad=3.14159,
+    "office", seed=2, duration_s=150.0, laser__rate_hz=5.0, laser__beams=181, laser__fov_rad=3.14159
 )
 print(f"{drive.scans} scans, {drive.route_length_m:.0f} m")
 matched = ls.map(drive, loop_closure=False)

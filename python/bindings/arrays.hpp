@@ -14,8 +14,9 @@
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/geometry/pose3.hpp"
 
-// NumPy arrays in and out. What comes in may be anything that numpy.asarray() takes; it is checked here, and an error names the
-// argument. What goes out is either a view, which is read-only and keeps its owner alive, or an array of its own.
+// NumPy arrays in and out. What comes in may be anything that numpy.asarray() takes; it is checked
+// here, and an error names the argument. What goes out is either a view, which is read-only and
+// keeps its owner alive, or an array of its own.
 
 namespace loopstone::python {
 

@@ -14,8 +14,8 @@
 
 #include "loopstone/base/progress.hpp"
 
-// Long calls: the work is done by a thread of its own, which never sees Python; the caller waits for it, and serves Python
-// meanwhile: Ctrl-C, and whoever wants to know how far it is.
+// Long calls: the work is done by a thread of its own, which never sees Python; the caller waits
+// for it, and serves Python meanwhile: Ctrl-C, and whoever wants to know how far it is.
 
 namespace loopstone::python {
 

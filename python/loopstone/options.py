@@ -912,9 +912,9 @@ class SimulationCameraOptions(OptionGroup):
 class SimulationFaultsOptions(OptionGroup):
     """The group ``faults``."""
 
-    odometry: Literal["none", "missing", "stuck", "scaled", "mirrored", "lagging", "jumping"] = (
-        "none"
-    )
+    odometry: Literal[
+        "none", "missing", "stuck", "scaled", "mirrored", "lagging", "jumping"
+    ] = "none"
     """what is wrong with wheels and gyro"""
     strength: float = 0.0
     """factor, seconds or metres of that fault; 0: the usual one, 1.6, 0.4 s or 1 m (a number

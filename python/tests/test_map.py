@@ -103,8 +103,18 @@ def test_cells_are_where_the_map_says(result: ls.MapResult, tmp_path: Path) -> N
 def test_views_share_memory_and_outlive_their_owners(log: Path) -> None:
     made = ls.map(log, max_scans=50)
     assert made.map is not None
-    views = [made.trajectory.poses, made.map.log_odds, made.map.observed, made.graph.poses]
-    again = [made.trajectory.poses, made.map.log_odds, made.map.observed, made.graph.poses]
+    views: list[Any] = [
+        made.trajectory.poses,
+        made.map.log_odds,
+        made.map.observed,
+        made.graph.poses,
+    ]
+    again: list[Any] = [
+        made.trajectory.poses,
+        made.map.log_odds,
+        made.map.observed,
+        made.graph.poses,
+    ]
     for view, same in zip(views, again):
         assert not view.flags.writeable
         assert view.__array_interface__["data"] == same.__array_interface__["data"]

@@ -36,7 +36,7 @@ def test_defaults_are_those_of_the_program(command: str, kind: Any, run: Any) ->
 
 def test_help_is_that_of_the_program(run: Any) -> None:
     printed = run("config").stdout
-    for entry in ls._core.describe_options("map"):  # type: ignore[attr-defined]
+    for entry in ls._core.describe_options("map"):
         first = entry["help"].split(" ")[0]
         assert first in printed
 
@@ -93,7 +93,8 @@ def test_problems_of_a_file_have_its_line(log: Path, tmp_path: Path) -> None:
 
 
 def test_numbers_of_numpy_are_numbers() -> None:
-    options = SimulationOptions(duration_s=np.float64(2.5), people=np.int32(1))  # type: ignore[arg-type]
+    numbers: dict[str, Any] = {"duration_s": np.float64(2.5), "people": np.int32(1)}
+    options = SimulationOptions(**numbers)
     assert "duration_s = 2.5" in options.to_toml()
 
 

@@ -17,7 +17,7 @@ def test_results_are_drawn(result: ls.MapResult, drive: ls.Simulation) -> None:
 
     assert result.map is not None
     for drawn in (result, result.map, drive.map):
-        axes: Any = drawn.plot()  # type: ignore[attr-defined]
+        axes: Any = drawn.plot()
         assert axes.get_xlabel() == "x [m]" and len(axes.images) == 1
     _, ax = plt.subplots()
     assert result.plot(ax) is ax
@@ -25,12 +25,13 @@ def test_results_are_drawn(result: ls.MapResult, drive: ls.Simulation) -> None:
 
 
 def test_notebooks_show_map_and_verdict(result: ls.MapResult, drive: ls.Simulation) -> None:
-    html = result._repr_html_()
+    shown: Any = result
+    html = shown._repr_html_()
     assert "data:image/png;base64," in html and result.verdict.overall in html
     png = b"\x89PNG\r\n"
     assert result.map is not None
     for shown in (result, result.map, drive.map):
-        assert shown._repr_png_().startswith(png)  # type: ignore[attr-defined]
+        assert shown._repr_png_().startswith(png)
 
 
 def test_to_pandas(result: ls.MapResult) -> None:

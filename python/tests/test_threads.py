@@ -87,7 +87,8 @@ CALLS = {
 @pytest.mark.parametrize("call", CALLS)
 def test_ctrl_c_ends_a_call_at_once(call: str, long_log: Path, tmp_path: Path) -> None:
     """In a program of its own, which gets the signal half a second into the call."""
-    script = textwrap.dedent(f"""
+    script = textwrap.dedent(
+        f"""
         import time, loopstone as ls
         path = {str(long_log)!r}
         drive = ls.simulate("office", duration_s=1.0)
@@ -98,7 +99,8 @@ def test_ctrl_c_ends_a_call_at_once(call: str, long_log: Path, tmp_path: Path) -
             print("ended by itself", flush=True)
         except KeyboardInterrupt:
             print("interrupted", flush=True)
-        """)
+        """
+    )
     command = [sys.executable, "-c", script]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         assert program.stdout is not None
@@ -110,7 +112,8 @@ def test_ctrl_c_ends_a_call_at_once(call: str, long_log: Path, tmp_path: Path) -
 
 
 def test_a_program_may_end_with_everything_open(log: Path) -> None:
-    script = textwrap.dedent(f"""
+    script = textwrap.dedent(
+        f"""
         import loopstone as ls
         messages = iter(ls.open_log({str(log)!r}))
         mapper = ls.Mapper(messages.robot)
@@ -120,13 +123,15 @@ def test_a_program_may_end_with_everything_open(log: Path) -> None:
                 break
         result = ls.map({str(log)!r}, max_scans=20)
         view = result.map.log_odds
-        """)
+        """
+    )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""  # nanobind tells of leaks
 
 
 def test_spawned_processes_map(log: Path, result: ls.MapResult) -> None:
-    script = textwrap.dedent(f"""
+    script = textwrap.dedent(
+        f"""
         import multiprocessing
         import loopstone as ls
 
@@ -137,7 +142,8 @@ def test_spawned_processes_map(log: Path, result: ls.MapResult) -> None:
             ls.map({str(log)!r}, max_scans=10)
             with multiprocessing.get_context("spawn").Pool(2) as pool:
                 print(pool.map(length, [30, 60]))
-        """)
+        """
+    )
     path = log.parent / "spawn.py"
     path.write_text(script)
     done = subprocess.run(

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Holds functions to 60 lines, so that each can be seen at once.
 
-    check_function_length.py ROOT        include/, src/, apps/ and python/ at ROOT; prints one line per
-                                         breach; exits 1 if there is any
+    check_function_length.py ROOT        include/, src/, apps/ and python/ at ROOT; prints one line
+                                         per breach; exits 1 if there is any
     check_function_length.py --self-test
 
 What counts are the lines between the braces of a body, those of lambdas in it too. A function that
@@ -13,6 +13,7 @@ is better left whole says why, in the comment directly above it:
 It reads code as clang-format lays it out: a space before the brace of a body, none before that of
 an initialiser.
 """
+
 import pathlib
 import re
 import sys
