@@ -16,7 +16,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 CODE = re.compile(r"```.*?```|`[^`\n]+`|(?:^    .*\n)+", re.S | re.M)
-CALL = re.compile(r"(?<![\w/.:-])(?:[\w./$-]*/)?loopstone +([a-z]+)\b([^\n|;&`]*)")
+# `import loopstone as ls` is no call.
+CALL = re.compile(r"(?<!import )(?<![\w/.:-])(?:[\w./$-]*/)?loopstone +([a-z]+)\b([^\n|;&`]*)")
 FLAG = re.compile(r"(?<![\w-])(--[a-z][a-z-]*)")
 LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")
 
