@@ -26,7 +26,7 @@
 
 namespace loopstone::python {
 
-using namespace nb::literals;
+using nb::literals::operator""_a;
 
 Graph whole_graph(std::shared_ptr<const PoseGraph> graph) {
   Graph whole;

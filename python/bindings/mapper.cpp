@@ -26,7 +26,7 @@
 
 namespace loopstone::python {
 
-using namespace nb::literals;
+using nb::literals::operator""_a;
 
 namespace {
 

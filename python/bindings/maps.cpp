@@ -21,7 +21,7 @@
 
 namespace loopstone::python {
 
-using namespace nb::literals;
+using nb::literals::operator""_a;
 
 namespace {
 

@@ -20,7 +20,7 @@
 
 namespace loopstone::python {
 
-using namespace nb::literals;
+using nb::literals::operator""_a;
 
 namespace {
 

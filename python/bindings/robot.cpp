@@ -13,7 +13,7 @@
 
 namespace loopstone::python {
 
-using namespace nb::literals;
+using nb::literals::operator""_a;
 
 void bind_robot(nb::module_& m) {
   nb::class_<Robot> robot(
