@@ -11,8 +11,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 /// Both errors of a trajectory.
@@ -83,7 +81,8 @@ void bind_evaluation(nb::module_& m) {
   evaluation.def("__repr__", [](const Evaluation& e) {
     return "<Evaluation: ATE " + std::to_string(e.absolute.translation_m.rmse) + " m rmse>";
   });
-  m.def("evaluate", evaluate, "estimate"_a, "reference"_a, "align"_a, "rpe_delta"_a, "rpe_unit"_a);
+  m.def("evaluate", evaluate, nb::arg("estimate"), nb::arg("reference"), nb::arg("align"),
+        nb::arg("rpe_delta"), nb::arg("rpe_unit"));
 }
 
 }  // namespace loopstone::python

@@ -26,8 +26,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 Graph whole_graph(std::shared_ptr<const PoseGraph> graph) {
   Graph whole;
   whole.graph = std::move(graph);
@@ -193,8 +191,8 @@ void bind_pose_graph(nb::module_& m) {
         new (self) Graph(whole_graph(std::make_shared<const PoseGraph>(
             make_graph(poses, edges, measurements, information, kinds, fixed))));
       },
-      "poses"_a, "edges"_a, "measurements"_a, "information"_a, nb::kw_only(),
-      "kinds"_a = nb::none(), "fixed"_a = std::vector<std::int64_t>{},
+      nb::arg("poses"), nb::arg("edges"), nb::arg("measurements"), nb::arg("information"),
+      nb::kw_only(), nb::arg("kinds") = nb::none(), nb::arg("fixed") = std::vector<std::int64_t>{},
       "Copies (N, 3) poses x, y [m], yaw [rad]; (E, 2) int64 nodes i, j from 0; (E, 3) pose j in\n"
       "the frame of i as measured; (E, 3, 3) or one (3, 3) information of x, y, yaw.\n\n"
       ":param kinds: ``odometry``, ``match`` or ``loop_closure`` of each edge; without, edges\n"
@@ -205,7 +203,7 @@ void bind_pose_graph(nb::module_& m) {
   graph.def(
       "to_g2o", [](const Graph& self) { return format_g2o(*self.graph); },
       "The text of a g2o file; nodes by their numbers.");
-  graph.def("save", write_graph, "path"_a,
+  graph.def("save", write_graph, nb::arg("path"),
             "Writes a g2o file, whole or not at all; nodes have the names they were read with.");
   def_python(graph, "to_networkx", "loopstone._convert", "graph_to_networkx",
              "def to_networkx(self) -> networkx.MultiDiGraph[int]",
@@ -219,7 +217,7 @@ void bind_pose_graph(nb::module_& m) {
     return "<PoseGraph of " + std::to_string(self.graph->poses.size()) + " poses and " +
            std::to_string(self.graph->edges.size()) + " edges>";
   });
-  m.def("read_graph", read_graph, "path"_a, "information_order"_a = "guess",
+  m.def("read_graph", read_graph, nb::arg("path"), nb::arg("information_order") = "guess",
         "Reads a pose graph of g2o or TORO. Raises DataError with the line.");
 }
 
@@ -325,7 +323,8 @@ void bind_optimised(nb::module_& m) {
     return "<OptimizeResult: " + std::string(loopstone::to_string(self.found.solved.status)) +
            ", cost " + std::to_string(self.found.solved.cost) + ">";
   });
-  m.def("optimize", optimise, "graph"_a, "initial"_a, "gnc"_a, "certify"_a, "options"_a);
+  m.def("optimize", optimise, nb::arg("graph"), nb::arg("initial"), nb::arg("gnc"),
+        nb::arg("certify"), nb::arg("options"));
 }
 
 }  // namespace

@@ -35,8 +35,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 using Estimate = LocalizationEstimate;
@@ -245,7 +243,7 @@ void bind_result(nb::module_& m) {
         info.run.force = force;
         write_localization_outputs(self.result, self.map->occupancy(), info, folder.value);
       },
-      "folder"_a, nb::kw_only(), "force"_a = false,
+      nb::arg("folder"), nb::kw_only(), nb::arg("force") = false,
       "Writes the files of ``loopstone localize --report``, all of them or none.");
   result.def("__repr__", [](const Localized& self) {
     return "<LocalizationResult of " + std::to_string(self.result.scans) + " scans>";
@@ -261,7 +259,7 @@ void bind_known_map(nb::module_& m) {
         const nb::gil_scoped_release unlocked;
         new (self) KnownMap{std::make_shared<const LocalizationMap>(*map.cells)};
       },
-      "map"_a, "Raises UsageError when the map shows no wall or nothing free.");
+      nb::arg("map"), "Raises UsageError when the map shows no wall or nothing free.");
   known.def_prop_ro("free_area_m2", [](const KnownMap& k) { return k.map->free_area_m2(); });
 }
 
@@ -282,9 +280,9 @@ void bind_localizer(nb::module_& m) {
                                    nb::cast<const OptionValues&>(given),
                                    initial_of(initial, sigma_m, sigma_rad), seed, threads);
       },
-      "map"_a, "robot"_a = nb::none(), nb::kw_only(), "initial"_a = nb::none(),
-      "initial_sigma_m"_a = 0.5, "initial_sigma_rad"_a = 0.26, "seed"_a = 1,
-      "options"_a = nb::none(), "threads"_a = 0, "overrides"_a,
+      nb::arg("map"), nb::arg("robot") = nb::none(), nb::kw_only(), nb::arg("initial") = nb::none(),
+      nb::arg("initial_sigma_m") = 0.5, nb::arg("initial_sigma_rad") = 0.26, nb::arg("seed") = 1,
+      nb::arg("options") = nb::none(), nb::arg("threads") = 0, nb::arg("overrides"),
       nb::sig("def __init__(self, map: LocalizationMap | GridMap | OccupancyMap | MapResult | str "
               "| os.PathLike[str], robot: Robot | None = None, *, initial: "
               "numpy.typing.ArrayLike | None = None, initial_sigma_m: float = 0.5, "
@@ -292,12 +290,13 @@ void bind_localizer(nb::module_& m) {
               "loopstone.options.LocalizationOptions | collections.abc.Mapping[str, typing.Any] | "
               "str | None = None, threads: int = 0, **overrides: typing.Any) -> None"),
       "As :func:`loopstone.localize` takes them. Raises OptionsError, UsageError.");
-  localizer.def("add", &OnlineLocalizer::add, "message"_a.none(),
+  localizer.def("add", &OnlineLocalizer::add, nb::arg("message").none(),
                 nb::sig("def add(self, message: LaserScan | OdometryPose | WheelTicks | ImuSample "
                         "| RgbdFrame) -> list[LocalizationEstimate]"),
                 "A message as it was measured. Returns the estimates that it led to.");
-  localizer.def("restart_at", &OnlineLocalizer::restart_at, "pose"_a, "sigma_m"_a = 0.5,
-                "sigma_rad"_a = 0.26, "Somebody says where the robot is at the next scan.");
+  localizer.def("restart_at", &OnlineLocalizer::restart_at, nb::arg("pose"),
+                nb::arg("sigma_m") = 0.5, nb::arg("sigma_rad") = 0.26,
+                "Somebody says where the robot is at the next scan.");
   def_array(localizer, "particles", &OnlineLocalizer::particles,
             "(P, 3) what it believes at the newest scan.");
   localizer.def("finish", &OnlineLocalizer::finish, "Ends the recording. Nothing may follow.");
@@ -323,8 +322,9 @@ void bind_localization(nb::module_& m) {
           return localize_log(log, map, options, place, seed, Threads{threads}, cut, own);
         });
       },
-      "log"_a, "map"_a, "options"_a, "initial"_a.none(), "initial_sigma_m"_a, "initial_sigma_rad"_a,
-      "seed"_a, "start_s"_a, "duration_s"_a, "max_scans"_a, "threads"_a, "progress"_a.none());
+      nb::arg("log"), nb::arg("map"), nb::arg("options"), nb::arg("initial").none(),
+      nb::arg("initial_sigma_m"), nb::arg("initial_sigma_rad"), nb::arg("seed"), nb::arg("start_s"),
+      nb::arg("duration_s"), nb::arg("max_scans"), nb::arg("threads"), nb::arg("progress").none());
 }
 
 }  // namespace loopstone::python

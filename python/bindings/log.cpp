@@ -30,8 +30,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 using Topics = std::map<std::string, std::vector<std::string>>;
@@ -212,7 +210,7 @@ void bind_summary(nb::module_& m) {
       [](const LogSummary& self, const std::string& log) {
         return parse_json(log_summary_json(self, log));
       },
-      "log"_a = "", nb::sig("def to_dict(self, log: str = '') -> dict[str, typing.Any]"),
+      nb::arg("log") = "", nb::sig("def to_dict(self, log: str = '') -> dict[str, typing.Any]"),
       "All of it, as ``loopstone info --json`` prints it.");
   summary.def("__str__", &LogSummary::verdict);
   summary.def("__repr__", [](const LogSummary& self) {
@@ -278,9 +276,9 @@ void bind_log(nb::module_& m) {
         new (self) Log(
             make_log(path, robot, strict, stamps, intensities, topics, base_frame, echo, slice_m));
       },
-      "path"_a, "robot"_a = nb::none(), "strict"_a = false, "stamps"_a = "auto",
-      "intensities"_a = false, "topics"_a = Topics{}, "base_frame"_a = "", "echo"_a = "first",
-      "slice_m"_a = nb::none());
+      nb::arg("path"), nb::arg("robot") = nb::none(), nb::arg("strict") = false,
+      nb::arg("stamps") = "auto", nb::arg("intensities") = false, nb::arg("topics") = Topics{},
+      nb::arg("base_frame") = "", nb::arg("echo") = "first", nb::arg("slice_m") = nb::none());
   log.def(
       "__iter__", [](const Log& self) { return std::make_unique<Messages>(self); },
       "Opens it. Raises DataError when there is nothing readable.");

@@ -25,8 +25,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 using Shared = std::shared_ptr<Mapped>;
@@ -169,7 +167,7 @@ void bind_map_result(nb::module_& m) {
   nb::class_<Mapped> cls(m, "MapResult", "What the mapper made of a log.");
   def_parts(cls);
   def_judgement(cls);
-  cls.def("save", save, "folder"_a, nb::kw_only(), "force"_a = false,
+  cls.def("save", save, nb::arg("folder"), nb::kw_only(), nb::arg("force") = false,
           "Writes the files that ``loopstone map`` writes, all of them or none. Raises UsageError\n"
           "when the folder holds something, unless forced.");
   cls.def("to_png", picture, "The bytes of map.png: map, path, closures, scale bar.");
@@ -197,8 +195,8 @@ void bind_map_result(nb::module_& m) {
           return map_log(log, options, cut, Threads{threads}, texture, own);
         });
       },
-      "log"_a, "options"_a, "start_s"_a, "duration_s"_a, "max_scans"_a, "threads"_a, "texture"_a,
-      "progress"_a.none());
+      nb::arg("log"), nb::arg("options"), nb::arg("start_s"), nb::arg("duration_s"),
+      nb::arg("max_scans"), nb::arg("threads"), nb::arg("texture"), nb::arg("progress").none());
   m.def(
       "map_messages",
       [](const nb::typed<nb::iterable, nb::object>& messages, const Robot* robot,
@@ -211,7 +209,8 @@ void bind_map_result(nb::module_& m) {
           return map_messages(all, model, options, Threads{threads}, own);
         });
       },
-      "messages"_a, "robot"_a.none(), "options"_a, "threads"_a, "progress"_a.none());
+      nb::arg("messages"), nb::arg("robot").none(), nb::arg("options"), nb::arg("threads"),
+      nb::arg("progress").none());
 }
 
 }  // namespace loopstone::python

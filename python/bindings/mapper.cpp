@@ -26,8 +26,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 /// A mapper for one robot that drives now; any thread may call it.
@@ -203,13 +201,13 @@ void bind_mapper(nb::module_& m) {
             nb::module_::import_("loopstone._values").attr("map_values")(options, **overrides);
         new (self) OnlineMapper(robot, nb::cast<const OptionValues&>(values), threads);
       },
-      "robot"_a = nb::none(), nb::kw_only(), "options"_a = nb::none(), "threads"_a = 0,
-      "overrides"_a,
+      nb::arg("robot") = nb::none(), nb::kw_only(), nb::arg("options") = nb::none(),
+      nb::arg("threads") = 0, nb::arg("overrides"),
       nb::sig("def __init__(self, robot: Robot | None = None, *, options: "
               "loopstone.options.MapOptions | collections.abc.Mapping[str, typing.Any] | str | "
               "None = None, threads: int = 0, **overrides: typing.Any) -> None"),
       "As :func:`loopstone.map` takes its options. Raises OptionsError.");
-  mapper.def("add", &OnlineMapper::add, "message"_a.none(),
+  mapper.def("add", &OnlineMapper::add, nb::arg("message").none(),
              nb::sig("def add(self, message: LaserScan | OdometryPose | WheelTicks | ImuSample | "
                      "RgbdFrame) -> list[MapUpdate]"),
              "A message as it was measured. Returns the updates that it led to, one a scan: none\n"
@@ -224,7 +222,7 @@ void bind_mapper(nb::module_& m) {
   mapper.def(
       "finish",
       [](OnlineMapper& self, const nb::object& progress) { return self.finish(progress); },
-      "progress"_a = nb::none(),
+      nb::arg("progress") = nb::none(),
       nb::sig("def finish(self, progress: collections.abc.Callable[[str, int, int, int, float], "
               "object] | None = None) -> MapResult"),
       "Last closures, last solution, the final map of all scans. Nothing may follow.");

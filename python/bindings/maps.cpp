@@ -21,8 +21,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 template <typename T>
@@ -103,7 +101,7 @@ void bind_grid_map(nb::module_& m) {
         new (self)
             GridMap{std::make_shared<const CellStates>(make_cells(cells, resolution_m, origin))};
       },
-      "cells"_a, "resolution_m"_a, "origin"_a,
+      nb::arg("cells"), nb::arg("resolution_m"), nb::arg("origin"),
       "Copies (rows, columns) int8; row 0 has the lowest y. Raises ValueError.");
   def_array(
       grid, "cells",
@@ -118,7 +116,8 @@ void bind_grid_map(nb::module_& m) {
         const nb::gil_scoped_release unlocked;
         write_ros_map(path.value, *self.cells);
       },
-      "path"_a, "Writes NAME.yaml and NAME.pgm, as ROS map_server reads them: both or none.");
+      nb::arg("path"),
+      "Writes NAME.yaml and NAME.pgm, as ROS map_server reads them: both or none.");
   grid.def(
       "to_png", [](const GridMap& self) { return png_of(*self.cells); },
       "The bytes of a PNG picture: white free, black occupied, grey unknown.");
@@ -138,7 +137,8 @@ void bind_grid_map(nb::module_& m) {
         return GridMap{
             std::make_shared<const CellStates>(read_ros_map(path.value, machine_memory_budget()))};
       },
-      "path"_a, "Reads a map as ROS map_server does: YAML beside PGM or PNG. Raises DataError.");
+      nb::arg("path"),
+      "Reads a map as ROS map_server does: YAML beside PGM or PNG. Raises DataError.");
 }
 
 }  // namespace

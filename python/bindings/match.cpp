@@ -17,8 +17,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 /// Of the plane or of space: what a match found, as arrays.
@@ -216,8 +214,10 @@ void bind_match(nb::module_& m) {
   matched.def("__repr__", [](const Matched& self) {
     return "<MatchResult by " + self.method + ": " + self.status + ">";
   });
-  m.def("match", match, "source"_a, "target"_a, "robot"_a.none(), "method"_a, "guess"_a.none(),
-        "search_xy_m"_a.none(), "search_yaw_rad"_a.none(), "anywhere"_a, "options"_a, "threads"_a);
+  m.def("match", match, nb::arg("source"), nb::arg("target"), nb::arg("robot").none(),
+        nb::arg("method"), nb::arg("guess").none(), nb::arg("search_xy_m").none(),
+        nb::arg("search_yaw_rad").none(), nb::arg("anywhere"), nb::arg("options"),
+        nb::arg("threads"));
 }
 
 }  // namespace loopstone::python

@@ -20,8 +20,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 void require_finite(double value, const char* name) {
@@ -83,37 +81,7 @@ Matrix points(const LaserScan& scan, const Robot* robot, const std::optional<Arr
   return array_of<double, nb::ndim<2>>(std::move(values), {found.size(), 2});
 }
 
-void bind_scan(nb::module_& m) {
-  nb::class_<LaserScan> scan(
-      m, "LaserScan",
-      "One sweep of a planar laser scanner; it can't be changed.\n\n"
-      "Beam i points to ``angle_min_rad + i * angle_increment_rad``, counter-clockwise from the\n"
-      "lidar's x axis. A finite range within the limits is a return, +inf means nothing within\n"
-      "range, NaN a bad beam (REP-117).");
-  scan.def(
-      "__init__",
-      [](LaserScan* self, std::int64_t stamp_ns, const ArrayLike& ranges_m, double angle_min_rad,
-         double angle_increment_rad, double range_min_m, double range_max_m,
-         double time_increment_s, int lidar, const std::optional<ArrayLike>& robot_T_lidar,
-         const std::optional<ArrayLike>& intensities) {
-        new (self)
-            LaserScan(make_scan(stamp_ns, ranges_m, angle_min_rad, angle_increment_rad, range_min_m,
-                                range_max_m, time_increment_s, lidar, robot_T_lidar, intensities));
-      },
-      "stamp_ns"_a, "ranges_m"_a, nb::kw_only(), "angle_min_rad"_a, "angle_increment_rad"_a,
-      "range_min_m"_a = 0.0, "range_max_m"_a, "time_increment_s"_a = 0.0, "lidar"_a = 0,
-      "robot_T_lidar"_a = nb::none(), "intensities"_a = nb::none(),
-      "A scan of numbers that are copied. Raises ValueError for what is no scan.\n\n"
-      ":param ranges_m: (N,) metres, which are kept as float32");
-  def_stamp(scan);
-  scan.def_ro("angle_min_rad", &LaserScan::angle_min_rad, "Of beam 0 [rad].");
-  scan.def_ro("angle_increment_rad", &LaserScan::angle_increment_rad,
-              "From beam to beam [rad]; negative for clockwise scanners.");
-  scan.def_ro("range_min_m", &LaserScan::range_min_m, "[m]");
-  scan.def_ro("range_max_m", &LaserScan::range_max_m, "[m]");
-  scan.def_ro("time_increment_s", &LaserScan::time_increment_s,
-              "Between neighbouring beams [s]; 0: unknown, or all at once.");
-  scan.def_ro("lidar", &LaserScan::lidar, "Which of the robot's lidars.");
+void def_arrays(nb::class_<LaserScan>& scan) {
   def_array(
       scan, "robot_T_lidar",
       [](const LaserScan& self) -> std::optional<Vector> {
@@ -134,11 +102,47 @@ void bind_scan(nb::module_& m) {
       },
       "(N,) float32 in the scanner's unit, a read-only view; (0,) when there are none.");
   def_array(scan, "angles_rad", angles, "(N,) float64: where each beam points, lidar frame [rad].");
-  scan.def("points", points, nb::kw_only(), "robot"_a = nb::none(), "velocity"_a = nb::none(),
+  scan.def("points", points, nb::kw_only(), nb::arg("robot") = nb::none(),
+           nb::arg("velocity") = nb::none(),
            "(M, 2) returns in the robot's frame [m], in the order of the beams.\n\n"
            ":param robot: where the lidar sits, unless the scan itself says so\n"
            ":param velocity: (3,) of the robot in its own frame [m/s, m/s, rad/s]; undoes the\n"
            "    motion during the sweep");
+}
+
+void bind_scan(nb::module_& m) {
+  nb::class_<LaserScan> scan(
+      m, "LaserScan",
+      "One sweep of a planar laser scanner; it can't be changed.\n\n"
+      "Beam i points to ``angle_min_rad + i * angle_increment_rad``, counter-clockwise from the\n"
+      "lidar's x axis. A finite range within the limits is a return, +inf means nothing within\n"
+      "range, NaN a bad beam (REP-117).");
+  scan.def(
+      "__init__",
+      [](LaserScan* self, std::int64_t stamp_ns, const ArrayLike& ranges_m, double angle_min_rad,
+         double angle_increment_rad, double range_min_m, double range_max_m,
+         double time_increment_s, int lidar, const std::optional<ArrayLike>& robot_T_lidar,
+         const std::optional<ArrayLike>& intensities) {
+        new (self)
+            LaserScan(make_scan(stamp_ns, ranges_m, angle_min_rad, angle_increment_rad, range_min_m,
+                                range_max_m, time_increment_s, lidar, robot_T_lidar, intensities));
+      },
+      nb::arg("stamp_ns"), nb::arg("ranges_m"), nb::kw_only(), nb::arg("angle_min_rad"),
+      nb::arg("angle_increment_rad"), nb::arg("range_min_m") = 0.0, nb::arg("range_max_m"),
+      nb::arg("time_increment_s") = 0.0, nb::arg("lidar") = 0,
+      nb::arg("robot_T_lidar") = nb::none(), nb::arg("intensities") = nb::none(),
+      "A scan of numbers that are copied. Raises ValueError for what is no scan.\n\n"
+      ":param ranges_m: (N,) metres, which are kept as float32");
+  def_stamp(scan);
+  scan.def_ro("angle_min_rad", &LaserScan::angle_min_rad, "Of beam 0 [rad].");
+  scan.def_ro("angle_increment_rad", &LaserScan::angle_increment_rad,
+              "From beam to beam [rad]; negative for clockwise scanners.");
+  scan.def_ro("range_min_m", &LaserScan::range_min_m, "[m]");
+  scan.def_ro("range_max_m", &LaserScan::range_max_m, "[m]");
+  scan.def_ro("time_increment_s", &LaserScan::time_increment_s,
+              "Between neighbouring beams [s]; 0: unknown, or all at once.");
+  scan.def_ro("lidar", &LaserScan::lidar, "Which of the robot's lidars.");
+  def_arrays(scan);
   scan.def("__len__", [](const LaserScan& self) { return self.ranges_m.size(); });
   scan.def("__repr__", [](const LaserScan& self) {
     return fmt::format("<LaserScan at {:.6f} s, {} beams>", self.stamp.seconds(),
@@ -154,7 +158,7 @@ void bind_odometry(nb::module_& m) {
       [](OdometryPose* self, std::int64_t stamp_ns, const ArrayLike& odom_T_robot) {
         new (self) OdometryPose{{stamp_ns}, pose_of(odom_T_robot, "odom_T_robot")};
       },
-      "stamp_ns"_a, "odom_T_robot"_a);
+      nb::arg("stamp_ns"), nb::arg("odom_T_robot"));
   def_stamp(pose);
   def_array(
       pose, "odom_T_robot", [](const OdometryPose& self) { return to_array(self.odom_T_robot); },
@@ -166,7 +170,7 @@ void bind_odometry(nb::module_& m) {
       [](WheelTicks* self, std::int64_t stamp_ns, const std::array<std::int64_t, 4>& counts) {
         new (self) WheelTicks{{stamp_ns}, counts};
       },
-      "stamp_ns"_a, "counts"_a);
+      nb::arg("stamp_ns"), nb::arg("counts"));
   def_stamp(ticks);
   ticks.def_prop_ro(
       "counts",
@@ -195,7 +199,7 @@ void bind_odometry(nb::module_& m) {
                              vector(angular_velocity_rad_s, "angular_velocity_rad_s"),
                              vector(linear_acceleration_m_s2, "linear_acceleration_m_s2")};
       },
-      "stamp_ns"_a, "angular_velocity_rad_s"_a, "linear_acceleration_m_s2"_a);
+      nb::arg("stamp_ns"), nb::arg("angular_velocity_rad_s"), nb::arg("linear_acceleration_m_s2"));
   def_stamp(imu);
   def_array(
       imu, "angular_velocity_rad_s",

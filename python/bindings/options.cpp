@@ -19,8 +19,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 nb::str text(std::string_view word) { return nb::str(word.data(), word.size()); }
@@ -114,11 +112,11 @@ void bind_options(nb::module_& m) {
          std::vector<std::pair<std::string, std::string>> given) {
         new (self) OptionValues{file, std::move(given)};
       },
-      "file"_a = "", "values"_a = std::vector<std::pair<std::string, std::string>>{});
-  m.def("describe_options", describe_options, "of"_a,
+      nb::arg("file") = "", nb::arg("values") = std::vector<std::pair<std::string, std::string>>{});
+  m.def("describe_options", describe_options, nb::arg("of"),
         nb::sig("def describe_options(of: str) -> list[dict[str, typing.Any]]"),
         "Every option of a call: its dotted key, default, words, range, rule and help.");
-  m.def("options_toml", options_text, "of"_a, "values"_a,
+  m.def("options_toml", options_text, nb::arg("of"), nb::arg("values"),
         "The effective options as TOML, as `loopstone config` prints them. Raises OptionsError.");
 }
 

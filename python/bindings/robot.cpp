@@ -13,8 +13,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 void bind_robot(nb::module_& m) {
   nb::class_<Robot> robot(
       m, "Robot",
@@ -25,14 +23,14 @@ void bind_robot(nb::module_& m) {
       [](Robot* self, const std::string& toml) {
         new (self) Robot{parse_robot(toml, "toml"), stated_wheels(toml, "toml")};
       },
-      "toml"_a = "",
+      nb::arg("toml") = "",
       "From the text of a robot file. Raises OptionsError with all that is wrong with it.");
   robot.def_static(
       "read",
       [](const PathLike& path) {
         return Robot{read_robot_file(path.value), read_stated_wheels(path.value)};
       },
-      "path"_a, "From a robot file. Raises OptionsError, DataError.");
+      nb::arg("path"), "From a robot file. Raises OptionsError, DataError.");
   robot.def(
       "to_toml", [](const Robot& self) { return robot_to_toml(self.model); },
       "As the text of a robot file, with help texts.");

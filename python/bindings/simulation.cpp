@@ -23,8 +23,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 /// What a robot measured, and the truth.
@@ -99,7 +97,7 @@ void bind_simulation(nb::module_& m) {
                         [](const Simulated& self) { return self.summary.duration_s; });
   simulated.def_prop_ro("route_length_m",
                         [](const Simulated& self) { return self.summary.route_length_m; });
-  simulated.def("save", save_log, "path"_a, "format"_a = "carmen",
+  simulated.def("save", save_log, nb::arg("path"), nb::arg("format") = "carmen",
                 "Writes the log, whole or not at all: ``carmen``, ``ucsd``, ``mcap``, ``bag``...\n"
                 "Formats leave out what they have no place for. Raises UsageError, DataError.");
   simulated.def("__repr__", [](const Simulated& self) {
@@ -115,7 +113,8 @@ void bind_simulation(nb::module_& m) {
         return work(progress,
                     [&](Work& own) { return simulate_drive(place, model, options, seed, own); });
       },
-      "world"_a, "robot"_a.none(), "seed"_a, "options"_a, "progress"_a.none());
+      nb::arg("world"), nb::arg("robot").none(), nb::arg("seed"), nb::arg("options"),
+      nb::arg("progress").none());
   m.def(
       "world_names",
       [] {

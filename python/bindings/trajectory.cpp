@@ -19,8 +19,6 @@
 
 namespace loopstone::python {
 
-using nb::literals::operator""_a;
-
 namespace {
 
 // Views into an array of them step from one to the next.
@@ -87,7 +85,7 @@ void bind_trajectory(nb::module_& m) {
       [](Trajectory* self, const ArrayLike& stamps_ns, const ArrayLike& poses) {
         new (self) Trajectory(make_trajectory(stamps_ns, poses));
       },
-      "stamps_ns"_a, "poses"_a,
+      nb::arg("stamps_ns"), nb::arg("poses"),
       "Copies (N,) nanoseconds and (N, 3) x, y [m], yaw [rad]. Raises ValueError for what is no\n"
       "trajectory.");
   def_array(trajectory, "stamps_ns", stamps_view, "(N,) int64 [ns], a read-only view.");
@@ -96,7 +94,7 @@ void bind_trajectory(nb::module_& m) {
             "(N, 3) x, y [m], yaw [rad] in (-pi, pi], a read-only view.");
   trajectory.def_prop_ro("path_length_m", &Trajectory::path_length_m,
                          "Sum of the distances from each position to the next.");
-  trajectory.def("at", pose_at, "stamp_ns"_a,
+  trajectory.def("at", pose_at, nb::arg("stamp_ns"),
                  "(3,) the pose at a stamp, along the arc between its neighbours; None outside.");
   trajectory.def(
       "to_tum", [](const Trajectory& self) { return format_tum(self); },
@@ -107,7 +105,7 @@ void bind_trajectory(nb::module_& m) {
         const nb::gil_scoped_release unlocked;
         write_tum(path.value, self);
       },
-      "path"_a, "Writes a TUM file, whole or not at all. Raises DataError.");
+      nb::arg("path"), "Writes a TUM file, whole or not at all. Raises DataError.");
   def_python(trajectory, "to_pandas", "loopstone._convert", "trajectory_to_pandas",
              "def to_pandas(self) -> pandas.DataFrame",
              "Columns x_m, y_m, yaw_rad, indexed by stamp_ns. Needs loopstone[pandas].");
@@ -124,7 +122,8 @@ void bind_trajectory(nb::module_& m) {
         const nb::gil_scoped_release unlocked;
         return read_tum(path.value, machine_memory_budget());
       },
-      "path"_a, "Reads a TUM file; z, roll and pitch are dropped. Raises DataError with the line.");
+      nb::arg("path"),
+      "Reads a TUM file; z, roll and pitch are dropped. Raises DataError with the line.");
 }
 
 }  // namespace loopstone::python
