@@ -33,6 +33,11 @@ if [[ -x viewer/node_modules/.bin/esbuild ]] && command -v chromium >/dev/null; 
 else
   echo "bench/viewer.py: skipped, it needs scripts/install_viewer.sh" >&2
 fi
+if [[ -x build/python/venv/bin/loopstone && -f $data/carmen/intel.clf ]]; then
+  measure bench/python_overhead.py $quick
+else
+  echo "bench/python_overhead.py: skipped, it needs scripts/test_python.sh and recorded logs" >&2
+fi
 measure bench/session.py $quick
 measure bench/continued.py $quick
 measure bench/editing.py $quick
