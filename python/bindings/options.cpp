@@ -95,7 +95,9 @@ void set_options(const std::vector<OptionEntry>& options, const OptionValues& gi
   std::vector<OptionProblem> problems;
   if (!given.file.empty()) problems = apply_options_file(options, given.file);
   for (const auto& [key, value] : given.values) {
-    for (OptionProblem& problem : apply_assignment(options, key + "=" + value)) {
+    std::string assignment = key;
+    assignment.append("=").append(value);
+    for (OptionProblem& problem : apply_assignment(options, assignment)) {
       problem.where.path = "options";
       problems.push_back(std::move(problem));
     }
