@@ -255,7 +255,8 @@ export class DemoServer {
   }
 
   private evidence(id: number): object | null {
-    const closure = this.closuresNow()[id];
+    // One that is shown still may be of before the run began anew.
+    const closure = this.closuresNow()[id] ?? this.closures[id];
     if (closure === undefined) return null;
     const from = this.run.nodes[closure.from] as Node;
     const to = this.run.nodes[closure.to] as Node;
