@@ -64,7 +64,7 @@ inside apt-get install -y -q --no-install-recommends "/debs/$(basename "$program
 
 say "as a user without rights: simulate, map, evaluate"
 inside useradd --create-home robot
-as_user() { inside setpriv --reuid robot --regid robot --init-groups bash -euc "cd /home/robot && $1"; }
+as_user() { inside env HOME=/home/robot setpriv --reuid robot --regid robot --init-groups bash -euc "cd /home/robot && $1"; }
 [[ $(as_user 'loopstone --version') == *"$version"* ]] || { echo "another version"; exit 1; }
 as_user 'loopstone simulate office -o sim --seed 1 --duration 60 --quiet >/dev/null &&
   loopstone map sim -o out --quiet >/dev/null &&
