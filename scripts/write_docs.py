@@ -11,27 +11,16 @@ import argparse
 import json
 import pathlib
 import re
-import subprocess
 import sys
 
 from doc_blocks import read_block, table, write_block
+from program_help import output_of, parse_help
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/command_line.md"
 LOCALIZATION_PAGE = ROOT / "docs/localization.md"
 TEXTURE_PAGE = ROOT / "docs/texture.md"
 FORMATS_PAGE = ROOT / "docs/formats.md"
-
-
-def output_of(program, *arguments):
-    return subprocess.run([program, *arguments], check=True, stdout=subprocess.PIPE).stdout.decode()
-
-
-def commands_of(help_text):
-    listed = re.search(r"^Subcommands:\n((?:  .*\n)+)", help_text, re.M)
-    if not listed:
-        raise SystemExit("`loopstone --help` lists no subcommands")
-    return re.findall(r"^  (\w+)", listed.group(1), re.M)
 
 
 def help_block(title, text):
@@ -42,7 +31,7 @@ def help_block(title, text):
 def command_help(program):
     general = output_of(program, "--help")
     parts = [help_block("loopstone", general)]
-    for command in commands_of(general):
+    for command in parse_help("", general).commands:
         parts.append(help_block(f"loopstone {command}", output_of(program, command, "--help")))
     return "\n".join(parts)
 

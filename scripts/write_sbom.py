@@ -14,6 +14,8 @@ import re
 import subprocess
 import sys
 
+from program_help import output_of
+
 # Their headers are in the program; by the package that brings them.
 COMPILED_IN = [
     "libeigen3-dev",
@@ -41,10 +43,6 @@ SPDX_NAMES = {
     "Zlib": "Zlib",
     "zlib": "Zlib",
 }
-
-
-def output_of(*command):
-    return subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout.decode()
 
 
 def linked_packages(program):

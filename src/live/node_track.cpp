@@ -4,20 +4,15 @@
 #include <cmath>
 #include <utility>
 
-#include "loopstone/geometry/angle.hpp"
+#include "live/still.hpp"
 
 namespace loopstone {
 namespace {
 
 bool is_same(const ViewNode& a, const ViewNode& b) {
-  constexpr double kStillM = 1e-3;
-  constexpr double kStillRad = 1e-3;
   constexpr double kSameSigmaM = 1e-3;
   return a.stamp == b.stamp && a.submap == b.submap && a.drive == b.drive &&
-         std::abs(a.map_T_robot.x - b.map_T_robot.x) < kStillM &&
-         std::abs(a.map_T_robot.y - b.map_T_robot.y) < kStillM &&
-         std::abs(wrap_angle(a.map_T_robot.yaw - b.map_T_robot.yaw)) < kStillRad &&
-         std::abs(a.sigma_m - b.sigma_m) < kSameSigmaM;
+         is_still(a.map_T_robot, b.map_T_robot) && std::abs(a.sigma_m - b.sigma_m) < kSameSigmaM;
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ class ToldList {
   /// little stays as it was told, so that many small steps do not go unseen.
   /// \param keeps  (const T& told, T& now): whether it differs too little; then `now` gets what was
   ///               told
-  /// \return nothing where nothing is to be told
   template <typename Keeps>
   [[nodiscard]] std::vector<std::size_t> change(std::vector<T> now, const Keeps& keeps) {
     std::vector<std::size_t> places;

@@ -11,11 +11,11 @@
 #include "formats/message_scan.hpp"
 #include "formats/topic_names.hpp"
 #include "live/node_track.hpp"
+#include "live/still.hpp"
 #include "live/tile_store.hpp"
 #include "live/told_list.hpp"
 #include "live/view_json.hpp"
 #include "live/view_topics.hpp"
-#include "loopstone/geometry/angle.hpp"
 #include "loopstone/report/ros_messages.hpp"
 #include "report/map_messages.hpp"
 
@@ -44,17 +44,10 @@ std::optional<std::size_t> id_in(std::string_view path) {
   return id;
 }
 
-constexpr double kStillM = 1e-3;
-constexpr double kStillRad = 1e-3;
 /// Every solution of the graph moves every chi-square a little.
 constexpr double kSameChi2 = 0.1;
 /// Of points of an outline.
 constexpr float kSameOutlineM = 0.01F;
-
-bool is_near(const Pose2& a, const Pose2& b) {
-  return (a.translation() - b.translation()).lpNorm<Eigen::Infinity>() < kStillM &&
-         std::abs(wrap_angle(a.yaw - b.yaw)) < kStillRad;
-}
 
 bool is_near(const std::optional<double>& a, const std::optional<double>& b) {
   if (!a || !b) return a == b;
@@ -81,7 +74,7 @@ bool keeps_told(const ViewSubmap& told, ViewSubmap& now) {
     return (a - b).lpNorm<Eigen::Infinity>() < kSameOutlineM;
   };
   const bool is_same = told.id == now.id && told.state == now.state &&
-                       is_near(told.map_T_submap, now.map_T_submap) &&
+                       is_still(told.map_T_submap, now.map_T_submap) &&
                        std::ranges::equal(told.outline, now.outline, is_same_point);
   if (is_same) now = told;
   return is_same;
