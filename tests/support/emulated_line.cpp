@@ -92,8 +92,10 @@ std::string EmulatedLine::read(int patience_ms) {
   return {};
 }
 
+/// What nobody takes is lost, as on a real line: after a while, so that a busy machine is no
+/// trouble of the line, but at once if the other side says something.
 void EmulatedLine::write(std::string_view bytes) {
-  constexpr int kPatienceMs = 20;
+  constexpr int kPatienceMs = 1000;
   while (!bytes.empty() && peer_ >= 0) {
     const auto count = kind_ == Kind::kTcp ? ::send(peer_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
                                            : ::write(peer_, bytes.data(), bytes.size());
@@ -102,8 +104,8 @@ void EmulatedLine::write(std::string_view bytes) {
       continue;
     }
     if (errno != EAGAIN) return;
-    pollfd waiting{.fd = peer_, .events = POLLOUT, .revents = 0};
-    if (::poll(&waiting, 1, kPatienceMs) <= 0) return;
+    pollfd waiting{.fd = peer_, .events = POLLOUT | POLLIN, .revents = 0};
+    if (::poll(&waiting, 1, kPatienceMs) <= 0 || (waiting.revents & POLLOUT) == 0) return;
   }
 }
 

@@ -335,7 +335,7 @@ TEST(ScipTroubleThread, RubbishIsAnError) {
   const EmulatedScip device(room(), {}, {.scan = [](int scan, const std::string& bytes) {
                               return scan < 3 ? bytes : std::string(bytes.size(), '\x7F');
                             }});
-  const auto scanner = open_scanner(device.address(), {.silence_s = 0.5});
+  const auto scanner = open_scanner(device.address(), {.silence_s = 1.5});
   (void)scans_of(*scanner, 3);
   EXPECT_THAT(error_of([&] { (void)scanner->next(); }), HasSubstr("has sent no sound scan"));
   const EmulatedScip deaf(room(), {}, {.reply = [](const std::string&, const std::string&) {

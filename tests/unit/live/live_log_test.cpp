@@ -19,8 +19,17 @@ namespace {
 
 using std::chrono::milliseconds;
 
+/// The time of now, and later each time it is asked.
 double now_s() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  static std::atomic<double> last_s{0.0};
+  const double clock_s =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  double before_s = last_s;
+  double told_s = 0.0;
+  do {
+    told_s = std::max(clock_s, before_s + 1e-6);
+  } while (!last_s.compare_exchange_weak(before_s, told_s));
+  return told_s;
 }
 
 SensorMessage scan_at(double seconds, int lidar = 0) {
