@@ -17,6 +17,7 @@ set(LOOPSTONE_PARTS
     simulation
     messages
     formats
+    pipeline
     report
     live)
 

@@ -1,12 +1,13 @@
 // From a log to a trajectory and a map that ROS can load:  example_03_map_a_log [LOG]
 // Without a log it records one itself, in a simulated office.
 #include <cstdio>
+#include <string>
 
-#include "loopstone/formats/convert_log.hpp"
+#include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/tum.hpp"
+#include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/simulation/simulate.hpp"
-#include "loopstone/slam/mapper.hpp"
 
 using namespace loopstone;
 
@@ -29,11 +30,9 @@ int main(int argc, char** argv) {
   const char* const path = argc > 1 ? argv[1] : "recorded";
   if (argc < 2) record(path);
 
-  const auto log = open_log(path);  // finds out the format by itself
-  Mapper mapper(log->robot(RobotModel{}), MapOptions{});
-  while (const auto message = log->next()) mapper.add(*message);
-  const MapResult result = mapper.finish();
-
+  const LogMap made = map_log({.path = path});  // finds out the format by itself
+  const MapResult& result = made.result;
+  for (const std::string& warning : result.warnings) std::printf("warning: %s\n", warning.c_str());
   write_tum("trajectory.tum", result.trajectory);
   write_ros_map("map.yaml", cell_states(result.map));  // and map.pgm
 

@@ -18,6 +18,7 @@ SUMMARY_PARTS = {
     "simulation": "Worlds, sensors and what makes them unkind.",
     "messages": "Messages of ROS 1 and ROS 2, without ROS.",
     "formats": "Logs, maps, graphs and clouds: readers and writers.",
+    "pipeline": "A log from its first message to a map, a place on one, or its robot's calibration.",
     "report": "Pictures, pages and files of a result.",
     "live": "The live view, its server, logs that are still written.",
 }

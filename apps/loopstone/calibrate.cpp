@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "commands.hpp"
-#include "log_calibration.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/pipeline/log_calibration.hpp"
 #include "output_path.hpp"
 #include "progress_display.hpp"
 #include "result.hpp"
@@ -106,15 +106,17 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   if (!arguments.output.empty()) outputs.add_file("-o", arguments.output);
   outputs.check();
   ProblemPrinter print_problem(context);
-  const auto reader =
-      open_log(arguments.log, log_options(arguments.reading, context, &print_problem));
+  const LogSource source =
+      source_of(arguments.log, log_options(arguments.reading, context, &print_problem), context);
+  const auto reader = source.open();
   tell_choices(*reader, context);
   const RobotModel robot = context.robot_given() ? context.robot() : reader->robot(context.robot());
   outputs.prepare();
 
   ProgressDisplay display(context);
-  const RobotFindings findings = calibrate_log(arguments.log, *reader, robot, arguments.cut,
-                                               arguments.reading, options, display, context);
+  const RobotFindings findings = calibrate_log(source, *reader, robot, arguments.cut, options,
+                                               context.threads(), watch_by(display));
+  ProgressDisplay::clear_line();
   for (const std::string& change : log_files.changes()) context.warn(change);
   const Calibration& calibration = findings.map.calibration;
   if (calibration.motions == 0) {
@@ -125,8 +127,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   if (!arguments.output.empty())
     write_text_file(arguments.output, robot_to_toml(findings.corrected));
   print(calibration, findings.wheels, findings.given, arguments.output, context);
-  if (findings.interrupted) context.warn("interrupted: the values are of what was read until then");
-  return findings.interrupted ? kExitInterrupted : kExitDone;
+  return kExitDone;
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ void LiveDrive::run(const RobotModel& robot,
                     const std::function<void(const SensorMessage&, PoseLines&)>& use) {
   PoseLines poses(arguments_.poses, context_);
   LiveRecorder recorder(arguments_.record, robot, context_);
-  messages_.emplace(log_, LogCut{}, !context_.robot_given(), step_, display_);
+  messages_.emplace(log_, LogCut{}, !context_.robot_given(), step_, watch_by(display_));
   while (const auto message = messages_->next()) {
     recorder.add(*message);
     if (arguments_.listener != nullptr) arguments_.listener->add(*message);

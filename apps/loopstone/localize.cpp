@@ -14,12 +14,11 @@
 #include "interrupt.hpp"
 #include "known_map.hpp"
 #include "localize_landmarks.hpp"
-#include "log_calibration.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/ros_map.hpp"
-#include "loopstone/geometry/angle.hpp"
 #include "loopstone/localization/localizer.hpp"
+#include "loopstone/pipeline/log_localization.hpp"
 #include "loopstone/report/localization_figures.hpp"
 #include "loopstone/report/localization_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
@@ -159,33 +158,6 @@ void warn_of_initial_pose(const InitialPose& initial, const Grid<std::int8_t>& m
   }
 }
 
-/// That no place was found is a result; that no scan could be used is not.
-void require_usable_scans(const LocalizationResult& result, const std::string& log) {
-  if (result.scans == 0 || result.scans_dropped < result.scans) return;
-  throw DataError({log}, fmt::format("none of its {} scans has enough returns to tell a place; "
-                                     "`loopstone info` shows what is wrong with them",
-                                     result.scans));
-}
-
-LocalizationResult localize(CutLog& log, Localizer localizer) {
-  while (const auto message = log.next()) localizer.add(*message);
-  LocalizationResult result = localizer.finish();
-  result.complete = result.complete && !log.interrupted();
-  return result;
-}
-
-/// What the log itself gives reason to say of the result. Throws DataError when nothing can be made
-/// of it. Returns what was left out.
-LeftOut judge(CutLog& log, const LogFiles& files, const std::string& path,
-              LocalizationResult& result) {
-  const LogSummary judged = log.judge(path);
-  const std::vector<std::string> of_log = warnings_of(judged);
-  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
-  require_usable_scans(result, path);
-  for (std::string& change : files.changes()) result.warnings.push_back(std::move(change));
-  return judged.left_out;
-}
-
 LocalizationRunInfo info_of(const Arguments& arguments, const LeftOut& left_out,
                             LocalizationOptions& options, const LocalizationMap& map,
                             const std::optional<InitialPose>& initial, const AppContext& context) {
@@ -270,48 +242,12 @@ ExitCode tell(const LocalizationResult& result, const Grid<std::int8_t>& occupan
   return kExitInterrupted;
 }
 
-/// The robot that wrote a log.
-struct Robot {
-  RobotModel model{};
-  bool mounts_from_log = true;  ///< what scans say of their laser's place on it counts
-  std::vector<std::string> warnings{};
-};
-
-std::vector<std::string> words_on(const RobotFindings& findings) {
-  const Calibration& found = findings.map.calibration;
-  const std::string end =
-      ", as its driving tells: taken to be so; `loopstone calibrate -o` writes a robot file";
-  std::vector<std::string> words;
-  if (findings.mount_is_certain()) {
-    words.push_back(fmt::format(
-        "the laser sits at ({:.3f}, {:.3f}) m and looks {:.2f} deg to the left, not at ({:.3f}, "
-        "{:.3f}) m and {:.2f} deg{}",
-        found.lidar_x_m.value, found.lidar_y_m.value, degrees(found.lidar_yaw_rad.value),
-        found.lidar_x_m.given, found.lidar_y_m.given, degrees(found.lidar_yaw_rad.given), end));
-  }
-  if (found.sweep_is_off) {
-    words.push_back(fmt::format("the beams of a scan leave over {:.0f} ms, not at once{}",
-                                1e3 * found.sweep_s.value, end));
-  }
-  if (found.laser_is_mirrored) words.push_back("the laser hangs upside down" + end);
-  return words;
-}
-
-/// As it is given, or else as the first minutes of its driving tell it (docs/calibration.md).
-Robot robot_as_driven(const Arguments& arguments, const RobotModel& given, ProgressDisplay& display,
-                      const AppContext& context) {
-  constexpr double kEnoughS = 300.0;
-  Robot robot{.model = given, .mounts_from_log = !context.robot_given()};
-  if (context.robot_given() || arguments.no_calibration) return robot;
-  LogCut cut = arguments.cut;
-  cut.duration_s = cut.duration_s > 0.0 ? std::min(cut.duration_s, kEnoughS) : kEnoughS;
-  const auto reader = open_log(arguments.log, log_options(arguments.reading, context));
-  const RobotFindings findings = calibrate_log(arguments.log, *reader, given, cut,
-                                               arguments.reading, MapOptions{}, display, context);
-  robot.model = findings.mount_is_certain() ? findings.corrected : findings.given;
-  robot.mounts_from_log = !findings.mount_is_certain();
-  robot.warnings = words_on(findings);
-  return robot;
+/// As it is given, or else as its driving tells it.
+DrivenRobot robot_for(const Arguments& arguments, const LogSource& source, const RobotModel& told,
+                      const ReadingWatch& watch, const AppContext& context) {
+  if (source.robot || arguments.no_calibration)
+    return {.model = told, .mounts_from_log = source.mounts_from_log()};
+  return robot_as_driven(source, told, arguments.cut, context.threads(), watch);
 }
 
 /// Among landmarks, which need neither a map of cells nor particles.
@@ -352,21 +288,22 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const LocalizationMap map = read_known_map(arguments.map, context.memory());
   if (initial) warn_of_initial_pose(*initial, map.occupancy(), context);
   ProblemPrinter print_problem(context);
-  const auto reader =
-      open_log(arguments.log, log_options(arguments.reading, context, &print_problem));
+  const LogSource source =
+      source_of(arguments.log, log_options(arguments.reading, context, &print_problem), context);
+  const auto reader = source.open();
   tell_choices(*reader, context);
   ProgressDisplay display(context);
-  const Robot robot = robot_as_driven(arguments, robot_of(*reader, context), display, context);
+  const ReadingWatch watch = watch_by(display);
+  const DrivenRobot robot = robot_for(arguments, source, source.robot_of(*reader), watch, context);
   const HeldInterrupt held;
   outputs.prepare();
-  CutLog log(*reader, arguments.cut, robot.mounts_from_log, "localising", display);
-  LocalizationResult result = localize(
-      log, Localizer(map, robot.model, options, initial, arguments.seed, context.threads()));
+  const LogLocalization done =
+      localize_log(source, *reader, robot, map, options, initial, arguments.seed, arguments.cut,
+                   context.threads(), watch);
+  const LocalizationResult& result = done.result;
   ProgressDisplay::clear_line();
-  result.warnings.insert(result.warnings.begin(), robot.warnings.begin(), robot.warnings.end());
-  const LeftOut left_out = judge(log, log_files, arguments.log, result);
 
-  LocalizationRunInfo info = info_of(arguments, left_out, options, map, initial, context);
+  LocalizationRunInfo info = info_of(arguments, done.log.left_out, options, map, initial, context);
   info.run.wall_time_s = std::chrono::duration<double>(Clock::now() - start).count();
   const Written written = write_results(result, map.occupancy(), info, arguments);
   info.run.peak_memory_bytes = peak_memory_bytes();

@@ -71,7 +71,7 @@ void require_reflectors(const LandmarkTracker& tracker, const std::string& path)
 void follow_scans(LandmarkRun& run, LandmarkTracker& tracker, LogReader& reader,
                   const std::string& path, const LogCut& cut, const AppContext& context) {
   ProgressDisplay display(context);
-  CutLog log(reader, cut, !context.robot_given(), "localising", display);
+  CutLog log(reader, cut, !context.robot_given(), "localising", watch_by(display));
   while (const auto message = log.next()) tracker.add(*message);
   run.result = tracker.finish();
   ProgressDisplay::clear_line();

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <utility>
-#include <variant>
 
 #include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
@@ -31,58 +30,8 @@ void add_format_flag(CLI::App& command, std::optional<std::string>& format,
   command.add_option("--format", format, meaning)->type_name(choice)->check(CLI::IsMember(names));
 }
 
-std::unique_ptr<LogReader> open_with_threads(const std::string& path, const LogOptions& how,
-                                             const AppContext& context) {
-  return context.threads().resolved() > 1 ? open_log_ahead(path, how) : open_log(path, how);
-}
-
-CutLog::CutLog(LogReader& reader, const LogCut& cut, bool mounts_from_log, std::string_view step,
-               ProgressDisplay& display)
-    : reader_(reader),
-      analyser_(reader),
-      cut_(cut),
-      mounts_from_log_(mounts_from_log),
-      step_(step),
-      display_(display) {}
-
-std::optional<SensorMessage> CutLog::next() {
-  while (!interrupted_) {
-    if (cut_.max_scans > 0 && scans_ >= cut_.max_scans) return {};
-    auto message = reader_.next();
-    interrupted_ = app::interrupted();
-    if (!message) return {};
-    analyser_.add(*message);
-    if (!first_) first_ = stamp_of(*message);
-    const double time_s = (stamp_of(*message) - *first_).seconds();
-    if (cut_.duration_s > 0.0 && time_s > cut_.start_s + cut_.duration_s) return {};
-    if (auto* scan = std::get_if<LaserScan>(&*message)) {
-      if (time_s < cut_.start_s) continue;
-      if (!mounts_from_log_) scan->robot_T_lidar.reset();
-      ++scans_;
-      const auto progress = reader_.progress();
-      interrupted_ =
-          !display_.show({step_, progress.bytes_done, progress.bytes_total, scans_, time_s});
-    }
-    return message;
-  }
-  return {};
-}
-
-LogSummary CutLog::judge(const std::string& path) {
-  LogSummary summary = analyser_.finish();
-  if (interrupted_) return summary;
-  std::string reasons;
-  for (const Finding& finding : summary.findings) {
-    if (finding.severity == Severity::kError)
-      reasons += (reasons.empty() ? "" : "; ") + finding.text;
-  }
-  if (!reasons.empty()) throw DataError({path}, "nothing can be made of this log: " + reasons);
-  if (scans_ == 0) {
-    throw DataError(
-        {path},
-        "there is no laser scan in it after --start; `loopstone info` shows how long it is");
-  }
-  return summary;
+ReadingWatch watch_by(ProgressDisplay& display) {
+  return {.stop = app::interrupted, .progress = display.callback()};
 }
 
 LogOptions log_options(const LogFlags& flags, const AppContext& context, ProblemPrinter* printer) {
@@ -98,19 +47,14 @@ LogOptions log_options(const LogFlags& flags, const AppContext& context, Problem
   return options;
 }
 
-RobotModel robot_of(const LogReader& log, const AppContext& context) {
-  RobotModel robot = context.robot();
-  if (!context.robot_given()) return log.robot(std::move(robot));
-  robot.wheels = log.wheels(robot.wheels);
-  return robot;
+LogSource source_of(const std::string& path, LogOptions how, const AppContext& context) {
+  LogSource source{.path = path, .how = std::move(how)};
+  if (context.robot_given()) source.robot = context.robot();
+  return source;
 }
 
-std::vector<std::string> warnings_of(const LogSummary& summary) {
-  std::vector<std::string> warnings;
-  for (const Finding& finding : summary.findings) {
-    if (finding.severity == Severity::kWarning) warnings.push_back(finding.text);
-  }
-  return warnings;
+RobotModel robot_of(const LogReader& log, const AppContext& context) {
+  return source_of({}, {}, context).robot_of(log);
 }
 
 void judge_left_out(const LeftOut& left_out, const std::string& path, const AppContext& context,

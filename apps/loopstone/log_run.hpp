@@ -1,31 +1,22 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "app.hpp"
 #include "log_flags.hpp"
 #include "loopstone/formats/log_files.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/log_summary.hpp"
+#include "loopstone/pipeline/cut_log.hpp"
+#include "loopstone/pipeline/log_source.hpp"
 #include "loopstone/report/run_info.hpp"
 #include "progress_display.hpp"
 
-// What the commands share that drive a log through the library: which part of it, its problems,
-// what the run cost.
+// What the commands share that drive a log through the library: how it is read for this user, its
+// problems, what the run cost.
 
 namespace loopstone::app {
-
-/// The part of a log that is used.
-struct LogCut {
-  double start_s = 0.0;        ///< scans before are skipped
-  double duration_s = 0.0;     ///< 0: to the end
-  std::int64_t max_scans = 0;  ///< 0: all
-};
 
 /// --start, --duration, --max-scans.
 void add_cut_flags(CLI::App& command, LogCut& cut);
@@ -34,37 +25,8 @@ void add_cut_flags(CLI::App& command, LogCut& cut);
 void add_format_flag(CLI::App& command, std::optional<std::string>& format,
                      const std::string& meaning);
 
-/// Read ahead by a thread of its own, where there may be several.
-[[nodiscard]] std::unique_ptr<LogReader> open_with_threads(const std::string& path,
-                                                           const LogOptions& how,
-                                                           const AppContext& context);
-
-/// The messages of a log within the cut, until the user interrupts.
-class CutLog {
- public:
-  /// \param step             what the progress line calls the work
-  /// \param mounts_from_log  what scans say of their laser's place on the robot counts
-  CutLog(LogReader& reader, const LogCut& cut, bool mounts_from_log, std::string_view step,
-         ProgressDisplay& display);
-
-  [[nodiscard]] std::optional<SensorMessage> next();
-  [[nodiscard]] bool interrupted() const { return interrupted_; }
-  [[nodiscard]] std::int64_t scans() const { return scans_; }
-  /// What `loopstone info` says of the log, as far as it was read; when all is read. Throws
-  /// DataError with its reasons when nothing can be made of it, unless the user interrupted.
-  [[nodiscard]] LogSummary judge(const std::string& path);
-
- private:
-  LogReader& reader_;
-  LogAnalyser analyser_;
-  LogCut cut_;
-  bool mounts_from_log_;
-  std::string_view step_;
-  ProgressDisplay& display_;
-  std::optional<Stamp> first_{};
-  std::int64_t scans_ = 0;
-  bool interrupted_ = false;
-};
+/// Who reads is shown to the user, and ends with Ctrl-C. Valid as long as the display.
+[[nodiscard]] ReadingWatch watch_by(ProgressDisplay& display);
 
 /// Warns of the first few records that were skipped; the rest is a number in the summary.
 class ProblemPrinter {
@@ -85,11 +47,12 @@ void warn_of_changes(const LogFiles& files, const AppContext& context);
 [[nodiscard]] LogOptions log_options(const LogFlags& flags, const AppContext& context,
                                      ProblemPrinter* printer = nullptr);
 
+/// A log as this user has it read: with the robot of --robot, where there is one.
+[[nodiscard]] LogSource source_of(const std::string& path, LogOptions how,
+                                  const AppContext& context);
+
 /// The robot of --robot, else what the log states of it; its wheels as the log's are to be read.
 [[nodiscard]] RobotModel robot_of(const LogReader& log, const AppContext& context);
-
-/// The texts of the findings that are warnings.
-[[nodiscard]] std::vector<std::string> warnings_of(const LogSummary& summary);
 
 /// Of commands that need no map: warns of what was left out of the log when it is as bad as `told`
 /// at least. Throws DataError when hardly anything was used.

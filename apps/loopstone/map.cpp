@@ -80,14 +80,11 @@ ExitCode show_results(CutLog& log, const MapArguments& arguments, const SessionT
   return kExitDone;
 }
 
-/// What the log itself gives reason to say of the map, which is then known to who looks on.
-void add_judgement(const LogSummary& judged, std::vector<std::string> changes, bool interrupted_log,
-                   MapResult& result, MapFeed* feed) {
-  const std::vector<std::string> of_log = warnings_of(judged);
-  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
-  judge_left_out(result.verdict, judged.left_out.share());
+/// What the log gives reason to say of the map, which is then known to who looks on.
+void add_judgement(const LogSummary& judged, const std::vector<std::string>& changes,
+                   bool interrupted_log, MapResult& result, MapFeed* feed) {
+  judge_by_log(judged, changes, result);
   result.complete = result.complete && !interrupted_log;
-  for (std::string& change : changes) result.warnings.push_back(std::move(change));
   if (feed != nullptr) feed->finish(result);
 }
 
@@ -125,7 +122,8 @@ void finish(RunRecording& recording, const MapResult& result, RunInfo& info) {
 
 /// What this run took, and those before it that led to the same result.
 void note_cost(std::chrono::steady_clock::time_point start, const Checkpoint& checkpoint,
-               RunInfo& info) {
+               const std::optional<Pace>& pace, RunInfo& info) {
+  if (pace) info.pace = pace->figures();
   info.cpu_time_s = cpu_seconds() + checkpoint.earlier_cpu_s();
   info.peak_memory_bytes = peak_memory_bytes();
   info.wall_time_s =
@@ -153,37 +151,23 @@ Outputs outputs_of(const MapArguments& arguments, RunStart begin, const AppConte
   return outputs;
 }
 
-/// How the log is read, the first time and again.
-LogOptions how_to_read(const MapArguments& arguments, bool pictures, const AppContext& context,
-                       ProblemPrinter* print_problem = nullptr) {
+LogSource source_for(const MapArguments& arguments, const AppContext& context,
+                     ProblemPrinter& print_problem) {
   LogFlags flags = arguments.reading;
-  flags.pictures = pictures;
-  LogOptions how = log_options(flags, context, print_problem);
+  flags.pictures = !arguments.no_texture;
+  LogOptions how = log_options(flags, context, &print_problem);
   how.intensities = arguments.landmarks.on;
-  return how;
-}
-
-std::unique_ptr<LogReader> open_for(const MapArguments& arguments, const AppContext& context,
-                                    ProblemPrinter& print_problem) {
-  auto reader = open_with_threads(
-      arguments.log, how_to_read(arguments, !arguments.no_texture, context, &print_problem),
-      context);
-  tell_choices(*reader, context);
-  return reader;
+  return source_of(arguments.log, std::move(how), context);
 }
 
 /// A map whose beams are bent or mirrored is made anew from the beginning of the log.
-void correct_beams(const MapArguments& arguments, MapPipeline& pipeline, const RobotModel& robot,
-                   RunRecording& recording, MapFeed* feed, ProgressDisplay& display,
-                   MapResult& result, std::optional<MapperState>& kept, const AppContext& context) {
-  const Calibration found = result.calibration;
-  // The drives before are not at hand.
-  const bool continues = !arguments.drives.from.empty();
-  if (continues || !found.map_is_bent() || !result.complete) return;
+void correct_beams(const MapArguments& arguments, const LogSource& source, MapPipeline& pipeline,
+                   ProgressDisplay& display, MapResult& result) {
+  if (!pipeline.is_bent()) return;
   result = {};  // its memory is needed
-  const auto reader = open_log(arguments.log, how_to_read(arguments, false, context));
-  CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping anew", display);
-  result = pipeline.map_anew(log, recording, feed, robot, found, context.threads(), kept);
+  const auto reader = source.open_again();
+  CutLog log(*reader, arguments.cut, source.mounts_from_log(), "mapping anew", watch_by(display));
+  result = pipeline.map_anew(log);
   ProgressDisplay::clear_line();
 }
 
@@ -197,7 +181,7 @@ RunInfo info_of(const LogSummary& judged, const MapArguments& arguments,
   const bool may_overwrite = arguments.force || arguments.checkpoint.any();
   RunInfo info = run_info(arguments.log, judged.left_out, may_overwrite, context);
   info.log_warnings = warnings_of(judged);
-  const std::vector<std::string>& corrections = pipeline.corrections();
+  const std::vector<std::string> corrections = pipeline.corrections();
   info.log_warnings.insert(info.log_warnings.end(), corrections.begin(), corrections.end());
   return info;
 }
@@ -298,11 +282,13 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   outputs.check(least_bytes_of_results(log_files.bytes()));
 
   ProblemPrinter print_problem(context);
-  const auto reader = open_for(arguments, context, print_problem);
-  const RobotModel robot = robot_of(*reader, context);
+  const LogSource source = source_for(arguments, context, print_problem);
+  const auto reader = source.open_ahead(context.threads());
+  tell_choices(*reader, context);
+  const RobotModel robot = source.robot_of(*reader);
 
   ProgressDisplay display(context);
-  CutLog log(*reader, arguments.cut, !context.robot_given(), "mapping", display);
+  CutLog log(*reader, arguments.cut, source.mounts_from_log(), "mapping", watch_by(display));
   Checkpoint checkpoint(session_in(arguments.out, arguments.checkpoint, context),
                         terms_of(arguments, pipeline, robot, context));
   if (begin == RunStart::kResults) return show_results(log, arguments, checkpoint.terms(), context);
@@ -330,7 +316,7 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
                                   robot, context.threads(), held, kept);
   ProgressDisplay::clear_line();
   const LogSummary judged = log.judge(arguments.log);
-  correct_beams(arguments, pipeline, robot, recording, feed, display, result, kept, context);
+  correct_beams(arguments, source, pipeline, display, result);
   camera.take_pictures(*reader);
   add_judgement(judged, log_files.changes(), log.interrupted(), result, feed);
 
@@ -341,9 +327,8 @@ ExitCode run_map(const MapArguments& arguments, const AppContext& context) {
   const MapExtras extras{texture ? &*texture : nullptr, landmarks ? &*landmarks : nullptr};
   finish(recording, result, info);
 
-  if (pace) info.pace = pace->figures();
   note_terms(checkpoint, arguments, pipeline, info);
-  note_cost(start, checkpoint, info);
+  note_cost(start, checkpoint, pace, info);
   write_all(result, extras, std::move(kept), robot, arguments, pipeline, checkpoint, info, context);
   const ExitCode code = tell_map(result, extras, info, places_of(arguments), context);
   if (watch) stay_open(watch->view, held, context);

@@ -10,7 +10,6 @@
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/slam/mapper.hpp"
-#include "loopstone/slam/robot_correction.hpp"
 
 namespace loopstone::app {
 
@@ -56,23 +55,78 @@ void feed(const MapPipeline::Source& source, ScanToScanMapper& mapper) {
   }
 }
 
-void feed(const MapPipeline::Source& source, Mapper& mapper) {
-  std::optional<Pace>& pace = source.pace;
-  while (const auto message = source.log.next()) {
-    if (pace) pace->wait_for(stamp_of(*message), [] { return !interrupted(); });
-    source.camera.take(*message);
-    if (pace && std::holds_alternative<LaserScan>(*message)) pace->note_scan();
-    source.recording.add(*message);
-    add_watched(*message, source.feed, mapper);
-    while (const auto update = mapper.next_update()) {
-      if (pace) pace->note_pose();
-      source.recording.add(*update, mapper);
-      if (source.feed != nullptr) source.feed->add(*update, mapper);
+/// Everything that `map` does beside mapping, where it belongs.
+class Companions final : public MappingWatch {
+ public:
+  Companions(MapPipeline::Source source, const std::optional<LandmarkMappingOptions>& landmarks,
+             std::optional<ReflectorMapper>& reflectors, std::optional<HeldInterrupt>& held,
+             std::optional<MapperState>& kept, const AppContext& context)
+      : source_(std::move(source)),
+        landmarks_(landmarks),
+        reflectors_(reflectors),
+        held_(held),
+        kept_(kept),
+        context_(context) {}
+
+  void begin(Mapper& mapper, const RobotModel& robot, bool anew) override {
+    if (landmarks_) mapper.set_graph_addition(reflectors_.emplace(*landmarks_).addition());
+    is_first_ = !anew;
+    if (anew) {
+      source_.recording.begin_anew(robot);
+      if (source_.feed != nullptr) source_.feed->begin_anew(robot);
+      return;
     }
-    source.checkpoint.after(*message, mapper);
+    if (source_.resumes) {
+      resume_from(source_.out, source_.checkpoint, mapper, source_.log, source_.camera, context_);
+    }
+    if (source_.begins_with)
+      continue_from(source_.continues, std::move(*source_.begins_with), mapper, context_);
+    held_.emplace();
   }
-  source.checkpoint.after_last(mapper);
-}
+
+  void add(const SensorMessage& message, Mapper& mapper) override {
+    std::optional<Pace>& pace = source_.pace;
+    if (is_first_) {
+      if (pace) pace->wait_for(stamp_of(message), [] { return !interrupted(); });
+      source_.camera.take(message);
+      if (pace && std::holds_alternative<LaserScan>(message)) pace->note_scan();
+    }
+    source_.recording.add(message);
+    add_watched(message, source_.feed, mapper);
+    is_fed_ = true;
+  }
+
+  void take(const MapUpdate& update, Mapper& mapper) override {
+    if (is_first_ && is_fed_ && source_.pace) source_.pace->note_pose();
+    source_.recording.add(update, mapper);
+    if (source_.feed != nullptr) source_.feed->add(update, mapper);
+  }
+
+  void after(const SensorMessage& message, Mapper& mapper) override {
+    if (is_first_) source_.checkpoint.after(message, mapper);
+    is_fed_ = false;
+  }
+
+  void end(Mapper& mapper) override {
+    if (is_first_) source_.checkpoint.after_last(mapper);
+    if (source_.keeps_state) kept_ = mapper.save_state().get();
+  }
+  void finishing(Mapper& mapper) override {
+    if (source_.feed != nullptr) source_.feed->end(mapper);
+  }
+  bool goes_on(const Progress& /*progress*/) override { return !interrupted(); }
+  [[nodiscard]] bool is_stopped() const override { return interrupted(); }
+
+ private:
+  MapPipeline::Source source_;
+  const std::optional<LandmarkMappingOptions>& landmarks_;
+  std::optional<ReflectorMapper>& reflectors_;
+  std::optional<HeldInterrupt>& held_;
+  std::optional<MapperState>& kept_;
+  const AppContext& context_;
+  bool is_first_ = true;  ///< and so is paced, saved, and read for its pictures
+  bool is_fed_ = false;   ///< updates are of a message, not of the finished map
+};
 
 }  // namespace
 
@@ -178,59 +232,17 @@ MapResult MapPipeline::map(Source source, const RobotModel& robot, Threads threa
     feed(source, mapper);
     return mapper.finish(source.display.callback());
   }
-  Mapper mapper(robot, std::get<MapOptions>(options_), threads);
-  if (landmarks_) mapper.set_graph_addition(reflectors_.emplace(*landmarks_).addition());
-  if (source.resumes)
-    resume_from(source.out, source.checkpoint, mapper, source.log, source.camera, context_);
+  // Beams of another drive can't be made anew.
   const bool continues = source.begins_with.has_value();
-  if (continues) continue_from(source.continues, std::move(*source.begins_with), mapper, context_);
-  held.emplace();
-  feed(source, mapper);
-  if (source.keeps_state) kept = mapper.save_state().get();
-  Calibration found;
-  // Beams of another drive are not made anew.
-  if (!continues && !source.log.interrupted() && !interrupted()) found = mapper.judge_robot();
-  if (source.feed != nullptr) source.feed->end(mapper);
-  MapResult result;
-  // Who interrupts a run wants what there is.
-  if (found.map_is_bent() && !interrupted()) {
-    result.calibration = found;
-  } else {
-    result = mapper.finish([](const Progress&) { return !interrupted(); });
-  }
-  while (const auto update = mapper.next_update()) {
-    source.recording.add(*update, mapper);
-    if (source.feed != nullptr) source.feed->add(*update, mapper);
-  }
-  return result;
+  CutLog& log = source.log;
+  watch_ = std::make_unique<Companions>(std::move(source), landmarks_, reflectors_, held, kept,
+                                        context_);
+  mapping_.emplace(robot, std::get<MapOptions>(options_), threads, *watch_);
+  return mapping_->map([&log] { return log.next(); }, !continues);
 }
 
-MapResult MapPipeline::map_anew(CutLog& log, RunRecording& recording, MapFeed* feed,
-                                const RobotModel& robot, const Calibration& found, Threads threads,
-                                std::optional<MapperState>& kept) {
-  const RobotModel& corrected = corrected_.emplace(corrected_robot(robot, found));
-  recording.begin_anew(corrected);
-  if (feed != nullptr) feed->begin_anew(corrected);
-  Mapper mapper(corrected, std::get<MapOptions>(options_), threads);
-  if (landmarks_) mapper.set_graph_addition(reflectors_.emplace(*landmarks_).addition());
-  const auto record_updates = [&] {
-    while (const auto update = mapper.next_update()) {
-      recording.add(*update, mapper);
-      if (feed != nullptr) feed->add(*update, mapper);
-    }
-  };
-  while (const auto message = log.next()) {
-    recording.add(*message);
-    add_watched(*message, feed, mapper);
-    record_updates();
-  }
-  if (kept) kept = mapper.save_state().get();
-  if (feed != nullptr) feed->end(mapper);
-  MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
-  record_updates();
-  result.complete = result.complete && !log.interrupted();
-  corrections_ = tell_of_correction(found, result);
-  return result;
+MapResult MapPipeline::map_anew(CutLog& log) {
+  return mapping_->map_anew([&log] { return log.next(); });
 }
 
 std::optional<LandmarkMapping> MapPipeline::landmarks_of(MapResult& result,

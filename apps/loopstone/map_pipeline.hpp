@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -16,6 +17,7 @@
 #include "loopstone/localization/landmark_mapping_options.hpp"
 #include "loopstone/localization/reflector_mapping.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
+#include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/calibration.hpp"
 #include "loopstone/slam/map_options.hpp"
@@ -112,23 +114,24 @@ class MapPipeline {
     bool keeps_state = false;
   };
   /// Reads the log to its end, or until the user interrupts.
-  /// A result whose calibration says that the map is bent has nothing else: see map_anew().
+  /// A result that is_bent() has nothing but its calibration: see map_anew().
   /// \param held  set once there is something that Ctrl-C must not lose
   /// \param kept  what the log has led to, where it is to be kept
   [[nodiscard]] MapResult map(Source source, const RobotModel& robot, Threads threads,
                               std::optional<HeldInterrupt>& held, std::optional<MapperState>& kept);
-  /// The same log once more, with the beams that the first map's calibration asks for.
-  /// \param robot  of the first map
-  /// \param kept   made anew, too, where there is one
-  [[nodiscard]] MapResult map_anew(CutLog& log, RunRecording& recording, MapFeed* feed,
-                                   const RobotModel& robot, const Calibration& found,
-                                   Threads threads, std::optional<MapperState>& kept);
+  /// DriveMapping::is_bent()
+  [[nodiscard]] bool is_bent() const { return mapping_ && mapping_->is_bent(); }
+  /// The same log once more, with the beams that the first map's calibration asks for; a state
+  /// that is kept is made anew, too.
+  [[nodiscard]] MapResult map_anew(CutLog& log);
   /// The robot that the map was made with: the log's, or a corrected one.
   [[nodiscard]] const RobotModel& made_by(const RobotModel& robot) const {
-    return corrected_ ? *corrected_ : robot;
+    return mapping_ ? mapping_->robot() : robot;
   }
   /// What the map's warnings say of that correction.
-  [[nodiscard]] const std::vector<std::string>& corrections() const { return corrections_; }
+  [[nodiscard]] std::vector<std::string> corrections() const {
+    return mapping_ ? mapping_->corrections() : std::vector<std::string>{};
+  }
   /// What the last map has of landmarks; nothing when they are not asked for. Where the log can't
   /// show any `failure` says why; where there are none, the map's warnings.
   [[nodiscard]] std::optional<LandmarkMapping> landmarks_of(MapResult& result,
@@ -139,8 +142,8 @@ class MapPipeline {
   std::variant<MapOptions, ScanToScanOptions> options_;
   std::optional<LandmarkMappingOptions> landmarks_{};  ///< nothing: they are not asked for
   std::optional<ReflectorMapper> reflectors_{};        ///< of the map in the making
-  std::optional<RobotModel> corrected_{};              ///< of the map that was made anew
-  std::vector<std::string> corrections_{};
+  std::unique_ptr<MappingWatch> watch_{};
+  std::optional<DriveMapping> mapping_{};  ///< of submaps
 };
 
 }  // namespace loopstone::app

@@ -58,7 +58,7 @@ TakenScan read_scan(const Arguments& arguments, const AppContext& context) {
   const RobotModel robot = robot_of(*reader, context);
   ProgressDisplay display(context);
   CutLog log(*reader, {.start_s = arguments.at_s, .max_scans = 1}, !context.robot_given(),
-             "reading", display);
+             "reading", watch_by(display));
   ScanQueue queue(robot.wheels);
   while (const auto message = log.next()) {
     const auto mounted = as_mounted(*message, robot);

@@ -102,9 +102,10 @@ void add_scans(const ViewRequest& request, const LogOfFolder& log, FolderView& v
   try {
     ProgressDisplay display(context);
     const LogFlags& reading = request.log.empty() ? log.reading : request.reading;
-    const auto reader = open_with_threads(path, log_options(reading, context), context);
+    const auto reader =
+        source_of(path, log_options(reading, context), context).open_ahead(context.threads());
     const bool has_robot = context.robot_given() || !log.robot.empty();
-    CutLog scans(*reader, {}, !has_robot, "reading", display);
+    CutLog scans(*reader, {}, !has_robot, "reading", watch_by(display));
     while (const auto message = scans.next()) {
       if (const auto* scan = std::get_if<LaserScan>(&*message)) view.add_scan(*scan);
     }

@@ -9,6 +9,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/live/map_feed.hpp"
 #include "loopstone/live/replay_clock.hpp"
+#include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/robot_correction.hpp"
 #include "map_pipeline.hpp"
@@ -34,9 +35,10 @@ class Recording {
   void rewind(std::string_view step, bool is_shown, ProblemPrinter* printer = nullptr) {
     log_.reset();
     display_.emplace(context_, is_shown);
-    reader_ = open_with_threads(request_.what, log_options(request_.reading, context_, printer),
-                                context_);
-    log_.emplace(*reader_, request_.cut, !context_.robot_given(), step, *display_);
+    const LogSource source =
+        source_of(request_.what, log_options(request_.reading, context_, printer), context_);
+    reader_ = source.open_ahead(context_.threads());
+    log_.emplace(*reader_, request_.cut, source.mounts_from_log(), step, watch_by(*display_));
   }
   [[nodiscard]] CutLog& log() { return *log_; }
   [[nodiscard]] RobotModel robot() const { return robot_of(*reader_, context_); }
@@ -124,9 +126,7 @@ class LogReplay {
     MapResult result = mapper.finish([](const Progress&) { return !interrupted(); });
     if (interrupted()) return;
     while (const auto update = mapper.next_update()) feed_.add(*update, mapper);
-    const std::vector<std::string> of_log = warnings_of(recording_.summary());
-    result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
-    judge_left_out(result.verdict, recording_.summary().left_out.share());
+    judge_by_log(recording_.summary(), {}, result);
     feed_.finish(result);
   }
 

@@ -18,9 +18,9 @@
 #include "bindings.hpp"
 #include "json.hpp"
 #include "loopstone/base/error.hpp"
-#include "loopstone/formats/log_files.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/localization/localizer.hpp"
+#include "loopstone/pipeline/log_localization.hpp"
 #include "loopstone/report/localization_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/version.hpp"
@@ -72,38 +72,29 @@ LocalizationRunInfo info_of(LocalizationOptions options, const std::optional<Ini
   return info;
 }
 
-/// That no place was found is a result; that no scan could be used is not.
-void require_usable_scans(const LocalizationResult& result, const std::string& log) {
-  if (result.scans == 0 || result.scans_dropped < result.scans) return;
-  throw DataError({log}, "none of its " + std::to_string(result.scans) +
-                             " scans has enough returns to tell a place; `loopstone info` shows "
-                             "what is wrong with them");
-}
-
 std::shared_ptr<Localized> localize_log(const Log& log, const KnownMap& map,
                                         const LocalizationOptions& options,
                                         const std::optional<InitialPose>& initial,
-                                        std::uint64_t seed, Threads threads, const Cut& cut,
-                                        Work& work) {
+                                        std::uint64_t seed, bool calibration, Threads threads,
+                                        const LogCut& cut, Work& work) {
   const auto start = std::chrono::steady_clock::now();
-  const LogFiles files(log.path);
-  const auto reader = log.open([&work] { return !work.goes_on(); });
-  CutLog messages(log, *reader, cut, "localising", work);
-  Localizer localizer(*map.map, log.robot_of(*reader), options, initial, seed, threads);
-  while (const auto message = messages.next()) localizer.add(*message);
+  const ReadingWatch watch = watch_by(work);
+  const LogSource source = log.source(watch.stop);
+  const auto reader = source.open();
+  DrivenRobot robot{.model = source.robot_of(*reader), .mounts_from_log = source.mounts_from_log()};
+  if (calibration && !source.robot)
+    robot = robot_as_driven(source, robot.model, cut, threads, watch);
+  if (!work.goes_on()) throw CalledOff{};
+  LogLocalization found = loopstone::localize_log(source, *reader, robot, *map.map, options,
+                                                  initial, seed, cut, threads, watch);
+  if (!work.goes_on()) throw CalledOff{};
 
   auto done = std::make_shared<Localized>();
   done->map = map.map;
-  done->result = localizer.finish();
-  const LogSummary judged = messages.judge();
-  std::vector<std::string>& warnings = done->result.warnings;
-  const std::vector<std::string> of_log = warnings_of(judged);
-  warnings.insert(warnings.begin(), of_log.begin(), of_log.end());
-  require_usable_scans(done->result, log.path);
-  for (std::string& change : files.changes()) warnings.push_back(std::move(change));
+  done->result = std::move(found.result);
   done->info = info_of(options, initial, seed, threads, map);
   done->info.run.log_path = log.path;
-  done->info.run.left_out = judged.left_out;
+  done->info.run.left_out = found.log.left_out;
   done->info.run.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   done->info.run.peak_memory_bytes = peak_memory_bytes();
@@ -313,18 +304,20 @@ void bind_localization(nb::module_& m) {
       "localize_log",
       [](const Log& log, const KnownMap& map, const OptionValues& values,
          const std::optional<ArrayLike>& initial, double sigma_m, double sigma_rad,
-         std::uint64_t seed, double start_s, double duration_s, std::int64_t max_scans, int threads,
-         const nb::object& progress) {
+         std::uint64_t seed, bool calibration, double start_s, double duration_s,
+         std::int64_t max_scans, int threads, const nb::object& progress) {
         const auto options = options_of<LocalizationOptions>(values);
         const auto place = initial_of(initial, sigma_m, sigma_rad);
-        const Cut cut{start_s, duration_s, max_scans};
+        const LogCut cut{start_s, duration_s, max_scans};
         return work(progress, [&](Work& own) {
-          return localize_log(log, map, options, place, seed, Threads{threads}, cut, own);
+          return localize_log(log, map, options, place, seed, calibration, Threads{threads}, cut,
+                              own);
         });
       },
       nb::arg("log"), nb::arg("map"), nb::arg("options"), nb::arg("initial").none(),
-      nb::arg("initial_sigma_m"), nb::arg("initial_sigma_rad"), nb::arg("seed"), nb::arg("start_s"),
-      nb::arg("duration_s"), nb::arg("max_scans"), nb::arg("threads"), nb::arg("progress").none());
+      nb::arg("initial_sigma_m"), nb::arg("initial_sigma_rad"), nb::arg("seed"),
+      nb::arg("calibration"), nb::arg("start_s"), nb::arg("duration_s"), nb::arg("max_scans"),
+      nb::arg("threads"), nb::arg("progress").none());
 }
 
 }  // namespace loopstone::python

@@ -88,8 +88,9 @@ Log make_log(const PathLike& path, const Robot* robot, bool strict, const std::s
 class Messages {
  public:
   explicit Messages(const Log& log) : mounts_from_log_(!log.robot) {
-    reader_ = guarded([&] { return log.open([this] { return asked_to_stop(); }); });
-    robot_.model = log.robot_of(*reader_);
+    const LogSource source = log.source([this] { return asked_to_stop(); });
+    reader_ = guarded([&] { return source.open(); });
+    robot_.model = source.robot_of(*reader_);
     if (log.robot) robot_.stated = log.robot->stated;
   }
   Messages(const Messages&) = delete;
@@ -151,7 +152,7 @@ LogSummary summary_of(const Log& log) {
   SignalCheck check;
   LogSummary summary = [&] {
     const nb::gil_scoped_release unlocked;
-    const auto reader = log.open([&check] { return check.raised(); });
+    const auto reader = log.source([&check] { return check.raised(); }).open();
     return analyse_log(*reader, [&check](const Progress&) { return !check.raised(); });
   }();
   check.throw_if_raised();

@@ -190,7 +190,7 @@ void bind_map_result(nb::module_& m) {
       [](const Log& log, const OptionValues& values, double start_s, double duration_s,
          std::int64_t max_scans, int threads, bool texture, const nb::object& progress) {
         const auto options = options_of<MapOptions>(values);
-        const Cut cut{start_s, duration_s, max_scans};
+        const LogCut cut{start_s, duration_s, max_scans};
         return work(progress, [&](Work& own) {
           return map_log(log, options, cut, Threads{threads}, texture, own);
         });

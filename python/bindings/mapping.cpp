@@ -6,15 +6,13 @@
 #include <utility>
 #include <variant>
 
-#include "loopstone/base/error.hpp"
 #include "loopstone/base/release_memory.hpp"
-#include "loopstone/formats/log_files.hpp"
 #include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/rgbd_files.hpp"
+#include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/slam/mapper.hpp"
-#include "loopstone/slam/robot_correction.hpp"
 #include "loopstone/version.hpp"
 
 namespace loopstone::python {
@@ -40,47 +38,29 @@ class Cost {
   double cpu_s_ = cpu_seconds();
 };
 
-/// Everything into the mapper, and out of it again. \param next  gives the messages
-/// \param frames  collects those of the camera; or null
-template <typename Next>
-void feed(Next&& next, Mapper& mapper, std::vector<RgbdFrame>* frames) {
-  while (std::optional<SensorMessage> message = next()) {
-    if (frames != nullptr) {
-      if (const auto* frame = std::get_if<RgbdFrame>(&*message)) frames->push_back(*frame);
-    }
-    mapper.add(*message);
-    while (mapper.next_update()) {
-    }
-  }
-}
+/// Tells how far a mapping is, and collects what the camera took.
+class Companion final : public MappingWatch {
+ public:
+  Companion(Work& work, bool takes_frames) : work_(work), takes_frames_(takes_frames) {}
 
-MapResult finish(Mapper& mapper, Work& work) {
-  MapResult result = mapper.finish(work.callback());
-  if (!work.goes_on()) throw CalledOff{};
-  return result;
-}
-
-/// \param again  called to read the messages from the beginning, where the first map is bent by
-///               beams that are not as they were told; returns what gives them
-/// \param corrections  what was said of that
-template <typename Next, typename Again>
-MapResult make_map(Next&& next, Again&& again, Mapped& mapped, const MapOptions& options,
-                   Threads threads, std::vector<RgbdFrame>* frames, Work& work,
-                   std::vector<std::string>& corrections) {
-  Calibration found;
-  {
-    Mapper mapper(mapped.robot, options, threads);
-    feed(next, mapper, frames);
-    found = mapper.judge_robot();
-    if (!found.map_is_bent()) return finish(mapper, work);
+  void begin(Mapper& /*mapper*/, const RobotModel& /*robot*/, bool anew) override {
+    takes_frames_ = takes_frames_ && !anew;
   }
-  mapped.robot = corrected_robot(mapped.robot, found);
-  Mapper mapper(mapped.robot, options, threads);
-  feed(again(), mapper, nullptr);
-  MapResult result = finish(mapper, work);
-  corrections = tell_of_correction(found, result);
-  return result;
-}
+  void add(const SensorMessage& message, Mapper& mapper) override {
+    if (takes_frames_) {
+      if (const auto* frame = std::get_if<RgbdFrame>(&message)) frames_.push_back(*frame);
+    }
+    mapper.add(message);
+  }
+  bool goes_on(const Progress& progress) override { return work_.tell(progress); }
+  [[nodiscard]] bool is_stopped() const override { return !work_.goes_on(); }
+  std::vector<RgbdFrame>& frames() { return frames_; }
+
+ private:
+  Work& work_;
+  bool takes_frames_;
+  std::vector<RgbdFrame> frames_{};
+};
 
 bool has_pairs(const std::vector<RgbdFrame>& frames) {
   return std::ranges::any_of(frames, [](const RgbdFrame& frame) {
@@ -112,100 +92,35 @@ void colour(Mapped& mapped, std::vector<RgbdFrame> frames, const LogReader& read
   if (!work.goes_on()) throw CalledOff{};
 }
 
-/// What the log itself gives reason to say of the map.
-void add_judgement(const LogSummary& judged, std::vector<std::string> changes,
-                   const std::vector<std::string>& corrections, Mapped& mapped) {
-  MapResult& result = mapped.result;
-  const std::vector<std::string> of_log = warnings_of(judged);
-  result.warnings.insert(result.warnings.begin(), of_log.begin(), of_log.end());
-  judge_left_out(result.verdict, judged.left_out.share());
-  for (std::string& change : changes) result.warnings.push_back(std::move(change));
-  mapped.info.left_out = judged.left_out;
-  mapped.info.log_warnings = of_log;
-  mapped.info.log_warnings.insert(mapped.info.log_warnings.end(), corrections.begin(),
-                                  corrections.end());
-}
-
 }  // namespace
 
-CutLog::CutLog(const Log& log, LogReader& reader, const Cut& cut, const char* step, Work& work)
-    : log_(log), reader_(reader), analyser_(reader), cut_(cut), step_(step), work_(work) {}
-
-std::optional<SensorMessage> CutLog::next() {
-  while (true) {
-    if (cut_.max_scans > 0 && scans_ >= cut_.max_scans) return {};
-    std::optional<SensorMessage> message = reader_.next();
-    if (!work_.goes_on()) throw CalledOff{};
-    if (!message) return {};
-    analyser_.add(*message);
-    if (!first_) first_ = stamp_of(*message);
-    const double time_s = (stamp_of(*message) - *first_).seconds();
-    if (cut_.duration_s > 0.0 && time_s > cut_.start_s + cut_.duration_s) return {};
-    if (auto* scan = std::get_if<LaserScan>(&*message)) {
-      if (time_s < cut_.start_s) continue;
-      if (log_.robot) scan->robot_T_lidar.reset();
-      ++scans_;
-      const ReadProgress progress = reader_.progress();
-      if (!work_.tell({step_, progress.bytes_done, progress.bytes_total, scans_, time_s}))
-        throw CalledOff{};
-    }
-    return message;
-  }
+ReadingWatch watch_by(Work& work) {
+  return {.stop = [&work] { return !work.goes_on(); }, .progress = work.callback()};
 }
 
-LogSummary CutLog::judge() {
-  LogSummary summary = analyser_.finish();
-  std::string reasons;
-  for (const Finding& finding : summary.findings) {
-    if (finding.severity == Severity::kError)
-      reasons += (reasons.empty() ? "" : "; ") + finding.text;
-  }
-  if (!reasons.empty()) throw DataError({log_.path}, "nothing can be made of this log: " + reasons);
-  if (scans_ == 0) {
-    throw DataError(
-        {log_.path},
-        "there is no laser scan in it after --start; `loopstone info` shows how long it is");
-  }
-  return summary;
-}
-
-std::vector<std::string> warnings_of(const LogSummary& summary) {
-  std::vector<std::string> warnings;
-  for (const Finding& finding : summary.findings) {
-    if (finding.severity == Severity::kWarning) warnings.push_back(finding.text);
-  }
-  return warnings;
-}
-
-std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const Cut& cut, Threads threads,
-                                bool texture, Work& work) {
+std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const LogCut& cut,
+                                Threads threads, bool texture, Work& work) {
   const Cost cost;
   limit_cells(options);
-  const LogFiles files(log.path);
-  const auto stop = [&work] { return !work.goes_on(); };
-  const auto reader = log.open_ahead(stop, texture);
+  const ReadingWatch watch = watch_by(work);
+  LogSource source = log.source(watch.stop);
+  source.how.topics.pictures = texture;
+  const auto reader = source.open_ahead(threads);
+  Companion companion(work, texture);
+  LogMap made = loopstone::map_log(source, *reader, cut, options, threads, watch, &companion);
+  if (!work.goes_on()) throw CalledOff{};
+
   auto mapped = std::make_shared<Mapped>();
   mapped->info = run_info(options, threads);
   mapped->info.log_path = log.path;
-  const RobotModel robot = log.robot_of(*reader);
-  mapped->robot = robot;
-
-  std::vector<RgbdFrame> frames;
-  std::vector<std::string> corrections;
-  CutLog first(log, *reader, cut, "mapping", work);
-  std::unique_ptr<LogReader> reader_again;
-  std::optional<CutLog> second;
-  mapped->result =
-      make_map([&] { return first.next(); },
-               [&] {
-                 reader_again = log.open(stop);
-                 second.emplace(log, *reader_again, cut, "mapping anew", work);
-                 return [&second] { return second->next(); };
-               },
-               *mapped, options, threads, texture ? &frames : nullptr, work, corrections);
-  add_judgement(first.judge(), files.changes(), corrections, *mapped);
-  colour(*mapped, std::move(frames), *reader, robot, log.robot.has_value(), options.texture,
-         threads, work);
+  mapped->info.left_out = made.log.left_out;
+  mapped->info.log_warnings = warnings_of(made.log);
+  mapped->info.log_warnings.insert(mapped->info.log_warnings.end(), made.corrections.begin(),
+                                   made.corrections.end());
+  mapped->result = std::move(made.result);
+  mapped->robot = std::move(made.robot);
+  colour(*mapped, std::move(companion.frames()), *reader, source.robot_of(*reader),
+         log.robot.has_value(), options.texture, threads, work);
   cost.note(mapped->info);
   return mapped;
 }
@@ -218,7 +133,6 @@ std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
   auto mapped = std::make_shared<Mapped>();
   mapped->info = run_info(options, threads);
   mapped->info.log_path = "messages";
-  mapped->robot = robot;
   const auto from_beginning = [&messages, &work](const char* step) {
     return [&, step, at = std::size_t{0}, scans = std::int64_t{0}]() mutable {
       std::optional<SensorMessage> message;
@@ -234,11 +148,13 @@ std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
       return message;
     };
   };
-  std::vector<std::string> corrections;
-  mapped->result = make_map(
-      from_beginning("mapping"), [&] { return from_beginning("mapping anew"); }, *mapped, options,
-      threads, nullptr, work, corrections);
-  mapped->info.log_warnings = std::move(corrections);
+  Companion companion(work, false);
+  DriveMapping mapping(robot, options, threads, companion);
+  mapped->result = mapping.map(from_beginning("mapping"));
+  if (mapping.is_bent()) mapped->result = mapping.map_anew(from_beginning("mapping anew"));
+  if (!work.goes_on()) throw CalledOff{};
+  mapped->robot = mapping.robot();
+  mapped->info.log_warnings = mapping.corrections();
   cost.note(mapped->info);
   return mapped;
 }

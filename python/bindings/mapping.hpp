@@ -10,6 +10,7 @@
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/formats/log_summary.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
+#include "loopstone/pipeline/cut_log.hpp"
 #include "loopstone/report/run_info.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/slam/map_options.hpp"
@@ -18,13 +19,6 @@
 #include "work.hpp"
 
 namespace loopstone::python {
-
-/// The part of a log that is used.
-struct Cut {
-  double start_s = 0.0;
-  double duration_s = 0.0;  ///< 0: to the end
-  std::int64_t max_scans = 0;
-};
 
 /// What was made of a log, and what a folder of results tells beside.
 struct Mapped {
@@ -41,33 +35,12 @@ struct Mapped {
 /// Who called this off: Ctrl-C, or a progress callback that raised. Nobody sees it.
 struct CalledOff {};
 
-/// The messages of a log within a cut, and what is in it.
-class CutLog {
- public:
-  CutLog(const Log& log, LogReader& reader, const Cut& cut, const char* step, Work& work);
-  /// Throws CalledOff.
-  [[nodiscard]] std::optional<SensorMessage> next();
-  /// What `loopstone info` says of it, as far as it was read. Throws DataError when nothing can be
-  /// made of it.
-  [[nodiscard]] LogSummary judge();
-
- private:
-  const Log& log_;
-  LogReader& reader_;
-  LogAnalyser analyser_;
-  Cut cut_;
-  const char* step_;
-  Work& work_;
-  std::optional<Stamp> first_{};
-  std::int64_t scans_ = 0;
-};
-
-/// The texts of the findings that are warnings.
-[[nodiscard]] std::vector<std::string> warnings_of(const LogSummary& summary);
+/// Who waits for the work looks on, and may call it off.
+[[nodiscard]] ReadingWatch watch_by(Work& work);
 
 /// As `loopstone map` does it: the same bytes. Throws DataError, UsageError, CalledOff.
 /// \param texture  the floor in colour, when the log has RGB-D
-[[nodiscard]] std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const Cut& cut,
+[[nodiscard]] std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const LogCut& cut,
                                               Threads threads, bool texture, Work& work);
 
 /// The same of messages that are there already.

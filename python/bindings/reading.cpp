@@ -1,25 +1,14 @@
 #include "reading.hpp"
 
+#include <utility>
+
 namespace loopstone::python {
 
-std::unique_ptr<LogReader> Log::open(std::function<bool()> stop) const {
-  LogOptions options = how;
-  options.stop = std::move(stop);
-  return open_log(path, options);
-}
-
-std::unique_ptr<LogReader> Log::open_ahead(std::function<bool()> stop, bool pictures) const {
-  LogOptions options = how;
-  options.stop = std::move(stop);
-  options.topics.pictures = pictures;
-  return open_log_ahead(path, options);
-}
-
-RobotModel Log::robot_of(const LogReader& reader) const {
-  if (!robot) return reader.robot(RobotModel{});
-  RobotModel model = robot->model;
-  model.wheels = reader.wheels(model.wheels);
-  return model;
+LogSource Log::source(std::function<bool()> stop) const {
+  LogSource source{.path = path, .how = how};
+  source.how.stop = std::move(stop);
+  if (robot) source.robot = robot->model;
+  return source;
 }
 
 }  // namespace loopstone::python

@@ -3,14 +3,11 @@
 #include <nanobind/nanobind.h>
 
 #include <functional>
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "loopstone/formats/log_reader.hpp"
+#include "loopstone/pipeline/log_source.hpp"
 #include "robot.hpp"
 
 namespace loopstone::python {
@@ -21,12 +18,8 @@ struct Log {
   LogOptions how{};
   std::optional<Robot> robot{};  ///< beats what the log says of it
 
-  [[nodiscard]] std::unique_ptr<LogReader> open(std::function<bool()> stop) const;
-  /// \param ahead  read by a thread of its own
-  [[nodiscard]] std::unique_ptr<LogReader> open_ahead(std::function<bool()> stop,
-                                                      bool pictures) const;
-  /// The given one, else what the log states of it; its wheels as the log's are to be read.
-  [[nodiscard]] RobotModel robot_of(const LogReader& reader) const;
+  /// \param stop  asked now and then, true ends the reading
+  [[nodiscard]] LogSource source(std::function<bool()> stop) const;
 };
 
 }  // namespace loopstone::python

@@ -128,6 +128,7 @@ def localize(
     options: LocalizationOptions | Mapping[str, Any] | StrPath | None = None,
     robot: _core.Robot | None = None,
     seed: int = 1,
+    calibration: bool = True,
     start_s: float = 0.0,
     duration_s: float = 0.0,
     max_scans: int = 0,
@@ -137,12 +138,13 @@ def localize(
 ) -> _core.LocalizationResult:
     """Where the robot of a log was on a known map, and how sure that is.
 
-    What ``loopstone localize --no-calibration`` makes of it, to the byte: laser and odometry are
-    taken as they are told.
+    What ``loopstone localize`` makes of it, to the byte.
 
     :param initial: (3,) about where it is at the first scan, x, y [m], yaw [rad]; None: anywhere
     :param initial_sigma: standard deviations of that [m, rad]
     :param seed: of the particles
+    :param calibration: the laser sits and goes round as the first minutes of the drive tell; else,
+        and with a robot that is given, as it is told
     :raises DataError: nothing can be made of the log or the map
     :raises OptionsError: with everything that is wrong with the options
     """
@@ -156,6 +158,7 @@ def localize(
             initial,
             *initial_sigma,
             seed,
+            calibration,
             start_s,
             duration_s,
             max_scans,

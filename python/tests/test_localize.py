@@ -14,7 +14,7 @@ def test_files_are_those_of_the_program(
 ) -> None:
     drive.map.save(tmp_path / "map.yaml")
     initial = drive.truth.poses[0]
-    made = ls.localize(log, tmp_path / "map.yaml", initial=initial, seed=5)
+    made = ls.localize(log, tmp_path / "map.yaml", initial=initial, seed=5, calibration=False)
     start = ",".join(repr(float(v)) for v in initial)
     run(
         "localize",
@@ -33,6 +33,17 @@ def test_files_are_those_of_the_program(
     assert made.trajectory.to_tum() == (tmp_path / "path.tum").read_text()
     made.save(tmp_path / "report")
     assert (tmp_path / "report" / "trajectory.tum").read_text() == made.trajectory.to_tum()
+
+
+def test_a_laser_that_sits_otherwise_is_found_as_by_the_program(tmp_path: Path, run: Any) -> None:
+    sim, out = tmp_path / "sim", tmp_path / "where.tum"
+    run("simulate", "office", "-o", sim, "--realism", "upside_down", "--duration", 45, "--quiet")
+    made = ls.localize(sim, sim, seed=2)
+    run("localize", sim, "--map", sim, "-o", out, "--global", "--seed", 2, "--quiet")
+    assert made.trajectory.to_tum() == out.read_text()
+    assert any("hangs upside down" in warning for warning in made.warnings)
+    as_told = ls.localize(sim, sim, seed=2, calibration=False)
+    assert as_told.trajectory.to_tum() != out.read_text()
 
 
 def test_it_finds_the_robot_and_knows_it(drive: ls.Simulation, log: Path) -> None:

@@ -2,20 +2,20 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "app.hpp"
-#include "log_flags.hpp"
-#include "log_run.hpp"
-#include "loopstone/formats/log_reader.hpp"
+#include "loopstone/base/parallel_for.hpp"
+#include "loopstone/formats/log_summary.hpp"
+#include "loopstone/pipeline/cut_log.hpp"
+#include "loopstone/pipeline/log_source.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
-#include "progress_display.hpp"
 
 // What a log tells of the robot that wrote it: where its laser sits, how its beams go round, how
 // its wheels count.
 
-namespace loopstone::app {
+namespace loopstone {
 
 /// Wheels by themselves, without a gyro: what they tell of radius and track.
 struct WheelFindings {
@@ -41,11 +41,27 @@ struct RobotFindings {
   }
 };
 
-/// Reads a log, and once more when its beams are off (robot_correction.hpp).
+/// Reads a log, and once more when its beams are off (slam/robot_correction.hpp).
+/// \param reader  of the source, at its beginning
+/// \param robot   as it is told
 /// Cost: as mapping it without closing loops. Throws DataError when nothing can be made of the log.
-[[nodiscard]] RobotFindings calibrate_log(const std::string& path, LogReader& reader,
+[[nodiscard]] RobotFindings calibrate_log(const LogSource& source, LogReader& reader,
                                           const RobotModel& robot, const LogCut& cut,
-                                          const LogFlags& reading, MapOptions options,
-                                          ProgressDisplay& display, const AppContext& context);
+                                          MapOptions options, Threads threads = {},
+                                          const ReadingWatch& watch = {});
 
-}  // namespace loopstone::app
+/// The robot that wrote a log.
+struct DrivenRobot {
+  RobotModel model{};
+  bool mounts_from_log = true;  ///< what scans say of their laser's place on it counts
+  std::vector<std::string> warnings{};
+  bool interrupted = false;
+};
+
+/// As the first five minutes of its driving tell it, for who localises it (docs/calibration.md).
+/// \param told  by the log. Throws as calibrate_log() does.
+[[nodiscard]] DrivenRobot robot_as_driven(const LogSource& source, const RobotModel& told,
+                                          LogCut cut, Threads threads = {},
+                                          const ReadingWatch& watch = {});
+
+}  // namespace loopstone

@@ -1,4 +1,6 @@
-#include "log_calibration.hpp"
+#include "loopstone/pipeline/log_calibration.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +8,12 @@
 #include <memory>
 #include <utility>
 
-#include "interrupt.hpp"
+#include "loopstone/geometry/angle.hpp"
 #include "loopstone/odometry/dead_reckoning.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/robot_correction.hpp"
 
-namespace loopstone::app {
+namespace loopstone {
 
 namespace {
 
@@ -70,32 +72,49 @@ Reading read(CutLog& log, const RobotModel& robot, const MapOptions& options, Th
     while (mapper.next_update()) {
     }
   }
-  const HeldInterrupt held;
-  MapResult map = mapper.finish();
-  ProgressDisplay::clear_line();
-  return {std::move(map), by_wheels.finish()};
+  return {mapper.finish(), by_wheels.finish()};
+}
+
+std::vector<std::string> words_on(const RobotFindings& findings) {
+  const Calibration& found = findings.map.calibration;
+  const std::string end =
+      ", as its driving tells: taken to be so; `loopstone calibrate -o` writes a robot file";
+  std::vector<std::string> words;
+  if (findings.mount_is_certain()) {
+    words.push_back(fmt::format(
+        "the laser sits at ({:.3f}, {:.3f}) m and looks {:.2f} deg to the left, not at ({:.3f}, "
+        "{:.3f}) m and {:.2f} deg{}",
+        found.lidar_x_m.value, found.lidar_y_m.value, degrees(found.lidar_yaw_rad.value),
+        found.lidar_x_m.given, found.lidar_y_m.given, degrees(found.lidar_yaw_rad.given), end));
+  }
+  if (found.sweep_is_off) {
+    words.push_back(fmt::format("the beams of a scan leave over {:.0f} ms, not at once{}",
+                                1e3 * found.sweep_s.value, end));
+  }
+  if (found.laser_is_mirrored) words.push_back("the laser hangs upside down" + end);
+  return words;
 }
 
 }  // namespace
 
-RobotFindings calibrate_log(const std::string& path, LogReader& reader, const RobotModel& robot,
-                            const LogCut& cut, const LogFlags& reading, MapOptions options,
-                            ProgressDisplay& display, const AppContext& context) {
+RobotFindings calibrate_log(const LogSource& source, LogReader& reader, const RobotModel& robot,
+                            const LogCut& cut, MapOptions options, Threads threads,
+                            const ReadingWatch& watch) {
   options.calibration = true;
   // The robot's motion over a second needs no closed loops.
   options.loop_closure = options.adjustment.enabled = false;
   RobotFindings findings{.given = robot};
-  CutLog log(reader, cut, !context.robot_given(), "calibrating", display);
-  Reading result = read(log, robot, options, context.threads());
-  findings.log = log.judge(path);
+  CutLog log(reader, cut, source.mounts_from_log(), "calibrating", watch);
+  Reading result = read(log, robot, options, threads);
+  findings.log = log.judge(source.path);
   findings.interrupted = log.interrupted();
   const Calibration first = result.map.calibration;
   if (first.map_is_bent() && !findings.interrupted) {
     // Once more with beams as they are. All else follows from them.
     findings.given = corrected_robot(findings.given, first);
-    const auto again = open_log(path, log_options(reading, context));
-    CutLog second(*again, cut, !context.robot_given(), "calibrating anew", display);
-    result = read(second, findings.given, options, context.threads());
+    const auto again = source.open_again();
+    CutLog second(*again, cut, source.mounts_from_log(), "calibrating anew", watch);
+    result = read(second, findings.given, options, threads);
     findings.interrupted = second.interrupted();
     tell_of_correction(first, result.map);
   }
@@ -105,4 +124,17 @@ RobotFindings calibrate_log(const std::string& path, LogReader& reader, const Ro
   return findings;
 }
 
-}  // namespace loopstone::app
+DrivenRobot robot_as_driven(const LogSource& source, const RobotModel& told, LogCut cut,
+                            Threads threads, const ReadingWatch& watch) {
+  constexpr double kEnoughS = 300.0;
+  cut.duration_s = cut.duration_s > 0.0 ? std::min(cut.duration_s, kEnoughS) : kEnoughS;
+  const auto reader = source.open_again();
+  const RobotFindings findings =
+      calibrate_log(source, *reader, told, cut, MapOptions{}, threads, watch);
+  return {.model = findings.mount_is_certain() ? findings.corrected : findings.given,
+          .mounts_from_log = source.mounts_from_log() && !findings.mount_is_certain(),
+          .warnings = words_on(findings),
+          .interrupted = findings.interrupted};
+}
+
+}  // namespace loopstone
