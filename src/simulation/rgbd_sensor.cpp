@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/linear_light.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
 
@@ -42,10 +43,10 @@ float number_of(const DepthEncoding& encoding, float inverse_per_m) {
 
 std::vector<float> brightness_of(const LensModel& lens, double vignetting) {
   std::vector<float> brightness;
-  const double corner = std::hypot(lens.width_px, lens.height_px) / 2.0;
+  const double corner = hypotenuse(lens.width_px, lens.height_px) / 2.0;
   for (int row = 0; row < lens.height_px; ++row) {
     for (int column = 0; column < lens.width_px; ++column) {
-      const double radius = std::hypot(column - lens.centre_x_px, row - lens.centre_y_px) / corner;
+      const double radius = hypotenuse(column - lens.centre_x_px, row - lens.centre_y_px) / corner;
       brightness.push_back(static_cast<float>(std::max(0.0, 1.0 - vignetting * radius * radius)));
     }
   }
