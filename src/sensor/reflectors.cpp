@@ -59,7 +59,7 @@ class UsualIntensity {
       return static_cast<double>(farther->second);
     double usual = 0.0;
     if (farther != medians_.end()) {
-      const double ratio = std::exp2(0.5 * (farther->first - band));
+      const double ratio = std::sqrt(std::ldexp(1.0, farther->first - band));
       usual = ratio * static_cast<double>(farther->second);
     }
     if (farther != medians_.begin()) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "loopstone/base/error_function.hpp"
 #include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/linear_light.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
@@ -26,7 +27,7 @@ double normal_quantile(double p) {
   double high = 8.0;
   for (int step = 0; step < 60; ++step) {
     const double middle = 0.5 * (low + high);
-    (0.5 * std::erfc(-middle / std::sqrt(2.0)) < p ? low : high) = middle;
+    (0.5 * complementary_error_function(-middle / std::sqrt(2.0)) < p ? low : high) = middle;
   }
   return 0.5 * (low + high);
 }
