@@ -195,7 +195,7 @@ Eigen::Matrix3d BlockCholesky::through_inverse(std::span<const RowsAt> j) {
       }
     }
   }
-  return w.transpose() * w;
+  return w.transpose().lazyProduct(w);  // no blocks by the size of a cache
 }
 
 }  // namespace loopstone

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "graph/ordered_product.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -36,21 +38,20 @@ SelectedInverse::SelectedInverse(BlockCholesky& factor) : tree_(factor.tree()) {
     const Eigen::Index below = 3 * front.below();
     const Dense panel(dense.panel, pivots + below, pivots,
                       Eigen::OuterStride<>(static_cast<Eigen::Index>(padded_rows(dense.rows))));
-    const auto lower = panel.topRows(pivots).triangularView<Eigen::Lower>();
-    Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(pivots, pivots);
-    lower.solveInPlace(inverse);
-    Eigen::MatrixXd square(pivots + below, pivots + below);
-    square.topLeftCorner(pivots, pivots).noalias() = inverse.transpose() * inverse;
+    const Eigen::MatrixXd inverse = inverse_of_lower(panel.topRows(pivots));
+    Eigen::MatrixXd square = Eigen::MatrixXd::Zero(pivots + below, pivots + below);
+    auto head = square.topLeftCorner(pivots, pivots);
+    add_product(head, Eigen::MatrixXd(inverse.transpose()), inverse, 1.0);
     if (below > 0) {
       const auto parent = static_cast<std::size_t>(front.parent);
       square.bottomRightCorner(below, below) = rows_of_parent(front, squares[parent]);
       if (--children_left[parent] == 0) squares[parent].resize(0, 0);
-      const Eigen::MatrixXd through = panel.bottomRows(below) * inverse;
-      square.bottomLeftCorner(below, pivots).noalias() =
-          -square.bottomRightCorner(below, below) * through;
-      square.topLeftCorner(pivots, pivots).noalias() -=
-          through.transpose() * square.bottomLeftCorner(below, pivots);
-      square.topRightCorner(pivots, below) = square.bottomLeftCorner(below, pivots).transpose();
+      Eigen::MatrixXd through = Eigen::MatrixXd::Zero(below, pivots);
+      add_product(through, panel.bottomRows(below), inverse, 1.0);
+      auto left = square.bottomLeftCorner(below, pivots);
+      add_product(left, square.bottomRightCorner(below, below), through, -1.0);
+      add_product(head, Eigen::MatrixXd(through.transpose()), left, -1.0);
+      square.topRightCorner(pivots, below) = left.transpose();
     }
     columns_[f] = square.leftCols(pivots);
     children_left[f] = static_cast<std::size_t>(std::count_if(

@@ -422,8 +422,10 @@ Eigen::MatrixXd without_common_motion(const Eigen::MatrixXd& joint,
   // Of a single point, or of several in one place, there is no turn.
   const Eigen::MatrixXd own = motions.completeOrthogonalDecomposition().pseudoInverse();
   const Eigen::MatrixXd kept =
-      Eigen::MatrixXd::Identity(joint.rows(), joint.cols()) - motions * own;
-  return kept * joint * kept.transpose();
+      Eigen::MatrixXd::Identity(joint.rows(), joint.cols()) - motions.lazyProduct(own);
+  // Not by Eigen's product, whose blocks depend on the processor.
+  const Eigen::MatrixXd half = kept.lazyProduct(joint);
+  return half.lazyProduct(kept.transpose());
 }
 
 LandmarkMapping map_landmarks(const PoseGraph& graph,

@@ -80,7 +80,11 @@ LinearFit robust_fit(const LinearProblem& problem) {
   }
   information = problem.a.transpose().lazyProduct(weights.asDiagonal() * problem.a);
   information.diagonal() += prior_information;
-  const Eigen::MatrixXd bread = information.inverse();
+  // By columns, for the reason that the sums of meat_of have.
+  const Eigen::LDLT<Eigen::MatrixXd> factor(information);
+  Eigen::MatrixXd bread(information.rows(), information.cols());
+  for (Eigen::Index i = 0; i < bread.cols(); ++i)
+    bread.col(i) = factor.solve(Eigen::VectorXd::Unit(bread.rows(), i));
   Eigen::MatrixXd meat = meat_of(problem, weights.cwiseProduct(fit.residuals));
   meat.diagonal() += prior_information;
   fit.covariance = bread * meat * bread;
