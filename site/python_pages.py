@@ -158,8 +158,7 @@ class Package:
             out += signature(f"loopstone.{node.name}", init) + self.docstring(init)
         attributes = [*attributes_of(node), *(each for each in functions if "property" in decorators(each))]
         if attributes:
-            out += ["| attribute | type | what |", "| --- | --- | --- |"]
-            out += [self.row(each) for each in attributes] + [""]
+            out += table(["attribute", "type", "what"], [self.row(each) for each in attributes])
         uses = [word for special, word in SPECIAL.items() if any(each.name == special for each in functions)]
         if uses:
             out += [f"Works with {' and '.join(uses)}.", ""]
@@ -177,7 +176,7 @@ class Package:
         else:
             name, kind, text = attribute
         text = told(text, name)
-        return f"| `{name}` | {self.linked(shown(kind)) if kind else ''} | {self.prose(' '.join(text.split()))} |"
+        return f"`{name}`", self.linked(shown(kind)) if kind else "", self.prose(" ".join(text.split()))
 
 
 def told(text, name):
@@ -215,6 +214,12 @@ def shown(node):
     text = text.replace("numpy.bool_", "bool")
     text = re.sub(r"\b(_core|numpy\.typing|numpy|loopstone\.options)\.", "", text)
     return re.sub(r"'([^'\"]*)'", r'"\1"', text)
+
+
+def table(head, rows):
+    """With names that are not broken, and told row by row on a telephone: site.css."""
+    lines = [head, ["---"] * len(head), *rows]
+    return ['<div class="reference" markdown>', "", *(f"| {' | '.join(row)} |" for row in lines), "", "</div>", ""]
 
 
 def code(text):
@@ -277,19 +282,21 @@ def page_stem(name):
 
 
 def option_rows(package, fields):
-    """(name, default, range, what), of options that are no groups."""
-    out = ["| option | default | range | what |", "| --- | --- | --- | --- |"]
+    """The table of options that are no groups."""
+    rows = []
     for name, kind, default, words in fields:
         words = " ".join(told(words, name).split())
         rule = RULE.search(words)
         if rule:
-            words, text = words[: rule.start()], rule.group(1).removeprefix("a number ")
+            text = re.sub(r"^a number from |^a number ", "", rule.group(1))
+            text = re.sub(r"^a whole number from (.*)", r"\1, whole", text)
+            words = words[: rule.start()]
         elif shown(kind).startswith("Literal["):
             text = ", ".join(f"`{word}`" for word in ast.literal_eval(shown(kind).removeprefix("Literal")))
         else:
-            text = {"bool": "`True`, `False`", "str": "text"}.get(shown(kind), "")
-        out.append(f"| `{name}` | `{shown(default)}` | {text} | {package.prose(words)} |")
-    return out + [""]
+            text = {"bool": "true or false", "str": "text"}.get(shown(kind), "")
+        rows.append((f"`{name}`", f"`{shown(default)}`", text, package.prose(words)))
+    return table(["option", "default", "range", "what"], rows)
 
 
 def option_sections(package, of_name, node, prefix=""):
