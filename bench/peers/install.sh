@@ -11,6 +11,9 @@
 # and those that bench/pose_graphs.py compares with:
 #   GTSAM, g2o  wheels from PyPI (gtsam, g2opy), in the same virtual environment
 #   Ceres       Debian's packages, unpacked beside
+# small_gicp and Ceres are called from C++, since their wheels would not do the same: that of
+# small_gicp holds no degree of freedom, which a scan in the plane needs, and pyceres has no cost
+# between two poses, so that Python would be called for each edge.
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 root=$PWD
