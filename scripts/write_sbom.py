@@ -25,6 +25,7 @@ COMPILED_IN = [
     "libfmt-dev",
     "libspdlog-dev",
     "libtomlplusplus-dev",
+    "libyaml-cpp-dev",
     "libtbb-dev",
     "libhwy-dev",
 ]

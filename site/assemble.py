@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Puts the pages of the site together in build/site/pages: those of docs/, the public headers, the
-examples, and a start page. Links that lead out of docs/ are led to where their targets are here.
+Python package, the examples, and a start page. Links that lead out of docs/ are led to where their targets are here.
 
   site/assemble.py
 """
@@ -10,6 +10,7 @@ import shutil
 import sys
 
 from header_pages import write_header_pages
+from python_pages import write_python_pages
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = ROOT / "build/site/pages"
@@ -29,6 +30,10 @@ def target_of(link, parts):
         return "index.md"
     if name == "include/loopstone":
         return "api/index.md"
+    if name == "python/loopstone":
+        return "python_api/index.md"
+    if name == "python/loopstone/options.py":
+        return "python_api/options.md"
     found = re.fullmatch(r"include/loopstone/(\w+)(?:/(\w+)\.hpp)?", name)
     if found and found.group(1) in parts:
         return f"api/{found.group(1)}.md" + (f"#{found.group(2)}" if found.group(2) else "")
@@ -67,6 +72,7 @@ def main():
     shutil.rmtree(PAGES, ignore_errors=True)
     PAGES.mkdir(parents=True)
     parts = write_header_pages(ROOT / "include/loopstone", PAGES / "api")
+    write_python_pages(ROOT / "python", PAGES / "python_api")
     shutil.copytree(ROOT / "docs/images", PAGES / "images")
     for path in (ROOT / "site/pages").iterdir():
         shutil.copy(path, PAGES / path.name)

@@ -41,6 +41,9 @@ kPages.push(
   "accuracy.html",
   "api/slam.html",
   "python.html",
+  "python_api/index.html",
+  "python_api/mapping.html",
+  "python_api/options_simulation.html",
   "live_view.html",
 );
 
