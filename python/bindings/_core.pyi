@@ -1135,7 +1135,7 @@ class Localizer:
     def finish(self) -> LocalizationResult:
         """Ends the recording. Nothing may follow."""
 
-def localize_log(log: Log, map: LocalizationMap, options: OptionValues, initial: numpy.typing.ArrayLike | None, initial_sigma_m: float, initial_sigma_rad: float, seed: int, start_s: float, duration_s: float, max_scans: int, threads: int, progress: object | None) -> LocalizationResult: ...
+def localize_log(log: Log, map: LocalizationMap, options: OptionValues, initial: numpy.typing.ArrayLike | None, initial_sigma_m: float, initial_sigma_rad: float, seed: int, calibration: bool, start_s: float, duration_s: float, max_scans: int, threads: int, progress: object | None) -> LocalizationResult: ...
 
 class MatchResult:
     """Where a scan or cloud lies in the frame of another, or of a map."""
