@@ -55,16 +55,18 @@ def notebook_of(path):
 
 
 def small_png(data):
-    """With a palette: a plot looks the same and takes a third."""
+    """The same picture without transparency and with 32 steps a colour, which nobody sees."""
     picture = Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")
-    picture = picture.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    picture = picture.point(lambda value: value & 0xF8 | value >> 5)
+    if picture.getcolors(256):
+        picture = picture.quantize(256, dither=Image.Dither.NONE)
     out = io.BytesIO()
     picture.save(out, "PNG", optimize=True)
     return base64.b64encode(out.getvalue()).decode() + "\n"
 
 
 def tidy_outputs(cell):
-    """One output for what was printed, however it came in pieces; pictures with a palette."""
+    """One output for what was printed, however it came in pieces; small pictures."""
     outputs = []
     for output in cell.outputs:
         if output.output_type == "stream" and outputs and outputs[-1].get("name") == output.name:

@@ -169,7 +169,8 @@ counts = np.bincount(which, minlength=10)
 
 fig, (left, middle) = plt.subplots(1, 2, figsize=(9, 4), width_ratios=(1, 1.1))
 left.plot([0, 1], [0, 1], color="0.5", linestyle="--", linewidth=1)
-left.plot(means, shares, "o-", color="tab:blue", linewidth=1)
+left.plot(means, shares, color="tab:blue", linewidth=1)
+left.scatter(means, shares, s=5 * np.sqrt(counts), color="tab:blue")
 left.set(title="reliability", xlabel="stated probability", ylabel="share right", aspect="equal")
 left.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03))
 left.grid(alpha=0.3)
@@ -188,9 +189,9 @@ assert right[states == "TRACKING"].mean() > 0.95
 assert brier < baseline
 
 # %% [markdown]
-# Points on the dashed line would be perfect. Points above it are modest: more is right than was
-# stated. What a robot must not have are points below the line on the right, where it is sure and
-# wrong.
+# Points on the dashed line would be perfect; large points stand for many scans. Points above it are
+# modest: more is right than was stated. What a robot must not have are large points below the line
+# on the right, where it is sure and wrong.
 #
 # Read it with care. Scans of one run are not independent, and where two places are equal, all
 # scans of a run are right or wrong together: the points in the middle hang on a few dozen coins.

@@ -42,6 +42,8 @@ kPages.push(
   "api/slam.html",
   "python.html",
   "live_view.html",
+  "notebooks/01_first_map.html",
+  "notebooks/05_localization.html",
 );
 
 const server = createServer(async (request, response) => {
