@@ -9,6 +9,8 @@
 # counter-clockwise.
 
 # %%
+from pathlib import Path
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -155,15 +157,15 @@ plt.show()
 #
 # ## Files
 #
-# `save` writes what the program `loopstone map` writes: all of it or nothing.
+# `save` writes what the program `loopstone map` writes: all of it or nothing. `force` replaces what
+# an earlier run left there.
 
 # %%
-from pathlib import Path
-
-result.save("map")
-print("  ".join(sorted(path.name for path in Path("map").iterdir())))
+out = Path("out")
+result.save(out / "map", force=True)
+print("  ".join(sorted(path.name for path in (out / "map").iterdir())))
 print()
-print(Path("map/map.yaml").read_text())
+print((out / "map" / "map.yaml").read_text())
 
 # %% [markdown]
 # - `report.html`: everything on one page, for people; `summary.json`: every figure, for scripts.
@@ -174,11 +176,11 @@ print(Path("map/map.yaml").read_text())
 # Each part can be written or handed over by itself, and read again.
 
 # %%
-result.trajectory.save("path.tum")
-result.graph.save("graph.g2o")
-result.map.to_grid().save("office.yaml")
+result.trajectory.save(out / "path.tum")
+result.graph.save(out / "graph.g2o")
+result.map.to_grid().save(out / "office.yaml")
 
-again = ls.read_map("office.yaml")
+again = ls.read_map(out / "office.yaml")
 np.testing.assert_array_equal(again.cells, result.map.to_grid().cells)
 print("first pose as TUM:", result.trajectory.to_tum().splitlines()[0])
 print("map:", again.shape, "cells of", again.resolution_m, "m, lower left corner at", again.origin)

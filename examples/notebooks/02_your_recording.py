@@ -8,6 +8,7 @@
 # %%
 import subprocess
 import sys
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,11 +16,13 @@ import numpy as np
 import loopstone as ls
 
 plt.rcParams.update({"figure.dpi": 80, "figure.constrained_layout.use": True, "font.size": 9})
+OUT = Path("out")  # what this notebook writes
+OUT.mkdir(exist_ok=True)
 
 
 def loopstone(*arguments):
     """The program, which came with the package; prints what it prints."""
-    command = [sys.executable, "-m", "loopstone", *arguments]
+    command = [sys.executable, "-m", "loopstone", *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True)
     print(done.stdout.strip() or done.stderr.strip())
     done.check_returncode()
@@ -49,18 +52,19 @@ drive = ls.simulate(
     laser__rate_hz=5.0,
     odometry_poses=True,
 )
-drive.save("recording.mcap", "mcap")
-loopstone("convert", "recording.mcap", "recording", "--format", "rosbag2", "--quiet")
+drive.save(OUT / "recording.mcap", "mcap")
+to_rosbag2 = ["--format", "rosbag2", "--force", "--quiet"]
+loopstone("convert", OUT / "recording.mcap", OUT / "recording", *to_rosbag2)
 
 # %% [markdown]
 # **Put the path of your own recording here.** All that follows works on it; the checks that need
 # the truth of the simulation are left out then.
 
 # %%
-LOG = "recording"
+LOG = "out/recording"
 
 # %%
-is_simulated = LOG == "recording"
+is_simulated = LOG == "out/recording"
 
 # %% [markdown]
 # ## What is in it?
@@ -164,16 +168,22 @@ plt.show()
 
 # %%
 found = result.summary["calibration"]
-rows = [
-    ("laser ahead of the centre", found["lidar"]["x_m"], 1000, "mm"),
-    ("laser to the left of it", found["lidar"]["y_m"], 1000, "mm"),
-    ("laser looks left by", found["lidar"]["yaw_rad"], 180 / np.pi, "deg"),
-    ("odometry's way / true way", found["odometry"]["translation_scale"], 1, ""),
-    ("odometry's turns / true ones", found["odometry"]["rotation_scale"], 1, ""),
-    ("scans later than stamped", found["laser_delay_s"], 1000, "ms"),
+told_apart = [
+    ("laser ahead of the centre", ("lidar", "x_m"), 1000, "mm"),
+    ("laser to the left of it", ("lidar", "y_m"), 1000, "mm"),
+    ("laser looks left by", ("lidar", "yaw_rad"), 180 / np.pi, "deg"),
+    ("odometry's way / true way", ("odometry", "translation_scale"), 1, ""),
+    ("odometry's turns / true ones", ("odometry", "rotation_scale"), 1, ""),
+    ("scans later than stamped", ("laser_delay_s",), 1000, "ms"),
 ]
 print("                                   found    sigma     told")
-for name, value, scale, unit in rows:
+for name, keys, scale, unit in told_apart:
+    value = found
+    for key in keys:
+        value = (value or {}).get(key)
+    if value is None:  # no odometry, several lasers, or a log that takes the laser for the robot
+        print(f"{name:30} can't be told from this log")
+        continue
     numbers = f"{value['value'] * scale:9.4f} {value['sigma'] * scale:8.4f}"
     told = f"{value['given'] * scale:8.2f} {unit}"
     print(f"{name:30} {numbers} {told}{'' if value['observable'] else '  not observable'}")
@@ -188,18 +198,19 @@ if is_simulated:
     print(f"built: {1000 * x:.0f} mm ahead, {np.degrees(yaw):.2f} deg to the left")
 
 # %% [markdown]
-# The program writes a robot file with the corrections, and the next map has nothing left to
-# correct.
+# Where a mount was corrected, the program writes a robot file that says so, and the next map has
+# nothing left to correct.
 
 # %%
-with open("as_told.toml", "w") as file:
-    file.write(as_told.to_toml())
-robot_file = ["--robot", "as_told.toml"] if is_simulated else []
-loopstone("calibrate", LOG, *robot_file, "-o", "robot.toml", "--quiet")
+if found.get("mount_corrected"):
+    robot_file = []
+    if is_simulated:
+        (OUT / "as_told.toml").write_text(as_told.to_toml())
+        robot_file = ["--robot", OUT / "as_told.toml"]
+    loopstone("calibrate", LOG, *robot_file, "-o", OUT / "robot.toml", "--force", "--quiet")
 
-second = ls.map(ls.open_log(LOG, robot=ls.Robot.read("robot.toml")))
-print("corrected again:", second.summary["calibration"]["mount_corrected"])
-if is_simulated:
+    second = ls.map(ls.open_log(LOG, robot=ls.Robot.read(OUT / "robot.toml")))
+    print("corrected again:", second.summary["calibration"]["mount_corrected"])
     assert not second.summary["calibration"]["mount_corrected"]
 
 # %% [markdown]
