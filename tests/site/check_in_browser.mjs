@@ -45,6 +45,8 @@ kPages.push(
   "python_api/mapping.html",
   "python_api/options_simulation.html",
   "live_view.html",
+  "notebooks/01_first_map.html",
+  "notebooks/05_localization.html",
 );
 
 const server = createServer(async (request, response) => {
