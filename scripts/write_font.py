@@ -14,9 +14,8 @@ from fontTools.pens.recordingPen import DecomposingRecordingPen
 from fontTools.ttLib import TTFont
 
 # ASCII, Latin-1, and what stands beside numbers.
-CHARACTERS = sorted(
-    {*range(0x20, 0x7F), *range(0xA0, 0x100), *map(ord, "–—‘’“”…•−×±≈≠≤≥∞√→←↑↓′″σχμΔΣΩπ")}
-)
+BESIDE_NUMBERS = "–—‘’“”…•−×±≈≠≤≥∞√→←↑↓′″σχμΔΣΩπ"
+CHARACTERS = sorted({*range(0x20, 0x7F), *range(0xA0, 0x100), *map(ord, BESIDE_NUMBERS)})
 MISSING = 0  # stands for the box of a character that the font does not have
 FACES = {"Regular": "DejaVuSans.ttf", "Bold": "DejaVuSans-Bold.ttf"}
 

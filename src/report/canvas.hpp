@@ -24,8 +24,9 @@ struct Colour {
 /// white and from black.
 [[nodiscard]] Colour time_colour(double share);
 
-/// A picture to draw on, with smooth edges. What lies beyond it is cut. The same calls give the same
-/// bytes everywhere.
+/// A picture to draw on, with smooth edges. What lies beyond it is cut. The same calls give the
+/// same bytes everywhere. Where curves of one shape lie on each other, its edge is up to half a
+/// pixel wider.
 class Canvas {
  public:
   Canvas(int width_px, int height_px, const Colour& background);

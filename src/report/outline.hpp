@@ -4,7 +4,7 @@
 #include <vector>
 
 // Shapes as closed curves in pixels: lines with their width, circles. They go round in one
-// direction and holes in the other, and may overlap themselves: what any curve goes round is inside.
+// direction and holes in the other, and may overlap: what any curve goes round is inside.
 
 namespace loopstone {
 
