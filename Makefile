@@ -1,6 +1,6 @@
 # A thin front door; the build itself is CMake (see CMakePresets.json and CONTRIBUTING.md).
 .DEFAULT_GOAL := build
-.PHONY: help deps deps-all build test demo bench compare format tidy asan tsan fuzz attack coverage viewer package site clean
+.PHONY: help deps deps-all build test demo bench compare format tidy asan tsan arm fuzz attack coverage viewer package site clean
 
 JOBS ?= $(shell nproc)
 export JOBS
@@ -45,6 +45,9 @@ asan: deps  ## every test under the address and undefined-behaviour sanitizers
 
 tsan: deps  ## what is threaded, under the thread sanitizer
 	@scripts/tsan.sh
+
+arm: deps  ## for 64-bit ARM: some tests under qemu, and whether the program writes the same bytes
+	@scripts/arm.sh
 
 fuzz: deps-all  ## each fuzz target for FUZZ_SECONDS (20)
 	@scripts/fuzz.sh

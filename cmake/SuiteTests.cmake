@@ -13,6 +13,7 @@ function(loopstone_discover_suites)
     GENERATE
     OUTPUT "${script}"
     CONTENT "set(program \"$<TARGET_FILE:${arg_TARGET}>\")
+set(emulator \"${CMAKE_CROSSCOMPILING_EMULATOR}\")
 set(target \"${arg_TARGET}\")
 set(label \"${arg_LABEL}\")
 set(timeout \"${arg_TIMEOUT}\")

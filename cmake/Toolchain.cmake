@@ -29,6 +29,10 @@ target_include_directories(loopstone_build INTERFACE "${PROJECT_SOURCE_DIR}/incl
 # inlining and the processor it builds for, so with contraction the same log could give two maps. Off, everywhere.
 # For the same reason there is no -ffast-math and no -march=native here.
 target_compile_options(loopstone_build INTERFACE -ffp-contract=off)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  # Eigen fuses by name.
+  target_include_directories(loopstone_build BEFORE INTERFACE "${PROJECT_SOURCE_DIR}/cmake/toolchains/unfused")
+endif()
 
 if(LOOPSTONE_PCH AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(loopstone_build INTERFACE -fpch-preprocess) # ccache asks for it

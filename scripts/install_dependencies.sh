@@ -6,6 +6,7 @@
 #     scripts/install_dependencies.sh --all    and to format, tidy, fuzz, benchmark, to build and
 #                                              test the page of the live view, and for packages
 #     scripts/install_dependencies.sh --ros2   and to build loopstone-ros2 (docs/ros2.md)
+#     scripts/install_dependencies.sh --list   installs nothing, and prints the packages' names
 set -euo pipefail
 
 packages=(
@@ -18,8 +19,10 @@ packages=(
   libgtest-dev libgmock-dev librapidcheck-dev
 )
 all=
+list=
 for flag; do
   case $flag in
+    --list) list=yes ;;
     --all)
       all=yes
       packages+=(git clang clang-tidy clang-format libclang-rt-14-dev llvm libbenchmark-dev black)
@@ -32,6 +35,10 @@ for flag; do
       ;;
   esac
 done
+if [[ -n $list ]]; then
+  printf '%s\n' "${packages[@]}"
+  exit 0
+fi
 installed() {
   [[ -z $all ]] || "$(dirname "$0")/install_viewer.sh"
   exit 0

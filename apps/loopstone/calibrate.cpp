@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "log_run.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -64,7 +65,7 @@ void add_wheels(const WheelFindings& findings, const WheelModel& given, Result& 
             1e3, "mm", 5, result);
   const double track = given.track_width_m * turn / way;
   add_value("wheels.track_width_m", "track",
-            {track, track * std::hypot(turn_sigma / turn, way_sigma / way), given.track_width_m,
+            {track, track * hypotenuse(turn_sigma / turn, way_sigma / way), given.track_width_m,
              way_known && findings.found.rotation_scale.observable},
             1e3, "mm", 1, result);
   add_value("wheels.turn_per_m_rad", "wheels turn going straight", findings.found.turn_per_m_rad,

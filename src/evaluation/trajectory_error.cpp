@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -102,7 +104,7 @@ Pose2 align_trajectories(const std::vector<Pose2>& estimate, const std::vector<P
     heading_cosine += std::cos(reference[i].yaw - estimate[i].yaw);
     heading_sine += std::sin(reference[i].yaw - estimate[i].yaw);
   }
-  const bool points_tell = std::hypot(along, across) > 1e-9 * spread && spread > 1e-12;
+  const bool points_tell = hypotenuse(along, across) > 1e-9 * spread && spread > 1e-12;
   const double yaw =
       points_tell ? std::atan2(across, along) : std::atan2(heading_sine, heading_cosine);
   const Eigen::Vector2d translation =

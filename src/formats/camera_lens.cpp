@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 namespace {
 
@@ -39,7 +41,7 @@ double fisheye_radius(const Coefficients& d, double r) {
 double corner_radius(const LensModel& lens) {
   const double x = std::max(lens.centre_x_px, lens.width_px - lens.centre_x_px);
   const double y = std::max(lens.centre_y_px, lens.height_px - lens.centre_y_px);
-  return std::hypot(x / lens.focal_x_px, y / lens.focal_y_px);
+  return hypotenuse(x / lens.focal_x_px, y / lens.focal_y_px);
 }
 
 /// Fits k1, k2, k3 to seen(r) for r up to where the corner is seen, and says how well.

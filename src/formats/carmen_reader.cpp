@@ -14,6 +14,7 @@
 #include "formats/order_stamps.hpp"
 #include "formats/skip_tally.hpp"
 #include "formats/stamp_order.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 
 namespace loopstone {
 namespace {
@@ -23,7 +24,7 @@ class PathLength {
  public:
   void add(const SensorMessage& message) {
     const Pose2& pose = std::get<OdometryPose>(message).odom_T_robot;
-    if (last_) length_m_ += std::hypot(pose.x - last_->x, pose.y - last_->y);
+    if (last_) length_m_ += hypotenuse(pose.x - last_->x, pose.y - last_->y);
     last_ = pose;
   }
   [[nodiscard]] double length_m() const { return length_m_; }

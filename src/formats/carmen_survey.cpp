@@ -10,6 +10,7 @@
 #include "formats/carmen_times.hpp"
 #include "formats/line_reader.hpp"
 #include "formats/text_numbers.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 
 namespace loopstone {
@@ -114,7 +115,7 @@ std::optional<Pose2> common_mount(const std::vector<Pose2>& mounts) {
   }
   const Pose2 middle{median(x), median(y), wrap_angle(median(yaw) + mounts.front().yaw)};
   const auto far = std::count_if(mounts.begin(), mounts.end(), [&](const Pose2& mount) {
-    return std::hypot(mount.x - middle.x, mount.y - middle.y) > 0.05 ||
+    return hypotenuse(mount.x - middle.x, mount.y - middle.y) > 0.05 ||
            std::abs(wrap_angle(mount.yaw - middle.yaw)) > 0.05;
   });
   if (far * 10 > static_cast<std::ptrdiff_t>(mounts.size())) return std::nullopt;

@@ -10,6 +10,7 @@
 #include "formats/camera_collector.hpp"
 #include "formats/log_findings.hpp"
 #include "formats/timing_collector.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/median.hpp"
 
 namespace loopstone {
@@ -113,7 +114,7 @@ class OdometryCollector {
     timing_.add(odometry.stamp);
     if (last_) {
       const Pose2 step = last_->odom_T_robot.inverse() * odometry.odom_T_robot;
-      const double length_m = std::hypot(step.x, step.y);
+      const double length_m = hypotenuse(step.x, step.y);
       const double interval_s = (odometry.stamp - last_->stamp).seconds();
       summary_.path_length_m += length_m;
       summary_.turned_rad += std::abs(step.yaw);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -41,7 +43,7 @@ UnitMinimiser minimise_on_circle(const Eigen::Matrix2d& s_matrix, const Eigen::V
   const auto length_at = [&](double lambda) {
     const double first = u(0) / (s(0) + lambda);
     const double second = u(1) / (s(1) + lambda);
-    return std::hypot(s(0) + lambda > 0.0 ? first : 0.0, s(1) + lambda > 0.0 ? second : 0.0);
+    return hypotenuse(s(0) + lambda > 0.0 ? first : 0.0, s(1) + lambda > 0.0 ? second : 0.0);
   };
   // Newton on 1 / |r| - 1, which is nearly straight, kept between the bounds.
   double lambda = low;

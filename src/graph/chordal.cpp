@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -78,7 +80,7 @@ std::vector<Complex> chordal_headings(const IsotropicSystem& system,
   if (!matrix.factorise()) return anchored_headings;
   solve_for_nodes(matrix, system.pattern.place, headings);
   for (std::size_t i = 0; i < problem.nodes; ++i) {
-    const double length = std::abs(headings[i]);
+    const double length = hypotenuse(headings[i].real(), headings[i].imag());
     headings[i] = length > 0.0 ? headings[i] / length : Complex(1.0);
   }
   return headings;

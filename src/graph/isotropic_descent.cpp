@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -136,7 +138,7 @@ IsotropicState moved(const IsotropicState& state, const IsotropicSystem& system,
     const Matrix::Values& step = steps[static_cast<std::size_t>(system.pattern.place[i])];
     result.position[i] += Complex(step(0), step(1));
     const Complex heading = result.heading[i] * Complex(std::cos(step(2)), std::sin(step(2)));
-    result.heading[i] = heading / std::abs(heading);
+    result.heading[i] = heading / hypotenuse(heading.real(), heading.imag());
   }
   return result;
 }

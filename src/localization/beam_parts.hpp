@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/error_function.hpp"
 #include "loopstone/localization/beam_model.hpp"
 
 namespace loopstone {
@@ -23,7 +24,7 @@ struct BeamParts {
 
 /// Standard normal distribution.
 [[nodiscard]] inline double normal_below(double z) {
-  return 0.5 * std::erfc(-z * (0.5 * std::numbers::sqrt2));
+  return 0.5 * complementary_error_function(-z * (0.5 * std::numbers::sqrt2));
 }
 
 /// The part of a normal distribution about `expected` that lies in [0, max range].

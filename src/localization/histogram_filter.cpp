@@ -5,6 +5,8 @@
 #include <numbers>
 #include <string>
 
+#include "loopstone/base/error_function.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -15,7 +17,9 @@ int moved_on_axis(int from, int shift, int size, GridEdge edge) {
   return rest < 0 ? rest + size : rest;
 }
 
-double normal_cumulative(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+double normal_cumulative(double z) {
+  return 0.5 * complementary_error_function(-z / std::numbers::sqrt2);
+}
 
 }  // namespace
 

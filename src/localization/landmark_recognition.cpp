@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "localization/landmark_mapping_numbers.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/graph/marginals.hpp"
@@ -188,7 +189,7 @@ class Recognition {
   }
 
   [[nodiscard]] bool moves_map(const Placed& newer, const Placed& older) const {
-    const double sigma_m = std::hypot(own_sigma(newer.group), own_sigma(older.group));
+    const double sigma_m = hypotenuse(own_sigma(newer.group), own_sigma(older.group));
     return (newer.on_map.position - older.on_map.position).norm() >
            kLandmarkMapping.resolve_sigmas * sigma_m;
   }

@@ -18,6 +18,7 @@
 #include "localization/robot_motion.hpp"
 #include "localization/scan_weigher.hpp"
 #include "localization/state_judge.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/base/thinned.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -277,7 +278,7 @@ class Localizer::Impl {
     const auto astray = [&] {
       const Pose2& pose = track_->map_T_robot().pose;
       const double spread = std::sqrt(mean.covariance.topLeftCorner<2, 2>().trace());
-      return std::hypot(pose.x - mean.pose.x, pose.y - mean.pose.y) > kAstrayM + 2.0 * spread ||
+      return hypotenuse(pose.x - mean.pose.x, pose.y - mean.pose.y) > kAstrayM + 2.0 * spread ||
              std::abs(wrap_angle(pose.yaw - mean.pose.yaw)) >
                  kAstrayRad + 2.0 * std::sqrt(mean.covariance(2, 2));
     };

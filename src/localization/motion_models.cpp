@@ -2,13 +2,14 @@
 
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
 
 TurnGoTurn turn_go_turn(const Pose2& from_T_to) {
   double first = std::atan2(from_T_to.y, from_T_to.x);
-  double travel = std::hypot(from_T_to.x, from_T_to.y);
+  double travel = hypotenuse(from_T_to.x, from_T_to.y);
   if (std::abs(first) > kPi / 2.0) {
     first = wrap_angle(first + kPi);
     travel = -travel;
@@ -32,9 +33,9 @@ Pose2 sample_odometry_motion(const Pose2& map_T_from, const TurnGoTurn& motion,
       std::abs(directed ? motion.second_turn_rad
                         : wrap_angle(motion.first_turn_rad + motion.second_turn_rad));
   const auto turn_sigma = [&](double turn) {
-    return std::hypot(noise.turn_from_turn * turn, noise.turn_from_travel * travel);
+    return hypotenuse(noise.turn_from_turn * turn, noise.turn_from_travel * travel);
   };
-  const double travel_sigma = std::hypot(noise.travel_from_travel * travel,
+  const double travel_sigma = hypotenuse(noise.travel_from_travel * travel,
                                          noise.travel_from_turn * (first_turn + second_turn));
   TurnGoTurn sampled;
   sampled.first_turn_rad = rng.normal(motion.first_turn_rad, turn_sigma(first_turn));
@@ -46,7 +47,7 @@ Pose2 sample_odometry_motion(const Pose2& map_T_from, const TurnGoTurn& motion,
 Pose2 sample_velocity_motion(const Pose2& map_T_from, double speed_m_s, double yaw_rate_rad_s,
                              double duration_s, const VelocityMotionNoise& noise, Rng& rng) {
   const auto sigma = [&](double from_speed, double from_rate) {
-    return std::hypot(from_speed * speed_m_s, from_rate * yaw_rate_rad_s);
+    return hypotenuse(from_speed * speed_m_s, from_rate * yaw_rate_rad_s);
   };
   const double speed = rng.normal(speed_m_s, sigma(noise.speed_from_speed, noise.speed_from_rate));
   const double rate =

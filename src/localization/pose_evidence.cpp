@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/base/error_function.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/pose_distance.hpp"
 
@@ -27,9 +29,9 @@ double precision_of(const Eigen::Matrix3d& covariance) {
   constexpr double kWithinRad = 5.0 * kPi / 180.0;
   const double half_trace = 0.5 * (covariance(0, 0) + covariance(1, 1));
   const double half_gap = 0.5 * (covariance(0, 0) - covariance(1, 1));
-  const double longest = half_trace + std::hypot(half_gap, covariance(0, 1));
+  const double longest = half_trace + hypotenuse(half_gap, covariance(0, 1));
   const auto within = [](double bound, double variance) {
-    return std::erf(bound / std::sqrt(2.0 * std::max(variance, 1e-12)));
+    return error_function(bound / std::sqrt(2.0 * std::max(variance, 1e-12)));
   };
   return within(kWithinM, longest) * within(kWithinRad, covariance(2, 2));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/mapping/map_quality.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "mapping/scan_beams.hpp"
@@ -33,7 +34,7 @@ std::vector<Chosen> choose(std::span<const PosedScan> scans) {
     before = &pose;
     if (last_chosen != nullptr) {
       const Pose2 since = last_chosen->inverse() * pose;
-      if (std::hypot(since.x, since.y) < kJudgedScans.spacing_m &&
+      if (hypotenuse(since.x, since.y) < kJudgedScans.spacing_m &&
           std::abs(since.yaw) < kJudgedScans.spacing_rad)
         continue;
     }

@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/median.hpp"
 
 namespace loopstone {
@@ -168,7 +169,8 @@ struct PairOfStretches {
         agree < kVisitContradictions.tie_share * all)
       return false;
     const float trace = held.trace();
-    const float half_gap = 0.5F * std::hypot(held(0, 0) - held(1, 1), 2.0F * held(0, 1));
+    const float half_gap =
+        0.5F * static_cast<float>(hypotenuse(held(0, 0) - held(1, 1), 2.0F * held(0, 1)));
     return 0.5F * trace - half_gap >= static_cast<float>(kVisitContradictions.tie_held) * trace;
   }
 };

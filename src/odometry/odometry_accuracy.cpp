@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 
@@ -52,7 +53,7 @@ OdometryAccuracy::Sigma OdometryAccuracy::sigma(double path_m, double reach_m,
       std::max(kOdometryAccuracy.least_share, std::sqrt(share2 / count)) * grown_m;
   const double rad =
       std::max(kOdometryAccuracy.least_rad_per_m, std::sqrt(rad_per_m2 / count)) * grown_m;
-  return {std::hypot(along_m, 0.5 * rad * reach_m), rad};
+  return {hypotenuse(along_m, 0.5 * rad * reach_m), rad};
 }
 
 std::optional<double> OdometryAccuracy::usual_rad(const OdometryCorrection& correction) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 
 namespace loopstone {
@@ -130,7 +131,7 @@ void MotionAgreement::restore(State state) {
 }
 
 void OdometryCheck::add(const MotionPair& pair) {
-  const double travelled = std::hypot(pair.laser.x, pair.laser.y);
+  const double travelled = hypotenuse(pair.laser.x, pair.laser.y);
   if (pair.sees_translation && pair.odometry_has_translation) {
     translation_.add(pair.from, pair.to, pair.odometry.translation(), pair.laser.translation(),
                      0.0);

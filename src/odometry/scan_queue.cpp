@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 
@@ -46,7 +47,7 @@ void ScanQueue::follow_odometry() {
   const Pose2 odom_T_robot = odometer_.pose_at(*newest)->pose;
   if (own_.travel.stamp) {
     const Pose2 step = own_.travel.odom_T_robot.inverse() * odom_T_robot;
-    own_.travel.path_m += std::hypot(step.x, step.y);
+    own_.travel.path_m += hypotenuse(step.x, step.y);
     own_.travel.turned_rad += std::abs(step.yaw);
     if (*newest - *own_.travel.stamp > longest_step()) own_.travel.silent_until = *newest;
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -60,7 +62,7 @@ std::optional<Pose2> Trajectory::nearest(Stamp stamp, Duration tolerance) const 
 double Trajectory::path_length_m() const {
   double length = 0.0;
   for (std::size_t i = 1; i < poses_.size(); ++i) {
-    length += std::hypot(poses_[i].pose.x - poses_[i - 1].pose.x,
+    length += hypotenuse(poses_[i].pose.x - poses_[i - 1].pose.x,
                          poses_[i].pose.y - poses_[i - 1].pose.y);
   }
   return length;

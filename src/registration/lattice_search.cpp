@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
@@ -235,7 +236,7 @@ bool LatticeSearch::may_win(const Block& block) const {
 bool LatticeSearch::is_excluded(int heading, int column, int row, double margin_m) const {
   if (!excluded_) return false;
   const Pose2 pose = lattice_.pose_at(static_cast<std::size_t>(heading), column, row);
-  return std::hypot(pose.x - excluded_->pose.x, pose.y - excluded_->pose.y) + margin_m <
+  return hypotenuse(pose.x - excluded_->pose.x, pose.y - excluded_->pose.y) + margin_m <
              excluded_->radius_m &&
          std::abs(wrap_angle(pose.yaw - excluded_->pose.yaw)) < excluded_->half_yaw_rad;
 }

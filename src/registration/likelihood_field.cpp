@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/grid/distance_transform.hpp"
 
@@ -96,7 +97,7 @@ std::uint8_t normal_at(const Grid<std::uint8_t>& walls, const Cell& cell, Patch&
   const Eigen::Matrix2d spread = squares / count - sum * sum.transpose() / (count * count);
   const double half_trace = 0.5 * spread.trace();
   const double half_gap = 0.5 * (spread(0, 0) - spread(1, 1));
-  const double off = std::hypot(half_gap, spread(0, 1));
+  const double off = hypotenuse(half_gap, spread(0, 1));
   if (!(half_trace + off > kLongerThanWide * (half_trace - off)) || count < 3.0) return 0;
   const double along = 0.5 * std::atan2(spread(0, 1), half_gap);
   const int degrees = static_cast<int>(std::lround(along * 180.0 / kPi)) + 90;

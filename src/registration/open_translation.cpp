@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 
 namespace {
@@ -30,7 +32,7 @@ std::optional<OpenTranslation> open_translation(const Eigen::Matrix3d& hessian) 
       hessian.topLeftCorner<2, 2>() - coupling * coupling.transpose() / heading;
   const double middle = 0.5 * (translation(0, 0) + translation(1, 1));
   const double spread =
-      std::hypot(0.5 * (translation(0, 0) - translation(1, 1)), translation(0, 1));
+      hypotenuse(0.5 * (translation(0, 0) - translation(1, 1)), translation(0, 1));
   if (middle - spread >= std::max(kDegenerateShare * (middle + spread), kDegeneratePoints))
     return {};
   const double strong =

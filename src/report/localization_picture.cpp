@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "report/canvas.hpp"
 #include "report/localization_figures.hpp"
 #include "report/map_view.hpp"
@@ -94,7 +95,7 @@ class MapOfPath {
       if (estimate == nullptr) continue;
       const Point at = view_.pixel_of(estimate->map_T_robot.translation());
       const bool there = std::any_of(drawn.begin(), drawn.end(), [&](const Point& other) {
-        return std::hypot(at.x - other.x, at.y - other.y) < 0.6 * sizes_.text;
+        return hypotenuse(at.x - other.x, at.y - other.y) < 0.6 * sizes_.text;
       });
       if (there) continue;
       drawn.push_back(at);
@@ -137,7 +138,7 @@ class MapOfPath {
     const bool joins = next < estimates.size() && !is_jump(estimates[run.last], estimates[next]);
     for (std::size_t i = run.first + 1; i <= (joins ? next : run.last); ++i) {
       const Point point = pixel(i);
-      if (std::hypot(point.x - points.back().x, point.y - points.back().y) > 0.7)
+      if (hypotenuse(point.x - points.back().x, point.y - points.back().y) > 0.7)
         points.push_back(point);
     }
     if (points.size() == 1) points.push_back(points.front());  // a dot

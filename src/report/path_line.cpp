@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 
 void draw_path_line(const Trajectory& trajectory, const MapView& view, double width_px,
@@ -30,7 +32,7 @@ void draw_path_line(const Trajectory& trajectory, const MapView& view, double wi
       run_colour = colour;
     }
     const Point point = view.pixel_of(stamped.pose.translation());
-    if (run.empty() || std::hypot(point.x - run.back().x, point.y - run.back().y) > 0.7)
+    if (run.empty() || hypotenuse(point.x - run.back().x, point.y - run.back().y) > 0.7)
       run.push_back(point);
   }
   finish_run();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "report/round_length.hpp"
 
 namespace loopstone {
@@ -16,7 +17,7 @@ const Colour kEnd = hex_colour(0xdc2626);
 
 void draw_arrow(Canvas& canvas, Point from, Point to, double text_px) {
   canvas.line({from, to}, 0.11 * text_px, kInk);
-  const double length = std::hypot(to.x - from.x, to.y - from.y);
+  const double length = hypotenuse(to.x - from.x, to.y - from.y);
   const Point u{(to.x - from.x) / length * 0.4 * text_px, (to.y - from.y) / length * 0.4 * text_px};
   canvas.polygon({{to.x + 0.5 * u.x, to.y + 0.5 * u.y},
                   {to.x - u.x - 0.6 * u.y, to.y - u.y + 0.6 * u.x},
@@ -51,7 +52,7 @@ void draw_start_and_end(const Pose2& first, const Pose2& last, const MapView& vi
   canvas.polygon({ahead(1.6, 0.0), ahead(-1.0, 1.0), ahead(-0.5, 0.0), ahead(-1.0, -1.0)}, kStart,
                  edge, kPaper);
   // Labels go to opposite sides when the two places coincide.
-  const bool close = std::hypot(start.x - end.x, start.y - end.y) < 4.0 * sizes.text;
+  const bool close = hypotenuse(start.x - end.x, start.y - end.y) < 4.0 * sizes.text;
   const bool start_above = !close || start.y <= end.y;
   const auto label = [&](Point at, const char* words, const Colour& colour, bool above) {
     at.y += above ? -1.6 * r : 1.6 * r + 0.75 * sizes.text;

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <map>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 namespace {
 
@@ -57,7 +59,7 @@ class UsualIntensity {
       return static_cast<double>(farther->second);
     double usual = 0.0;
     if (farther != medians_.end()) {
-      const double ratio = std::exp2(0.5 * (farther->first - band));
+      const double ratio = std::sqrt(std::ldexp(1.0, farther->first - band));
       usual = ratio * static_cast<double>(farther->second);
     }
     if (farther != medians_.begin()) {
@@ -134,7 +136,7 @@ LandmarkObservation observation_of(const LaserScan& scan, const Cluster& cluster
     beside.push_back(way * std::sin(off));
   }
   const double beam_sigma = scan.angle_increment_rad / std::sqrt(12.0);
-  const double bearing_sigma = std::hypot(options.bearing_sigma_rad, beam_sigma);
+  const double bearing_sigma = hypotenuse(options.bearing_sigma_rad, beam_sigma);
   // Where the sensor was when it saw this, from where the robot was at the scan's stamp.
   const Pose2 robot_T_then = exp(Tangent2(velocity * (beam * scan.time_increment_s)));
   LandmarkObservation seen =

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 namespace {
 
@@ -81,7 +83,7 @@ BeamEcho BeamPath::follow(const SurfaceIndex& surfaces, const Eigen::Vector2d& o
     so_far = range;
     if (pane == Pane::kGlass) {
       const double through =
-          std::min(kMostThroughM, thickness_m(hit.surface) * std::hypot(1.0, tangent)) + 0.01;
+          std::min(kMostThroughM, thickness_m(hit.surface) * hypotenuse(1.0, tangent)) + 0.01;
       so_far += through;
       from = point + through * along;
     } else {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "simulation/systematic.hpp"
 
 namespace loopstone {
@@ -25,7 +26,7 @@ double RangeErrors::spread_m(double range_m, double tan_incidence) const {
   const double by_range = options_.noise_per_m * range_m;
   const double depth = options_.beam_width_rad * range_m * tan_incidence;
   const double footprint = std::min(kMostOfFootprint, kShareOfFootprint * depth);
-  return std::hypot(by_range, footprint);
+  return hypotenuse(by_range, footprint);
 }
 
 double RangeErrors::measured(double range_m, double tan_incidence) {

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "loopstone/base/error_function.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/linear_light.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
 
@@ -25,7 +27,7 @@ double normal_quantile(double p) {
   double high = 8.0;
   for (int step = 0; step < 60; ++step) {
     const double middle = 0.5 * (low + high);
-    (0.5 * std::erfc(-middle / std::sqrt(2.0)) < p ? low : high) = middle;
+    (0.5 * complementary_error_function(-middle / std::sqrt(2.0)) < p ? low : high) = middle;
   }
   return 0.5 * (low + high);
 }
@@ -42,10 +44,10 @@ float number_of(const DepthEncoding& encoding, float inverse_per_m) {
 
 std::vector<float> brightness_of(const LensModel& lens, double vignetting) {
   std::vector<float> brightness;
-  const double corner = std::hypot(lens.width_px, lens.height_px) / 2.0;
+  const double corner = hypotenuse(lens.width_px, lens.height_px) / 2.0;
   for (int row = 0; row < lens.height_px; ++row) {
     for (int column = 0; column < lens.width_px; ++column) {
-      const double radius = std::hypot(column - lens.centre_x_px, row - lens.centre_y_px) / corner;
+      const double radius = hypotenuse(column - lens.centre_x_px, row - lens.centre_y_px) / corner;
       brightness.push_back(static_cast<float>(std::max(0.0, 1.0 - vignetting * radius * radius)));
     }
   }

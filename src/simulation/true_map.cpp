@@ -1,6 +1,7 @@
 #include <cmath>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/simulation/world.hpp"
 
 namespace loopstone {
@@ -48,7 +49,7 @@ Grid<std::int8_t> rasterise(const FloorPlan& plan, double resolution_m) {
     });
   }
   for (const Box& box : plan.boxes) {
-    const double reach_of_box = 0.5 * std::hypot(box.length_m, box.width_m);
+    const double reach_of_box = 0.5 * hypotenuse(box.length_m, box.width_m);
     const Eigen::Vector2d centre = box.map_T_box.translation();
     for_cells_in(frame, centre.array() - reach_of_box, centre.array() + reach_of_box,
                  [&](Cell cell) {

@@ -36,7 +36,9 @@ UnevenFloor::UnevenFloor(const RealismUneven& options, Rng rng) : options_(optio
     wave.phase_rad = rng.uniform(0.0, 2.0 * kPi);
   }
   const auto phase = [&](double period) {
-    return Eigen::Vector2d(rng.uniform(0.0, period), rng.uniform(0.0, period));
+    const double y = rng.uniform(0.0, period);
+    const double x = rng.uniform(0.0, period);
+    return Eigen::Vector2d(x, y);
   };
   sill_phase_m_ = phase(options.sill_every_m);
   ramp_phase_m_ = phase(options.ramp_every_m);

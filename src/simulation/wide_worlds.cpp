@@ -76,7 +76,8 @@ void build_hall(World& world, Rng rng) {
     for (const double y : {2.0, depth - 2.0}) {
       if (rng.below(2) == 0) continue;
       const double length = rng.uniform(1.0, 4.0);
-      builder.box({x, y, rng.uniform(-0.2, 0.2)}, length, rng.uniform(0.6, 1.5));
+      const double thickness = rng.uniform(0.6, 1.5);
+      builder.box({x, y, rng.uniform(-0.2, 0.2)}, length, thickness);
     }
   }
   builder.start({4.0, 6.0, 0.0});
@@ -119,7 +120,8 @@ void build_outdoors(World& world, Rng rng) {
   for (double x = 3.0; x < columns * lot - 8.0; x += rng.uniform(11.0, 22.0)) {
     for (const double y : {0.0, rows * lot}) {
       if (rng.below(3) == 0) continue;
-      builder.box({x + 3.0, y, rng.uniform(-0.05, 0.05)}, rng.uniform(5.0, 9.0), 0.8);
+      const double length = rng.uniform(5.0, 9.0);
+      builder.box({x + 3.0, y, rng.uniform(-0.05, 0.05)}, length, 0.8);
     }
   }
   world.floor_area_m2 = columns * lot * rows * lot;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "slam/robust_fit.hpp"
 
@@ -75,7 +76,7 @@ std::vector<Motion> motions_of(const std::deque<TrackedPose>& track,
     Motion motion{.laser = track[from].local_T_robot.inverse() * track[i].local_T_robot,
                   .odometry = track[from].odom_T_robot->inverse() * *track[i].odom_T_robot,
                   .seconds = seconds};
-    const bool moves = std::hypot(motion.laser.x, motion.laser.y) > kCalibration.still_m ||
+    const bool moves = hypotenuse(motion.laser.x, motion.laser.y) > kCalibration.still_m ||
                        std::abs(motion.laser.yaw) > kCalibration.still_rad;
     if (!moves || !motion.laser.vector().allFinite() || !motion.odometry.vector().allFinite())
       continue;
@@ -96,7 +97,7 @@ Excitation excitation_of(const std::vector<Motion>& motions) {
   double way_m = 0.0;
   double turned_rad = 0.0;
   for (const Motion& motion : motions) {
-    const double length_m = std::hypot(motion.odometry.x, motion.odometry.y);
+    const double length_m = hypotenuse(motion.odometry.x, motion.odometry.y);
     if (length_m > kCalibration.clear_m) way_m += length_m;
     if (std::abs(motion.laser.yaw) > kCalibration.clear_rad)
       turned_rad += std::abs(motion.laser.yaw);
@@ -151,7 +152,7 @@ struct Driving {
 Driving driving_of(const LinearFit& fit) {
   const double a = fit.x[0];
   const double b = fit.x[1];
-  const double scale = std::max(std::hypot(a, b), 1e-9);
+  const double scale = std::max(hypotenuse(a, b), 1e-9);
   Driving driving{Eigen::VectorXd(5), {}};
   driving.value << std::atan2(b, a), scale, fit.x[2] / scale, fit.x[3] / scale, fit.x[4];
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(5, 5);
@@ -175,7 +176,7 @@ double usual_speed_m_s(const std::vector<Motion>& motions) {
   double way = 0.0;
   double seconds = 0.0;
   for (const Motion& motion : motions) {
-    way += std::hypot(motion.laser.x, motion.laser.y);
+    way += hypotenuse(motion.laser.x, motion.laser.y);
     seconds += motion.seconds;
   }
   return way / seconds;

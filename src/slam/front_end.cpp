@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
@@ -497,13 +498,13 @@ bool FrontEnd::moved_enough(int lidar, const Pose2& local_T_robot) const {
   const LaserView* const view = view_of(lidar);
   if (view == nullptr || view->piece != own_.piece) return true;
   const Pose2& last = view->last_key;
-  return std::hypot(local_T_robot.x - last.x, local_T_robot.y - last.y) >=
+  return hypotenuse(local_T_robot.x - last.x, local_T_robot.y - last.y) >=
              options_.key_distance_m ||
          std::abs(wrap_angle(local_T_robot.yaw - last.yaw)) >= options_.key_angle_rad;
 }
 
 void FrontEnd::insert(const Sighting& sighting, TrackedScan& tracked) {
-  const double step = std::hypot(tracked.local_T_robot.x - own_.last_key.x,
+  const double step = hypotenuse(tracked.local_T_robot.x - own_.last_key.x,
                                  tracked.local_T_robot.y - own_.last_key.y);
   for (auto& active : active_) active.travelled_m += step;
   const bool start_next =

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "loopstone/registration/correlative_search.hpp"
@@ -86,7 +87,7 @@ FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& gue
   if (!told) return blind;
   blind.prior = {own_.held->local_T_robot * told->motion,
                  planar_covariance(told->sigma_m, told->sigma_rad).inverse(), true};
-  blind.odometry_m = std::max(std::hypot(told->motion.x, told->motion.y),
+  blind.odometry_m = std::max(hypotenuse(told->motion.x, told->motion.y),
                               odometry->path_m - own_.held->odometry->path_m);
   blind.odometry_rad =
       std::max(std::abs(told->motion.yaw), odometry->turned_rad - own_.held->odometry->turned_rad);

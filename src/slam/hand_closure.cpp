@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "slam/loop_candidates.hpp"
 #include "slam/posed_scan.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 std::optional<double> step_m(const KeyScan& before, const KeyScan& after) {
   if (after.across || after.starts_drive) return {};
   const Pose2 motion = before.local_T_robot.inverse() * after.local_T_robot;
-  return std::hypot(motion.x, motion.y);
+  return hypotenuse(motion.x, motion.y);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "slam/path_drift.hpp"
 #include "slam/scan_edges.hpp"
@@ -16,7 +17,7 @@ namespace {
 PoseWithCovariance2 motion_between(const KeyScan& previous, const KeyScan& next) {
   const Pose2 motion = previous.local_T_robot.inverse() * next.local_T_robot;
   // What the laser did not follow is known as well as the break says.
-  const double distance = next.across ? 0.0 : std::hypot(motion.x, motion.y);
+  const double distance = next.across ? 0.0 : hypotenuse(motion.x, motion.y);
   const double sigma = kKeyChain.rest_m + kKeyChain.travel_share * distance;
   const double sigma_yaw = kKeyChain.rest_rad + kKeyChain.turn_share * std::abs(motion.yaw);
   // From the local frame to that of the previous key scan, in which the motion is told.
@@ -34,7 +35,7 @@ void KeyChain::add(const KeyScan& key) {
   if (!submaps.empty()) {
     const PoseWithCovariance2 motion = motion_between(newest, key);
     submaps.back().across = compound(submaps.back().across, motion);
-    if (!key.starts_drive) length_m += std::hypot(motion.pose.x, motion.pose.y);
+    if (!key.starts_drive) length_m += hypotenuse(motion.pose.x, motion.pose.y);
     if (key.across) {
       double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));
       // What may face anywhere is found by appearance, which is asked where places may be far off.

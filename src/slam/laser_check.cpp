@@ -5,6 +5,7 @@
 #include <cstring>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 
 namespace loopstone {
@@ -32,7 +33,7 @@ bool same_ranges(const std::vector<float>& a, const std::vector<float>& b) {
 
 bool has_moved(const OdometryReading& from, const OdometryReading& to) {
   const Pose2 motion = from.odom_T_robot.inverse() * to.odom_T_robot;
-  return std::hypot(motion.x, motion.y) > kLaserCheck.moved_m ||
+  return hypotenuse(motion.x, motion.y) > kLaserCheck.moved_m ||
          std::abs(motion.yaw) > kLaserCheck.moved_rad;
 }
 
@@ -100,7 +101,7 @@ bool LaserCheck::add(const LaserScan& scan, const std::optional<OdometryReading>
   if (laser.begun && odometry) {
     const Pose2 motion = laser.begun->odom_T_robot.inverse() * odometry->odom_T_robot;
     episode.odometry_m =
-        std::max(odometry->path_m - laser.begun->path_m, std::hypot(motion.x, motion.y));
+        std::max(odometry->path_m - laser.begun->path_m, hypotenuse(motion.x, motion.y));
     episode.odometry_rad =
         std::max(odometry->turned_rad - laser.begun->turned_rad, std::abs(motion.yaw));
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "slam/drives.hpp"
 #include "slam/loop_candidates.hpp"
 #include "slam/loop_coverage.hpp"
@@ -66,7 +67,7 @@ bool LoopCloser::was_tried(const LoopCandidate& candidate) const {
   const auto tried = state_.tried.find(pair_of(candidate));
   if (tried == state_.tried.end()) return false;
   const Pose2 change = tried->second.inverse() * candidate.older_T_newer;
-  return std::hypot(change.x, change.y) < kLoopCloser.same_try_m &&
+  return hypotenuse(change.x, change.y) < kLoopCloser.same_try_m &&
          std::abs(change.yaw) < kLoopCloser.same_try_rad;
 }
 
@@ -137,7 +138,7 @@ void LoopCloser::reject_rivals(std::vector<LoopClosure>& closures,
       const double between_m = is_adrift ? 0.0 : std::abs(of_a.travelled_m - of_b.travelled_m);
       const Pose2 apart =
           (of_a.map_T_submap * a.from_T_to).inverse() * (of_b.map_T_submap * b.from_T_to);
-      if (std::hypot(apart.x, apart.y) > kLoopCloser.elsewhere_m + options_.drift_per_m * between_m)
+      if (hypotenuse(apart.x, apart.y) > kLoopCloser.elsewhere_m + options_.drift_per_m * between_m)
         rejected.push_back(i);
     }
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -225,7 +226,7 @@ void Mapper::Impl::count_scan(const TrackedScan& tracked) {
   if (tracked.key) ++so_far_.statistics.key_scans;
   if (!so_far_.track.empty() && tracked.status == MatchStatus::kDegenerate) {
     const Pose2 motion = so_far_.track.back().local_T_robot.inverse() * tracked.local_T_robot;
-    so_far_.statistics.degenerate_travel_m += std::hypot(motion.x, motion.y);
+    so_far_.statistics.degenerate_travel_m += hypotenuse(motion.x, motion.y);
   }
 }
 
@@ -298,7 +299,7 @@ void Mapper::Impl::hand_over(LaserScan scan, const Pose2& robot_T_lidar, Tracked
   // Standing still adds nothing to the map, and a fast scanner no more than a slow one.
   const Pose2 since = so_far_.last_mapped.inverse() * local_T_robot;
   const bool moved =
-      std::hypot(since.x, since.y) > kMapper.still_cells * options_.map.resolution_m ||
+      hypotenuse(since.x, since.y) > kMapper.still_cells * options_.map.resolution_m ||
       std::abs(since.yaw) > kMapper.still_rad;
   if (key || (tracked.used && !tracked.left_out && moved)) {
     so_far_.last_mapped = local_T_robot;

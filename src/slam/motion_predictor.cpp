@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 
 namespace loopstone {
@@ -25,14 +26,14 @@ bool comparable(const std::optional<OdometryReading>& a, const std::optional<Odo
 
 /// How wrong a motion may be that odometry tells.
 ToldMotion reach_of(const Pose2& said, const OdometryReading& from, const OdometryReading& to) {
-  const double travelled = std::max(std::hypot(said.x, said.y), to.path_m - from.path_m);
+  const double travelled = std::max(hypotenuse(said.x, said.y), to.path_m - from.path_m);
   const double turned = std::max(std::abs(said.yaw), to.turned_rad - from.turned_rad);
   return {said, kMotionPredictor.wheel_rest_m + kMotionPredictor.wheel_share * travelled,
           kMotionPredictor.wheel_rest_rad + kMotionPredictor.wheel_share * turned +
               kMotionPredictor.wheel_rad_per_m * travelled};
 }
 
-double distance(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+double distance(const Pose2& a, const Pose2& b) { return hypotenuse(a.x - b.x, a.y - b.y); }
 double turn(const Pose2& a, const Pose2& b) { return std::abs(wrap_angle(a.yaw - b.yaw)); }
 
 /// What is left of a motion that a part of odometry tells which is not trusted: of one that stands
@@ -212,9 +213,9 @@ std::optional<ToldMotion> MotionPredictor::told(const OdometryReading& from, Sta
   const double always_rad =
       turns_.sigma_rad(way_and_turn(from.odom_T_robot.inverse() * to.odom_T_robot, path_m));
   return ToldMotion{motion,
-                    kMotionPredictor.wheel_rest_m + std::hypot(left.m, 0.5 * always_rad * reach_m),
+                    kMotionPredictor.wheel_rest_m + hypotenuse(left.m, 0.5 * always_rad * reach_m),
                     kMotionPredictor.wheel_rest_rad + kMotionPredictor.turn_share * turned +
-                        std::hypot(left.rad, always_rad)};
+                        hypotenuse(left.rad, always_rad)};
 }
 
 void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
@@ -312,7 +313,7 @@ void MotionPredictor::measure_speed(double seconds, const Pose2& motion, Seen se
     return;
   }
   speeds.window_s += std::max(0.0, seconds);
-  speeds.window_m += std::hypot(motion.x, motion.y);
+  speeds.window_m += hypotenuse(motion.x, motion.y);
   speeds.window_back_m += std::max(0.0, -motion.x);
   speeds.window_rad += std::abs(motion.yaw);
   if (speeds.window_s < kMotionPredictor.speed_window_s) return;

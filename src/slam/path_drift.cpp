@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
 
@@ -41,7 +42,7 @@ Eigen::Matrix3d lasting(const Eigen::Matrix3d& covariance, double distance,
   return axes.eigenvectors() * kept.asDiagonal() * axes.eigenvectors().transpose();
 }
 
-double length(const Pose2& motion) { return std::hypot(motion.x, motion.y); }
+double length(const Pose2& motion) { return hypotenuse(motion.x, motion.y); }
 
 }  // namespace
 

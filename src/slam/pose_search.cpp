@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
@@ -48,7 +49,7 @@ double chi2_from(const PosePrior2& prior, const MatchResult& match) {
 double position_variance_m2(const Eigen::Matrix3d& covariance) {
   const double middle = 0.5 * (covariance(0, 0) + covariance(1, 1));
   const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
-  return middle + std::hypot(half, covariance(0, 1));
+  return middle + hypotenuse(half, covariance(0, 1));
 }
 
 double agreement_at(std::span<const Eigen::Vector2d> points, const MaxPyramid& target,

@@ -78,7 +78,8 @@ Draw draw_of(const std::vector<Step>& steps, double scale_sigma, Rng rng) {
   Eigen::Vector2d moved = Eigen::Vector2d::Zero();
   double turned = 0.0;
   for (const Step& step : steps) {
-    const Eigen::Vector3d unit(rng.normal(), rng.normal(), rng.normal());
+    Eigen::Vector3d unit;
+    for (const int i : {2, 1, 0}) unit[i] = rng.normal();
     const Eigen::Vector3d lost = step.root * unit;
     moved += lost.head<2>() + scale * step.open + off_share * step.off;
     moved -= lost.z() * swing_of(step.end);

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/covariance.hpp"
 
 namespace loopstone {
@@ -11,7 +12,7 @@ namespace {
 
 bool near(const Pose2& pose, const Pose2& expected) {
   const Pose2 off = expected.inverse() * pose;
-  return std::hypot(off.x, off.y) <= kScanEdges.gate_m && std::abs(off.yaw) <= kScanEdges.gate_rad;
+  return hypotenuse(off.x, off.y) <= kScanEdges.gate_m && std::abs(off.yaw) <= kScanEdges.gate_rad;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <exception>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/sensor/mounted_scan.hpp"
 #include "loopstone/sensor/scan_points.hpp"
@@ -71,7 +72,7 @@ bool ScanToScanMapper::is_node(const Record& record) const {
   if (!last.odom_T_robot) return true;
   const Pose2 motion = last.odom_T_robot->inverse() * *record.odom_T_robot;
   const bool moved =
-      options_.node_distance_m > 0.0 && std::hypot(motion.x, motion.y) >= options_.node_distance_m;
+      options_.node_distance_m > 0.0 && hypotenuse(motion.x, motion.y) >= options_.node_distance_m;
   const bool turned =
       options_.node_angle_rad > 0.0 && std::abs(motion.yaw) >= options_.node_angle_rad;
   return moved || turned;

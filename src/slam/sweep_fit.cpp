@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/median.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/sensor/scan_points.hpp"
@@ -180,7 +181,7 @@ std::vector<Pair> possible_pairs(std::span<const MovingScan> scans) {
     const std::size_t first = i - std::min(i, static_cast<std::size_t>(kSweep.partners));
     for (std::size_t j = first; j < i; ++j) {
       const Pose2 motion = scans[j].local_T_robot.inverse() * scans[i].local_T_robot;
-      if (std::hypot(motion.x, motion.y) > kSweep.partner_m ||
+      if (hypotenuse(motion.x, motion.y) > kSweep.partner_m ||
           std::abs(motion.yaw) > kSweep.partner_rad)
         continue;
       const double differ = std::abs(scans[i].velocity.z() - scans[j].velocity.z());
@@ -310,7 +311,7 @@ std::optional<SweepFit> fit_sweep(std::span<const MovingScan> scans) {
     const double sweep_s = fit.sweep_s + correction_s;
     const double scatter = scatter_of_blocks(problem, kCalibration.blocks)[0];
     fit.sigma_s =
-        std::hypot(scatter * std::sqrt(found.covariance(0, 0)), kSweep.share_in_doubt * sweep_s);
+        hypotenuse(scatter * std::sqrt(found.covariance(0, 0)), kSweep.share_in_doubt * sweep_s);
     fit.pairs = static_cast<std::size_t>(problem.observations());
     fit.halves_agree = halves_agree(problem, fit.sweep_s, sweep_s);
     fit.sweep_s = std::clamp(sweep_s, -longest_s, longest_s);

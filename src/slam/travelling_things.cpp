@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 
@@ -274,7 +275,7 @@ bool leave_open(std::span<const SurfacePoint> surfaces) {
     yy += surface.weight * ny * ny;
   }
   const double middle = 0.5 * (xx + yy);
-  const double spread = std::hypot(0.5 * (xx - yy), xy);
+  const double spread = hypotenuse(0.5 * (xx - yy), xy);
   return middle - spread < kTravelling.weak_share * (middle + spread);
 }
 

@@ -83,6 +83,10 @@ PRINT_CALL = re.compile(
     r"|fprintf\s*\(\s*std(?:out|err)\b)"
     r"|\bfmt::print(?:ln)?\s*\()"
 )
+# Of two numbers: that of three is arithmetic.
+UNEQUAL_CALL = re.compile(
+    r"\bstd::(hypot\((?:[^(),]|\([^()]*\))*,(?:[^(),]|\([^()]*\))*\)|erfc?\()"
+)
 EXIT_CALL = re.compile(r"(?<![\w:.>])(?:std::|::)?(?:exit|_Exit|quick_exit|abort|terminate)\s*\(")
 SUFFIXES = {".cpp", ".hpp", ".h", ".cc"}
 
@@ -212,6 +216,7 @@ class Checker:
         rules = [
             (PRINT_CALL, "the library never prints"),
             (EXIT_CALL, "the library never ends the process"),
+            (UNEQUAL_CALL, "differs between processors; base has its own"),
         ]
         if part not in FILE_PARTS:
             rules.append(
@@ -300,6 +305,9 @@ SELF_TESTS = [
     ),
     ("snprintf is fine", "src/slam/a.cpp", "void f() { std::snprintf(b, n, s); }\n", None),
     ("cout in the core", "src/slam/a.cpp", "void f() { std::cout << 1; }\n", "never prints"),
+    ("hypot", "src/slam/a.cpp", "double d = std::hypot(f(x), b.y);\n", "differs between"),
+    ("hypot of three", "src/slam/a.cpp", "double d = std::hypot(f(x), b.y, c[1]);\n", None),
+    ("erfc", "src/slam/a.cpp", "double d = std::erfc(x);\n", "differs between"),
     ("exit in the core", "src/slam/a.cpp", "void f() { std::exit(1); }\n", "never ends"),
     (
         "words in comments",

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/pose3.hpp"
 
 namespace loopstone {
@@ -12,7 +13,7 @@ namespace loopstone {
 /// of rounding.
 [[nodiscard]] inline Eigen::Vector3d to_roll_pitch_yaw(const Pose3& pose) {
   const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
-  return {std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0))),
+  return {std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), hypotenuse(r(0, 0), r(1, 0))),
           std::atan2(r(1, 0), r(0, 0))};
 }
 

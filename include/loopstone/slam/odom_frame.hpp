@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/pose2.hpp"
@@ -65,7 +66,7 @@ class OdomFrame {
 
  private:
   [[nodiscard]] static double size_of(const Pose2& motion) {
-    return std::hypot(motion.x, motion.y) + kOdomFrame.lever_m * std::abs(wrap_angle(motion.yaw));
+    return hypotenuse(motion.x, motion.y) + kOdomFrame.lever_m * std::abs(wrap_angle(motion.yaw));
   }
 
   State state_{};
