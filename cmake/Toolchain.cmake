@@ -79,6 +79,6 @@ endif()
 
 # lld links the many test programs several times faster than bfd; gold and bfd remain the fallback.
 find_program(LOOPSTONE_LLD ld.lld)
-if(LOOPSTONE_LLD)
+if(LOOPSTONE_LLD AND NOT CMAKE_CROSSCOMPILING) # a cross compiler asks for one of its own name
   target_link_options(loopstone_build INTERFACE -fuse-ld=lld)
 endif()

@@ -43,9 +43,11 @@ mkdir -p "$root"/usr/{bin,sbin,lib}
 for folder in bin sbin lib; do
   ln -s "usr/$folder" "$root/$folder"
 done
+# Settings and fonts are those of this machine: qemu looks in this root first.
 for deb in "$work"/cache/archives/*.deb; do
   dpkg-deb --fsys-tarfile "$deb" | tar -x --keep-directory-symlink --no-same-owner -C "$root" \
-    --exclude './usr/share/doc/*' --exclude './usr/share/man/*' --exclude './usr/share/locale/*'
+    --exclude './usr/share/doc/*' --exclude './usr/share/man/*' --exclude './usr/share/locale/*' \
+    --exclude './etc/*' --exclude './usr/share/fonts/*'
 done
 echo "$wanted" >"$root/made_of"
 rm -rf "$sysroot"

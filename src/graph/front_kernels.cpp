@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+// Vectors of ARM's SVE have no size to the compiler, so they cannot stand in arrays; NEON is there.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "graph/front_kernels.cpp"
 #include <hwy/foreach_target.h>

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "geometry/single_product.hpp"
 #include "loopstone/base/linear_light.hpp"
 #include "loopstone/grid/grid_frame.hpp"
 #include "loopstone/sensor/camera_geometry.hpp"
@@ -85,7 +86,7 @@ void CloudGatherer::add(const RgbdImages& images, const FramePose& pose) {
           std::abs(right - per_m) > kEdgeShare * per_m) {
         continue;
       }
-      const Eigen::Vector3f point = origin + map_R_depth * rays_[ray] / per_m;
+      const Eigen::Vector3f point = origin + product(map_R_depth, rays_[ray]) / per_m;
       const Eigen::Vector3d in_colour = colour_T_map * Eigen::Vector3d(point.cast<double>());
       if (in_colour.z() < 0.1) continue;
       const Eigen::Vector2d pixel = project(lens, in_colour);

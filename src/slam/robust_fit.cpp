@@ -45,11 +45,12 @@ Eigen::MatrixXd meat_of(const LinearProblem& problem, const Eigen::VectorXd& wei
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(count, problem.a.cols());
   for (Eigen::Index i = 0; i < weighted.size(); ++i)
     scores.row(i / problem.kinds) += weighted[i] * problem.a.row(i);
-  Eigen::MatrixXd meat = scores.transpose() * scores;
+  // Sums in order; blocks, which a plain product takes of a long matrix, depend on the processor.
+  Eigen::MatrixXd meat = scores.transpose().lazyProduct(scores);
   const Eigen::Index lags = std::min<Eigen::Index>(kCalibration.lags, count);
   for (Eigen::Index lag = 1; lag < lags; ++lag) {
     const Eigen::MatrixXd product =
-        scores.bottomRows(count - lag).transpose() * scores.topRows(count - lag);
+        scores.bottomRows(count - lag).transpose().lazyProduct(scores.topRows(count - lag));
     const double share = 1.0 - static_cast<double>(lag) / static_cast<double>(lags);
     meat += share * (product + product.transpose());
   }
@@ -69,7 +70,7 @@ LinearFit robust_fit(const LinearProblem& problem) {
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(problem.y.size());
   Eigen::MatrixXd information;
   for (int pass = 0; pass < kCalibration.passes; ++pass) {
-    information = problem.a.transpose() * weights.asDiagonal() * problem.a;
+    information = problem.a.transpose().lazyProduct(weights.asDiagonal() * problem.a);
     information.diagonal() += prior_information;
     const Eigen::VectorXd right = problem.a.transpose() * weights.cwiseProduct(problem.y) +
                                   prior_information.cwiseProduct(problem.prior);
@@ -77,7 +78,7 @@ LinearFit robust_fit(const LinearProblem& problem) {
     fit.residuals = problem.y - problem.a * fit.x;
     weights = weights_of(fit.residuals, noise_of(fit.residuals, problem.kinds));
   }
-  information = problem.a.transpose() * weights.asDiagonal() * problem.a;
+  information = problem.a.transpose().lazyProduct(weights.asDiagonal() * problem.a);
   information.diagonal() += prior_information;
   const Eigen::MatrixXd bread = information.inverse();
   Eigen::MatrixXd meat = meat_of(problem, weights.cwiseProduct(fit.residuals));
