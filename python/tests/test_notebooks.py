@@ -1,4 +1,4 @@
-"""The notebooks do what is committed of them: same cells, same printed text, pictures, no errors."""
+"""Notebooks do what is committed of them: same cells, same printed text, pictures, no errors."""
 
 from __future__ import annotations
 
