@@ -1,6 +1,6 @@
 # A thin front door; the build itself is CMake (see CMakePresets.json and CONTRIBUTING.md).
 .DEFAULT_GOAL := build
-.PHONY: help deps deps-all build test demo bench compare format tidy asan tsan arm fuzz attack coverage viewer package site clean
+.PHONY: help deps deps-all build test demo bench compare one-file format tidy asan tsan arm fuzz attack coverage viewer package site clean
 
 JOBS ?= $(shell nproc)
 export JOBS
@@ -63,6 +63,9 @@ viewer: deps-all  ## the page of the live view anew, viewer/built/index.html
 
 package: deps  ## Debian packages of program and library, build/release/packages
 	@scripts/package.sh
+
+one-file: deps  ## the program as one file that needs no library, build/release/one_file/loopstone
+	@scripts/one_file.sh
 
 site:      ## the documentation as a site, build/site/html
 	@scripts/build_site.sh

@@ -14,6 +14,14 @@ measure() {
   python3 "$@" || failed+=("$1")
 }
 
+# What is measured beside us, in build/: wheels and sources from PyPI, Debian's packages, unpacked.
+# What can't be had is left out, and said. MRPT's programs are Debian's, installed by
+# `scripts/install_oracles.sh --localization`, since they bring 430 MB.
+if [[ -z $quick ]]; then
+  bench/peers/install.sh
+  scripts/install_oracles.sh || failed+=(scripts/install_oracles.sh)
+fi
+
 # What is timed first, while nothing else has warmed or filled the machine.
 measure bench/figures.py $quick
 measure bench/pose_graphs.py $quick

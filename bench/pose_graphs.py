@@ -61,9 +61,10 @@ def peer_commands(peers):
         for name in names:
             commands[name] = [python, script, name]
     ceres = peers / "ceres_pose_graph"
-    if ceres.exists():
+    note = peers / "ceres_pose_graph.version"  # of one that runs
+    if ceres.exists() and note.exists():
         commands["ceres_levenberg_marquardt"] = [ceres]
-        versions.append((peers / "ceres_pose_graph.version").read_text().strip())
+        versions.append(note.read_text().strip())
     else:
         missing.append("Ceres")
     return commands, versions, missing

@@ -79,7 +79,7 @@ def our_matchers(programs):
 
 def peer_matchers(folder):
     """The peers that are installed, and the names of those that are not."""
-    python = folder / "venv/bin/python"
+    python = folder / "python"
     programs = [
         (
             "small_gicp",
@@ -472,7 +472,7 @@ def clouds(programs, work, peers_folder, data, quick):
     if not rows:
         return None
     peers = []
-    python = peers_folder / "venv/bin/python"
+    python = peers_folder / "python"
     if python.exists() and folder.exists():
         started = time.monotonic()
         command = [

@@ -16,7 +16,6 @@ find_package(JPEG REQUIRED)
 find_package(Boost 1.74 REQUIRED) # headers alone: Beast and Asio
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(loopstone_libzip REQUIRED IMPORTED_TARGET libzip) # Debian's CMake config of libzip needs zipcmp installed
-pkg_check_modules(loopstone_cairo REQUIRED IMPORTED_TARGET cairo)
 pkg_check_modules(loopstone_libdeflate REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(loopstone_libzstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(loopstone_liblz4 REQUIRED IMPORTED_TARGET liblz4)
@@ -33,7 +32,6 @@ set(LOOPSTONE_LINKED_LIBRARIES
     ZLIB::ZLIB
     BZip2::BZip2
     PkgConfig::loopstone_libzip
-    PkgConfig::loopstone_cairo
     PkgConfig::loopstone_libdeflate
     PkgConfig::loopstone_libzstd
     PkgConfig::loopstone_liblz4

@@ -28,7 +28,7 @@ robot is on a map. Reads MCAP, ROS bags, CARMEN logs and more.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libloopstone-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libeigen3-dev, libtbb-dev, libhwy-dev, libfmt-dev, libtomlplusplus-dev, libyaml-cpp-dev, libpng-dev, libjpeg-dev, libzip-dev, zlib1g-dev, libdeflate-dev, libbz2-dev, libzstd-dev, liblz4-dev, libsqlite3-dev, libcairo2-dev, pkg-config"
+    "libeigen3-dev, libtbb-dev, libhwy-dev, libfmt-dev, libtomlplusplus-dev, libyaml-cpp-dev, libpng-dev, libjpeg-dev, libzip-dev, zlib1g-dev, libdeflate-dev, libbz2-dev, libzstd-dev, liblz4-dev, libsqlite3-dev, pkg-config"
 )
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
     "Library of the Loopstone SLAM program, to be linked statically: registration,

@@ -131,6 +131,10 @@ add_test(NAME docs.tables_self_test COMMAND Python3::Interpreter "${check_tables
 set_tests_properties(docs.tables_are_of_this_release docs.tables_self_test PROPERTIES LABELS docs TIMEOUT 60)
 # Ends with 77 where nothing can be said: without the history, or of tables that name no commit yet.
 set_tests_properties(docs.tables_are_of_this_release PROPERTIES SKIP_RETURN_CODE 77)
+set(check_release "${PROJECT_SOURCE_DIR}/scripts/check_release.py")
+add_test(NAME docs.release COMMAND Python3::Interpreter "${check_release}" --build "${PROJECT_BINARY_DIR}")
+add_test(NAME docs.release_self_test COMMAND Python3::Interpreter "${check_release}" --self-test)
+set_tests_properties(docs.release docs.release_self_test PROPERTIES LABELS docs TIMEOUT 60)
 if(TARGET loopstone_program)
   add_test(NAME docs.are_true COMMAND Python3::Interpreter "${check_docs}" "$<TARGET_FILE:loopstone_program>")
   set_tests_properties(docs.are_true PROPERTIES LABELS docs TIMEOUT 240)

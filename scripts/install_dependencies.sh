@@ -14,7 +14,7 @@ packages=(
   libeigen3-dev libtbb-dev libhwy-dev libfmt-dev
   nlohmann-json3-dev libtomlplusplus-dev libyaml-cpp-dev
   libpng-dev libjpeg-dev libzip-dev zlib1g-dev libdeflate-dev libbz2-dev libzstd-dev liblz4-dev
-  libsqlite3-dev libcairo2-dev libboost-dev
+  libsqlite3-dev libboost-dev
   libcli11-dev libspdlog-dev
   libgtest-dev libgmock-dev librapidcheck-dev
 )

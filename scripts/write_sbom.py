@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes what the program is made of, as an SPDX 2.3 document: itself, the libraries that it links
-at run time, and those whose headers were compiled into it. Versions and licences are those of the
-Debian packages on this machine.
+at run time, those whose headers were compiled into it, and the font of the pictures. Versions and
+licences are those of the Debian packages on this machine.
 
   scripts/write_sbom.py PROGRAM OUT.spdx.json
 """
@@ -25,9 +25,21 @@ COMPILED_IN = [
     "libfmt-dev",
     "libspdlog-dev",
     "libtomlplusplus-dev",
+    "libyaml-cpp-dev",
     "libtbb-dev",
     "libhwy-dev",
 ]
+# Of scripts/write_font.py; its outlines are in the sources, not taken from this machine.
+FONT = {
+    "SPDXID": "SPDXRef-dejavu-sans",
+    "name": "dejavu-sans",
+    "versionInfo": "2.37",
+    "downloadLocation": "https://dejavu-fonts.github.io",
+    "filesAnalyzed": False,
+    "licenseConcluded": "Bitstream-Vera",
+    "licenseDeclared": "Bitstream-Vera",
+    "copyrightText": "Copyright (c) 2003 by Bitstream, Inc. DejaVu changes are in public domain.",
+}
 # SPDX's names of what Debian's copyright files call otherwise.
 SPDX_NAMES = {
     "Expat": "MIT",
@@ -124,6 +136,7 @@ def document(program):
     relations = [("SPDXRef-DOCUMENT", "DESCRIBES", itself["SPDXID"])]
     relations += [(itself["SPDXID"], "DYNAMIC_LINK", entries[name]["SPDXID"]) for name in linked]
     relations += [(itself["SPDXID"], "CONTAINS", entries[name]["SPDXID"]) for name in compiled]
+    relations.append((itself["SPDXID"], "CONTAINS", FONT["SPDXID"]))
     return {
         "spdxVersion": "SPDX-2.3",
         "dataLicense": "CC0-1.0",
@@ -134,7 +147,7 @@ def document(program):
             "created": made.strftime("%Y-%m-%dT%H:%M:%SZ"),
             "creators": ["Tool: loopstone-write_sbom.py"],
         },
-        "packages": [itself, *entries.values()],
+        "packages": [itself, *entries.values(), FONT],
         "relationships": [
             {"spdxElementId": a, "relationshipType": how, "relatedSpdxElement": b}
             for a, how, b in relations

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Puts the pages of the site together in build/site/pages: those of docs/, the public headers, the
-examples, and a start page. Links that lead out of docs/ are led to where their targets are here.
+Python package, the examples, the notebooks, and a start page. Links that lead out of docs/ are led to where their
+targets are here.
 
   site/assemble.py
 """
@@ -10,6 +11,8 @@ import shutil
 import sys
 
 from header_pages import write_header_pages
+from notebook_pages import write_notebook_pages
+from python_pages import write_python_pages
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGES = ROOT / "build/site/pages"
@@ -29,12 +32,19 @@ def target_of(link, parts):
         return "index.md"
     if name == "include/loopstone":
         return "api/index.md"
+    if name == "python/loopstone":
+        return "python_api/index.md"
+    if name == "python/loopstone/options.py":
+        return "python_api/options.md"
     found = re.fullmatch(r"include/loopstone/(\w+)(?:/(\w+)\.hpp)?", name)
     if found and found.group(1) in parts:
         return f"api/{found.group(1)}.md" + (f"#{found.group(2)}" if found.group(2) else "")
     found = re.fullmatch(r"examples/(\w+)\.cpp", name)
     if found:
         return f"examples.md#{found.group(1)}"
+    found = re.fullmatch(r"examples/notebooks(?:/(\w+)\.ipynb)?", name)
+    if found:
+        return f"notebooks/{found.group(1) or '01_first_map'}.md"
     if (ROOT / name).is_file() and path.startswith("../"):
         return f"files/{name}"
     return name + anchor
@@ -67,6 +77,8 @@ def main():
     shutil.rmtree(PAGES, ignore_errors=True)
     PAGES.mkdir(parents=True)
     parts = write_header_pages(ROOT / "include/loopstone", PAGES / "api")
+    write_python_pages(ROOT / "python", PAGES / "python_api")
+    write_notebook_pages(ROOT / "examples/notebooks", PAGES / "notebooks")
     shutil.copytree(ROOT / "docs/images", PAGES / "images")
     for path in (ROOT / "site/pages").iterdir():
         shutil.copy(path, PAGES / path.name)

@@ -44,11 +44,11 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& reference,
 
 void bind_evaluation(nb::module_& m) {
   nb::class_<ErrorStatistics> statistics(m, "ErrorStatistics", "Of errors, all of one unit.");
-  statistics.def_ro("mean", &ErrorStatistics::mean);
+  statistics.def_ro("mean", &ErrorStatistics::mean, "Of all.");
   statistics.def_ro("std", &ErrorStatistics::std, "With n - 1.");
-  statistics.def_ro("rmse", &ErrorStatistics::rmse);
-  statistics.def_ro("median", &ErrorStatistics::median);
-  statistics.def_ro("max", &ErrorStatistics::max);
+  statistics.def_ro("rmse", &ErrorStatistics::rmse, "Root of the mean square.");
+  statistics.def_ro("median", &ErrorStatistics::median, "Half are larger.");
+  statistics.def_ro("max", &ErrorStatistics::max, "The worst.");
   statistics.def("__repr__", [](const ErrorStatistics& s) {
     return "<ErrorStatistics rmse " + std::to_string(s.rmse) + ", max " + std::to_string(s.max) +
            ">";

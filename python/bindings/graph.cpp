@@ -197,7 +197,9 @@ void bind_pose_graph(nb::module_& m) {
       "the frame of i as measured; (E, 3, 3) or one (3, 3) information of x, y, yaw.\n\n"
       ":param kinds: ``odometry``, ``match`` or ``loop_closure`` of each edge; without, edges\n"
       "    from i to i + 1 are odometry and all others loop closures, which robust kernels doubt\n"
-      "Raises ValueError, and UsageError naming the edge that makes no sense.");
+      ":param fixed: nodes that stay where they are\n"
+      ":raises ValueError: for arrays of other shapes\n"
+      ":raises UsageError: naming the edge that makes no sense");
   def_parts(graph);
   graph.def_ro("notes", &Graph::notes, "What was guessed when it was read, in words.");
   graph.def(
@@ -258,7 +260,8 @@ void bind_certificate(nb::module_& m) {
   nb::class_<Certificate> certificate(
       m, "Certificate",
       "Whether the isotropic objective of SE-Sync is at its global minimum, with the proof.");
-  certificate.def_prop_ro("certified", &Certificate::certified);
+  certificate.def_prop_ro("certified", &Certificate::certified,
+                          "It is proven; also what bool() tells.");
   certificate.def_prop_ro(
       "status", [](const Certificate& c) { return std::string(loopstone::to_string(c.status)); },
       "``certified``, ``not_optimal``, ``gap_open``, ``not_converged``, "
@@ -291,9 +294,10 @@ void bind_optimised(nb::module_& m) {
         return std::string(loopstone::to_string(self.found.solved.status));
       },
       "``converged``, ``not_converged``, ``numerical_failure`` or ``disconnected``.");
-  result.def_prop_ro("converged", [](const Optimised& self) {
-    return self.found.solved.status == SolveStatus::kConverged;
-  });
+  result.def_prop_ro(
+      "converged",
+      [](const Optimised& self) { return self.found.solved.status == SolveStatus::kConverged; },
+      "Whether that is the status.");
   result.def_prop_ro(
       "cost_initial", [](const Optimised& self) { return self.found.solved.cost_initial; },
       "Sum of e^T information e at the start, no kernel in it.");
@@ -306,9 +310,12 @@ void bind_optimised(nb::module_& m) {
         return std::string(loopstone::to_string(self.found.start.initialisation));
       },
       "Where it began: ``file``, ``odometry``, ``spanning_tree`` or ``chordal``.");
-  result.def_prop_ro("iterations", [](const Optimised& self) { return self.found.iterations(); });
-  result.def_prop_ro("wall_time_s",
-                     [](const Optimised& self) { return self.found.times.wall_s(); });
+  result.def_prop_ro(
+      "iterations", [](const Optimised& self) { return self.found.iterations(); },
+      "Of all solutions together, those of the certificate included.");
+  result.def_prop_ro(
+      "wall_time_s", [](const Optimised& self) { return self.found.times.wall_s(); },
+      "What it took [s].");
   def_array(
       result, "edge_weights",
       [](const Optimised& self) {

@@ -182,8 +182,8 @@ void bind_estimate(nb::module_& m) {
   estimate.def_ro("refined", &Estimate::refined,
                   "By registration to the map; else the particles' mean.");
   estimate.def_ro("hypotheses", &Estimate::hypotheses, "Places that the robot may be at.");
-  estimate.def_ro("particles", &Estimate::particles);
-  estimate.def_ro("travelled_m", &Estimate::travelled_m);
+  estimate.def_ro("particles", &Estimate::particles, "How many there are at the scan.");
+  estimate.def_ro("travelled_m", &Estimate::travelled_m, "By odometry since the first scan [m].");
   estimate.def("__repr__", [](const Estimate& e) {
     return fmt::format("<LocalizationEstimate ({:.2f}, {:.2f}) m, {:.0f} %: {}>", e.map_T_robot.x,
                        e.map_T_robot.y, 100.0 * e.probability, loopstone::to_string(e.state));
@@ -251,7 +251,9 @@ void bind_known_map(nb::module_& m) {
         new (self) KnownMap{std::make_shared<const LocalizationMap>(*map.cells)};
       },
       nb::arg("map"), "Raises UsageError when the map shows no wall or nothing free.");
-  known.def_prop_ro("free_area_m2", [](const KnownMap& k) { return k.map->free_area_m2(); });
+  known.def_prop_ro(
+      "free_area_m2", [](const KnownMap& k) { return k.map->free_area_m2(); },
+      "Where the robot may be [m^2].");
 }
 
 void bind_localizer(nb::module_& m) {

@@ -178,13 +178,14 @@ void bind_summary(nb::module_& m) {
   nb::class_<LogSummary> summary(m, "LogSummary", "What is in a log, as ``loopstone info`` tells.");
   summary.def_ro("format", &LogSummary::format, "The name of its format, such as ``carmen``.");
   summary.def_prop_ro("scans", &LogSummary::scans, "Of all lasers.");
-  summary.def_prop_ro("duration_s", &LogSummary::duration_s);
+  summary.def_prop_ro("duration_s", &LogSummary::duration_s,
+                      "From the first message to the last [s].");
   summary.def_prop_ro(
       "first_stamp_ns", [](const LogSummary& self) { return nanoseconds(self.first); },
-      nb::sig("def first_stamp_ns(self) -> int | None"));
+      nb::sig("def first_stamp_ns(self) -> int | None"), "None of a log without messages.");
   summary.def_prop_ro(
       "last_stamp_ns", [](const LogSummary& self) { return nanoseconds(self.last); },
-      nb::sig("def last_stamp_ns(self) -> int | None"));
+      nb::sig("def last_stamp_ns(self) -> int | None"), "Likewise.");
   summary.def_prop_ro("counts", counts_of, nb::sig("def counts(self) -> dict[str, int]"),
                       "Records of each sensor: laser, odometry, wheels, imu, camera.");
   summary.def_prop_ro(
@@ -279,11 +280,12 @@ void bind_log(nb::module_& m) {
       },
       nb::arg("path"), nb::arg("robot") = nb::none(), nb::arg("strict") = false,
       nb::arg("stamps") = "auto", nb::arg("intensities") = false, nb::arg("topics") = Topics{},
-      nb::arg("base_frame") = "", nb::arg("echo") = "first", nb::arg("slice_m") = nb::none());
+      nb::arg("base_frame") = "", nb::arg("echo") = "first", nb::arg("slice_m") = nb::none(),
+      "As :func:`loopstone.open_log` takes them. Nothing is opened yet.");
   log.def(
       "__iter__", [](const Log& self) { return std::make_unique<Messages>(self); },
       "Opens it. Raises DataError when there is nothing readable.");
-  log.def_ro("path", &Log::path);
+  log.def_ro("path", &Log::path, "As it was given.");
   log.def_prop_ro(
       "has_robot", [](const Log& self) { return self.robot.has_value(); },
       "A robot was given, which beats what the log says of it.");

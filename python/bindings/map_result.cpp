@@ -149,7 +149,9 @@ void def_judgement(nb::class_<Mapped>& cls) {
                   "Every figure of the run, units in the names: what summary.json has.");
   cls.def_prop_ro(
       "warnings", [](const Shared& self) { return self->result.warnings; }, "In plain words.");
-  cls.def_prop_ro("complete", [](const Shared& self) { return self->result.complete; });
+  cls.def_prop_ro(
+      "complete", [](const Shared& self) { return self->result.complete; },
+      "False when the run was interrupted.");
   cls.def_prop_ro(
       "robot",
       [](const Shared& self) {

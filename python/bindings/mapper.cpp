@@ -163,9 +163,11 @@ void bind_update(nb::module_& m) {
       update, "odom_T_robot", [](const MapUpdate& u) { return to_array(u.odom_T_robot); },
       "(3,) x, y [m], yaw [rad].");
   def_array(
-      update, "map_T_odom", [](const MapUpdate& u) { return to_array(u.map_T_odom); }, "(3,)");
+      update, "map_T_odom", [](const MapUpdate& u) { return to_array(u.map_T_odom); },
+      "(3,) x, y [m], yaw [rad]: what corrects odometry.");
   def_array(
-      update, "map_T_robot", [](const MapUpdate& u) { return to_array(u.map_T_robot()); }, "(3,)");
+      update, "map_T_robot", [](const MapUpdate& u) { return to_array(u.map_T_robot()); },
+      "(3,) x, y [m], yaw [rad]: where the robot is on the map.");
   def_array(
       update, "covariance",
       [](const MapUpdate& u) { return to_array(Eigen::MatrixXd(u.covariance)); },
@@ -176,7 +178,7 @@ void bind_update(nb::module_& m) {
   update.def_ro("open_direction_rad", &MapUpdate::open_direction_rad,
                 "The direction that the laser leaves open, when degenerate.");
   update.def_ro("key_scan", &MapUpdate::key_scan, "Its number among the key scans, if it is one.");
-  update.def_ro("events", &MapUpdate::events);
+  update.def_ro("events", &MapUpdate::events, "What happened since the update before.");
   update.def_ro("missed", &MapUpdate::missed, "Updates given up before this one.");
   update.def("__repr__", [](const MapUpdate& u) {
     return "<MapUpdate of scan " + std::to_string(u.scan) + ", " +

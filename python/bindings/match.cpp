@@ -208,8 +208,8 @@ void bind_match(nb::module_& m) {
   matched.def_ro("inlier_fraction", &Matched::inlier_fraction,
                  "[0, 1], share of the source's points that were paired.");
   matched.def_ro("score", &Matched::score, "[0, 1], share of the source that the target explains.");
-  matched.def_ro("pairs", &Matched::pairs);
-  matched.def_ro("iterations", &Matched::iterations);
+  matched.def_ro("pairs", &Matched::pairs, "That were used in the end.");
+  matched.def_ro("iterations", &Matched::iterations, "Of the method that gave the answer.");
   matched.def("__bool__", [](const Matched& self) { return self.supported; });
   matched.def("__repr__", [](const Matched& self) {
     return "<MatchResult by " + self.method + ": " + self.status + ">";

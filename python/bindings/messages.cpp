@@ -137,8 +137,8 @@ void bind_scan(nb::module_& m) {
   scan.def_ro("angle_min_rad", &LaserScan::angle_min_rad, "Of beam 0 [rad].");
   scan.def_ro("angle_increment_rad", &LaserScan::angle_increment_rad,
               "From beam to beam [rad]; negative for clockwise scanners.");
-  scan.def_ro("range_min_m", &LaserScan::range_min_m, "[m]");
-  scan.def_ro("range_max_m", &LaserScan::range_max_m, "[m]");
+  scan.def_ro("range_min_m", &LaserScan::range_min_m, "Nearer returns do not count [m].");
+  scan.def_ro("range_max_m", &LaserScan::range_max_m, "Nor do farther ones [m].");
   scan.def_ro("time_increment_s", &LaserScan::time_increment_s,
               "Between neighbouring beams [s]; 0: unknown, or all at once.");
   scan.def_ro("lidar", &LaserScan::lidar, "Which of the robot's lidars.");
@@ -158,7 +158,8 @@ void bind_odometry(nb::module_& m) {
       [](OdometryPose* self, std::int64_t stamp_ns, const ArrayLike& odom_T_robot) {
         new (self) OdometryPose{{stamp_ns}, pose_of(odom_T_robot, "odom_T_robot")};
       },
-      nb::arg("stamp_ns"), nb::arg("odom_T_robot"));
+      nb::arg("stamp_ns"), nb::arg("odom_T_robot"),
+      "Of (3,) x, y [m], yaw [rad]. Raises ValueError.");
   def_stamp(pose);
   def_array(
       pose, "odom_T_robot", [](const OdometryPose& self) { return to_array(self.odom_T_robot); },
@@ -170,7 +171,7 @@ void bind_odometry(nb::module_& m) {
       [](WheelTicks* self, std::int64_t stamp_ns, const std::array<std::int64_t, 4>& counts) {
         new (self) WheelTicks{{stamp_ns}, counts};
       },
-      nb::arg("stamp_ns"), nb::arg("counts"));
+      nb::arg("stamp_ns"), nb::arg("counts"), "Of four whole numbers, in the order of ``counts``.");
   def_stamp(ticks);
   ticks.def_prop_ro(
       "counts",
@@ -199,14 +200,17 @@ void bind_odometry(nb::module_& m) {
                              vector(angular_velocity_rad_s, "angular_velocity_rad_s"),
                              vector(linear_acceleration_m_s2, "linear_acceleration_m_s2")};
       },
-      nb::arg("stamp_ns"), nb::arg("angular_velocity_rad_s"), nb::arg("linear_acceleration_m_s2"));
+      nb::arg("stamp_ns"), nb::arg("angular_velocity_rad_s"), nb::arg("linear_acceleration_m_s2"),
+      "Of (3,) rad/s and (3,) m/s^2. Raises ValueError.");
   def_stamp(imu);
   def_array(
       imu, "angular_velocity_rad_s",
-      [](const ImuSample& self) { return to_array(self.angular_velocity_rad_s); }, "(3,)");
+      [](const ImuSample& self) { return to_array(self.angular_velocity_rad_s); },
+      "(3,) about the axes of the robot [rad/s].");
   def_array(
       imu, "linear_acceleration_m_s2",
-      [](const ImuSample& self) { return to_array(self.linear_acceleration_m_s2); }, "(3,)");
+      [](const ImuSample& self) { return to_array(self.linear_acceleration_m_s2); },
+      "(3,) along the axes of the robot [m/s^2].");
 }
 
 void bind_frame(nb::module_& m) {

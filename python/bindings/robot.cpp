@@ -34,7 +34,8 @@ void bind_robot(nb::module_& m) {
   robot.def(
       "to_toml", [](const Robot& self) { return robot_to_toml(self.model); },
       "As the text of a robot file, with help texts.");
-  robot.def_prop_ro("name", [](const Robot& self) { return self.model.name; });
+  robot.def_prop_ro(
+      "name", [](const Robot& self) { return self.model.name; }, "What its file calls it.");
   robot.def_prop_ro(
       "footprint_radius_m", [](const Robot& self) { return self.model.footprint_radius_m; },
       "Cells this near to its path are free.");

@@ -91,12 +91,15 @@ void bind_simulation(nb::module_& m) {
   simulated.def_prop_ro(
       "truth", [](const Simulated& self) { return self.truth; }, "map_T_robot at every scan.");
   simulated.def_ro("map", &Simulated::map, "The map that a perfect robot would draw.");
-  simulated.def_ro("robot", &Simulated::robot);
-  simulated.def_prop_ro("scans", [](const Simulated& self) { return self.summary.scans; });
-  simulated.def_prop_ro("duration_s",
-                        [](const Simulated& self) { return self.summary.duration_s; });
-  simulated.def_prop_ro("route_length_m",
-                        [](const Simulated& self) { return self.summary.route_length_m; });
+  simulated.def_ro("robot", &Simulated::robot, "That drove: its mounts and wheels.");
+  simulated.def_prop_ro(
+      "scans", [](const Simulated& self) { return self.summary.scans; }, "How many there are.");
+  simulated.def_prop_ro(
+      "duration_s", [](const Simulated& self) { return self.summary.duration_s; },
+      "Of the drive [s].");
+  simulated.def_prop_ro(
+      "route_length_m", [](const Simulated& self) { return self.summary.route_length_m; },
+      "The way that the robot drove [m].");
   simulated.def("save", save_log, nb::arg("path"), nb::arg("format") = "carmen",
                 "Writes the log, whole or not at all: ``carmen``, ``ucsd``, ``mcap``, ``bag``...\n"
                 "Formats leave out what they have no place for. Raises UsageError, DataError.");

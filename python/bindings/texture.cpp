@@ -63,10 +63,12 @@ void bind_texture(nb::module_& m) {
   def_array(texture, "coverage", coverage,
             "(rows, columns) uint8: 255 seen, 128 filled in between, 0 unknown.");
   def_frame(texture, [](const FloorTexture& self) -> const GridFrame& { return self.frame; });
-  texture.def_prop_ro("seen_area_m2",
-                      [](const FloorTexture& self) { return self.statistics.seen_area_m2; });
-  texture.def_prop_ro("frames_used",
-                      [](const FloorTexture& self) { return self.statistics.frames_used; });
+  texture.def_prop_ro(
+      "seen_area_m2", [](const FloorTexture& self) { return self.statistics.seen_area_m2; },
+      "Of the cells that were seen [m^2].");
+  texture.def_prop_ro(
+      "frames_used", [](const FloorTexture& self) { return self.statistics.frames_used; },
+      "Pairs of colour and depth that gave colour.");
   texture.def_ro("warnings", &FloorTexture::warnings, "In plain words.");
 }
 

@@ -67,7 +67,8 @@ void bind_verdict(nb::module_& m) {
   nb::class_<QualityMeasure> measure(m, "QualityMeasure", "One figure and what it means.");
   measure.def_ro("name", &QualityMeasure::name, "With its unit at the end, as in summary.json.");
   measure.def_ro("title", &QualityMeasure::title, "In words.");
-  measure.def_ro("value", &QualityMeasure::value);
+  measure.def_ro("value", &QualityMeasure::value,
+                 "In the unit of its name; of an unknown one it means nothing.");
   measure.def_prop_ro(
       "verdict", [](const QualityMeasure& q) { return word(q.verdict); },
       "``unknown``, ``good``, ``doubtful`` or ``bad``.");
@@ -82,7 +83,7 @@ void bind_verdict(nb::module_& m) {
   verdict.def_prop_ro(
       "overall", [](const MapVerdict& v) { return word(v.overall); },
       "``unknown``, ``good``, ``doubtful`` or ``bad``: the worst of what is known.");
-  verdict.def_ro("sentence", &MapVerdict::sentence);
+  verdict.def_ro("sentence", &MapVerdict::sentence, "What that means, in words.");
   verdict.def_ro("measures", &MapVerdict::measures, "Always the same ones, in the same order.");
   verdict.def("__str__", [](const MapVerdict& v) { return word(v.overall) + ": " + v.sentence; });
   verdict.def("__repr__", [](const MapVerdict& v) {

@@ -26,6 +26,7 @@ class OptionProblem(NamedTuple):
     source: str
     """The file, or ``options`` for what a program gave."""
     line: int | None
+    """Of the file, from 1; None for what a program gave."""
 
 
 class OptionsError(UsageError):
@@ -34,6 +35,7 @@ class OptionsError(UsageError):
     def __init__(self, text: str, problems: tuple[OptionProblem, ...] = ()) -> None:
         super().__init__(text, problems)
         self.problems = problems
+        """All of them, in the order of the text."""
 
     def __str__(self) -> str:
         return str(self.args[0])

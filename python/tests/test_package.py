@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -29,11 +31,37 @@ def test_the_version_is_that_of_the_program(run: Any) -> None:
         pytest.skip("the package is tried in place")
 
 
+def undocumented(name: str, public: object) -> Iterator[str]:
+    """Of a name and, if it is a class, of what is public in it."""
+    if not (public.__doc__ or "").strip():
+        yield name
+    if isinstance(public, type):
+        for inner, value in vars(public).items():
+            if not inner.startswith("_") and not (value.__doc__ or "").strip():
+                yield f"{name}.{inner}"
+
+
 def test_what_is_exported_is_documented() -> None:
-    for name in ls.__all__:
-        if name not in {"__version__", "Message", "MapLike", "ProgressLike"}:
-            assert getattr(ls, name).__doc__, name
+    aliases = {"__version__", "Message", "MapLike", "ProgressLike"}
+    named = {name: getattr(ls, name) for name in ls.__all__ if name not in aliases}
+    assert [at for name, public in named.items() for at in undocumented(name, public)] == []
     assert "open_log" in ls.__all__ and "Any" not in ls.__all__
+
+    class Silent:
+        """Of which a part says nothing."""
+
+        def part(self) -> None:
+            ...
+
+    assert list(undocumented("Silent", Silent)) == ["Silent.part"]
+
+
+def test_the_stub_in_the_sources_is_that_of_the_extension() -> None:
+    """It is where the documentation site takes docstrings from, without a build."""
+    built = Path(ls.__file__).parent / "_core.pyi"
+    kept = Path(__file__).resolve().parents[1] / "bindings" / "_core.pyi"
+    text = re.sub(r"^(version: str) = .*", r"\1", built.read_text(), flags=re.M)
+    assert kept.read_text() == text, f"differs from {built}: scripts/write_python_stub.sh"
 
 
 def test_the_package_is_typed() -> None:

@@ -110,13 +110,14 @@ bool is_behind_wall(const MapField& field, const Eigen::Vector2d& laser,
 }
 
 /// Share of the points that are on a wall and in sight of the laser.
+/// \param free_m  so far from a wall costs nothing
 double explained_share(std::span<const Eigen::Vector2d> source, const MapField& field,
-                       const Pose2& map_T_source) {
+                       const Pose2& map_T_source, double free_m = 0.0) {
   double sum = 0.0;
   for (const auto& point : source) {
     const Eigen::Vector2d on_map = map_T_source * point;
     const FieldSample sample = field.sample(0, on_map);
-    const double ratio = sample.distance_m / kOnWallM;
+    const double ratio = std::max(sample.distance_m - free_m, 0.0) / kOnWallM;
     const double on_wall = std::exp(-0.5 * ratio * ratio);
     if (on_wall < 0.05) continue;
     const Eigen::Vector2d laser = map_T_source.translation();
@@ -182,6 +183,24 @@ MatchResult finished(const Points& points, const MapField& field, const MatchRes
   return best;
 }
 
+/// That the best pose explains clearly more than any other one, also where walls are drawn as well
+/// as cells can: of two places that are alike one may lie a cell better on them, with all of its
+/// walls at once, and a beam or two more may graze a corner.
+bool stands_out(const Points& points, const MapField& field, std::span<const MatchResult> poses) {
+  constexpr double kClearly = 0.06;
+  const double free_m = field.distances().frame().resolution;
+  const auto share = [&](const MatchResult& match) {
+    return explained_share(points, field, match.target_T_source, free_m);
+  };
+  const double best = share(poses.front());
+  // One whose points are a cell off, all of them, scores so much.
+  const double ratio = free_m / kOnWallM;
+  const double least = std::exp(-0.5 * ratio * ratio) * (poses.front().score - kClearly);
+  return std::ranges::all_of(poses.subspan(1), [&](const MatchResult& other) {
+    return other.score < least || best - share(other) > kClearly;
+  });
+}
+
 }  // namespace
 
 MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& map,
@@ -234,7 +253,8 @@ MapMatch match_on_map(std::span<const Eigen::Vector2d> source, const MapSearch& 
     const double next = distinct.size() > 1 ? distinct[1].score : 0.0;
     // Along a corridor the next pose found explains as much.
     result.sure = all_refined && distinct[0].score >= options.sure_score &&
-                  distinct[0].score - next > options.sure_gap;
+                  distinct[0].score - next > options.sure_gap &&
+                  stands_out(refine, map.field(), distinct);
   }
   result.complete = all_refined && distinct.size() <= static_cast<std::size_t>(options.poses_max);
   if (distinct.size() > static_cast<std::size_t>(options.poses_max))

@@ -121,18 +121,19 @@ void BeliefPainter::Layout::draw_header(Canvas& canvas, const BeliefSnapshot& sn
   const LocalizationEstimate& estimate = snapshot.estimate;
   const std::string state(to_string(estimate.state));
   const double base = 0.5 * header_px() + 0.36 * text;
-  const double chip = canvas.text_width(state, text, true) + 1.2 * text;
+  const double chip = text_width(state, text, FontWeight::kBold) + 1.2 * text;
   double x = options.whole_map ? whole.left : 0.6 * text;
   canvas.fill_rectangle({x, 0.5 * header_px() - 0.8 * text}, chip, 1.6 * text,
                         state_colour(estimate.state));
-  canvas.text({x + 0.6 * text, base}, state, text, state_text_colour(estimate.state), 0.0, true);
+  canvas.text({x + 0.6 * text, base}, state, text, state_text_colour(estimate.state), 0.0,
+              FontWeight::kBold);
   x += chip + 0.8 * text;
   canvas.text({x, base}, fmt::format("{:.1f} s", (snapshot.stamp - start).seconds()), text, kInk);
   x += (options.whole_map ? 6.0 : 4.2) * text;
   // The probability as a bar, so that it can be followed from picture to picture.
   const std::string words = options.whole_map ? "probability  " : "prob. ";
   canvas.text({x, base}, words, text, kInk);
-  x += canvas.text_width(words, text);
+  x += text_width(words, text);
   const double bar = (options.whole_map ? 8.0 : 4.0) * text;
   const double bar_top = 0.5 * header_px() - 0.35 * text;
   canvas.fill_rectangle({x, bar_top}, bar, 0.7 * text, hex_colour(0xe5e7eb));
@@ -162,7 +163,7 @@ void BeliefPainter::Layout::draw_footer(Canvas& canvas) const {
     }
     x += 1.2 * text;
     canvas.text({x, base}, words, 0.9 * text, kInk);
-    x += canvas.text_width(words, 0.9 * text) + 1.8 * text;
+    x += text_width(words, 0.9 * text) + 1.8 * text;
   };
   entry("particle", kParticleColour, false);
   entry("place where the robot may be, and how probably", hex_colour(0x6d28d9), true);

@@ -1,18 +1,25 @@
 #include "report/canvas.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <iterator>
-#include <numbers>
-#include <stdexcept>
 
 namespace loopstone {
 namespace {
 
-void require_ok(cairo_status_t status) {
-  if (status != CAIRO_STATUS_SUCCESS) {
-    throw std::runtime_error(std::string("cannot draw: ") + cairo_status_to_string(status));
-  }
+std::array<std::uint8_t, 3> bytes_of(const Colour& colour) {
+  const auto byte = [](double value) {
+    return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
+  };
+  return {byte(colour.red), byte(colour.green), byte(colour.blue)};
+}
+
+/// Where the left end of a text and its base line are.
+Point anchored(Point at, double x_anchor, double width) {
+  return {at.x - x_anchor * width, std::round(at.y)};
 }
 
 }  // namespace
@@ -33,155 +40,109 @@ Colour time_colour(double share) {
 }
 
 Canvas::Canvas(int width_px, int height_px, const Colour& background)
-    : surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, height_px)),
-      context_(cairo_create(surface_.get())) {
-  require_ok(cairo_surface_status(surface_.get()));
-  require_ok(cairo_status(context_.get()));
-  cairo_set_line_cap(context_.get(), CAIRO_LINE_CAP_ROUND);
-  cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_ROUND);
-  set(background);
-  cairo_paint(context_.get());
+    : image_(make_image(width_px, height_px, 3)) {
+  const auto rgb = bytes_of(background);
+  for (std::size_t i = 0; i < image_.bytes.size(); i += 3)
+    std::ranges::copy(rgb, image_.bytes.begin() + static_cast<std::ptrdiff_t>(i));
+  unclip();
 }
 
-void Canvas::set(const Colour& colour) {
-  cairo_set_source_rgba(context_.get(), colour.red, colour.green, colour.blue, colour.alpha);
-}
-
-void Canvas::trace(const std::vector<Point>& points) {
-  cairo_new_path(context_.get());
-  for (const Point& point : points) cairo_line_to(context_.get(), point.x, point.y);
+void Canvas::fill(std::span<const Contour> contours, const Colour& colour) {
+  Coverage coverage(box_);
+  coverage.add(contours);
+  const auto rgb = bytes_of(colour);
+  const auto alpha = static_cast<std::uint32_t>(std::lround(65536.0 * colour.alpha));
+  for (const CoveredRun& run : coverage.runs()) {
+    const auto weight = static_cast<std::uint32_t>(std::uint64_t{run.share} * alpha >> 16);
+    std::uint8_t* pixel = image_.bytes.data() + 3 * (static_cast<std::size_t>(run.row) *
+                                                         static_cast<std::size_t>(image_.width) +
+                                                     static_cast<std::size_t>(run.column));
+    for (int i = 0; i < run.length; ++i) {
+      for (const std::uint8_t to : rgb) {
+        *pixel =
+            static_cast<std::uint8_t>((*pixel * (65536U - weight) + to * weight + 32768U) >> 16);
+        ++pixel;
+      }
+    }
+  }
 }
 
 void Canvas::fill_rectangle(Point corner, double width, double height, const Colour& colour) {
-  set(colour);
-  cairo_rectangle(context_.get(), corner.x, corner.y, width, height);
-  cairo_fill(context_.get());
+  const Contour edge{corner,
+                     {corner.x + width, corner.y},
+                     {corner.x + width, corner.y + height},
+                     {corner.x, corner.y + height}};
+  fill({&edge, 1}, colour);
 }
 
-void Canvas::line(const std::vector<Point>& points, double width, const Colour& colour) {
-  if (points.size() < 2) return;
-  trace(points);
-  set(colour);
-  cairo_set_line_width(context_.get(), width);
-  cairo_stroke(context_.get());
-}
-
-void Canvas::disc(Point centre, double radius, const Colour& fill, double edge_width,
-                  const Colour& edge) {
-  cairo_new_path(context_.get());
-  cairo_arc(context_.get(), centre.x, centre.y, radius, 0.0, 2.0 * std::numbers::pi);
-  set(fill);
-  cairo_fill_preserve(context_.get());
-  set(edge);
-  cairo_set_line_width(context_.get(), edge_width);
-  cairo_stroke(context_.get());
-}
-
-void Canvas::polygon(const std::vector<Point>& points, const Colour& fill, double edge_width,
+void Canvas::polygon(const std::vector<Point>& points, const Colour& fill_colour, double edge_width,
                      const Colour& edge) {
-  trace(points);
-  cairo_close_path(context_.get());
-  set(fill);
-  cairo_fill_preserve(context_.get());
-  set(edge);
-  cairo_set_line_width(context_.get(), edge_width);
-  cairo_stroke(context_.get());
+  fill({&points, 1}, fill_colour);
+  fill(edge_outline(points, edge_width), edge);
 }
 
-void Canvas::select_font(double size_px, bool bold) {
-  cairo_select_font_face(context_.get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(context_.get(), size_px);
-}
-
-double Canvas::text_width(const std::string& words, double size_px, bool bold) {
-  select_font(size_px, bold);
-  cairo_text_extents_t extents;
-  cairo_text_extents(context_.get(), words.c_str(), &extents);
-  return extents.x_advance;
-}
-
-void Canvas::text(Point at, const std::string& words, double size_px, const Colour& colour,
-                  double x_anchor, bool bold) {
-  const double width = text_width(words, size_px, bold);
-  set(colour);
-  cairo_move_to(context_.get(), at.x - x_anchor * width, at.y);
-  cairo_show_text(context_.get(), words.c_str());
-}
-
-void Canvas::text_with_halo(Point at, const std::string& words, double size_px,
-                            const Colour& colour, const Colour& halo, double x_anchor) {
-  const double width = text_width(words, size_px, true);
-  cairo_move_to(context_.get(), at.x - x_anchor * width, at.y);
-  cairo_text_path(context_.get(), words.c_str());
-  set(halo);
-  cairo_set_line_width(context_.get(), 0.28 * size_px);
-  cairo_stroke_preserve(context_.get());
-  set(colour);
-  cairo_fill(context_.get());
-}
-
-void Canvas::clip(Point corner, double width, double height) {
-  cairo_new_path(context_.get());
-  cairo_rectangle(context_.get(), corner.x, corner.y, width, height);
-  cairo_clip(context_.get());
-}
-
-void Canvas::unclip() { cairo_reset_clip(context_.get()); }
-
-void Canvas::dashed_line(const std::vector<Point>& points, double width, const Colour& colour,
-                         double on, double off) {
-  const double dashes[] = {on, off};
-  cairo_set_dash(context_.get(), dashes, 2, 0.0);
-  line(points, width, colour);
-  cairo_set_dash(context_.get(), nullptr, 0, 0.0);
+void Canvas::disc(Point centre, double radius, const Colour& fill_colour, double edge_width,
+                  const Colour& edge) {
+  const Contour whole = circle(centre, radius);
+  fill({&whole, 1}, fill_colour);
+  ring(centre, radius, edge_width, edge);
 }
 
 void Canvas::ring(Point centre, double radius, double width, const Colour& colour) {
-  cairo_new_path(context_.get());
-  cairo_arc(context_.get(), centre.x, centre.y, radius, 0.0, 2.0 * std::numbers::pi);
-  set(colour);
-  cairo_set_line_width(context_.get(), width);
-  cairo_stroke(context_.get());
+  fill(ring_outline(centre, radius, width), colour);
+}
+
+void Canvas::line(const std::vector<Point>& points, double width, const Colour& colour) {
+  fill(line_outline(points, width), colour);
+}
+
+void Canvas::dashed_line(const std::vector<Point>& points, double width, const Colour& colour,
+                         double on, double off) {
+  fill(dashed_outline(points, width, {on, off}), colour);
+}
+
+void Canvas::text(Point at, std::string_view words, double size_px, const Colour& colour,
+                  double x_anchor, FontWeight weight) {
+  const Point from = anchored(at, x_anchor, text_width(words, size_px, weight));
+  fill(text_outline(words, from, size_px, weight), colour);
+}
+
+void Canvas::text_with_halo(Point at, std::string_view words, double size_px, const Colour& colour,
+                            const Colour& halo, double x_anchor) {
+  const Point from = anchored(at, x_anchor, text_width(words, size_px, FontWeight::kBold));
+  const std::vector<Contour> letters = text_outline(words, from, size_px, FontWeight::kBold);
+  std::vector<Contour> around;
+  for (const Contour& letter : letters)
+    std::ranges::move(edge_outline(letter, 0.28 * size_px), std::back_inserter(around));
+  fill(around, halo);
+  fill(letters, colour);
 }
 
 void Canvas::paste(const Image& rgb, int left_px, int top_px) {
-  cairo_surface_flush(surface_.get());
-  unsigned char* const pixels = cairo_image_surface_get_data(surface_.get());
-  const int stride = cairo_image_surface_get_stride(surface_.get());
-  const int width = std::min(rgb.width, cairo_image_surface_get_width(surface_.get()) - left_px);
-  const int height = std::min(rgb.height, cairo_image_surface_get_height(surface_.get()) - top_px);
-  for (int row = 0; row < height; ++row) {
-    auto* to = reinterpret_cast<std::uint32_t*>(
-                   static_cast<void*>(pixels + std::ptrdiff_t{stride} * (top_px + row))) +
-               left_px;
-    const std::uint8_t* from =
-        rgb.bytes.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(rgb.width) * 3;
-    for (int column = 0; column < width; ++column, from += 3) {
-      to[column] = std::uint32_t{from[0]} << 16 | std::uint32_t{from[1]} << 8 | from[2];
-    }
+  const int left = std::max(left_px, 0);
+  const int right = std::min(left_px + rgb.width, image_.width);
+  const int bottom = std::min(top_px + rgb.height, image_.height);
+  const auto pixel = [](const Image& of, int row, int column) {
+    return static_cast<std::ptrdiff_t>(row) * of.width * 3 + column * std::ptrdiff_t{3};
+  };
+  for (int row = std::max(top_px, 0); row < bottom && left < right; ++row) {
+    std::copy_n(rgb.bytes.begin() + pixel(rgb, row - top_px, left - left_px),
+                3 * static_cast<std::ptrdiff_t>(right - left),
+                image_.bytes.begin() + pixel(image_, row, left));
   }
-  cairo_surface_mark_dirty(surface_.get());
 }
 
-Image Canvas::image() const {
-  require_ok(cairo_status(context_.get()));
-  cairo_surface_flush(surface_.get());
-  Image image = make_image(cairo_image_surface_get_width(surface_.get()),
-                           cairo_image_surface_get_height(surface_.get()), 3);
-  const unsigned char* const pixels = cairo_image_surface_get_data(surface_.get());
-  const int stride = cairo_image_surface_get_stride(surface_.get());
-  std::uint8_t* to = image.bytes.data();
-  for (int row = 0; row < image.height; ++row) {
-    const auto* from = reinterpret_cast<const std::uint32_t*>(
-        static_cast<const void*>(pixels + std::ptrdiff_t{stride} * row));
-    for (int column = 0; column < image.width; ++column) {
-      *to++ = static_cast<std::uint8_t>(from[column] >> 16 & 255U);
-      *to++ = static_cast<std::uint8_t>(from[column] >> 8 & 255U);
-      *to++ = static_cast<std::uint8_t>(from[column] & 255U);
-    }
-  }
-  return image;
+void Canvas::clip(Point corner, double width, double height) {
+  const auto within = [](double px, int side) {
+    return std::clamp(px, 0.0, static_cast<double>(side));
+  };
+  box_ = {within(corner.x, image_.width), within(corner.y, image_.height),
+          within(corner.x + std::max(width, 0.0), image_.width),
+          within(corner.y + std::max(height, 0.0), image_.height)};
+}
+
+void Canvas::unclip() {
+  box_ = {0.0, 0.0, static_cast<double>(image_.width), static_cast<double>(image_.height)};
 }
 
 }  // namespace loopstone

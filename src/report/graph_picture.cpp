@@ -185,7 +185,7 @@ Image draw_graph_picture(const GraphScene& scene, const GraphPictureOptions& opt
     const Point corner{gap + (is_after ? needed.x() + gap : 0.0), top};
     const PlanePanel panel(corner, needed.x(), needed.y(), boxes[i], scales[i]);
     canvas.text({corner.x, 1.9 * text}, is_after ? scene.after_title : scene.before_title,
-                1.15 * text, kInk, 0.0, true);
+                1.15 * text, kInk, 0.0, FontWeight::kBold);
     canvas.fill_rectangle(corner, needed.x(), needed.y(), hex_colour(0xf8fafc));
     canvas.clip(corner, needed.x(), needed.y());
     drawing.draw(canvas, panel, is_after ? after : scene.before, is_after);

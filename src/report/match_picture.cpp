@@ -183,7 +183,7 @@ class Legend {
  private:
   void write(const std::string& words, double space = 1.6) {
     canvas_.text({x_, y_}, words, text_px_, kInk);
-    x_ += canvas_.text_width(words, text_px_) + space * text_px_;
+    x_ += text_width(words, text_px_) + space * text_px_;
   }
 
   Canvas& canvas_;
@@ -219,8 +219,9 @@ Image draw_match_picture(const MatchScene<kDimension>& scene, const MatchPicture
   Canvas canvas(static_cast<int>(std::ceil(2.0 * width + 3.0 * gap)),
                 static_cast<int>(std::ceil(height)), kPaper);
   const auto left_of = [&](bool after) { return gap + (after ? width + gap : 0.0); };
-  canvas.text({left_of(false), 2.0 * text}, scene.before, 1.15 * text, kInk, 0.0, true);
-  canvas.text({left_of(true), 2.0 * text}, scene.after, 1.15 * text, kInk, 0.0, true);
+  canvas.text({left_of(false), 2.0 * text}, scene.before, 1.15 * text, kInk, 0.0,
+              FontWeight::kBold);
+  canvas.text({left_of(true), 2.0 * text}, scene.after, 1.15 * text, kInk, 0.0, FontWeight::kBold);
 
   double top = 3.2 * text;
   for (std::size_t i = 0; i < views.size(); ++i) {

@@ -66,7 +66,7 @@ void draw_start_and_end(const Pose2& first, const Pose2& last, const MapView& vi
 }
 
 Footer::Footer(const PictureSizes& sizes, double width)
-    : sizes_(sizes), width_(width), x_(sizes.padding), ruler_(1, 1, kPaper) {}
+    : sizes_(sizes), width_(width), x_(sizes.padding) {}
 
 void Footer::place(double width, std::function<void(Canvas&, Point)> draw) {
   if (x_ > sizes_.padding && x_ + width > width_ - sizes_.padding) {
@@ -106,8 +106,8 @@ void Footer::add_axes() {
 void Footer::add(const std::string& before, double symbol_width, const std::string& after,
                  std::function<void(Canvas&, Point)> draw) {
   const double text = sizes_.text;
-  const double left = before.empty() ? 0.0 : ruler_.text_width(before, text) + 0.5 * text;
-  const double right = after.empty() ? 0.0 : ruler_.text_width(after, text) + 0.5 * text;
+  const double left = before.empty() ? 0.0 : text_width(before, text) + 0.5 * text;
+  const double right = after.empty() ? 0.0 : text_width(after, text) + 0.5 * text;
   place(left + symbol_width + right, [=, draw = std::move(draw)](Canvas& canvas, Point at) {
     const double base = at.y + 0.36 * text;
     if (!before.empty()) canvas.text({at.x, base}, before, text, kInk);

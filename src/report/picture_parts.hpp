@@ -59,7 +59,6 @@ class Footer {
   double x_;
   int row_ = 0;
   std::vector<Item> items_{};
-  mutable Canvas ruler_;  // measures words
 };
 
 }  // namespace loopstone

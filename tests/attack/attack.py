@@ -264,10 +264,6 @@ def main(arguments):
         os.environ["ASAN_OPTIONS"] = ":".join(
             filter(None, (os.environ.get("ASAN_OPTIONS"), SANITIZER_OPTIONS))
         )
-        os.environ.setdefault(
-            "LSAN_OPTIONS",
-            "suppressions=%s:print_suppressions=0" % (ROOT / "scripts" / "lsan.supp"),
-        )
     start = time.monotonic()
     names = options.format or [fmt.name for fmt in table.FORMATS]
     attack = Attack(options)

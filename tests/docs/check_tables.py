@@ -59,11 +59,11 @@ PARTS = {
 
 
 def sources_of(script):
-    """What the figures of a script depend on."""
+    """What the figures of a script depend on; the number of the version is none of it."""
     parts = [
         f"{root}/{part}" for part in PARTS.get(script, []) for root in ("include/loopstone", "src")
     ]
-    return [script, *(parts or PROGRAM)]
+    return [script, *(parts or PROGRAM), f":(exclude){VERSION_FILE}"]
 
 
 class History:
@@ -169,6 +169,7 @@ def self_test():
     )
     assert not found(made("aaaaaaa", "bench/ray_cast.py")), "src/graph is no matter to it"
     assert found(made("aaaaaaa", "bench/outliers.py"))
+    assert f":(exclude){VERSION_FILE}" in sources_of("bench/figures.py")
     assert "history lacks" in found(made("ddddddd"))[0]
     assert (
         found("| no | stamp |") == found(made("")) == ["says of no commit that it was made of it"]

@@ -43,7 +43,6 @@ THIRD_PARTY = {
     "sqlite3.h": {"formats"},
     "jpeglib.h": {"formats"},
     "jerror.h": {"formats"},
-    "cairo": FILE_PARTS,
     "boost/": {"live"},
     "CLI/": {"apps"},
     "spdlog/": {"apps"},

@@ -26,15 +26,22 @@ import time
 STEPS = {
     "office": "simulate office -o office --seed 1 --duration 240 --beams 181",
     "map": "map ../1/office -o map --json",
-    "where": "localize ../1/office --map ../1/map -o where.tum --global --duration 30 --report where --json",
-    "solved": "optimize ../1/map/graph.g2o -o solved.g2o --edges solved.csv --tum solved.tum --certify --json",
+    "where": "localize ../1/office --map ../1/map -o where.tum --global --duration "
+    "30 --report where --json",
+    "solved": "optimize ../1/map/graph.g2o -o solved.g2o --edges solved.csv --tum "
+    "solved.tum --certify --json",
     "kernels": "optimize ../1/map/graph.g2o -o kernels.g2o --robust gnc --json",
-    "errors": "evaluate --estimate ../1/map/trajectory.tum --reference ../1/office/truth.tum --json",
+    "errors": "evaluate --estimate ../1/map/trajectory.tum --reference "
+    "../1/office/truth.tum --json",
     "walls": "evaluate --map ../1/map/map.yaml --true-map ../1/office/map.yaml --json",
-    "loops": "simulate loops -o loops --seed 3 --duration 10 --beams 61 --people 3 --realism usual,uneven",
-    "hall": "simulate hall -o hall --seed 2 --duration 3 --beams 31 --realism usual --format carmen",
-    "lit": "simulate warehouse -o lit --seed 3 --duration 40 --beams 361 --reflectors 40 --format mcap",
-    "beacons": "localize ../1/lit/log.mcap --landmarks ../1/lit/landmarks.csv -o beacons.tum --global --json",
+    "loops": "simulate loops -o loops --seed 3 --duration 10 --beams 61 --people 3 "
+    "--realism usual,uneven",
+    "hall": "simulate hall -o hall --seed 2 --duration 3 --beams 31 --realism "
+    "usual --format carmen",
+    "lit": "simulate warehouse -o lit --seed 3 --duration 40 --beams 361 "
+    "--reflectors 40 --format mcap",
+    "beacons": "localize ../1/lit/log.mcap --landmarks ../1/lit/landmarks.csv -o "
+    "beacons.tum --global --json",
     "coloured": "simulate office -o coloured --seed 4 --duration 2 --beams 91 --rgbd",
     "floor": "map ../1/coloured -o floor --cloud --json",
 }
@@ -150,10 +157,9 @@ def main(programs, near):
                 do_step(program, name, folder)
             more_different, more = compare(folders, near, done)
             different, count = different + more_different, count + more
-            print(
-                f"{name}: {more - more_different} of {more} the same, {time.monotonic() - start:.1f} s",
-                flush=True,
-            )
+            seconds = time.monotonic() - start
+            same = more - more_different
+            print(f"{name}: {same} of {more} the same, {seconds:.1f} s", flush=True)
     print(f"{different} of {count} files differ")
     return 1 if different or not count else 0
 

@@ -41,7 +41,12 @@ kPages.push(
   "accuracy.html",
   "api/slam.html",
   "python.html",
+  "python_api/index.html",
+  "python_api/mapping.html",
+  "python_api/options_simulation.html",
   "live_view.html",
+  "notebooks/01_first_map.html",
+  "notebooks/05_localization.html",
 );
 
 const server = createServer(async (request, response) => {

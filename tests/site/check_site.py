@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
 """Holds the documentation site against what a reader may expect: every link and anchor leads
-somewhere, nothing is loaded from elsewhere, pictures have words, pages have titles.
+somewhere, nothing is loaded from elsewhere, pictures have words, pages have titles; every public
+name of the Python package has its place, and so has every option.
 
   tests/site/check_site.py [build/site/html]
 """
+import ast
 import html.parser
 import pathlib
 import sys
 import urllib.parse
+
+PACKAGE = pathlib.Path(__file__).resolve().parent.parent.parent / "python/loopstone"
 
 
 class Page(html.parser.HTMLParser):
@@ -37,6 +41,33 @@ class Page(html.parser.HTMLParser):
 
     def handle_endtag(self, tag):
         self.is_title = False
+
+
+def python_places():
+    """Every name that the package gives out, every class of options of a call, and its groups."""
+    (names,) = [
+        ast.literal_eval(node.value)
+        for node in ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8")).body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    ]
+    yield from (name for name in names if name not in ("__version__", "options"))
+    classes = {
+        node.name: node
+        for node in ast.parse((PACKAGE / "options.py").read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ClassDef)
+    }
+
+    def groups(node, path):
+        for field in node.body:
+            if isinstance(field, ast.AnnAssign) and ast.unparse(field.annotation) in classes:
+                inner = f"{path}.{ast.unparse(field.target)}"
+                yield inner
+                yield from groups(classes[ast.unparse(field.annotation)], inner)
+
+    for name, node in classes.items():
+        if ast.unparse(node.bases[0]) == "CallOptions":
+            yield name
+            yield from groups(node, name)
 
 
 def main():
@@ -69,6 +100,14 @@ def main():
                 problems.append(f"{name}: {link} leads nowhere")
             elif parsed.fragment and target in pages and parsed.fragment not in pages[target].ids:
                 problems.append(f"{name}: {link}: no such place there")
+    told = {
+        place
+        for path, page in pages.items()
+        if path.parent.name == "python_api"
+        for place in page.ids
+    }
+    missing = [place for place in python_places() if place not in told]
+    problems += [f"python_api: nothing of loopstone's {place}" for place in missing]
     for problem in problems[:50]:
         print(problem)
     print(f"{len(pages)} pages, {links} links, {len(problems)} problems")

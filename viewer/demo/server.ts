@@ -194,7 +194,7 @@ export class DemoServer {
       const { mode, canSeek } = this.options;
       json(200, {
         program: "loopstone",
-        version: "0.1.0",
+        version: "demo",
         mode,
         name: this.run.name,
         can_seek: canSeek,

@@ -50,29 +50,47 @@ TEST(MatchOnMap, FindsAScanFromABadGuess) {
   }
 }
 
-TEST(MatchOnMap, TwoEqualRoomsAreNotSureAndBothAreListed) {
+/// Two equal rooms so far apart, and a scan of the first one.
+MapMatch match_in_equal_rooms(const Eigen::Vector2d& apart, double cell_m, const Pose2& truth,
+                              Rng& rng) {
   World world;
   // A door joins them by a passage that the scans hardly see.
-  for (const double x : {0.0, 7.0}) {
-    test::add_room(world.plan, x, 0.0, x + 5.0, 4.0);
-    world.plan.boxes.push_back(test::block(x, 2.9, x + 1.3, 4.0));
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(0.0, 0.0), apart}) {
+    test::add_room(world.plan, at.x(), at.y(), at.x() + 5.0, at.y() + 4.0);
+    world.plan.boxes.push_back(test::block(at.x(), at.y() + 2.9, at.x() + 1.3, at.y() + 4.0));
   }
   world.map_T_start = {2.0, 2.0, 0.0};
-  Grid<std::int8_t> map = true_map(world, 0.05);
-  world.map_T_start = {9.0, 2.0, 0.0};
-  const Grid<std::int8_t> other = true_map(world, 0.05);
+  Grid<std::int8_t> map = true_map(world, cell_m);
+  world.map_T_start = {2.0 + apart.x(), 2.0 + apart.y(), 0.0};
+  const Grid<std::int8_t> other = true_map(world, cell_m);
   for (std::size_t i = 0; i < map.cells().size(); ++i)
     map.cells()[i] = std::max(map.cells()[i], other.cells()[i]);
+  return match_on_map(test::scan_at(SurfaceIndex(world.plan), truth, rng), MapSearch(map));
+}
+
+TEST(MatchOnMap, TwoEqualRoomsAreNotSureAndBothAreListed) {
   Rng rng(3);
   const Pose2 truth{1.9, 1.5, 0.4};
-  const auto match =
-      match_on_map(test::scan_at(SurfaceIndex(world.plan), truth, rng), MapSearch(map));
+  const auto match = match_in_equal_rooms({7.0, 0.0}, 0.05, truth, rng);
   ASSERT_GE(match.poses.size(), 2U);
   EXPECT_FALSE(match.sure);
   for (const Pose2& expected : {truth, Pose2{truth.x + 7.0, truth.y, truth.yaw}}) {
     EXPECT_TRUE(std::any_of(match.poses.begin(), match.poses.begin() + 2, [&](const auto& pose) {
       return bool(test::pose_near(pose.target_T_source, expected, 0.05, radians(0.5)));
     }));
+  }
+}
+
+TEST(MatchOnMap, EqualRoomsAreNotSureHoweverTheirWallsLieOnTheCells) {
+  Rng rng(7);
+  for (const double cell_m : {0.05, 0.10}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      const Eigen::Vector2d apart(7.0 + rng.uniform(0.0, cell_m), rng.uniform(0.0, cell_m));
+      const Pose2 truth{rng.uniform(1.6, 3.5), rng.uniform(1.0, 2.5), rng.uniform(-3.0, 3.0)};
+      const auto match = match_in_equal_rooms(apart, cell_m, truth, rng);
+      ASSERT_GE(match.poses.size(), 2U);
+      EXPECT_FALSE(match.sure) << cell_m << ' ' << apart.transpose();
+    }
   }
 }
 

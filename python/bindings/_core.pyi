@@ -1,0 +1,1317 @@
+"""The C++ library of Loopstone; `import loopstone` is what to use."""
+
+from collections.abc import (
+    Callable,
+    Iterable,
+    Iterator,
+    Mapping,
+    Sequence
+)
+import os
+from typing import Annotated, Any
+
+import matplotlib.axes
+import networkx
+import numpy
+import numpy.typing
+from numpy.typing import NDArray
+import pandas
+
+import loopstone.options
+
+
+version: str
+
+class OptionValues:
+    """What is to be other than by default; loopstone.options makes it."""
+
+    def __init__(self, file: str = '', values: Sequence[tuple[str, str]] = []) -> None: ...
+
+def describe_options(of: str) -> list[dict[str, Any]]:
+    """
+    Every option of a call: its dotted key, default, words, range, rule and help.
+    """
+
+def options_toml(of: str, values: OptionValues) -> str:
+    """
+    The effective options as TOML, as `loopstone config` prints them. Raises OptionsError.
+    """
+
+class Robot:
+    """
+    What is fixed about a robot: wheels, and where its sensors sit. The defaults are those of
+    the UCSD robot, ``robots/ucsd.toml``; a log's own words beat them.
+    """
+
+    def __init__(self, toml: str = '') -> None:
+        """
+        From the text of a robot file. Raises OptionsError with all that is wrong with it.
+        """
+
+    @staticmethod
+    def read(path: str | os.PathLike[str]) -> Robot:
+        """From a robot file. Raises OptionsError, DataError."""
+
+    def to_toml(self) -> str:
+        """As the text of a robot file, with help texts."""
+
+    @property
+    def name(self) -> str:
+        """What its file calls it."""
+
+    @property
+    def footprint_radius_m(self) -> float:
+        """Cells this near to its path are free."""
+
+    @property
+    def robot_T_lidars(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(L, 3) x, y [m], yaw [rad] of each lidar on the robot."""
+
+    def __repr__(self) -> str: ...
+
+class LaserScan:
+    """
+    One sweep of a planar laser scanner; it can't be changed.
+
+    Beam i points to ``angle_min_rad + i * angle_increment_rad``, counter-clockwise from the
+    lidar's x axis. A finite range within the limits is a return, +inf means nothing within
+    range, NaN a bad beam (REP-117).
+    """
+
+    def __init__(self, stamp_ns: int, ranges_m: numpy.typing.ArrayLike, *, angle_min_rad: float, angle_increment_rad: float, range_min_m: float = 0.0, range_max_m: float, time_increment_s: float = 0.0, lidar: int = 0, robot_T_lidar: numpy.typing.ArrayLike | None = None, intensities: numpy.typing.ArrayLike | None = None) -> None:
+        """
+        A scan of numbers that are copied. Raises ValueError for what is no scan.
+
+        :param ranges_m: (N,) metres, which are kept as float32
+        """
+
+    @property
+    def stamp_ns(self) -> int:
+        """Nanoseconds of the recording's clock, exact."""
+
+    @property
+    def stamp_s(self) -> float:
+        """The same in seconds, which a float holds to some 0.2 us."""
+
+    @property
+    def angle_min_rad(self) -> float:
+        """Of beam 0 [rad]."""
+
+    @property
+    def angle_increment_rad(self) -> float:
+        """From beam to beam [rad]; negative for clockwise scanners."""
+
+    @property
+    def range_min_m(self) -> float:
+        """Nearer returns do not count [m]."""
+
+    @property
+    def range_max_m(self) -> float:
+        """Nor do farther ones [m]."""
+
+    @property
+    def time_increment_s(self) -> float:
+        """Between neighbouring beams [s]; 0: unknown, or all at once."""
+
+    @property
+    def lidar(self) -> int:
+        """Which of the robot's lidars."""
+
+    @property
+    def robot_T_lidar(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))] | None:
+        """(3,) x, y, yaw of the lidar on the robot, where the log states it."""
+
+    @property
+    def ranges_m(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None,), writable=False)]:
+        """(N,) float32 [m]: a read-only view, no copy."""
+
+    @property
+    def intensities(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None,), writable=False)]:
+        """
+        (N,) float32 in the scanner's unit, a read-only view; (0,) when there are none.
+        """
+
+    @property
+    def angles_rad(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(N,) float64: where each beam points, lidar frame [rad]."""
+
+    def points(self, *, robot: Robot | None = None, velocity: numpy.typing.ArrayLike | None = None) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (M, 2) returns in the robot's frame [m], in the order of the beams.
+
+        :param robot: where the lidar sits, unless the scan itself says so
+        :param velocity: (3,) of the robot in its own frame [m/s, m/s, rad/s]; undoes the
+            motion during the sweep
+        """
+
+    def __len__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+class OdometryPose:
+    """A pose that the robot's own dead reckoning reported."""
+
+    def __init__(self, stamp_ns: int, odom_T_robot: numpy.typing.ArrayLike) -> None:
+        """Of (3,) x, y [m], yaw [rad]. Raises ValueError."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """Nanoseconds of the recording's clock, exact."""
+
+    @property
+    def stamp_s(self) -> float:
+        """The same in seconds, which a float holds to some 0.2 us."""
+
+    @property
+    def odom_T_robot(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) x, y [m], yaw [rad] in the odometry's frame."""
+
+class WheelTicks:
+    """Encoder counts of the wheels."""
+
+    def __init__(self, stamp_ns: int, counts: Sequence[int]) -> None:
+        """Of four whole numbers, in the order of ``counts``."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """Nanoseconds of the recording's clock, exact."""
+
+    @property
+    def stamp_s(self) -> float:
+        """The same in seconds, which a float holds to some 0.2 us."""
+
+    @property
+    def counts(self) -> tuple[int, int, int, int]:
+        """
+        (front right, front left, rear right, rear left), since the reading before or absolute, as the robot says.
+        """
+
+class ImuSample:
+    """A reading of an inertial unit, on the axes of the robot."""
+
+    def __init__(self, stamp_ns: int, angular_velocity_rad_s: numpy.typing.ArrayLike, linear_acceleration_m_s2: numpy.typing.ArrayLike) -> None:
+        """Of (3,) rad/s and (3,) m/s^2. Raises ValueError."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """Nanoseconds of the recording's clock, exact."""
+
+    @property
+    def stamp_s(self) -> float:
+        """The same in seconds, which a float holds to some 0.2 us."""
+
+    @property
+    def angular_velocity_rad_s(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) about the axes of the robot [rad/s]."""
+
+    @property
+    def linear_acceleration_m_s2(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) along the axes of the robot [m/s^2]."""
+
+class RgbdFrame:
+    """Which pictures an RGB-D camera took, and where they are; no pixels."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """Nanoseconds of the recording's clock, exact."""
+
+    @property
+    def stamp_s(self) -> float:
+        """The same in seconds, which a float holds to some 0.2 us."""
+
+    @property
+    def colour_stamp_ns(self) -> int:
+        """Of the colour picture; the two need not be taken at once."""
+
+    @property
+    def colour_path(self) -> str:
+        """A file, or the topic of a recording; empty: there is only depth."""
+
+    @property
+    def depth_path(self) -> str:
+        """Likewise; empty: there is only colour."""
+
+class LogSummary:
+    """What is in a log, as ``loopstone info`` tells."""
+
+    @property
+    def format(self) -> str:
+        """The name of its format, such as ``carmen``."""
+
+    @property
+    def scans(self) -> int:
+        """Of all lasers."""
+
+    @property
+    def duration_s(self) -> float:
+        """From the first message to the last [s]."""
+
+    @property
+    def first_stamp_ns(self) -> int | None:
+        """None of a log without messages."""
+
+    @property
+    def last_stamp_ns(self) -> int | None:
+        """Likewise."""
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Records of each sensor: laser, odometry, wheels, imu, camera."""
+
+    @property
+    def records_skipped(self) -> int:
+        """Broken, repeated or out of order."""
+
+    @property
+    def verdict(self) -> str:
+        """In one line: whether a map can be made of it."""
+
+    @property
+    def findings(self) -> list[tuple[str, str]]:
+        """
+        (``note``, ``warning`` or ``error``; in words), worst first. An error means that no map
+        can be made.
+        """
+
+    def to_dict(self, log: str = '') -> dict[str, Any]:
+        """All of it, as ``loopstone info --json`` prints it."""
+
+    def __str__(self) -> str: ...
+
+    def __repr__(self) -> str: ...
+
+class LogMessages:
+    """An iterator over the messages of a log, in the order of time."""
+
+    def __iter__(self) -> LogMessages: ...
+
+    def __next__(self) -> LaserScan | OdometryPose | WheelTicks | ImuSample | RgbdFrame: ...
+
+    @property
+    def robot(self) -> Robot:
+        """Mounts and wheels, as the log states them."""
+
+    @property
+    def bytes_read(self) -> tuple[int, int]:
+        """(done, total) bytes of the file as stored."""
+
+    @property
+    def records_skipped(self) -> int:
+        """So far: broken, repeated or out of order."""
+
+    @property
+    def notes(self) -> list[str]:
+        """What a user should know, in words; complete after the last message."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """
+        What makes a result worse than the log could give; complete after the last message.
+        """
+
+    @property
+    def choices(self) -> list[str]:
+        """What was chosen where the log left a choice, in words."""
+
+class Log:
+    """
+    A log by its name, and how it is read; see :func:`loopstone.open_log`. Each iteration
+    reads it from its beginning, in bounded memory.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], robot: Robot | None = None, strict: bool = False, stamps: str = 'auto', intensities: bool = False, topics: Mapping[str, Sequence[str]] = {}, base_frame: str = '', echo: str = 'first', slice_m: tuple[float, float] | None = None) -> None:
+        """As :func:`loopstone.open_log` takes them. Nothing is opened yet."""
+
+    def __iter__(self) -> LogMessages:
+        """Opens it. Raises DataError when there is nothing readable."""
+
+    @property
+    def path(self) -> str:
+        """As it was given."""
+
+    @property
+    def has_robot(self) -> bool:
+        """A robot was given, which beats what the log says of it."""
+
+    def summary(self) -> LogSummary:
+        """
+        Reads it to its end and tells what is in it. Raises DataError, KeyboardInterrupt.
+        """
+
+    def __repr__(self) -> str: ...
+
+class Trajectory:
+    """
+    Poses of the robot, their stamps strictly increasing; can't be changed.
+    """
+
+    def __init__(self, stamps_ns: numpy.typing.ArrayLike, poses: numpy.typing.ArrayLike) -> None:
+        """
+        Copies (N,) nanoseconds and (N, 3) x, y [m], yaw [rad]. Raises ValueError for what is no
+        trajectory.
+        """
+
+    @property
+    def stamps_ns(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]:
+        """(N,) int64 [ns], a read-only view."""
+
+    @property
+    def t(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(N,) float64 [s]; holds some 0.2 us."""
+
+    @property
+    def poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]:
+        """(N, 3) x, y [m], yaw [rad] in (-pi, pi], a read-only view."""
+
+    @property
+    def path_length_m(self) -> float:
+        """Sum of the distances from each position to the next."""
+
+    def at(self, stamp_ns: int) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))] | None:
+        """
+        (3,) the pose at a stamp, along the arc between its neighbours; None outside.
+        """
+
+    def to_tum(self) -> str:
+        """
+        The text of a TUM file, ``t x y z qx qy qz qw`` a line, as the program writes it.
+        """
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a TUM file, whole or not at all. Raises DataError."""
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """
+        Columns x_m, y_m, yaw_rad, indexed by stamp_ns. Needs loopstone[pandas].
+        """
+
+    def to_evo(self) -> Any:
+        """An evo.core.trajectory.PoseTrajectory3D. Needs evo, which is GPL-3."""
+
+    def __len__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+def read_trajectory(path: str | os.PathLike[str]) -> Trajectory:
+    """
+    Reads a TUM file; z, roll and pitch are dropped. Raises DataError with the line.
+    """
+
+class GridMap:
+    """A map of cells in percent, as ROS has it; can't be changed."""
+
+    def __init__(self, cells: numpy.typing.ArrayLike, resolution_m: float, origin: numpy.typing.ArrayLike) -> None:
+        """
+        Copies (rows, columns) int8; row 0 has the lowest y. Raises ValueError.
+        """
+
+    @property
+    def cells(self) -> Annotated[NDArray[numpy.int8], dict(shape=(None, None), writable=False)]:
+        """(rows, columns) int8, a read-only view: percent occupied, -1 unknown."""
+
+    @property
+    def resolution_m(self) -> float:
+        """Side of a cell."""
+
+    @property
+    def origin(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) lower left corner of cell [0, 0] [m], map frame."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns): row grows with y, column with x."""
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """
+        (left, right, bottom, top) [m], as ``imshow(cells, origin='lower', extent=...)`` takes it.
+        """
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """
+        Writes NAME.yaml and NAME.pgm, as ROS map_server reads them: both or none.
+        """
+
+    def to_png(self) -> bytes:
+        """The bytes of a PNG picture: white free, black occupied, grey unknown."""
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """Draws it, metres on the axes. Needs loopstone[plot]."""
+
+    def __repr__(self) -> str: ...
+
+def read_map(path: str | os.PathLike[str]) -> GridMap:
+    """
+    Reads a map as ROS map_server does: YAML beside PGM or PNG. Raises DataError.
+    """
+
+class OccupancyMap:
+    """An occupancy map that was made of scans; can't be changed."""
+
+    @property
+    def log_odds(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None), writable=False)]:
+        """
+        (rows, columns) float32, a read-only view: positive occupied, negative free, 0 even.
+        """
+
+    @property
+    def observed(self) -> Annotated[NDArray[numpy.bool_], dict(shape=(None, None), writable=False)]:
+        """(rows, columns) bool, a read-only view: a beam or the robot was there."""
+
+    @property
+    def probability(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None))]:
+        """(rows, columns) float32 in [0, 1], computed; 0.5 where unknown."""
+
+    @property
+    def resolution_m(self) -> float:
+        """Side of a cell."""
+
+    @property
+    def origin(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) lower left corner of cell [0, 0] [m], map frame."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns): row grows with y, column with x."""
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """
+        (left, right, bottom, top) [m], as ``imshow(cells, origin='lower', extent=...)`` takes it.
+        """
+
+    def to_grid(self) -> GridMap:
+        """As cells of 0, 100 and -1: free, occupied, unknown."""
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """Draws it, metres on the axes. Needs loopstone[plot]."""
+
+    def __repr__(self) -> str: ...
+
+class FloorTexture:
+    """The colour of the floor, as an RGB-D camera saw it."""
+
+    @property
+    def colours(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None, None))]:
+        """(rows, columns, 3) uint8, sRGB; black where unknown."""
+
+    @property
+    def coverage(self) -> Annotated[NDArray[numpy.uint8], dict(shape=(None, None))]:
+        """(rows, columns) uint8: 255 seen, 128 filled in between, 0 unknown."""
+
+    @property
+    def resolution_m(self) -> float:
+        """Side of a cell."""
+
+    @property
+    def origin(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) lower left corner of cell [0, 0] [m], map frame."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns): row grows with y, column with x."""
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """
+        (left, right, bottom, top) [m], as ``imshow(cells, origin='lower', extent=...)`` takes it.
+        """
+
+    @property
+    def seen_area_m2(self) -> float:
+        """Of the cells that were seen [m^2]."""
+
+    @property
+    def frames_used(self) -> int:
+        """Pairs of colour and depth that gave colour."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """In plain words."""
+
+class PoseGraph:
+    """
+    Poses to estimate and measurements between them; can't be changed.
+
+    The error of an edge is g2o's, e = vector(measurement^-1 * (pose_i^-1 * pose_j)). Held
+    poses stay; without any, the first pose does.
+    """
+
+    def __init__(self, poses: numpy.typing.ArrayLike, edges: numpy.typing.ArrayLike, measurements: numpy.typing.ArrayLike, information: numpy.typing.ArrayLike, *, kinds: Sequence[str] | None = None, fixed: Sequence[int] = []) -> None:
+        """
+        Copies (N, 3) poses x, y [m], yaw [rad]; (E, 2) int64 nodes i, j from 0; (E, 3) pose j in
+        the frame of i as measured; (E, 3, 3) or one (3, 3) information of x, y, yaw.
+
+        :param kinds: ``odometry``, ``match`` or ``loop_closure`` of each edge; without, edges
+            from i to i + 1 are odometry and all others loop closures, which robust kernels doubt
+        :param fixed: nodes that stay where they are
+        :raises ValueError: for arrays of other shapes
+        :raises UsageError: naming the edge that makes no sense
+        """
+
+    @property
+    def poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3), writable=False)]:
+        """(N, 3) x, y [m], yaw [rad], a read-only view."""
+
+    @property
+    def edges(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None, None))]:
+        """(E, 2) int64 nodes."""
+
+    @property
+    def measurements(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(E, 3) pose j in the frame of i."""
+
+    @property
+    def information(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None, None))]:
+        """(E, 3, 3) of x, y, yaw."""
+
+    @property
+    def kinds(self) -> list[str]:
+        """``odometry``, ``match`` or ``loop_closure`` of each edge."""
+
+    @property
+    def landmarks(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(L, 2) [m]."""
+
+    @property
+    def fixed(self) -> list[int]:
+        """Held nodes."""
+
+    @property
+    def cost(self) -> float:
+        """Sum of e^T information e (no 1/2) at the poses."""
+
+    @property
+    def notes(self) -> list[str]:
+        """What was guessed when it was read, in words."""
+
+    def to_g2o(self) -> str:
+        """The text of a g2o file; nodes by their numbers."""
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """
+        Writes a g2o file, whole or not at all; nodes have the names they were read with.
+        """
+
+    def to_networkx(self) -> networkx.MultiDiGraph[int]:
+        """
+        Nodes with ``pose``, edges with ``measurement``, ``information``, ``kind``. Needs loopstone[networkx].
+        """
+
+    def to_gtsam(self) -> tuple[Any, Any]:
+        """
+        (NonlinearFactorGraph, Values): BetweenFactorPose2, the first pose or held ones by a tight prior. Needs loopstone[gtsam].
+        """
+
+    def __repr__(self) -> str: ...
+
+def read_graph(path: str | os.PathLike[str], information_order: str = 'guess') -> PoseGraph:
+    """Reads a pose graph of g2o or TORO. Raises DataError with the line."""
+
+class Certificate:
+    """
+    Whether the isotropic objective of SE-Sync is at its global minimum, with the proof.
+    """
+
+    @property
+    def certified(self) -> bool:
+        """It is proven; also what bool() tells."""
+
+    @property
+    def status(self) -> str:
+        """
+        ``certified``, ``not_optimal``, ``gap_open``, ``not_converged``, ``numerical_failure`` or ``unsupported``.
+        """
+
+    @property
+    def cost(self) -> float:
+        """Of that objective at the poses."""
+
+    @property
+    def lower_bound(self) -> float:
+        """No solution costs less; -inf when nothing is known."""
+
+    @property
+    def optimality_gap(self) -> float:
+        """cost - lower_bound"""
+
+    @property
+    def min_eigenvalue(self) -> float:
+        """Of the dual certificate matrix; at an optimum 0 to rounding."""
+
+    def __bool__(self) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+class OptimizeResult:
+    """A solved pose graph; see :func:`loopstone.optimize`."""
+
+    @property
+    def graph(self) -> PoseGraph:
+        """At the solution."""
+
+    @property
+    def poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(N, 3) x, y [m], yaw [rad]."""
+
+    @property
+    def status(self) -> str:
+        """
+        ``converged``, ``not_converged``, ``numerical_failure`` or ``disconnected``.
+        """
+
+    @property
+    def converged(self) -> bool:
+        """Whether that is the status."""
+
+    @property
+    def cost_initial(self) -> float:
+        """Sum of e^T information e at the start, no kernel in it."""
+
+    @property
+    def cost(self) -> float:
+        """The same at the solution."""
+
+    @property
+    def initial(self) -> str:
+        """
+        Where it began: ``file``, ``odometry``, ``spanning_tree`` or ``chordal``.
+        """
+
+    @property
+    def iterations(self) -> int:
+        """Of all solutions together, those of the certificate included."""
+
+    @property
+    def wall_time_s(self) -> float:
+        """What it took [s]."""
+
+    @property
+    def edge_weights(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(E,) in [0, 1], by the robust kernel; 1 without."""
+
+    @property
+    def certificate(self) -> Certificate | None:
+        """When it was asked for; of the edges that were kept."""
+
+    def __repr__(self) -> str: ...
+
+def optimize(graph: PoseGraph, initial: str, gnc: bool, certify: bool, options: OptionValues) -> OptimizeResult: ...
+
+class LoopClosure:
+    """A place that was recognised, or looked like it, with the evidence."""
+
+    @property
+    def from_node(self) -> int:
+        """Of the graph; while the robot drives, the number of the submap."""
+
+    @property
+    def to_node(self) -> int:
+        """Likewise."""
+
+    @property
+    def from_submap(self) -> int:
+        """The older one."""
+
+    @property
+    def to_submap(self) -> int:
+        """The newer one."""
+
+    @property
+    def from_T_to(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) x, y [m], yaw [rad], as measured by registration."""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(3, 3) of from_T_to [m^2, m rad, rad^2]."""
+
+    @property
+    def score(self) -> float:
+        """[0, 1], share of points explained."""
+
+    @property
+    def overlap(self) -> float:
+        """[0, 1], share of points that fall where the older submap was observed."""
+
+    @property
+    def agreement(self) -> float:
+        """[0, 1], of those, share on a surface that faces the same way."""
+
+    @property
+    def chi2(self) -> float | None:
+        """
+        Disagreement with the graph's poses; None of what was never in the graph.
+        """
+
+    @property
+    def stands(self) -> bool:
+        """It is an edge of the graph."""
+
+    @property
+    def state(self) -> str:
+        """``waiting``, ``standing``, ``rejected`` or ``revoked``."""
+
+    @property
+    def reason(self) -> str:
+        """Why it does not stand, in words; empty when it does."""
+
+    def __repr__(self) -> str: ...
+
+class QualityMeasure:
+    """One figure and what it means."""
+
+    @property
+    def name(self) -> str:
+        """With its unit at the end, as in summary.json."""
+
+    @property
+    def title(self) -> str:
+        """In words."""
+
+    @property
+    def value(self) -> float:
+        """In the unit of its name; of an unknown one it means nothing."""
+
+    @property
+    def verdict(self) -> str:
+        """``unknown``, ``good``, ``doubtful`` or ``bad``."""
+
+    @property
+    def sentence(self) -> str:
+        """What it means for the map."""
+
+    def __repr__(self) -> str: ...
+
+class MapVerdict:
+    """How good a map is, as far as its own scans can tell."""
+
+    @property
+    def overall(self) -> str:
+        """
+        ``unknown``, ``good``, ``doubtful`` or ``bad``: the worst of what is known.
+        """
+
+    @property
+    def sentence(self) -> str:
+        """What that means, in words."""
+
+    @property
+    def measures(self) -> list[QualityMeasure]:
+        """Always the same ones, in the same order."""
+
+    def __str__(self) -> str: ...
+
+    def __repr__(self) -> str: ...
+
+class MapResult:
+    """What the mapper made of a log."""
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """map_T_robot at every scan."""
+
+    @property
+    def odometry(self) -> Trajectory:
+        """odom_T_robot at every scan, by dead reckoning alone."""
+
+    @property
+    def covariances(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, 3, 3), writable=False)] | None:
+        """
+        (N, 3, 3) of each pose of the trajectory against the first, axes of the map
+        [m^2, m rad, rad^2], a read-only view; None when a pose is held by nothing.
+        Worked out when first asked for, up to a millisecond a pose.
+        """
+
+    @property
+    def graph(self) -> PoseGraph:
+        """The pose graph of all key scans, at its final poses."""
+
+    @property
+    def node_stamps_ns(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,))]:
+        """(K,) int64 [ns] of the graph's poses."""
+
+    @property
+    def map(self) -> OccupancyMap | None:
+        """The occupancy map; None when it would be too large: see ``warnings``."""
+
+    @property
+    def texture(self) -> FloorTexture | None:
+        """The floor in colour, when the log has RGB-D."""
+
+    @property
+    def loop_closures(self) -> list[LoopClosure]:
+        """All that were found, those that do not stand included."""
+
+    @property
+    def verdict(self) -> MapVerdict:
+        """How good the map is, in words, with the figures behind them."""
+
+    @property
+    def possible_error_m(self) -> float:
+        """How far a part of the map may be off, by all that hangs loosely."""
+
+    @property
+    def possible_error_rad(self) -> float:
+        """By how much it may be turned."""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Every figure of the run, units in the names: what summary.json has."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """In plain words."""
+
+    @property
+    def complete(self) -> bool:
+        """False when the run was interrupted."""
+
+    @property
+    def robot(self) -> Robot:
+        """That the map was made with: mounts and wheels."""
+
+    @property
+    def options_toml(self) -> str:
+        """The effective options."""
+
+    def save(self, folder: str | os.PathLike[str], *, force: bool = False) -> None:
+        """
+        Writes the files that ``loopstone map`` writes, all of them or none. Raises UsageError
+        when the folder holds something, unless forced.
+        """
+
+    def to_png(self) -> bytes:
+        """The bytes of map.png: map, path, closures, scale bar."""
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """
+        Draws map, path and closures, metres on the axes. Needs loopstone[plot].
+        """
+
+    def __repr__(self) -> str: ...
+
+def map_log(log: Log, options: OptionValues, start_s: float, duration_s: float, max_scans: int, threads: int, texture: bool, progress: object | None) -> MapResult: ...
+
+def map_messages(messages: Iterable[object], robot: Robot | None, options: OptionValues, threads: int, progress: object | None) -> MapResult: ...
+
+class MapEvent:
+    """What happened since the scan before."""
+
+    @property
+    def kind(self) -> str:
+        """
+        ``submap_opened``, ``submap_frozen``, ``submap_dropped``, ``closure``,
+        ``graph_solved``, ``odometry_fault``, ``laser_fault`` or ``path_broken``.
+        """
+
+    @property
+    def submap(self) -> int | None:
+        """The submap's number, of events of submaps."""
+
+    @property
+    def closure(self) -> LoopClosure | None:
+        """What was found, came to stand, or was revoked."""
+
+    @property
+    def largest_shift_m(self) -> float | None:
+        """Of a solved graph: how far a submap moved."""
+
+    def __repr__(self) -> str: ...
+
+class MapUpdate:
+    """
+    Where the robot is at a scan. Frames as REP-105 has them: odom goes on smoothly and
+    drifts; map is where closed loops put the robot, so map_T_odom moves when they close.
+    """
+
+    @property
+    def stamp_ns(self) -> int:
+        """Nanoseconds of the recording's clock, exact."""
+
+    @property
+    def stamp_s(self) -> float:
+        """The same in seconds, which a float holds to some 0.2 us."""
+
+    @property
+    def scan(self) -> int:
+        """Its number among all scans, from 0."""
+
+    @property
+    def odom_T_robot(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) x, y [m], yaw [rad]."""
+
+    @property
+    def map_T_odom(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) x, y [m], yaw [rad]: what corrects odometry."""
+
+    @property
+    def map_T_robot(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) x, y [m], yaw [rad]: where the robot is on the map."""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(3, 3) of map_T_robot against what is around it, axes of the map."""
+
+    @property
+    def status(self) -> str:
+        """``tracked``, ``degenerate``, ``bridged`` or ``lost``."""
+
+    @property
+    def open_direction_rad(self) -> float | None:
+        """The direction that the laser leaves open, when degenerate."""
+
+    @property
+    def key_scan(self) -> int | None:
+        """Its number among the key scans, if it is one."""
+
+    @property
+    def events(self) -> list[MapEvent]:
+        """What happened since the update before."""
+
+    @property
+    def missed(self) -> int:
+        """Updates given up before this one."""
+
+    def __repr__(self) -> str: ...
+
+class Mapper:
+    """
+    Maps while the robot drives. Messages come as they are measured; the result is the same,
+    to the byte, as that of :func:`loopstone.map` without a second pass for beams that are not
+    as the log tells. Any thread may call it, one at a time works.
+    """
+
+    def __init__(self, robot: Robot | None = None, *, options: loopstone.options.MapOptions | Mapping[str, Any] | str | None = None, threads: int = 0, **overrides: Any) -> None:
+        """As :func:`loopstone.map` takes its options. Raises OptionsError."""
+
+    def add(self, message: LaserScan | OdometryPose | WheelTicks | ImuSample | RgbdFrame) -> list[MapUpdate]:
+        """
+        A message as it was measured. Returns the updates that it led to, one a scan: none
+        while a scan waits for odometry of its time, at most 0.25 s; rarely several.
+        """
+
+    def begin_drive(self) -> None:
+        """
+        What comes next is of another drive in the same building, which may begin anywhere.
+        """
+
+    def live_map(self) -> OccupancyMap:
+        """The occupancy map so far, all of one moment."""
+
+    @property
+    def key_poses(self) -> Trajectory:
+        """map_T_robot of the key scans so far, where the graph has them now."""
+
+    @property
+    def loop_closures(self) -> list[LoopClosure]:
+        """So far."""
+
+    @property
+    def scans(self) -> int:
+        """So far."""
+
+    def finish(self, progress: Callable[[str, int, int, int, float], object] | None = None) -> MapResult:
+        """
+        Last closures, last solution, the final map of all scans. Nothing may follow.
+        """
+
+class LocalizationEstimate:
+    """Where the robot is at a scan, and how far to trust that."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """Nanoseconds of the recording's clock, exact."""
+
+    @property
+    def stamp_s(self) -> float:
+        """The same in seconds, which a float holds to some 0.2 us."""
+
+    @property
+    def map_T_robot(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) x, y [m], yaw [rad]."""
+
+    @property
+    def map_T_odom(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) moves when the pose is corrected (REP-105)."""
+
+    @property
+    def odom_T_robot(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) by odometry since the first scan: smooth, drifts."""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(3, 3) of map_T_robot, axes of the map [m^2, m rad, rad^2]."""
+
+    @property
+    def state(self) -> str:
+        """``TRACKING``, ``DOUBTFUL`` or ``LOST``."""
+
+    @property
+    def probability(self) -> float:
+        """That the pose is within 0.2 m and 5 deg of the truth."""
+
+    @property
+    def refined(self) -> bool:
+        """By registration to the map; else the particles' mean."""
+
+    @property
+    def hypotheses(self) -> int:
+        """Places that the robot may be at."""
+
+    @property
+    def particles(self) -> int:
+        """How many there are at the scan."""
+
+    @property
+    def travelled_m(self) -> float:
+        """By odometry since the first scan [m]."""
+
+    def __repr__(self) -> str: ...
+
+class LocalizationResult:
+    """Where a robot was on a known map."""
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """map_T_robot at every scan from the first pose on."""
+
+    @property
+    def estimates(self) -> list[LocalizationEstimate]:
+        """One a scan, with all that is known of it."""
+
+    @property
+    def probability(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(N,) that each pose is within 0.2 m and 5 deg of the truth."""
+
+    @property
+    def covariances(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None, None))]:
+        """(N, 3, 3) [m^2, m rad, rad^2]."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """In plain words."""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What summary.json has."""
+
+    def save(self, folder: str | os.PathLike[str], *, force: bool = False) -> None:
+        """
+        Writes the files of ``loopstone localize --report``, all of them or none.
+        """
+
+    def __repr__(self) -> str: ...
+
+class LocalizationMap:
+    """A map made ready for localisation, once; many may share it."""
+
+    def __init__(self, map: GridMap) -> None:
+        """Raises UsageError when the map shows no wall or nothing free."""
+
+    @property
+    def free_area_m2(self) -> float:
+        """Where the robot may be [m^2]."""
+
+class Localizer:
+    """
+    Follows a robot on a known map while it drives. Any thread may call it, one at a time works.
+    """
+
+    def __init__(self, map: LocalizationMap | GridMap | OccupancyMap | MapResult | str | os.PathLike[str], robot: Robot | None = None, *, initial: numpy.typing.ArrayLike | None = None, initial_sigma_m: float = 0.5, initial_sigma_rad: float = 0.26, seed: int = 1, options: loopstone.options.LocalizationOptions | Mapping[str, Any] | str | None = None, threads: int = 0, **overrides: Any) -> None:
+        """
+        As :func:`loopstone.localize` takes them. Raises OptionsError, UsageError.
+        """
+
+    def add(self, message: LaserScan | OdometryPose | WheelTicks | ImuSample | RgbdFrame) -> list[LocalizationEstimate]:
+        """A message as it was measured. Returns the estimates that it led to."""
+
+    def restart_at(self, pose: numpy.typing.ArrayLike, sigma_m: float = 0.5, sigma_rad: float = 0.26) -> None:
+        """Somebody says where the robot is at the next scan."""
+
+    @property
+    def particles(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(P, 3) what it believes at the newest scan."""
+
+    def finish(self) -> LocalizationResult:
+        """Ends the recording. Nothing may follow."""
+
+def localize_log(log: Log, map: LocalizationMap, options: OptionValues, initial: numpy.typing.ArrayLike | None, initial_sigma_m: float, initial_sigma_rad: float, seed: int, calibration: bool, start_s: float, duration_s: float, max_scans: int, threads: int, progress: object | None) -> LocalizationResult: ...
+
+class MatchResult:
+    """Where a scan or cloud lies in the frame of another, or of a map."""
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+
+    @property
+    def pose(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """
+        (3,) target_T_source: x, y [m], yaw [rad]; of clouds in space without z, roll and pitch.
+        """
+
+    @property
+    def matrix(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(4, 4) target_T_source."""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (3, 3) of x, y, yaw, or (6, 6) of x, y, z, rotation vector, axes of the
+        target; infinite variances where no pose was found.
+        """
+
+    @property
+    def status(self) -> str:
+        """
+        ``converged``, ``degenerate`` (a direction is open: the covariance is large
+        along it), ``not_converged`` or ``too_few_pairs``: then the pose is the guess.
+        """
+
+    @property
+    def method(self) -> str:
+        """What gave the answer."""
+
+    @property
+    def supported(self) -> bool:
+        """Whether the data support the pose."""
+
+    @property
+    def rmse_m(self) -> float:
+        """Of the residuals of the pairs used."""
+
+    @property
+    def inlier_fraction(self) -> float:
+        """[0, 1], share of the source's points that were paired."""
+
+    @property
+    def score(self) -> float:
+        """[0, 1], share of the source that the target explains."""
+
+    @property
+    def pairs(self) -> int:
+        """That were used in the end."""
+
+    @property
+    def iterations(self) -> int:
+        """Of the method that gave the answer."""
+
+    def __bool__(self) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+def match(source: object, target: object, robot: Robot | None, method: str, guess: numpy.typing.ArrayLike | None, search_xy_m: float | None, search_yaw_rad: float | None, anywhere: bool, options: OptionValues, threads: int) -> MatchResult: ...
+
+class ErrorStatistics:
+    """Of errors, all of one unit."""
+
+    @property
+    def mean(self) -> float:
+        """Of all."""
+
+    @property
+    def std(self) -> float:
+        """With n - 1."""
+
+    @property
+    def rmse(self) -> float:
+        """Root of the mean square."""
+
+    @property
+    def median(self) -> float:
+        """Half are larger."""
+
+    @property
+    def max(self) -> float:
+        """The worst."""
+
+    def __repr__(self) -> str: ...
+
+class Evaluation:
+    """How far a trajectory is from the truth."""
+
+    @property
+    def ate_translation_m(self) -> ErrorStatistics:
+        """Absolute trajectory error [m], after the alignment."""
+
+    @property
+    def ate_rotation_rad(self) -> ErrorStatistics:
+        """Of the heading [rad]."""
+
+    @property
+    def rpe_translation_m(self) -> ErrorStatistics:
+        """Relative pose error [m], over the stretch that was asked for."""
+
+    @property
+    def rpe_rotation_rad(self) -> ErrorStatistics:
+        """Of the heading [rad]."""
+
+    @property
+    def poses(self) -> int:
+        """That were compared."""
+
+    @property
+    def poses_missing(self) -> int:
+        """Reference poses outside the estimate's time."""
+
+    @property
+    def pairs(self) -> int:
+        """Of the relative error."""
+
+    @property
+    def reference_T_estimate(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) the alignment that was applied."""
+
+    def __repr__(self) -> str: ...
+
+def evaluate(estimate: Trajectory, reference: Trajectory, align: str, rpe_delta: float, rpe_unit: str) -> Evaluation: ...
+
+class Simulation:
+    """
+    What a simulated robot measured, and the truth; an iterable of its messages.
+    """
+
+    @property
+    def messages(self) -> list[LaserScan | OdometryPose | WheelTicks | ImuSample | RgbdFrame]:
+        """In the order of time, copied."""
+
+    def __iter__(self) -> Iterator[LaserScan | OdometryPose | WheelTicks | ImuSample | RgbdFrame]: ...
+
+    def __len__(self) -> int: ...
+
+    @property
+    def truth(self) -> Trajectory:
+        """map_T_robot at every scan."""
+
+    @property
+    def map(self) -> GridMap:
+        """The map that a perfect robot would draw."""
+
+    @property
+    def robot(self) -> Robot:
+        """That drove: its mounts and wheels."""
+
+    @property
+    def scans(self) -> int:
+        """How many there are."""
+
+    @property
+    def duration_s(self) -> float:
+        """Of the drive [s]."""
+
+    @property
+    def route_length_m(self) -> float:
+        """The way that the robot drove [m]."""
+
+    def save(self, path: str | os.PathLike[str], format: str = 'carmen') -> None:
+        """
+        Writes the log, whole or not at all: ``carmen``, ``ucsd``, ``mcap``, ``bag``...
+        Formats leave out what they have no place for. Raises UsageError, DataError.
+        """
+
+    def __repr__(self) -> str: ...
+
+def simulate(world: object, robot: Robot | None, seed: int, options: OptionValues, progress: object | None) -> Simulation: ...
+
+def world_names() -> list[str]:
+    """The worlds that there are."""
