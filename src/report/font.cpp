@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/utf8.hpp"
 #include "report/font_outlines.hpp"
 
@@ -44,8 +45,8 @@ const FontGlyph& glyph_of(const Face& face, char32_t code) {
 
 /// Adds the points of a parabola after its start.
 void add_curve(Point start, Point control, Point end, Contour& to) {
-  const double bend = std::hypot(start.x - 2.0 * control.x + end.x,  //
-                                 start.y - 2.0 * control.y + end.y);
+  const double bend =
+      hypotenuse(start.x - 2.0 * control.x + end.x, start.y - 2.0 * control.y + end.y);
   // A parabola in n pieces is off by a quarter of this over n^2.
   const bool is_straight = control.x == end.x && control.y == end.y;
   const int pieces =

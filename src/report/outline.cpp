@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "loopstone/base/hypotenuse.hpp"
+
 namespace loopstone {
 namespace {
 
@@ -26,7 +28,7 @@ int pieces_of(double radius, double angle) {
 std::vector<Point> distinct(std::span<const Point> points) {
   std::vector<Point> kept;
   for (const Point& point : points) {
-    if (kept.empty() || std::hypot(point.x - kept.back().x, point.y - kept.back().y) > 1e-6)
+    if (kept.empty() || hypotenuse(point.x - kept.back().x, point.y - kept.back().y) > 1e-6)
       kept.push_back(point);
   }
   return kept;
@@ -52,7 +54,7 @@ Contour beside(const std::vector<Point>& loop, double distance) {
   for (std::size_t i = 0; i < count; ++i) {
     const Point& from = loop[i];
     const Point& to = loop[(i + 1) % count];
-    const double length = std::hypot(to.x - from.x, to.y - from.y);
+    const double length = hypotenuse(to.x - from.x, to.y - from.y);
     directions[i] = {(to.x - from.x) / length, (to.y - from.y) / length};
   }
   Contour found;
@@ -130,7 +132,7 @@ std::vector<Contour> dashed_outline(std::span<const Point> points, double width,
   const std::vector<Point> line = distinct(points);
   double length = 0.0;
   for (std::size_t i = 1; i < line.size(); ++i)
-    length += std::hypot(line[i].x - line[i - 1].x, line[i].y - line[i - 1].y);
+    length += hypotenuse(line[i].x - line[i - 1].x, line[i].y - line[i - 1].y);
   const double period = dashes.on + dashes.off;
   if (!(period > 0.0) || !(length / period < kMostDashes)) return line_outline(points, width);
   if (points.size() < 2 || width <= 0.0) return {};
@@ -142,7 +144,7 @@ std::vector<Contour> dashed_outline(std::span<const Point> points, double width,
   for (std::size_t i = 1; i < line.size(); ++i) {
     const Point from = line[i - 1];
     const Point to = line[i];
-    const double piece = std::hypot(to.x - from.x, to.y - from.y);
+    const double piece = hypotenuse(to.x - from.x, to.y - from.y);
     double done = 0.0;
     while (piece - done > left) {
       done += left;
