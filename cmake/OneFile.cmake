@@ -2,12 +2,10 @@
 # LOOPSTONE_STATIC_LIBRARIES is where scripts/static_libraries.sh installed what the distribution has as shared libraries alone;
 # scripts/one_file.sh does all of it.
 
-add_executable(loopstone_one_file EXCLUDE_FROM_ALL "${PROJECT_SOURCE_DIR}/apps/loopstone/main.cpp")
-set_target_properties(loopstone_one_file PROPERTIES OUTPUT_NAME loopstone RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/one_file")
-# What it is compiled with is the program's; what it is linked with is not.
-foreach(property INCLUDE_DIRECTORIES COMPILE_DEFINITIONS COMPILE_OPTIONS)
-  set_property(TARGET loopstone_one_file PROPERTY ${property} "$<TARGET_PROPERTY:loopstone_app,INTERFACE_${property}>")
-endforeach()
+# Objects and libraries are the program's; what they are linked with is not.
+add_executable(loopstone_one_file EXCLUDE_FROM_ALL $<TARGET_OBJECTS:loopstone_program>)
+set_target_properties(loopstone_one_file PROPERTIES LINKER_LANGUAGE CXX OUTPUT_NAME loopstone
+                                                    RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/one_file")
 add_dependencies(loopstone_one_file loopstone_app loopstone)
 
 function(static_library name)

@@ -34,15 +34,16 @@ drive() { # FOLDER PROGRAM...: the results in FOLDER
 }
 "${as_root[@]}" rm -rf "$root/one_file_test/out"
 mkdir -m 777 "$root/one_file_test/out" "$work/ordinary"
-drive /one_file_test/out "${as_root[@]}" chroot --userspec=65534:65534 "$root" /one_file_test/loopstone >"$work/one_file.json"
-drive "$work/ordinary" build/release/bin/loopstone >"$work/ordinary.json"
+drive /one_file_test/out "${as_root[@]}" chroot --userspec=65534:65534 "$root" /one_file_test/loopstone >"$work/one_file.json" 2>"$work/told"
+drive "$work/ordinary" build/release/bin/loopstone >"$work/ordinary.json" 2>"$work/told_ordinary"
 
 # Times, memory and the command line are each run's own.
 for name in sim map where.tum where.csv; do
   diff -r --exclude=summary.json --exclude=report.html --exclude=world.json \
     "$root/one_file_test/out/$name" "$work/ordinary/$name"
 done
-rmse() { grep -m1 -o '"rmse_m": [0-9.e-]*' "$1"; }
+cmp "$work/told" "$work/told_ordinary"
+rmse() { grep -m1 -o '"ate_rmse_m": [0-9.e-]*' "$1"; }
 [[ -n $(rmse "$work/one_file.json") && $(rmse "$work/one_file.json") == "$(rmse "$work/ordinary.json")" ]]
 "${as_root[@]}" rm -rf "$root/one_file_test"
 echo "one file of $(stat -c %s "$program") bytes runs without anything else: $(rmse "$work/one_file.json")"
