@@ -3,8 +3,6 @@
 
 include(CMakePackageConfigHelpers)
 
-# Whatever the umask of who builds it.
-set(CMAKE_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/loopstone")
 install(TARGETS loopstone EXPORT loopstone-targets COMPONENT development)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/loopstone" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development

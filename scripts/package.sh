@@ -7,6 +7,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/apt_packages.sh
+umask 022  # folders of the packages have the rights that are usual here
 
 install=
 case ${1:-} in
