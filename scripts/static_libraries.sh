@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds those of our libraries that the distribution has as shared ones alone as static ones, from
 # the distribution's own source packages, in build/static. Safe to run again; quick when nothing is
-# missing. The program of one file and the wheel are linked with them.
+# missing. The program of one file is linked with them.
 #
 #     scripts/static_libraries.sh
 set -euo pipefail
@@ -37,7 +37,7 @@ mkdir -p "$root/sources"
 "${private_apt[@]}" update
 (cd "$root/sources" && "${private_apt[@]}" source "${sources[@]}")
 
-# Position-independent, since the wheel's module is a shared library.
+# Position-independent, so that a shared library can have them, too.
 build() { # FOLDER [CMAKE_ARGUMENT...]
   local source
   source=$(echo "$root"/sources/"$1"-*/)

@@ -245,8 +245,7 @@ ExitCode tell(const LocalizationResult& result, const Grid<std::int8_t>& occupan
 /// As it is given, or else as its driving tells it.
 DrivenRobot robot_for(const Arguments& arguments, const LogSource& source, const RobotModel& told,
                       const ReadingWatch& watch, const AppContext& context) {
-  if (source.robot || arguments.no_calibration)
-    return {.model = told, .mounts_from_log = source.mounts_from_log()};
+  if (arguments.no_calibration) return {.model = told, .mounts_from_log = source.mounts_from_log()};
   return robot_as_driven(source, told, arguments.cut, context.threads(), watch);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <utility>
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/options_file.hpp"
@@ -93,22 +94,20 @@ class Companions final : public MappingWatch {
     }
     source_.recording.add(message);
     add_watched(message, source_.feed, mapper);
-    is_fed_ = true;
   }
 
   void take(const MapUpdate& update, Mapper& mapper) override {
-    if (is_first_ && is_fed_ && source_.pace) source_.pace->note_pose();
+    if (is_first_ && source_.pace) source_.pace->note_pose();
     source_.recording.add(update, mapper);
     if (source_.feed != nullptr) source_.feed->add(update, mapper);
   }
 
   void after(const SensorMessage& message, Mapper& mapper) override {
     if (is_first_) source_.checkpoint.after(message, mapper);
-    is_fed_ = false;
   }
 
   void end(Mapper& mapper) override {
-    if (is_first_) source_.checkpoint.after_last(mapper);
+    if (std::exchange(is_first_, false)) source_.checkpoint.after_last(mapper);
     if (source_.keeps_state) kept_ = mapper.save_state().get();
   }
   void finishing(Mapper& mapper) override {
@@ -124,8 +123,7 @@ class Companions final : public MappingWatch {
   std::optional<HeldInterrupt>& held_;
   std::optional<MapperState>& kept_;
   const AppContext& context_;
-  bool is_first_ = true;  ///< and so is paced, saved, and read for its pictures
-  bool is_fed_ = false;   ///< updates are of a message, not of the finished map
+  bool is_first_ = true;  ///< reading of the log: paced, saved, and looked through for pictures
 };
 
 }  // namespace

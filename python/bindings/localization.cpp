@@ -82,8 +82,7 @@ std::shared_ptr<Localized> localize_log(const Log& log, const KnownMap& map,
   const LogSource source = log.source(watch.stop);
   const auto reader = source.open();
   DrivenRobot robot{.model = source.robot_of(*reader), .mounts_from_log = source.mounts_from_log()};
-  if (calibration && !source.robot)
-    robot = robot_as_driven(source, robot.model, cut, threads, watch);
+  if (calibration) robot = robot_as_driven(source, robot.model, cut, threads, watch);
   if (!work.goes_on()) throw CalledOff{};
   LogLocalization found = loopstone::localize_log(source, *reader, robot, *map.map, options,
                                                   initial, seed, cut, threads, watch);

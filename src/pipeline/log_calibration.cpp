@@ -127,14 +127,14 @@ RobotFindings calibrate_log(const LogSource& source, LogReader& reader, const Ro
 DrivenRobot robot_as_driven(const LogSource& source, const RobotModel& told, LogCut cut,
                             Threads threads, const ReadingWatch& watch) {
   constexpr double kEnoughS = 300.0;
+  if (source.robot) return {.model = told, .mounts_from_log = false};
   cut.duration_s = cut.duration_s > 0.0 ? std::min(cut.duration_s, kEnoughS) : kEnoughS;
   const auto reader = source.open_again();
   const RobotFindings findings =
       calibrate_log(source, *reader, told, cut, MapOptions{}, threads, watch);
   return {.model = findings.mount_is_certain() ? findings.corrected : findings.given,
-          .mounts_from_log = source.mounts_from_log() && !findings.mount_is_certain(),
-          .warnings = words_on(findings),
-          .interrupted = findings.interrupted};
+          .mounts_from_log = !findings.mount_is_certain(),
+          .warnings = words_on(findings)};
 }
 
 }  // namespace loopstone

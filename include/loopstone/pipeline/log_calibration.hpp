@@ -55,11 +55,11 @@ struct DrivenRobot {
   RobotModel model{};
   bool mounts_from_log = true;  ///< what scans say of their laser's place on it counts
   std::vector<std::string> warnings{};
-  bool interrupted = false;
 };
 
-/// As the first five minutes of its driving tell it, for who localises it (docs/calibration.md).
-/// \param told  by the log. Throws as calibrate_log() does.
+/// As the first five minutes of its driving tell it, for who localises it (docs/calibration.md);
+/// one that was given with the source is as it is.
+/// \param told  LogSource::robot_of(). Throws as calibrate_log() does.
 [[nodiscard]] DrivenRobot robot_as_driven(const LogSource& source, const RobotModel& told,
                                           LogCut cut, Threads threads = {},
                                           const ReadingWatch& watch = {});
