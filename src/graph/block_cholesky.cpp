@@ -122,20 +122,17 @@ bool BlockCholesky::factorise(const BlockMatrix& a, double damping) {
   return true;
 }
 
-void BlockCholesky::solve_in_place(std::span<Eigen::Vector3d> b) {
-  const auto x_at = [this](int place) { return x_.data() + 3 * static_cast<std::size_t>(place); };
-  for (std::size_t i = 0; i < b.size(); ++i) {
+void BlockCholesky::put(std::span<const Eigen::Vector3d> b) {
+  for (std::size_t i = 0; i < b.size(); ++i)
     Eigen::Map<Eigen::Vector3d>(x_at(tree_.place[i])) = b[i];
-  }
-  for (std::size_t f = 0; f < tree_.fronts.size(); ++f) {
-    const Front& front = tree_.fronts[f];
-    solve_front_forward(dense_front(f), x_at(front.first_pivot), below_.data());
-    const double* part = below_.data();
-    for (const int row : front.rows) {
-      double* x = x_at(row);
-      for (int k = 0; k < 3; ++k) x[k] -= *part++;
-    }
-  }
+}
+
+void BlockCholesky::take(std::span<Eigen::Vector3d> b) {
+  for (std::size_t i = 0; i < b.size(); ++i)
+    b[i] = Eigen::Map<const Eigen::Vector3d>(x_at(tree_.place[i]));
+}
+
+void BlockCholesky::substitute_back() {
   for (std::size_t f = tree_.fronts.size(); f-- > 0;) {
     const Front& front = tree_.fronts[f];
     double* part = below_.data();
@@ -145,9 +142,27 @@ void BlockCholesky::solve_in_place(std::span<Eigen::Vector3d> b) {
     }
     solve_front_backward(dense_front(f), x_at(front.first_pivot), below_.data());
   }
-  for (std::size_t i = 0; i < b.size(); ++i) {
-    b[i] = Eigen::Map<const Eigen::Vector3d>(x_at(tree_.place[i]));
+}
+
+void BlockCholesky::solve_in_place(std::span<Eigen::Vector3d> b) {
+  put(b);
+  for (std::size_t f = 0; f < tree_.fronts.size(); ++f) {
+    const Front& front = tree_.fronts[f];
+    solve_front_forward(dense_front(f), x_at(front.first_pivot), below_.data());
+    const double* part = below_.data();
+    for (const int row : front.rows) {
+      double* x = x_at(row);
+      for (int k = 0; k < 3; ++k) x[k] -= *part++;
+    }
   }
+  substitute_back();
+  take(b);
+}
+
+void BlockCholesky::colour_in_place(std::span<Eigen::Vector3d> z) {
+  put(z);
+  substitute_back();
+  take(z);
 }
 
 std::vector<Eigen::Vector3d> BlockCholesky::solve(std::vector<Eigen::Vector3d> b) {
@@ -156,7 +171,6 @@ std::vector<Eigen::Vector3d> BlockCholesky::solve(std::vector<Eigen::Vector3d> b
 }
 
 Eigen::Matrix3d BlockCholesky::through_inverse(std::span<const RowsAt> j) {
-  const auto x_at = [this](int place) { return x_.data() + 3 * static_cast<std::size_t>(place); };
   // Parents come after their children, so two paths are merged by sorting.
   path_.clear();
   for (const RowsAt& rows : j) {

@@ -32,6 +32,8 @@ class BlockCholesky {
   [[nodiscard]] std::vector<Eigen::Vector3d> solve(std::vector<Eigen::Vector3d> b);
   /// The same, b becoming x.
   void solve_in_place(std::span<Eigen::Vector3d> b);
+  /// z becomes L^-T z: noise of unit covariance becomes noise of covariance A^-1.
+  void colour_in_place(std::span<Eigen::Vector3d> z);
 
   using RowsAt = BlockSolver::RowsAt;
   /// J A^-1 J^T. Only what lies between the blocks of J and the root of the elimination tree is
@@ -54,6 +56,12 @@ class BlockCholesky {
   };
   void lay_out_fronts();
   void lay_out_entries(const BlockMatrix& pattern);
+  [[nodiscard]] double* x_at(int place) {
+    return x_.data() + 3 * static_cast<std::size_t>(place);
+  }
+  void put(std::span<const Eigen::Vector3d> b);
+  void substitute_back();
+  void take(std::span<Eigen::Vector3d> b);
   void assemble(std::size_t front, const BlockMatrix& a, double damping, const DenseFront& dense);
 
   FrontTree tree_;

@@ -69,6 +69,9 @@ bool BlockSolver::factorise(const BlockMatrix& a) { return factor_->cholesky.fac
 void BlockSolver::solve_in_place(std::span<Eigen::Vector3d> b) {
   factor_->cholesky.solve_in_place(b);
 }
+void BlockSolver::colour_in_place(std::span<Eigen::Vector3d> z) {
+  factor_->cholesky.colour_in_place(z);
+}
 Eigen::Matrix3d BlockSolver::through_inverse(std::span<const RowsAt> j) {
   return factor_->cholesky.through_inverse(j);
 }

@@ -19,26 +19,36 @@ constexpr double kDegenerateShare = 0.01;
 /// m.
 constexpr double kDegeneratePoints = 2.0;
 
+/// Information on the translation once the heading is free too: the Schur complement.
+Eigen::Matrix2d translation_of(const Eigen::Matrix3d& hessian) {
+  const Eigen::Vector2d coupling = hessian.topRightCorner<2, 1>();
+  return hessian.topLeftCorner<2, 2>() - coupling * coupling.transpose() / hessian(2, 2);
+}
+
 }  // namespace
 
+Eigen::Vector2d weakest_direction(const Eigen::Matrix3d& hessian) {
+  if (!(hessian(2, 2) > 0.0)) return Eigen::Vector2d::Zero();
+  const Eigen::Matrix2d translation = translation_of(hessian);
+  const double strong =
+      0.5 * std::atan2(2.0 * translation(0, 1), translation(0, 0) - translation(1, 1));
+  return {-std::sin(strong), std::cos(strong)};
+}
+
 std::optional<OpenTranslation> open_translation(const Eigen::Matrix3d& hessian) {
-  // Information on the translation once the heading is free too: the Schur complement.
   const double heading = hessian(2, 2);
   if (!(heading > 0.0)) {
     return OpenTranslation{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 0.0};
   }
-  const Eigen::Vector2d coupling = hessian.topRightCorner<2, 1>();
-  const Eigen::Matrix2d translation =
-      hessian.topLeftCorner<2, 2>() - coupling * coupling.transpose() / heading;
+  const Eigen::Matrix2d translation = translation_of(hessian);
   const double middle = 0.5 * (translation(0, 0) + translation(1, 1));
   const double spread =
       hypotenuse(0.5 * (translation(0, 0) - translation(1, 1)), translation(0, 1));
   if (middle - spread >= std::max(kDegenerateShare * (middle + spread), kDegeneratePoints))
     return {};
-  const double strong =
-      0.5 * std::atan2(2.0 * translation(0, 1), translation(0, 0) - translation(1, 1));
-  Eigen::Vector3d motion(-std::sin(strong), std::cos(strong), 0.0);
-  motion.z() = -coupling.dot(motion.head<2>()) / heading;
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();
+  motion.head<2>() = weakest_direction(hessian);
+  motion.z() = -hessian.topRightCorner<2, 1>().dot(motion.head<2>()) / heading;
   const Eigen::Vector3d along = hessian * motion;
   return OpenTranslation{motion, along, std::max(motion.dot(along), 0.0)};
 }

@@ -20,5 +20,8 @@ struct OpenTranslation {
 ///         information 0. Source: Zhang, Kaess and Singh 2016, "On degeneracy of optimization-based
 ///         state estimation problems".
 [[nodiscard]] std::optional<OpenTranslation> open_translation(const Eigen::Matrix3d& hessian);
+/// The unit direction of translation that they hold least, whether they leave it open or not; zero
+/// where nothing holds the heading.
+[[nodiscard]] Eigen::Vector2d weakest_direction(const Eigen::Matrix3d& hessian);
 
 }  // namespace loopstone

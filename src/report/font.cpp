@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kUnitsPerEm = 2048.0;
 constexpr double kFlatness = 0.03;  // [px] between a curve and the straight pieces drawn for it
+/// More than any letter on a picture takes.
+constexpr double kMostPieces = 64.0;
 
 struct Face {
   std::span<const FontGlyph> glyphs;
@@ -49,9 +51,11 @@ void add_curve(Point start, Point control, Point end, Contour& to) {
       hypotenuse(start.x - 2.0 * control.x + end.x, start.y - 2.0 * control.y + end.y);
   // A parabola in n pieces is off by a quarter of this over n^2.
   const bool is_straight = control.x == end.x && control.y == end.y;
-  const int pieces =
-      is_straight ? 1
-                  : std::max(1, static_cast<int>(std::ceil(std::sqrt(0.25 * bend / kFlatness))));
+  const double pieces_wanted = std::ceil(std::sqrt(0.25 * bend / kFlatness));
+  int pieces = 1;
+  // Far beyond the picture coordinates are too coarse for a bend to mean anything, or no numbers.
+  if (!is_straight && pieces_wanted > 1.0)
+    pieces = static_cast<int>(std::min(pieces_wanted, kMostPieces));
   for (int i = 1; i <= pieces; ++i) {
     const double t = static_cast<double>(i) / pieces;
     const double s = 1.0 - t;

@@ -10,6 +10,7 @@
 #include "loopstone/slam/surface_adjustment.hpp"
 #include "slam/map_finish.hpp"
 #include "slam/mount_correction.hpp"
+#include "slam/path_drift.hpp"
 #include "slam/stopwatch.hpp"
 
 namespace loopstone {
@@ -116,7 +117,7 @@ void draw(const SettledMap& map, const FinishCalls& calls, std::span<const Posed
 void judge(const PoseGraph& solved, std::span<const PosedScan> scans, Threads threads,
            MapResult& result) {
   result.quality = assess_map(scans, threads);
-  result.ties = find_ties_of(solved, result.node_stamps, result.drifts,
+  result.ties = find_ties_of(solved, result.node_stamps, result.drifts, result.path_surfaces,
                              scale_sigma(result.calibration), result.quality.agreeing,
                              result.graph_quality.loops, result.graph_quality.reduced_chi2);
   result.verdict = judge_map(result);
@@ -156,10 +157,16 @@ void adjust(const SettledMap& map, const FinishCalls& calls, Threads threads, Ma
     for (std::size_t i = 0; i < keys.size(); ++i)
       if (calls.ignores(keys[i].scan)) surfaces[i].clear();
   }
-  auto adjusted = adjust_to_surfaces(result.graph, surfaces, options, threads);
+  PathWeakness weakness;
+  for (const KeyScan& key : map.chain.keys()) {
+    weakness.broken.push_back(key.across.has_value());
+    weakness.open.push_back(rests_on_odometry(key.covariance));
+  }
+  auto adjusted = adjust_to_surfaces(result.graph, surfaces, options, threads, weakness);
   result.graph.poses = std::move(adjusted.poses);
   result.graph.landmarks = std::move(adjusted.landmarks);
   result.covariances = std::move(adjusted.covariances);
+  result.path_surfaces = std::move(adjusted.path);
   result.statistics.surface_spread_before_m = adjusted.spread_before_m;
   result.statistics.surface_spread_m = adjusted.spread_after_m;
   result.statistics.adjustment_s = watch.seconds();

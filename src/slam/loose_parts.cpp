@@ -48,22 +48,63 @@ std::optional<PathChain> chain_of(const PoseGraph& graph, std::span<const StepDr
   return chain;
 }
 
-/// Of the motion between two nodes by the path alone, map axes. What is open is too long or too
-/// short by the same factor all along.
-Eigen::Matrix3d by_path(const PoseGraph& graph, const PathChain& chain, std::size_t first,
-                        std::size_t last) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  Eigen::Vector2d open = Eigen::Vector2d::Zero();
-  for (std::size_t i = first; i < last; ++i) {
-    const Eigen::Vector2d arm = graph.poses[last].translation() - graph.poses[i + 1].translation();
-    const Eigen::Matrix3d lever = lever_of(arm);
-    sum += chain.factor * lever * chain.drifts[i] * lever.transpose();
-    if (chain.open[i]) open += graph.poses[i + 1].translation() - graph.poses[i].translation();
+/// How well the path alone knows motions between its nodes: by its surfaces, else by its steps.
+class PathKnowledge {
+ public:
+  PathKnowledge(const PoseGraph& graph, const PathChain& chain, const PathSurfaces& surfaces,
+                std::span<const int> across)
+      : poses_(graph.poses), chain_(chain), across_(across) {
+    if (!surfaces.available()) return;
+    posterior_.emplace(surfaces, chain, freedom_of(poses_, chain, across));
+    if (!posterior_->available()) posterior_.reset();
   }
-  open *= chain.scale_sigma;
-  sum.topLeftCorner<2, 2>() += open * open.transpose();
-  return sum;
-}
+
+  [[nodiscard]] PossibleError possible() {
+    return posterior_ ? possible_error(*posterior_) : possible_error(poses_, chain_, across_);
+  }
+
+  /// At the latter, map axes.
+  [[nodiscard]] Eigen::Matrix3d between(std::size_t first, std::size_t last) {
+    if (posterior_) return posterior_->between(first, last);
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    Eigen::Vector2d open = Eigen::Vector2d::Zero();
+    for (std::size_t i = first; i < last; ++i) {
+      const Eigen::Vector2d arm = poses_[last].translation() - poses_[i + 1].translation();
+      const Eigen::Matrix3d lever = lever_of(arm);
+      sum += chain_.factor * lever * chain_.drifts[i] * lever.transpose();
+      if (chain_.open[i]) open += poses_[i + 1].translation() - poses_[i].translation();
+    }
+    // What is open is too long or too short by the same factor all along.
+    open *= chain_.scale_sigma;
+    sum.topLeftCorner<2, 2>() += open * open.transpose();
+    return sum;
+  }
+
+  /// Of the way from first to last, without what its heading swings. Where it is not as long as
+  /// odometry says, something that moves with the robot held it back.
+  [[nodiscard]] double sigma_along(std::size_t first, std::size_t last) {
+    const Eigen::Vector2d way = poses_[last].translation() - poses_[first].translation();
+    const Eigen::Vector2d along = way.normalized();
+    if (posterior_) {
+      const Eigen::Matrix2d covariance = between(first, last).topLeftCorner<2, 2>();
+      return std::sqrt(along.dot(covariance * along));
+    }
+    Eigen::Matrix2d walk = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d off = Eigen::Vector2d::Zero();
+    for (std::size_t i = first; i < last; ++i) {
+      walk += chain_.factor * chain_.drifts[i].topLeftCorner<2, 2>();
+      off += chain_.off[i];
+    }
+    return std::sqrt(along.dot(walk * along) + std::pow(chain_.scale_sigma * way.norm(), 2) +
+                     std::pow(kLooseParts.off_share * along.dot(off), 2));
+  }
+
+ private:
+  std::span<const Pose2> poses_;
+  const PathChain& chain_;
+  std::span<const int> across_;
+  std::optional<PathPosterior> posterior_{};
+};
 
 /// A closure, its earlier end first.
 struct Tie {
@@ -132,7 +173,8 @@ Eigen::Vector2d middle_of(const PoseGraph& graph, std::size_t first, std::size_t
 }
 
 std::vector<LoosePart> loose_parts(const PoseGraph& graph, const PathChain& chain,
-                                   std::span<const Stamp> stamps, std::span<const int> across) {
+                                   std::span<const Stamp> stamps, std::span<const int> across,
+                                   PathKnowledge& path) {
   std::vector<LoosePart> parts;
   for (std::size_t first = 0; first < across.size();) {
     if (across[first] > 1) {
@@ -141,7 +183,7 @@ std::vector<LoosePart> loose_parts(const PoseGraph& graph, const PathChain& chai
     }
     std::size_t last = first;
     while (last < across.size() && across[last] <= 1) ++last;
-    const Eigen::Matrix3d covariance = by_path(graph, chain, first, last);
+    const Eigen::Matrix3d covariance = path.between(first, last);
     const auto begin = across.begin() + static_cast<std::ptrdiff_t>(first);
     const auto end = across.begin() + static_cast<std::ptrdiff_t>(last);
     parts.push_back({.from = stamps[first],
@@ -186,31 +228,15 @@ std::vector<Nodes> open_runs(const PoseGraph& graph, const PathChain& chain) {
   return runs;
 }
 
-/// Of the way from first to last, without what its heading swings. Where it is not as long as
-/// odometry says, something that moves with the robot held it back.
-double sigma_along(const PoseGraph& graph, const PathChain& chain, const Nodes& run) {
-  Eigen::Matrix2d walk = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d off = Eigen::Vector2d::Zero();
-  for (std::size_t i = run.first; i < run.second; ++i) {
-    walk += chain.factor * chain.drifts[i].topLeftCorner<2, 2>();
-    off += chain.off[i];
-  }
-  const Eigen::Vector2d way =
-      graph.poses[run.second].translation() - graph.poses[run.first].translation();
-  const Eigen::Vector2d along = way.normalized();
-  return std::sqrt(along.dot(walk * along) + std::pow(chain.scale_sigma * way.norm(), 2) +
-                   std::pow(kLooseParts.off_share * along.dot(off), 2));
-}
-
 std::vector<OpenStretch> open_stretches(const PoseGraph& graph, const PathChain& chain,
-                                        std::span<const Stamp> stamps) {
+                                        std::span<const Stamp> stamps, PathKnowledge& path) {
   std::vector<OpenStretch> stretches;
   for (const Nodes& run : open_runs(graph, chain)) {
     stretches.push_back({.from = stamps[run.first],
                          .to = stamps[run.second],
                          .path_m = chain.travelled_m[run.second] - chain.travelled_m[run.first],
                          .where = middle_of(graph, run.first, run.second),
-                         .sigma_m = sigma_along(graph, chain, run)});
+                         .sigma_m = path.sigma_along(run.first, run.second)});
   }
   return stretches;
 }
@@ -225,12 +251,18 @@ void least_certain_first(std::vector<Part>& parts, std::size_t most) {
 }  // namespace
 
 GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
-                       std::span<const StepDrift> drifts, double scale_sigma,
-                       std::span<const VisitTie> agreeing, int loops, double reduced_chi2) {
+                       std::span<const StepDrift> drifts, const PathSurfaces& surfaces,
+                       double scale_sigma, std::span<const VisitTie> agreeing, int loops,
+                       double reduced_chi2) {
   GraphTies ties;
   if (stamps.size() != solved.poses.size()) return ties;
   if (!drifts.empty() && drifts.size() + 1 != solved.poses.size()) return ties;
-  auto chain = chain_of(solved, drifts);
+  // Surfaces speak of the poses in whose frame they were seen.
+  PathSurfaces held = surfaces;
+  if (held.available() && held.poses().size() != solved.poses.size()) held = {};
+  PoseGraph graph = solved;
+  if (held.available()) graph.poses.assign(held.poses().begin(), held.poses().end());
+  auto chain = chain_of(graph, drifts);
   if (!chain) return ties;
   if (loops >= kLooseParts.least_loops) {
     const double least = drifts.empty() ? kLooseParts.least_factor : 1.0;
@@ -238,10 +270,11 @@ GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
   }
   chain->factor = ties.variance_factor;
   chain->scale_sigma = scale_sigma;
-  const std::vector<int> across = ties_across(solved, *chain, ties_of(agreeing, stamps));
-  ties.possible = possible_error(solved, *chain, across);
-  ties.loose = loose_parts(solved, *chain, stamps, across);
-  ties.open = open_stretches(solved, *chain, stamps);
+  const std::vector<int> across = ties_across(graph, *chain, ties_of(agreeing, stamps));
+  PathKnowledge path(graph, *chain, held, across);
+  ties.possible = path.possible();
+  ties.loose = loose_parts(solved, *chain, stamps, across, path);
+  ties.open = open_stretches(solved, *chain, stamps, path);
   least_certain_first(ties.loose, static_cast<std::size_t>(kLooseParts.most_loose));
   least_certain_first(ties.open, static_cast<std::size_t>(kLooseParts.most_open));
   return ties;

@@ -10,6 +10,8 @@ struct LoosePartsNumbers {
   double open_turn_rad = 0.5;
   double off_share = 0.5;
   double open_least_m = 1.0;
+  double way_m = 1.0;
+  int way_steps = 10;
   int most_open = 12;
   int most_loose = 12;
   int least_loops = 3;
@@ -34,6 +36,9 @@ void visit_numbers(const LoosePartsNumbers& n, Visitor&& visit) {
   visit("off_share", n.off_share,
         "chosen: the truth lies between map and odometry, in two standard deviations");
   visit("open_least_m", n.open_least_m, "chosen: shorter ones tell nothing");
+  visit("way_m", n.way_m,
+        "chosen: of the path that tells which way it leads; shorter than a corridor is wide");
+  visit("way_steps", n.way_steps, "chosen: bounds the search for it where the robot stands");
   visit("most_open", n.most_open, "chosen: bounds the cost; the longest are asked for");
   visit("most_loose", n.most_loose, "chosen: so many are told, the least certain");
   visit("least_loops", n.least_loops,

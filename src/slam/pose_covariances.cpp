@@ -10,6 +10,7 @@
 #include "loopstone/base/robust_kernel.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "loopstone/graph/linearised_graph.hpp"
+#include "slam/path_posterior.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/surface_adjustment_numbers.hpp"
 #include "slam/surface_segments.hpp"
@@ -50,11 +51,13 @@ struct Chain {
 class Links {
  public:
   Links(const PoseGraph& graph, std::span<const int> places, const SurfaceSegments& segments)
-      : graph_(graph), places_(places), segments_(segments) {
+      : graph_(graph), places_(places) {
     chain_.to.resize(graph.poses.size(), Eigen::Matrix3d::Zero());
     chain_.known.resize(graph.poses.size(), false);
     for (const RelativePoseEdge& edge : graph.edges) add(edge);
-    compound_along_the_path();
+    for (const LinkAlong& along :
+         links_along(graph.poses, places, segments, chain_.to, chain_.known))
+      links_.push_back(along.link);
   }
   [[nodiscard]] const std::vector<Link>& links() const { return links_; }
 
@@ -93,36 +96,8 @@ class Links {
                       .information = covariance.inverse()});
   }
 
-  /// From the middle of each segment to that of the next.
-  void compound_along_the_path() {
-    int anchor = -1;
-    const int count = static_cast<int>(graph_.poses.size());
-    for (int first = 0; first < count;) {
-      int end = first + 1;
-      const auto segment = [&](int node) {
-        return place(node) < 0 ? -1 : segments_.segment_of(place(node));
-      };
-      while (end < count && segment(end) == segment(first)) ++end;
-      const int middle = (first + end - 1) / 2;
-      if (anchor >= 0) compound(anchor, middle);
-      anchor = middle;
-      first = end;
-    }
-  }
-
-  void compound(int from, int to) {
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (int node = from + 1; node <= to; ++node) {
-      if (!chain_.known[static_cast<std::size_t>(node)]) return;
-      const Eigen::Matrix3d at = lever_of(pose(to).translation() - pose(node).translation());
-      covariance += at * chain_.to[static_cast<std::size_t>(node)] * at.transpose();
-    }
-    link(from, to, covariance);
-  }
-
   const PoseGraph& graph_;
   std::span<const int> places_;
-  const SurfaceSegments& segments_;
   Chain chain_{};
   std::vector<Link> links_{};
 };

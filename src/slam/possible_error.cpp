@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "loopstone/base/rng.hpp"
@@ -25,46 +26,34 @@ struct Step {
 /// A point's shift by a small turn about the origin, per radian.
 Eigen::Vector2d swing_of(const Eigen::Vector2d& point) { return {-point.y(), point.x()}; }
 
-Eigen::Vector2d motion_of(const PoseGraph& graph, std::size_t edge) {
-  return graph.poses[edge + 1].translation() - graph.poses[edge].translation();
+Eigen::Vector2d motion_of(std::span<const Pose2> poses, std::size_t edge) {
+  return poses[edge + 1].translation() - poses[edge].translation();
 }
 
-/// What of an edge's drift nothing else takes back.
-Eigen::Matrix3d freedom_of(const PoseGraph& graph, const PathChain& chain, std::size_t edge,
-                           bool is_loose) {
-  Eigen::Matrix3d drift = chain.factor * chain.drifts[edge];
-  if (is_loose) return drift;
-  Eigen::Matrix3d along_only = Eigen::Matrix3d::Zero();
-  if (!chain.open[edge]) return along_only;
-  const Eigen::Vector2d along = motion_of(graph, edge).stableNormalized();
-  along_only.topLeftCorner<2, 2>() =
-      along.dot(drift.topLeftCorner<2, 2>() * along) * along * along.transpose();
-  return along_only;
-}
-
-std::vector<Step> steps_of(const PoseGraph& graph, const PathChain& chain,
+std::vector<Step> steps_of(std::span<const Pose2> poses, const PathChain& chain,
                            std::span<const int> across) {
+  const std::vector<Eigen::Matrix3d> freedom = freedom_of(poses, chain, across);
   const std::size_t edges = across.size();
   const std::size_t stride = 1 + edges / static_cast<std::size_t>(kLooseParts.most_steps);
   std::vector<Step> steps;
   for (std::size_t first = 0; first < edges; first += stride) {
     const std::size_t last = std::min(first + stride, edges);
-    Step step{.end = graph.poses[last].translation()};
+    Step step{.end = poses[last].translation()};
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (std::size_t i = first; i < last; ++i) {
-      const Eigen::Matrix3d lever = lever_of(step.end - graph.poses[i + 1].translation());
-      covariance += lever * freedom_of(graph, chain, i, across[i] <= 1) * lever.transpose();
+      const Eigen::Matrix3d lever = lever_of(step.end - poses[i + 1].translation());
+      covariance += lever * freedom[i] * lever.transpose();
       if (!chain.open[i]) continue;
-      step.open += motion_of(graph, i);
+      step.open += motion_of(poses, i);
       step.off += chain.off[i];
     }
-    step.root = square_root(covariance);
+    step.root = std::sqrt(chain.factor) * square_root(covariance);
     steps.push_back(step);
   }
   return steps;
 }
 
-/// Errors of the ends of all steps.
+/// Errors of some places along the path.
 struct Draw {
   std::vector<Eigen::Vector2d> at{};
   std::vector<double> heading{};
@@ -90,26 +79,35 @@ Draw draw_of(const std::vector<Step>& steps, double scale_sigma, Rng rng) {
   return draw;
 }
 
+Draw draw_of(PathPosterior& posterior, const Rng& rng) {
+  Draw draw;
+  for (const Eigen::Vector3d& error : posterior.draw(rng)) {
+    draw.at.emplace_back(error.head<2>());
+    draw.heading.push_back(error.z());
+  }
+  return draw;
+}
+
 /// What is left of it on the map that fits best.
-PossibleError worst_of(const std::vector<Step>& steps, const Draw& draw) {
-  const auto count = static_cast<double>(steps.size());
+PossibleError worst_of(const std::vector<Eigen::Vector2d>& places, const Draw& draw) {
+  const auto count = static_cast<double>(places.size());
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    middle += steps[i].end / count;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    middle += places[i] / count;
     shift += draw.at[i] / count;
   }
   double turn = 0.0;
   double arms = 0.0;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const Eigen::Vector2d arm = steps[i].end - middle;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::Vector2d arm = places[i] - middle;
     turn += arm.x() * draw.at[i].y() - arm.y() * draw.at[i].x();
     arms += arm.squaredNorm();
   }
   if (arms > 0.0) turn /= arms;
   PossibleError worst;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const Eigen::Vector2d arm = steps[i].end - middle;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::Vector2d arm = places[i] - middle;
     const Eigen::Vector2d left = draw.at[i] - shift - turn * swing_of(arm);
     worst.m = std::max(worst.m, left.norm());
     worst.rad = std::max(worst.rad, std::abs(draw.heading[i] - turn));
@@ -124,22 +122,52 @@ double quantile(std::vector<double> values) {
   return values[static_cast<std::size_t>(at)];
 }
 
-}  // namespace
-
-PossibleError possible_error(const PoseGraph& graph, const PathChain& chain,
-                             std::span<const int> across) {
-  const std::vector<Step> steps = steps_of(graph, chain, across);
-  if (steps.empty()) return {};
+/// \param draw_one  of errors at the places
+template <typename DrawOne>
+PossibleError worst_of_many(const std::vector<Eigen::Vector2d>& places, DrawOne&& draw_one) {
+  if (places.empty()) return {};
   const Rng draws(1);
   std::vector<double> metres;
   std::vector<double> radians;
   for (int i = 0; i < kLooseParts.draws; ++i) {
-    const Draw draw = draw_of(steps, chain.scale_sigma, draws.fork(static_cast<std::uint64_t>(i)));
-    const PossibleError worst = worst_of(steps, draw);
+    const PossibleError worst =
+        worst_of(places, draw_one(draws.fork(static_cast<std::uint64_t>(i))));
     metres.push_back(worst.m);
     radians.push_back(worst.rad);
   }
   return {quantile(std::move(metres)), quantile(std::move(radians))};
+}
+
+}  // namespace
+
+std::vector<Eigen::Matrix3d> freedom_of(std::span<const Pose2> poses, const PathChain& chain,
+                                        std::span<const int> across) {
+  std::vector<Eigen::Matrix3d> freedom = chain.drifts;
+  for (std::size_t i = 0; i < freedom.size(); ++i) {
+    if (across[i] <= 1) continue;
+    Eigen::Matrix3d along_only = Eigen::Matrix3d::Zero();
+    if (chain.open[i]) {
+      const Eigen::Vector2d along = way_at(poses, i);
+      along_only.topLeftCorner<2, 2>() =
+          along.dot(freedom[i].topLeftCorner<2, 2>() * along) * along * along.transpose();
+    }
+    freedom[i] = along_only;
+  }
+  return freedom;
+}
+
+PossibleError possible_error(std::span<const Pose2> poses, const PathChain& chain,
+                             std::span<const int> across) {
+  const std::vector<Step> steps = steps_of(poses, chain, across);
+  std::vector<Eigen::Vector2d> places;
+  for (const Step& step : steps) places.push_back(step.end);
+  return worst_of_many(places,
+                       [&](const Rng& rng) { return draw_of(steps, chain.scale_sigma, rng); });
+}
+
+PossibleError possible_error(PathPosterior& posterior) {
+  return worst_of_many(posterior.places(),
+                       [&](const Rng& rng) { return draw_of(posterior, rng); });
 }
 
 }  // namespace loopstone

@@ -240,7 +240,7 @@ void ScanToScanMapper::draw(const std::vector<PosedScan>& posed, MapResult& resu
   if (result.map_failure.empty()) {
     result.quality = assess_map(posed, threads_);
     result.ties =
-        find_ties_of(result.graph, result.node_stamps, result.drifts, 0.0, result.quality.agreeing,
+        find_ties_of(result.graph, result.node_stamps, result.drifts, {}, 0.0, result.quality.agreeing,
                      result.graph_quality.loops, result.graph_quality.reduced_chi2);
     result.verdict = judge_map(result);
   }

@@ -12,6 +12,7 @@
 #include "loopstone/base/robust_kernel.hpp"
 #include "loopstone/graph/block_system.hpp"
 #include "loopstone/graph/linearised_graph.hpp"
+#include "slam/open_directions.hpp"
 #include "slam/scan_edges.hpp"
 #include "slam/surface_adjustment_numbers.hpp"
 #include "slam/surface_patches.hpp"
@@ -33,11 +34,13 @@ double dot(const Blocks& a, const Blocks& b) {
 class Adjustment {
  public:
   Adjustment(const PoseGraph& graph, std::span<const std::vector<SurfacePoint>> surfaces,
-             const SurfaceAdjustmentOptions& options, Threads threads)
+             const SurfaceAdjustmentOptions& options, Threads threads,
+             const PathWeakness& weakness)
       : graph_(graph),
         surfaces_(surfaces),
         options_(options),
         threads_(threads),
+        weakness_(weakness),
         // Closures are softened as the back end does.
         equations_(graph, RobustKernel::kHuber, kClosureHuberWidth),
         solver_(equations_.hessian()),
@@ -55,7 +58,7 @@ class Adjustment {
     for (int round = 0; round < options_.rounds && !step_.empty(); ++round) {
       if (!improve()) break;
     }
-    result_.covariances = covariances();
+    know_poses();
     result_.poses = std::move(state_.poses);
     result_.landmarks = std::move(state_.landmarks);
     return std::move(result_);
@@ -85,18 +88,28 @@ class Adjustment {
     return true;
   }
 
-  /// Of the poses that were found.
-  [[nodiscard]] PoseCovariances covariances() {
+  /// How well the poses that were found are known: by all, and by the path alone.
+  void know_poses() {
     graph_.poses = state_.poses;
     graph_.landmarks = state_.landmarks;
-    if (step_.empty()) return PoseCovariances(graph_);
+    result_.covariances = PoseCovariances(graph_);
+    if (step_.empty()) return;
     const auto keys = placed(state_.poses);
-    const SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
-    if (patches.patches.empty()) return PoseCovariances(graph_);
-    SurfaceSystem system(patches, places_, step_.size(), threads_);
-    system.linearise(keys, kSurfaceAdjustment.believed_noise *
-                               std::max(system.spread_m(keys), kSurfaceAdjustment.least_sigma_m));
-    return PoseCovariances(graph_, &system);
+    SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
+    if (patches.patches.empty()) return;
+    double sigma_m = 0.0;
+    {
+      SurfaceSystem system(patches, places_, step_.size(), threads_);
+      sigma_m = kSurfaceAdjustment.believed_noise *
+                std::max(system.spread_m(keys), kSurfaceAdjustment.least_sigma_m);
+      system.linearise(keys, sigma_m);
+      result_.covariances = PoseCovariances(graph_, &system);
+    }
+    forget_open_directions(keys, weakness_.open, patches);
+    part_by_visit(state_.poses, weakness_.broken, patches);
+    SurfaceSystem by_visit(patches, places_, step_.size(), threads_, OpenDirections::kNoneLeft);
+    by_visit.linearise(keys, sigma_m);
+    result_.path = PathSurfaces(state_.poses, places_, step_.size(), weakness_, by_visit);
   }
 
   /// The preconditioner: poses hardly change, so that of the first round serves all.
@@ -150,6 +163,7 @@ class Adjustment {
   std::span<const std::vector<SurfacePoint>> surfaces_;
   const SurfaceAdjustmentOptions& options_;
   Threads threads_;
+  const PathWeakness& weakness_;
   LinearisedGraph equations_;
   BlockSolver solver_;
   std::optional<SurfaceSegments> segments_{};
@@ -167,12 +181,19 @@ class Adjustment {
 
 SurfaceAdjustment adjust_to_surfaces(const PoseGraph& graph,
                                      std::span<const std::vector<SurfacePoint>> surfaces,
-                                     const SurfaceAdjustmentOptions& options, Threads threads) {
+                                     const SurfaceAdjustmentOptions& options, Threads threads,
+                                     const PathWeakness& weakness) {
   if (surfaces.size() != graph.poses.size()) {
     throw UsageError("surface adjustment: " + std::to_string(surfaces.size()) + " scans for " +
                      std::to_string(graph.poses.size()) + " poses; each pose needs its own");
   }
-  return Adjustment(graph, surfaces, options, threads).run();
+  for (const std::vector<bool>* flags : {&weakness.broken, &weakness.open}) {
+    if (flags->empty() || flags->size() == graph.poses.size()) continue;
+    throw UsageError("surface adjustment: weaknesses of " + std::to_string(flags->size()) +
+                     " poses for " + std::to_string(graph.poses.size()) +
+                     "; give them for each pose or for none");
+  }
+  return Adjustment(graph, surfaces, options, threads, weakness).run();
 }
 
 }  // namespace loopstone

@@ -14,6 +14,7 @@ struct SurfaceAdjustmentNumbers {
   int products_max = 40;
   double own_surfaces = 0.1;
   int keys_per_segment = 12;
+  double visit_gap_m = 3.0;
 };
 inline constexpr SurfaceAdjustmentNumbers kSurfaceAdjustment{};
 
@@ -42,6 +43,9 @@ void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
         "directions they hold, without holding together what moves together");
   visit("keys_per_segment", n.keys_per_segment,
         "chosen: key scans that the preconditioner moves as one rigid body");
+  visit("visit_gap_m", n.visit_gap_m,
+        "chosen: a wall that comes into sight again after so much of the path is seen in another "
+        "visit");
 }
 
 }  // namespace loopstone

@@ -9,6 +9,7 @@
 
 #include "loopstone/grid/block_grid.hpp"
 #include "loopstone/registration/surface_grid.hpp"
+#include "slam/surface_adjustment_numbers.hpp"
 
 namespace loopstone {
 
@@ -140,6 +141,35 @@ SurfacePatches find_patches(std::span<const PlacedKey> map_T_key,
   result.sights.reserve(sights);
   for (Finder& finder : finders) std::exchange(finder, Finder(patch_m)).append_to(result);
   return result;
+}
+
+void part_by_visit(std::span<const Pose2> map_T_key, const std::vector<bool>& broken,
+                   SurfacePatches& patches) {
+  std::vector<double> travelled_m{0.0};
+  for (std::size_t i = 1; i < map_T_key.size(); ++i) {
+    const double step_m = (map_T_key[i].translation() - map_T_key[i - 1].translation()).norm();
+    const bool ends = !broken.empty() && broken[i];
+    travelled_m.push_back(travelled_m.back() + step_m +
+                          (ends ? 2.0 * kSurfaceAdjustment.visit_gap_m : 0.0));
+  }
+  const auto travelled_at = [&](std::size_t sight) {
+    return travelled_m[static_cast<std::size_t>(patches.sights[sight].key)];
+  };
+  std::vector<SharedSurface> parts;
+  for (const SharedSurface& patch : patches.patches) {
+    for (std::size_t first = patch.first; first < patch.last;) {
+      std::size_t end = first + 1;
+      while (end < patch.last &&
+             travelled_at(end) - travelled_at(end - 1) <= kSurfaceAdjustment.visit_gap_m)
+        ++end;
+      SharedSurface part = patch;
+      part.first = first;
+      part.last = end;
+      if (end - first > 1) parts.push_back(part);
+      first = end;
+    }
+  }
+  patches.patches = std::move(parts);
 }
 
 }  // namespace loopstone

@@ -49,4 +49,12 @@ struct SurfacePatches {
                                           std::span<const std::vector<SurfacePoint>> surfaces,
                                           double patch_m, Threads threads = {});
 
+/// Parts each patch where the path leads elsewhere before it comes back to see it again, and where
+/// the path is broken; what only one key scan of a visit saw is dropped. Sights stay where they
+/// are.
+/// \param broken  of each key scan, whether the laser did not hold the path from the one before;
+///                empty: nowhere
+void part_by_visit(std::span<const Pose2> map_T_key, const std::vector<bool>& broken,
+                   SurfacePatches& patches);
+
 }  // namespace loopstone

@@ -15,7 +15,7 @@ struct SurfaceSegments::Group {
 };
 
 SurfaceSegments::SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places,
-                                 std::size_t size) {
+                                 std::size_t size, const std::vector<bool>& broken) {
   members_.resize(size);
   constexpr auto kKeys = static_cast<std::size_t>(kSurfaceAdjustment.keys_per_segment);
   std::size_t inside = kKeys;
@@ -23,7 +23,7 @@ SurfaceSegments::SurfaceSegments(std::span<const Pose2> map_T_key, std::span<con
   std::vector<int> segment_of(places.size(), -1);
   for (std::size_t key = 0; key < places.size(); ++key) {
     if (places[key] < 0) continue;
-    if (inside == kKeys) {
+    if (inside == kKeys || (!broken.empty() && broken[key] && inside > 0)) {
       centres_.emplace_back(Eigen::Vector2d::Zero());
       counts.push_back(0);
       inside = 0;
@@ -178,13 +178,7 @@ bool SurfaceSegments::factorise(const SurfaceSystem& surfaces, const BlockMatrix
   return solver_->factorise(matrix_);
 }
 
-bool SurfaceSegments::factorise(const SurfaceSystem* surfaces, std::span<const Link> links) {
-  std::vector<std::pair<int, int>> linked;
-  for (const Link& link : links) {
-    if (link.from >= 0) linked.emplace_back(link.from, link.to);
-  }
-  build_pattern(surfaces, linked);
-  if (surfaces != nullptr) add_surfaces(*surfaces);
+void SurfaceSegments::add_links(std::span<const Link> links) {
   for (const Link& link : links) {
     const int to = segment_of(link.to);
     const Eigen::Matrix3d of_to = motion_at(link.to, link.to_T_point);
@@ -198,8 +192,56 @@ bool SurfaceSegments::factorise(const SurfaceSystem* surfaces, std::span<const L
     add(to, from, across);
     if (to == from) add(to, to, across.transpose());
   }
+}
+
+bool SurfaceSegments::factorise(const SurfaceSystem* surfaces, std::span<const Link> links) {
+  std::vector<std::pair<int, int>> linked;
+  for (const Link& link : links) {
+    if (link.from >= 0) linked.emplace_back(link.from, link.to);
+  }
+  build_pattern(surfaces, linked);
+  if (surfaces != nullptr) add_surfaces(*surfaces);
+  add_links(links);
   solver_.emplace(matrix_);
   return solver_->factorise(matrix_);
+}
+
+void SurfaceSegments::gather(const SurfaceSystem* surfaces) {
+  std::vector<int> first_place(size(), -1);
+  for (std::size_t place = 0; place < members_.size(); ++place) {
+    const int segment = members_[place].segment;
+    if (segment >= 0) first_place[static_cast<std::size_t>(segment)] = static_cast<int>(place);
+  }
+  std::vector<std::pair<int, int>> linked;
+  for (std::size_t i = 0; i + 1 < first_place.size(); ++i)
+    linked.emplace_back(first_place[i], first_place[i + 1]);
+  build_pattern(surfaces, linked);
+  if (surfaces != nullptr) add_surfaces(*surfaces);
+}
+
+bool SurfaceSegments::factorise_along(std::span<const Link> links) {
+  BlockMatrix of_surfaces = matrix_;
+  add_links(links);
+  solver_.emplace(matrix_);
+  const bool done = solver_->factorise(matrix_);
+  matrix_ = std::move(of_surfaces);
+  return done;
+}
+
+std::vector<Eigen::Vector3d> SurfaceSegments::response_to(std::span<const Link> links,
+                                                          std::span<const Eigen::Vector2d> off) {
+  std::vector<Eigen::Vector3d> moved(size(), Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Link& link = links[i];
+    const Eigen::Vector3d pull = link.information.leftCols<2>() * off[i];
+    moved[static_cast<std::size_t>(segment_of(link.to))] +=
+        motion_at(link.to, link.to_T_point).transpose() * pull;
+    if (link.from < 0) continue;
+    moved[static_cast<std::size_t>(segment_of(link.from))] -=
+        motion_at(link.from, link.from_T_point).transpose() * pull;
+  }
+  solver_->solve_in_place(moved);
+  return moved;
 }
 
 void SurfaceSegments::add_correction(std::span<const Eigen::Vector3d> r,

@@ -22,7 +22,9 @@ class SurfaceSegments {
   /// \param places  of each key scan in vectors, -1 where it is held
   /// \param size    of the vectors; places that no key scan has are of landmarks, which are no part
   ///                of any segment: as seen from afar they stand still
-  SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places, std::size_t size);
+  /// \param broken  of each key scan, whether a segment ends before it; empty: nowhere
+  SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places, std::size_t size,
+                  const std::vector<bool>& broken = {});
 
   /// What is measured between two key scans, or of one (from < 0) against those that are held.
   struct Link {
@@ -39,12 +41,21 @@ class SurfaceSegments {
   /// The same with links for the graph.
   [[nodiscard]] bool factorise(const SurfaceSystem* surfaces, std::span<const Link> links);
 
+  /// The same in two steps, for links that are known later: what the surfaces say, with room for
+  /// links from each segment to the next.
+  void gather(const SurfaceSystem* surfaces);
+  /// After gather(), any number of times.
+  [[nodiscard]] bool factorise_along(std::span<const Link> links);
+
   /// z += P (P^T S P)^-1 P^T r with P from segments' motions to those of key scans.
   void add_correction(std::span<const Eigen::Vector3d> r, std::span<Eigen::Vector3d> z);
 
   [[nodiscard]] int segment_of(int place) const {
     return members_[static_cast<std::size_t>(place)].segment;
   }
+  [[nodiscard]] std::size_t size() const { return centres_.size(); }
+  /// Of segments in the order of the path, map frame.
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& centres() const { return centres_; }
   /// Motion of a point fixed to a key scan's segment, `offset` from the key scan, from the
   /// segment's motion.
   [[nodiscard]] Eigen::Matrix3d motion_at(int place, const Eigen::Vector2d& offset) const;
@@ -52,6 +63,13 @@ class SurfaceSegments {
   [[nodiscard]] Eigen::Matrix3d through_inverse(std::span<const BlockSolver::RowsAt> j) {
     return solver_->through_inverse(j);
   }
+  /// How segments move where motions of links are off by so much (x, y), axes of the map, and all
+  /// that was factorised holds against it. In the order of segment_of().
+  [[nodiscard]] std::vector<Eigen::Vector3d> response_to(
+      std::span<const Link> links, std::span<const Eigen::Vector2d> off);
+  /// Noise of unit covariance, one vector for each segment, becomes motions of segments as likely
+  /// as what was factorised says. In the order of segment_of().
+  void colour_in_place(std::span<Eigen::Vector3d> z) { solver_->colour_in_place(z); }
 
  private:
   /// Where a key scan lies in its segment.
@@ -68,6 +86,7 @@ class SurfaceSegments {
   /// \param linked  pairs of places
   void build_pattern(const SurfaceSystem* surfaces, std::span<const std::pair<int, int>> linked);
   void add_surfaces(const SurfaceSystem& surfaces);
+  void add_links(std::span<const Link> links);
   /// Adds to the block (row, column), and so to (column, row).
   void add(int row, int column, const Eigen::Matrix3d& value);
 

@@ -70,10 +70,11 @@ struct LineSums {
 }  // namespace
 
 SurfaceSystem::SurfaceSystem(const SurfacePatches& patches, std::span<const int> places,
-                             std::size_t size, Threads threads)
+                             std::size_t size, Threads threads, OpenDirections open)
     : patches_(patches),
       places_(places),
       threads_(threads),
+      open_directions_(open),
       rows_(patches.sights.size()),
       open_(size),
       inverses_(patches.patches.size()),
@@ -167,7 +168,7 @@ void SurfaceSystem::find_open(std::span<const PlacedKey> map_T_key) {
 }
 
 double SurfaceSystem::linearise(std::span<const PlacedKey> map_T_key, double sigma_m) {
-  find_open(map_T_key);
+  if (open_directions_ == OpenDirections::kTakenOut) find_open(map_T_key);
   parallel_for(chunks_.size(), threads_, [&](std::size_t i) {
     Chunk& chunk = chunks_[i];
     chunk.cost = 0.0;

@@ -10,6 +10,12 @@
 
 namespace loopstone {
 
+/// Translations that all of a key scan's surfaces leave open.
+enum class OpenDirections {
+  kTakenOut,  ///< of its rows
+  kNoneLeft,  ///< patches say nothing of them (forget_open_directions)
+};
+
 /// The part of the normal equations that patches add, with each patch's own offset and slope
 /// eliminated:
 ///
@@ -30,7 +36,7 @@ class SurfaceSystem {
   /// \param places  of each key scan in x and y, -1 where it is held
   /// \param size    of x and y
   SurfaceSystem(const SurfacePatches& patches, std::span<const int> places, std::size_t size,
-                Threads threads);
+                Threads threads, OpenDirections open = OpenDirections::kTakenOut);
 
   /// Residuals at the poses, weights from them (Cauchy), gradient; returns the robust cost.
   /// \param sigma_m  standard deviation of a point of weight 1
@@ -87,6 +93,7 @@ class SurfaceSystem {
   const SurfacePatches& patches_;
   std::span<const int> places_;
   Threads threads_;
+  OpenDirections open_directions_;
   std::vector<Row> rows_;
   std::vector<Open> open_;  ///< by place
   std::vector<Inverse> inverses_;

@@ -49,6 +49,9 @@ class BlockSolver {
   [[nodiscard]] bool factorise(const BlockMatrix& a);
   /// b becomes x. Only after factorise() returned true. Cost: O(blocks of the factor).
   void solve_in_place(std::span<Eigen::Vector3d> b);
+  /// Noise of unit covariance becomes noise of covariance A^-1. As solve_in_place(), at half the
+  /// cost.
+  void colour_in_place(std::span<Eigen::Vector3d> z);
 
   /// Three rows that are zero but for the columns of one block.
   struct RowsAt {

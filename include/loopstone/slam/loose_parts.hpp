@@ -7,6 +7,7 @@
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/mapping/visit_contradiction.hpp"
+#include "loopstone/slam/path_surfaces.hpp"
 #include "loopstone/slam/step_drift.hpp"
 
 namespace loopstone {
@@ -57,6 +58,7 @@ struct GraphTies {
 /// \param stamps        of its poses
 /// \param drifts        of the path from each node to the next; where there are none, the path
 ///                      drifts by what its edges say
+/// \param surfaces      that hold the path together between its nodes; none: drifts alone count
 /// \param scale_sigma   how wrong the scale of odometry may be, by which open stretches are as long
 ///                      as they are
 /// \param agreeing      visits that agree tie as closures do
@@ -65,7 +67,8 @@ struct GraphTies {
 ///                      scaled to it, for edges are as wrong as their loops show
 /// Cost: two factorisations of the graph at most, and the path's length times the number of parts.
 [[nodiscard]] GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
-                                     std::span<const StepDrift> drifts, double scale_sigma,
+                                     std::span<const StepDrift> drifts,
+                                     const PathSurfaces& surfaces, double scale_sigma,
                                      std::span<const VisitTie> agreeing, int loops,
                                      double reduced_chi2);
 

@@ -92,6 +92,7 @@ struct MapResult {
   PoseGraph graph;
   PoseCovariances covariances;    ///< of the graph's poses
   std::vector<StepDrift> drifts;  ///< of the path alone, from each node to the next
+  PathSurfaces path_surfaces;     ///< what holds it between them
   std::vector<LoopClosure> loop_closures;
   OccupancyMap map;
   std::string map_failure;  ///< why there is none (too large); empty when there is

@@ -7,6 +7,7 @@
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/sensor/scan_points.hpp"
+#include "loopstone/slam/path_surfaces.hpp"
 #include "loopstone/slam/pose_covariances.hpp"
 
 namespace loopstone {
@@ -38,6 +39,7 @@ struct SurfaceAdjustment {
   double spread_after_m = 0.0;
   int rounds = 0;                 ///< Gauss-Newton steps taken
   PoseCovariances covariances{};  ///< of the poses
+  PathSurfaces path{};            ///< what surfaces say of it where no visit ties another
   int products = 0;               ///< matrix times vector, in all of their conjugate gradients
 };
 
@@ -53,6 +55,7 @@ struct SurfaceAdjustment {
 /// \param graph     its poses are the start, good to about half a patch; held poses stay; its edges
 ///                  hold what surfaces leave open (a corridor's axis)
 /// \param surfaces  of each pose, its own frame [m]
+/// \param weakness  of the path to each pose: there surfaces do not hold it by themselves
 /// \return the poses, no worse than the graph's: a round that does not lower the spread is not
 ///         taken.
 /// Throws UsageError unless there are as many scans as poses, and as check_graph does.
@@ -62,6 +65,7 @@ struct SurfaceAdjustment {
 /// seen.
 [[nodiscard]] SurfaceAdjustment adjust_to_surfaces(
     const PoseGraph& graph, std::span<const std::vector<SurfacePoint>> surfaces,
-    const SurfaceAdjustmentOptions& options = {}, Threads threads = {});
+    const SurfaceAdjustmentOptions& options = {}, Threads threads = {},
+    const PathWeakness& weakness = {});
 
 }  // namespace loopstone

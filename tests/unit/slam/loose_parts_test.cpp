@@ -45,7 +45,7 @@ std::vector<Stamp> stamps_of(const PoseGraph& graph) {
 
 GraphTies ties_of(const PoseGraph& graph, std::vector<VisitTie> agreeing = {}, int loops = 0,
                   double reduced_chi2 = 1.0) {
-  return find_ties_of(graph, stamps_of(graph), {}, 0.0, agreeing, loops, reduced_chi2);
+  return find_ties_of(graph, stamps_of(graph), {}, {}, 0.0, agreeing, loops, reduced_chi2);
 }
 
 TEST(LooseParts, WithoutClosuresAllHangsOnThePath) {
@@ -110,12 +110,12 @@ TEST(LooseParts, ThePathDriftsByWhatItsStepsSay) {
   const std::vector<StepDrift> drifts(
       100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal().toDenseMatrix()});
   const auto ties = [&](int loops, double chi2) {
-    return find_ties_of(graph, stamps_of(graph), drifts, 0.0, {}, loops, chi2);
+    return find_ties_of(graph, stamps_of(graph), drifts, {}, 0.0, {}, loops, chi2);
   };
   EXPECT_NEAR(ties(0, 1.0).loose.at(0).sigma_m, 0.1, 1e-9);
   EXPECT_NEAR(ties(9, 4.0).loose.at(0).sigma_m, 0.2, 1e-9);
   EXPECT_NEAR(ties(9, 0.1).loose.at(0).sigma_m, 0.1, 1e-9) << "drift is no noise of edges";
-  EXPECT_TRUE(find_ties_of(graph, stamps_of(graph), std::vector<StepDrift>(7), 0.0, {}, 0, 1.0)
+  EXPECT_TRUE(find_ties_of(graph, stamps_of(graph), std::vector<StepDrift>(7), {}, 0.0, {}, 0, 1.0)
                   .loose.empty());
 }
 
@@ -124,7 +124,7 @@ TEST(LooseParts, AnOpenStretchIsAsLongAsOdometrysScaleSays) {
   std::vector<StepDrift> drifts(
       100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal().toDenseMatrix()});
   for (std::size_t i = 20; i < 60; ++i) drifts[i].open = true;
-  const auto ties = [&] { return find_ties_of(graph, stamps_of(graph), drifts, 0.01, {}, 0, 1.0); };
+  const auto ties = [&] { return find_ties_of(graph, stamps_of(graph), drifts, {}, 0.01, {}, 0, 1.0); };
   ASSERT_EQ(ties().open.size(), 1U);
   EXPECT_NEAR(ties().open[0].path_m, 40.0, 1e-9);
   EXPECT_NEAR(ties().open[0].sigma_m, std::hypot(0.01 * std::sqrt(40.0), 0.01 * 40.0), 1e-9);
@@ -189,7 +189,7 @@ PossibleError drawn(const PoseGraph& graph, const std::vector<StepDrift>& drifts
 TEST(PossibleError, IsThatOfPathsThatAreDrawnAtRandom) {
   const auto [graph, drifts] = bent_path();
   const PossibleError said =
-      find_ties_of(graph, stamps_of(graph), drifts, 0.0, {}, 0, 1.0).possible;
+      find_ties_of(graph, stamps_of(graph), drifts, {}, 0.0, {}, 0, 1.0).possible;
   const PossibleError twin = drawn(graph, drifts, 4000);
   EXPECT_NEAR(said.m, twin.m, 0.2 * twin.m);
   EXPECT_NEAR(said.rad, twin.rad, 0.2 * twin.rad);
@@ -199,7 +199,7 @@ TEST(PossibleError, IsThatOfPathsThatAreDrawnAtRandom) {
 TEST(PossibleError, GrowsWithDriftsAndEndsWhereTwoPlacesTie) {
   auto [graph, drifts] = bent_path();
   const auto possible = [&graph = graph, &drifts = drifts] {
-    return find_ties_of(graph, stamps_of(graph), drifts, 0.0, {}, 0, 1.0).possible;
+    return find_ties_of(graph, stamps_of(graph), drifts, {}, 0.0, {}, 0, 1.0).possible;
   };
   const PossibleError once = possible();
   for (StepDrift& drift : drifts) drift.covariance *= 4.0;
@@ -221,7 +221,7 @@ TEST(PossibleError, NoClosureTiesTheLengthOfWhatIsOpen) {
   std::vector<StepDrift> drifts(
       100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal().toDenseMatrix()});
   const auto possible_m = [&](double scale_sigma) {
-    return find_ties_of(graph, stamps_of(graph), drifts, scale_sigma, {}, 0, 1.0).possible.m;
+    return find_ties_of(graph, stamps_of(graph), drifts, {}, scale_sigma, {}, 0, 1.0).possible.m;
   };
   const double closed = possible_m(0.01);
   EXPECT_EQ(closed, possible_m(0.0));
