@@ -56,9 +56,7 @@ class BlockCholesky {
   };
   void lay_out_fronts();
   void lay_out_entries(const BlockMatrix& pattern);
-  [[nodiscard]] double* x_at(int place) {
-    return x_.data() + 3 * static_cast<std::size_t>(place);
-  }
+  [[nodiscard]] double* x_at(int place) { return x_.data() + 3 * static_cast<std::size_t>(place); }
   void put(std::span<const Eigen::Vector3d> b);
   void substitute_back();
   void take(std::span<Eigen::Vector3d> b);

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "loopstone/geometry/covariance.hpp"
 #include "slam/loose_parts_numbers.hpp"
@@ -84,18 +85,20 @@ std::vector<LinkAlong> links_along(std::span<const Pose2> map_T_key, std::span<c
 PathSurfaces::PathSurfaces(std::span<const Pose2> map_T_key, std::span<const int> places,
                            std::size_t size, const PathWeakness& weakness,
                            const SurfaceSystem& by_visit)
-    : knowledge_(std::make_shared<Knowledge>(Knowledge{
-          {map_T_key.begin(), map_T_key.end()},
-          {places.begin(), places.end()},
-          SurfaceSegments(map_T_key, places, size, ends_of(weakness))})) {
+    : knowledge_(std::make_shared<Knowledge>(
+          Knowledge{{map_T_key.begin(), map_T_key.end()},
+                    {places.begin(), places.end()},
+                    SurfaceSegments(map_T_key, places, size, ends_of(weakness))})) {
   knowledge_->segments.gather(&by_visit);
 }
 
 std::span<const Pose2> PathSurfaces::poses() const { return knowledge_->poses; }
 
-PathPosterior::PathPosterior(const PathSurfaces& surfaces, const PathChain& chain,
+PathPosterior::PathPosterior(PathSurfaces surfaces, const PathChain& chain,
                              std::span<const Eigen::Matrix3d> steps)
-    : knowledge_(surfaces.knowledge()), sigma_(std::sqrt(chain.factor)) {
+    : surfaces_(std::move(surfaces)),
+      knowledge_(surfaces_.knowledge()),
+      sigma_(std::sqrt(chain.factor)) {
   std::vector<Eigen::Matrix3d> covariances(steps.size() + 1, Eigen::Matrix3d::Zero());
   const Eigen::Vector3d rigid(kRigidM * kRigidM, kRigidM * kRigidM, kRigidRad * kRigidRad);
   for (std::size_t i = 0; i < steps.size(); ++i) {

@@ -45,7 +45,7 @@ class PathPosterior {
   ///                  surfaces do not hold
   /// \param steps     covariances of the motions from each key scan to the next, at their ends,
   ///                  axes of the map; may be zero
-  PathPosterior(const PathSurfaces& surfaces, const PathChain& chain,
+  PathPosterior(PathSurfaces surfaces, const PathChain& chain,
                 std::span<const Eigen::Matrix3d> steps);
 
   /// False where some part of the path is held by nothing.
@@ -63,10 +63,11 @@ class PathPosterior {
   using Motions = std::vector<Eigen::Vector3d>;  ///< of segments
   [[nodiscard]] Eigen::Vector3d at(const Motions& motions, std::size_t key) const;
 
+  PathSurfaces surfaces_;  ///< keeps what is known alive
   PathSurfaces::Knowledge& knowledge_;
-  double sigma_ = 1.0;               ///< all that was drawn is wrong by that
-  Motions by_scale_{};               ///< one standard deviation
-  Motions by_off_{};                 ///< the same
+  double sigma_ = 1.0;                  ///< all that was drawn is wrong by that
+  Motions by_scale_{};                  ///< one standard deviation
+  Motions by_off_{};                    ///< the same
   std::vector<std::size_t> middles_{};  ///< of the segments, key scans
   bool available_ = false;
 };

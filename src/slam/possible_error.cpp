@@ -166,8 +166,7 @@ PossibleError possible_error(std::span<const Pose2> poses, const PathChain& chai
 }
 
 PossibleError possible_error(PathPosterior& posterior) {
-  return worst_of_many(posterior.places(),
-                       [&](const Rng& rng) { return draw_of(posterior, rng); });
+  return worst_of_many(posterior.places(), [&](const Rng& rng) { return draw_of(posterior, rng); });
 }
 
 }  // namespace loopstone

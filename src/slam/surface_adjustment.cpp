@@ -34,8 +34,7 @@ double dot(const Blocks& a, const Blocks& b) {
 class Adjustment {
  public:
   Adjustment(const PoseGraph& graph, std::span<const std::vector<SurfacePoint>> surfaces,
-             const SurfaceAdjustmentOptions& options, Threads threads,
-             const PathWeakness& weakness)
+             const SurfaceAdjustmentOptions& options, Threads threads, const PathWeakness& weakness)
       : graph_(graph),
         surfaces_(surfaces),
         options_(options),

@@ -65,8 +65,8 @@ class SurfaceSegments {
   }
   /// How segments move where motions of links are off by so much (x, y), axes of the map, and all
   /// that was factorised holds against it. In the order of segment_of().
-  [[nodiscard]] std::vector<Eigen::Vector3d> response_to(
-      std::span<const Link> links, std::span<const Eigen::Vector2d> off);
+  [[nodiscard]] std::vector<Eigen::Vector3d> response_to(std::span<const Link> links,
+                                                         std::span<const Eigen::Vector2d> off);
   /// Noise of unit covariance, one vector for each segment, becomes motions of segments as likely
   /// as what was factorised says. In the order of segment_of().
   void colour_in_place(std::span<Eigen::Vector3d> z) { solver_->colour_in_place(z); }

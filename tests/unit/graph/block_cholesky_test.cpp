@@ -116,6 +116,26 @@ TEST(BlockCholesky, ProductsThroughTheInverseAreThoseOfTheDenseInverse) {
   }
 }
 
+TEST(BlockCholesky, ColoursNoiseAsTheInverseSays) {
+  Rng rng(16);
+  for (const int size : {1, 2, 9, 50}) {
+    const BlockMatrix matrix = random_matrix(size, random_pairs(size, size, rng), rng);
+    BlockCholesky cholesky(matrix);
+    ASSERT_TRUE(cholesky.factorise(matrix, 0.0));
+    // C C^T with each column what becomes of one unit of noise.
+    Eigen::MatrixXd colour(3 * size, 3 * size);
+    for (Eigen::Index column = 0; column < colour.cols(); ++column) {
+      std::vector<Eigen::Vector3d> z(static_cast<std::size_t>(size), Eigen::Vector3d::Zero());
+      z[static_cast<std::size_t>(column / 3)][column % 3] = 1.0;
+      cholesky.colour_in_place(z);
+      for (int i = 0; i < size; ++i)
+        colour.col(column).segment<3>(3 * i) = z[static_cast<std::size_t>(i)];
+    }
+    const Eigen::MatrixXd inverse = dense(matrix).inverse();
+    EXPECT_LT((colour * colour.transpose() - inverse).norm(), 1e-12 * inverse.norm());
+  }
+}
+
 TEST(SelectedInverse, IsTheDenseInverseWithinThePattern) {
   Rng rng(15);
   for (const int size : {1, 2, 9, 30, 80}) {

@@ -124,7 +124,9 @@ TEST(LooseParts, AnOpenStretchIsAsLongAsOdometrysScaleSays) {
   std::vector<StepDrift> drifts(
       100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal().toDenseMatrix()});
   for (std::size_t i = 20; i < 60; ++i) drifts[i].open = true;
-  const auto ties = [&] { return find_ties_of(graph, stamps_of(graph), drifts, {}, 0.01, {}, 0, 1.0); };
+  const auto ties = [&] {
+    return find_ties_of(graph, stamps_of(graph), drifts, {}, 0.01, {}, 0, 1.0);
+  };
   ASSERT_EQ(ties().open.size(), 1U);
   EXPECT_NEAR(ties().open[0].path_m, 40.0, 1e-9);
   EXPECT_NEAR(ties().open[0].sigma_m, std::hypot(0.01 * std::sqrt(40.0), 0.01 * 40.0), 1e-9);
