@@ -173,7 +173,6 @@ void bind_map_result(nb::module_& m) {
           "Writes the files that ``loopstone map`` writes, all of them or none. Raises UsageError\n"
           "when the folder holds something, unless forced.");
   cls.def("to_png", picture, "The bytes of map.png: map, path, closures, scale bar.");
-  cls.def("_repr_png_", picture);
   def_python(cls, "_repr_html_", "loopstone._notebook", "map_result_html",
              "def _repr_html_(self) -> str", "Map and verdict, for notebooks.");
   def_python(cls, "plot", "loopstone._plot", "plot_result",

@@ -7,9 +7,12 @@ NB_MODULE(_core, m) {
   m.attr("version") = nanobind::str(loopstone::kVersion.data(), loopstone::kVersion.size());
   bind_errors(m);
   bind_options(m);
+  bind_pose(m);
   bind_robot(m);
   bind_messages(m);
   bind_log(m);
+  bind_conversion(m);
+  bind_calibration(m);
   bind_trajectory(m);
   bind_maps(m);
   bind_texture(m);
@@ -18,6 +21,7 @@ NB_MODULE(_core, m) {
   bind_map_result(m);
   bind_mapper(m);
   bind_localization(m);
+  bind_relocalization(m);
   bind_match(m);
   bind_evaluation(m);
   bind_simulation(m);
