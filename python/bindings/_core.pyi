@@ -161,6 +161,9 @@ class LidarMount:
     def name(self) -> str:
         """For people."""
 
+    def replace(self, **changes: Any) -> LidarMount:
+        """The same with other values of some: ``lidar.replace(x_m=0.2)``."""
+
     def __eq__(self, other: object, /) -> bool: ...
 
     def __repr__(self) -> str: ...
@@ -194,7 +197,7 @@ class Robot:
     """
     What is fixed about a robot: wheels, and where its sensors sit. The defaults are those of
     the UCSD robot, ``robots/ucsd.toml``; a log's own words beat them. Can't be changed;
-    with_() makes another one.
+    replace() makes another one.
     """
 
     def __init__(self, toml: str = '') -> None:
@@ -227,13 +230,25 @@ class Robot:
 
     @property
     def lidars(self) -> list[LidarMount]:
-        """Where each sits; a copy: with_() changes it."""
+        """Where each sits; a copy: replace() changes it."""
 
     @property
     def robot_T_lidars(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
         """(L, 3) x, y [m], yaw [rad] of each lidar on the robot."""
 
+    def replace(self, changes: Mapping[str, Any] | None = None, /, *, lidars: Sequence[LidarMount] | None = None, **values: Any) -> Robot:
+        """
+        The same robot with other values of some keys of a robot file, two underscores for
+        the dot: ``robot.replace(wheels__track_width_m=0.4, footprint_radius_m=0.3)``.
+
+        :param changes: the same by their dotted keys: ``{"lidars[0].x_m": 0.2}``
+        :param lidars: in place of all that it has
+        :raises OptionsError: with all that is wrong with them
+        """
+
     def __repr__(self) -> str: ...
+
+def replaced_robot(robot: Robot, changes: Sequence[tuple[str, str]], lidars: Sequence[LidarMount] | None) -> Robot: ...
 
 class LaserScan:
     """
@@ -1258,6 +1273,16 @@ class MapResult:
         """That the map was made with: mounts and wheels."""
 
     @property
+    def has_state(self) -> bool:
+        """
+        Another drive can go on with it, and it can be edited: made with ``keep_state=True``.
+        """
+
+    @property
+    def drives(self) -> int:
+        """How many drives it is of: more than 1 of a map that was gone on with."""
+
+    @property
     def options_toml(self) -> str:
         """The effective options."""
 
@@ -1277,9 +1302,106 @@ class MapResult:
 
     def __repr__(self) -> str: ...
 
-def map_log(log: Log, options: OptionValues, start_s: float, duration_s: float, max_scans: int, threads: int, texture: bool, progress: object | None) -> MapResult: ...
+def map_log(log: Log, options: OptionValues, start_s: float, duration_s: float, max_scans: int, threads: int, texture: bool, keep_state: bool, from_folder: str | os.PathLike[str] | None, from_result: MapResult | None, progress: object | None) -> MapResult: ...
 
 def map_messages(messages: Iterable[object], robot: Robot | None, options: OptionValues, threads: int, progress: object | None) -> MapResult: ...
+
+class EditReport:
+    """What became of an edit."""
+
+    @property
+    def applied(self) -> bool:
+        """False: it was refused, and nothing has changed."""
+
+    @property
+    def told(self) -> str:
+        """What it did, or why it was refused, in words."""
+
+    @property
+    def closure(self) -> LoopClosure | None:
+        """Added, taken out or refused; else None."""
+
+    @property
+    def closures_revoked(self) -> int:
+        """Others that contradict the graph since."""
+
+    @property
+    def moved_m(self) -> float:
+        """How far a key scan moved at most."""
+
+    @property
+    def moved_rad(self) -> float:
+        """How far one turned at most."""
+
+    @property
+    def verdict_before(self) -> str:
+        """Of the graph alone."""
+
+    @property
+    def verdict(self) -> str:
+        """Of the graph since."""
+
+    def __bool__(self) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+class MapEditor:
+    """
+    A finished map in somebody's hand, as ``loopstone edit`` has it: a list of edits, done to
+    what the map was made of. Points and polygons are told in the frame of the map before all
+    edits.
+    """
+
+    def __init__(self, map: MapResult, *, threads: int = 0) -> None:
+        """
+        Of a map made with ``keep_state=True``; it stays as it is. Raises UsageError.
+        """
+
+    def add(self, kind: str, **keys: Any) -> EditReport:
+        """
+        One more edit: ``editor.add("crop", box=[0, 0, 20, 10])``. Kinds and keys are
+        those of docs/editing.md. One that is refused is on the list all the same, and changes
+        nothing. Raises OptionsError for what is no edit.
+        """
+
+    def add_toml(self, toml: str, name: str = 'edits') -> list[EditReport]:
+        """All ``[[edit]]`` tables of a text, in their order."""
+
+    def undo(self) -> bool:
+        """Takes the last one away; False when there is none."""
+
+    def __len__(self) -> int: ...
+
+    @property
+    def reports(self) -> list[EditReport]:
+        """What became of each."""
+
+    def to_toml(self) -> str:
+        """The list, as ``loopstone edit --edits`` takes it."""
+
+    @property
+    def map_T_keys(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (K, 3) of the graph's nodes with all edits so far, in the frame that they ask for.
+        """
+
+    @property
+    def verdict(self) -> str:
+        """Of the graph with all edits so far, before the map is drawn."""
+
+    @property
+    def loop_closures(self) -> list[LoopClosure]:
+        """With all edits so far."""
+
+    def draw(self, progress: Callable[[str, int, int, int, float], object] | None = None) -> MapResult:
+        """
+        The map with the edits, with all that map() gives but the floor's colour; its save()
+        writes the edits and the masks of zones, too. Raises UsageError while one is refused.
+        """
+
+    def __repr__(self) -> str: ...
+
+def add_edit(editor: MapEditor, toml: str) -> EditReport: ...
 
 class MapEvent:
     """What happened since the scan before."""

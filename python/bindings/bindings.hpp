@@ -22,6 +22,7 @@ void bind_texture(nb::module_& m);
 void bind_graph(nb::module_& m);
 void bind_verdict(nb::module_& m);
 void bind_map_result(nb::module_& m);
+void bind_editor(nb::module_& m);
 void bind_mapper(nb::module_& m);
 void bind_localization(nb::module_& m);
 void bind_relocalization(nb::module_& m);

@@ -19,6 +19,7 @@ NB_MODULE(_core, m) {
   bind_graph(m);
   bind_verdict(m);
   bind_map_result(m);
+  bind_editor(m);
   bind_mapper(m);
   bind_localization(m);
   bind_relocalization(m);

@@ -61,9 +61,9 @@ void bind_lidar(nb::module_& m) {
       "From the first beam to the last, where scans do not tell; negative: the last comes\n"
       "first [s].");
   lidar.def_ro("name", &LidarMount::name, "For people.");
-  def_python(lidar, "with_", "loopstone._values", "lidar_with",
-             "def with_(self, **changes: typing.Any) -> LidarMount",
-             "The same with other values of some: ``lidar.with_(x_m=0.2)``.");
+  def_python(lidar, "replace", "loopstone._values", "replaced_lidar",
+             "def replace(self, **changes: typing.Any) -> LidarMount",
+             "The same with other values of some: ``lidar.replace(x_m=0.2)``.");
   lidar.def(
       "__eq__",
       [](const LidarMount& self, nb::handle other) {
@@ -118,7 +118,7 @@ void def_parts(nb::class_<Robot>& robot) {
       "wheels", [](const Robot& self) { return self.model.wheels; }, "What its counts mean.");
   robot.def_prop_ro(
       "lidars", [](const Robot& self) { return self.model.lidars; },
-      "Where each sits; a copy: with_() changes it.");
+      "Where each sits; a copy: replace() changes it.");
   def_array(
       robot, "robot_T_lidars",
       [](const Robot& self) {
@@ -138,7 +138,7 @@ void bind_robot(nb::module_& m) {
       m, "Robot",
       "What is fixed about a robot: wheels, and where its sensors sit. The defaults are those of\n"
       "the UCSD robot, ``robots/ucsd.toml``; a log's own words beat them. Can't be changed;\n"
-      "with_() makes another one.");
+      "replace() makes another one.");
   robot.def(
       "__init__",
       [](Robot* self, const std::string& toml) {
@@ -156,17 +156,19 @@ void bind_robot(nb::module_& m) {
       "to_toml", [](const Robot& self) { return robot_to_toml(self.model); },
       "As the text of a robot file, with help texts.");
   def_parts(robot);
-  robot.def("_with_values", with_values, nb::arg("changes"), nb::arg("lidars").none());
-  def_python(robot, "with_", "loopstone._values", "robot_with",
-             "def with_(self, changes: collections.abc.Mapping[str, typing.Any] | None = None, /, "
-             "*, lidars: collections.abc.Sequence[LidarMount] | None = None, **values: typing.Any) "
-             "-> Robot",
-             "The same robot with other values of some keys of a robot file, two underscores for\n"
-             "the dot: ``robot.with_(wheels__track_width_m=0.4, footprint_radius_m=0.3)``.\n\n"
-             ":param changes: the same by their dotted keys: ``{\"lidars[0].x_m\": 0.2}``\n"
-             ":param lidars: in place of all that it has\n"
-             ":raises OptionsError: with all that is wrong with them");
+  def_python(
+      robot, "replace", "loopstone._values", "replaced_robot",
+      "def replace(self, changes: collections.abc.Mapping[str, typing.Any] | None = None, /, "
+      "*, lidars: collections.abc.Sequence[LidarMount] | None = None, **values: typing.Any) "
+      "-> Robot",
+      "The same robot with other values of some keys of a robot file, two underscores for\n"
+      "the dot: ``robot.replace(wheels__track_width_m=0.4, footprint_radius_m=0.3)``.\n\n"
+      ":param changes: the same by their dotted keys: ``{\"lidars[0].x_m\": 0.2}``\n"
+      ":param lidars: in place of all that it has\n"
+      ":raises OptionsError: with all that is wrong with them");
   robot.def("__repr__", [](const Robot& self) { return "<Robot '" + self.model.name + "'>"; });
+  m.def("replaced_robot", with_values, nb::arg("robot"), nb::arg("changes"),
+        nb::arg("lidars").none());
 }
 
 }  // namespace loopstone::python

@@ -84,6 +84,8 @@ def map(  # noqa: A001 - the word for it
     duration_s: float = 0.0,
     max_scans: int = 0,
     texture: bool = True,
+    keep_state: bool = False,
+    continue_from: _core.MapResult | StrPath | None = None,
     threads: int = 0,
     progress: ProgressLike = False,
     **overrides: Any,
@@ -100,6 +102,10 @@ def map(  # noqa: A001 - the word for it
     :param duration_s: use so much of the log; 0: all
     :param max_scans: use so many scans; 0: all
     :param texture: the floor in colour, when the log has RGB-D
+    :param keep_state: the result can be gone on with, edited (:class:`MapEditor`), and saves
+        state.loopstone
+    :param continue_from: a map with its state, or the folder of one: the log is another drive in
+        its building, which may begin anywhere in it
     :param threads: 0: one for each processor
     :param progress: True shows a bar by tqdm; or a function that is told a :class:`Progress`
     :raises DataError: nothing can be made of the log
@@ -109,9 +115,23 @@ def map(  # noqa: A001 - the word for it
     values = option_values("MapOptions", options, overrides)
     with told(progress) as tell:
         if isinstance(log, (str, os.PathLike, _core.Log)):
+            before = continue_from if isinstance(continue_from, _core.MapResult) else None
+            folder = None if isinstance(continue_from, _core.MapResult) else continue_from
             return _core.map_log(
-                _log_of(log, robot), values, start_s, duration_s, max_scans, threads, texture, tell
+                _log_of(log, robot),
+                values,
+                start_s,
+                duration_s,
+                max_scans,
+                threads,
+                texture,
+                keep_state,
+                folder,
+                before,
+                tell,
             )
+        if keep_state or continue_from is not None:
+            raise TypeError("keep_state and continue_from are of logs, not of messages")
         if start_s or duration_s or max_scans:
             raise TypeError("start_s, duration_s and max_scans are of logs; cut the messages")
         if robot is None and isinstance(log, _core.Simulation):

@@ -54,7 +54,7 @@ def option_values(
     return _core.OptionValues(file, [(key, _text(value)) for key, value in values.items()])
 
 
-def robot_with(
+def replaced_robot(
     robot: _core.Robot,
     changes: Mapping[str, Any] | None = None,
     /,
@@ -64,10 +64,10 @@ def robot_with(
 ) -> _core.Robot:
     given = {**(changes or {}), **{key.replace("__", "."): v for key, v in values.items()}}
     texts = [(key, _text(value)) for key, value in given.items()]
-    return robot._with_values(texts, None if lidars is None else list(lidars))
+    return _core.replaced_robot(robot, texts, None if lidars is None else list(lidars))
 
 
-def lidar_with(lidar: _core.LidarMount, /, **changes: Any) -> _core.LidarMount:
+def replaced_lidar(lidar: _core.LidarMount, /, **changes: Any) -> _core.LidarMount:
     names = ("x_m", "y_m", "yaw_rad", "height_m", "upside_down", "sweep_s", "name")
     return _core.LidarMount(**{**{name: getattr(lidar, name) for name in names}, **changes})
 

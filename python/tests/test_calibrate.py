@@ -15,12 +15,7 @@ def turned_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two minutes of a robot whose laser sits otherwise than its log says."""
     path = tmp_path_factory.mktemp("turned") / "drive.mcap"
     drive = ls.simulate(
-        "office",
-        seed=1,
-        realism="mount",
-        duration_s=120.0,
-        laser__beams=181,
-        laser__rate_hz=5.0,
+        "office", seed=1, realism="mount", duration_s=120.0, laser__beams=181, laser__rate_hz=5.0
     )
     drive.save(path, "mcap")
     return path
@@ -54,7 +49,7 @@ def test_a_given_mount_that_is_wrong_is_put_right(turned_log: Path) -> None:
     by_log = ls.calibrate(turned_log)
     assert by_log.mount_is_off
     yaw = by_log.robot.lidars[0].yaw_rad
-    wrong = by_log.robot.with_({"lidars[0].yaw_rad": yaw + 0.1})
+    wrong = by_log.robot.replace({"lidars[0].yaw_rad": yaw + 0.1})
     found = ls.calibrate(ls.open_log(turned_log, robot=wrong))
     assert found.mount_is_off and found.lidar_yaw_rad.observable
     assert found.lidar_yaw_rad.given == pytest.approx(yaw + 0.1)
@@ -104,10 +99,10 @@ def test_nothing_is_written_over(log: Path, tmp_path: Path) -> None:
         ls.convert(log, tmp_path / "a", format="xyz")
 
 
-def test_an_ended_conversion_leaves_nothing(log: Path, tmp_path: Path) -> None:
+def test_an_ended_conversion_leaves_nothing(long_log: Path, tmp_path: Path) -> None:
     def end(progress: ls.Progress) -> None:
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
-        ls.open_log(log).save(tmp_path / "copy.mcap", progress=end)
+        ls.open_log(long_log).save(tmp_path / "copy.mcap", progress=end)
     assert list(tmp_path.iterdir()) == []

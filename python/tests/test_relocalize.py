@@ -41,9 +41,7 @@ def test_all_candidates_are_those_of_the_program(
     for candidate, expected in zip(found.candidates, told["candidates"]):
         assert candidate.probability == pytest.approx(expected["probability"], abs=1e-3)
         assert candidate.explained == pytest.approx(expected["explained"], abs=1e-3)
-        assert candidate.map_T_robot[0] == pytest.approx(
-            expected["map_T_robot"]["x_m"], abs=1e-3
-        )
+        assert candidate.map_T_robot[0] == pytest.approx(expected["map_T_robot"]["x_m"], abs=1e-3)
 
 
 def test_several_scans_on_the_way_tell_more(

@@ -97,7 +97,7 @@ def test_ctrl_c_ends_a_call_at_once(call: str, long_log: Path, tmp_path: Path) -
         import time, numpy as np, loopstone as ls
 
         def big_graph(n=60000):
-            """Of which nothing is solved in half a second."""
+            # Of which nothing is solved in half a second.
             rng = np.random.default_rng(1)
             poses = np.cumsum(rng.normal(size=(n, 3)), axis=0)
             edges = [(i, i + 1) for i in range(n - 1)]
