@@ -3,7 +3,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,7 +11,6 @@
 #include "bindings.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/convert_log.hpp"
-#include "loopstone/formats/log_files.hpp"
 #include "mapping.hpp"
 #include "path_like.hpp"
 #include "reading.hpp"
@@ -21,8 +19,6 @@
 namespace loopstone::python {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 /// What was written, and what is to be said of it.
 struct Converted {
@@ -33,24 +29,10 @@ struct Converted {
   Robot robot{};  ///< by which the new log's wheel counts are to be read
 };
 
-/// A log is not written over itself, nor over what somebody may want to keep.
-void require_free(const LogTarget& target, const std::string& source, bool force) {
-  const std::vector<std::string> read = LogFiles(source).paths();
-  for (const std::string& path : log_parts(target).files) {
-    std::error_code ignored;
-    for (const std::string& other : read) {
-      if (fs::equivalent(path, other, ignored))
-        throw UsageError(path + ": this is the log that is read; name another file");
-    }
-    if (!force && fs::exists(path, ignored))
-      throw UsageError(path + ": is there already; force=True overwrites it");
-  }
-}
-
 Converted convert(const Log& log, const std::string& path, const std::optional<std::string>& format,
                   bool force, Work& work) {
   const LogTarget target = log_target(path, format);
-  require_free(target, log.path, force);
+  require_free_place(target, log.path, force);
   const ReadingWatch watch = watch_by(work);
   LogSource source = log.source(watch.stop);
   source.how.topics.pictures = true;

@@ -5,11 +5,9 @@
 #include <nanobind/stl/vector.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,6 +17,7 @@
 #include "json.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/image.hpp"
+#include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/session_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
@@ -52,12 +51,10 @@ void save(const Shared& self, const PathLike& folder, bool force) {
   RunInfo info = self->info;
   info.force = force;
   write_map_outputs(self->result, info, folder.value, extras_of(*self));
-  // A state beside the results is theirs: one of an older map goes.
   if (self->state) {
-    write_session(state_path(folder.value), *self->state);
+    write_session(kept_state_path(folder.value), *self->state);
   } else {
-    std::error_code ignored;
-    std::filesystem::remove(state_path(folder.value), ignored);
+    remove_kept_state(folder.value);
   }
 }
 
@@ -234,8 +231,9 @@ void bind_map_result(nb::module_& m) {
         if (from_result != nullptr) plan = gone_on_with(std::move(plan), *from_result);
         return work(progress, [&](Work& own) {
           if (from_folder) {
-            plan.goes_on_with = read_state(from_folder->value);
-            plan.goes_on_from = state_path(from_folder->value);
+            plan.goes_on_with = std::make_shared<const Session>(
+                read_kept_state(from_folder->value, machine_memory_budget()));
+            plan.goes_on_from = kept_state_path(from_folder->value);
           }
           return map_log(log, options, plan, own);
         });

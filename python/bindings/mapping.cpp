@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
-#include <filesystem>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -15,7 +13,6 @@
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/rgbd_files.hpp"
 #include "loopstone/formats/robot_file.hpp"
-#include "loopstone/formats/session_file.hpp"
 #include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/slam/mapper.hpp"
@@ -134,26 +131,6 @@ void colour(Mapped& mapped, std::vector<RgbdFrame> frames, const LogReader& read
 
 ReadingWatch watch_by(Work& work) {
   return {.stop = [&work] { return !work.goes_on(); }, .progress = work.callback()};
-}
-
-std::string state_path(const std::string& folder) {
-  return (std::filesystem::path(folder) / "state.loopstone").string();
-}
-
-std::shared_ptr<const Session> read_state(const std::string& folder) {
-  const std::string path = state_path(folder);
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) {
-    throw DataError({folder},
-                    "holds no state.loopstone; a result of map(keep_state=True) saves one, and "
-                    "`loopstone map --keep-state` leaves one");
-  }
-  if (std::filesystem::exists(std::filesystem::path(folder) / "edits.toml", ignored)) {
-    throw DataError({folder},
-                    "is a map that was edited; go on with the one that was not, then do the same "
-                    "edits to what comes of it");
-  }
-  return std::make_shared<const Session>(read_session(path, machine_memory_budget()));
 }
 
 std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const MappingPlan& plan,

@@ -57,11 +57,6 @@ struct MappingPlan {
 [[nodiscard]] std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options,
                                               const MappingPlan& plan, Work& work);
 
-/// A state as `loopstone map --keep-state` leaves it in a folder. Throws DataError.
-[[nodiscard]] std::shared_ptr<const Session> read_state(const std::string& folder);
-/// Where it lies there.
-[[nodiscard]] std::string state_path(const std::string& folder);
-
 /// The same of messages that are there already.
 [[nodiscard]] std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
                                                    const RobotModel& robot, MapOptions options,

@@ -143,9 +143,7 @@ void def_reality(nb::class_<Simulated>& simulated) {
       nb::arg("path"), "Writes them as ``loopstone localize --landmarks`` takes them.");
 }
 
-}  // namespace
-
-void bind_simulation(nb::module_& m) {
+void bind_simulated(nb::module_& m) {
   nb::class_<Simulated> simulated(
       m, "Simulation",
       "What a simulated robot measured, and the truth; an iterable of its messages.");
@@ -183,6 +181,12 @@ void bind_simulation(nb::module_& m) {
   simulated.def("__repr__", [](const Simulated& self) {
     return "<Simulation of " + std::to_string(self.summary.scans) + " scans>";
   });
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& m) {
+  bind_simulated(m);
   m.def(
       "simulate",
       [](nb::handle world, const Robot* robot, std::uint64_t seed, const std::string& realism,
