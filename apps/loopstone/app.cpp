@@ -23,7 +23,8 @@ void AppContext::set_command_line(const std::string& program, int argc, const ch
 
 void AppContext::add_common_flags(CLI::App& command) {
   command.add_flag("--json", json_, "print the result as one JSON object on stdout");
-  command.add_flag("-q,--quiet", quiet_, "no progress and no notes, warnings and errors only");
+  command.add_flag("-q,--quiet", quiet_,
+                   "no progress and no notes on stderr, warnings and errors only");
   command
       .add_option(
           "--max-memory", max_memory_,

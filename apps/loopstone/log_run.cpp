@@ -64,6 +64,7 @@ void judge_left_out(const LeftOut& left_out, const std::string& path, const AppC
   if (finding->severity == Severity::kError) {
     throw DataError({path}, "nothing can be made of this log: " + finding->text);
   }
+  if (finding->severity == Severity::kNote) return context.note(finding->text);
   context.warn(finding->text);
 }
 

@@ -54,7 +54,7 @@ Starts:   best           the cheapest of chordal, spanning_tree, odometry and th
 --certify minimises the isotropic objective of SE-Sync (kappa = I33, tau = 2 / tr(I_tt^-1)) first, proves that its minimum is the
 global one, and begins the solution there; a local minimum is left along its direction of negative curvature. What was certified,
 the smallest eigenvalue, its tolerance and the largest gap that is left are part of the result. With a robust kernel the edges
-that the solution kept (weight 0.5 or more) are certified.
+that the solution kept (weight 0.5 or more) are certified; nothing is proven of those set aside, which may have been right.
 --robust softens loop closures that disagree, by a kernel; gnc (graduated non-convexity) finds out which are wrong, up to most of
 them, and leaves them out. --set reaches solver.*, gnc.* and certificate.*.
 

@@ -59,7 +59,10 @@ void add_certificate(Result& result, const GraphRun& run) {
       .add_json("certificate.objective",
                 "sum of kappa |R_to - R_from R|_F^2 + tau |t_to - t_from - R_from t|^2, "
                 "kappa = I33, tau = 2 / tr(I_tt^-1)")
-      .add_json("certificate.edges", found.certified_edges)
+      .add_json("certificate.edges", certificate.edges)
+      .add_json("certificate.edges_set_aside", certificate.edges_set_aside)
+      .add_json("certificate.loop_closures_set_aside", certificate.closures_set_aside)
+      .add_json("certificate.whole_graph", certificate.is_of_whole_graph())
       .add_json("certificate.cost", certificate.cost)
       .add_json("certificate.lower_bound", certificate.lower_bound)
       .add_json("certificate.eigenvalue_tolerance", certificate.eigenvalue_tolerance)

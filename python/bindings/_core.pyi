@@ -8,7 +8,7 @@ from collections.abc import (
     Sequence
 )
 import os
-from typing import Annotated, Any
+from typing import Annotated, Any, overload
 
 import matplotlib.axes
 import networkx
@@ -17,6 +17,7 @@ import numpy.typing
 from numpy.typing import NDArray
 import pandas
 
+import loopstone._progress
 import loopstone.options
 
 
@@ -37,10 +38,166 @@ def options_toml(of: str, values: OptionValues) -> str:
     The effective options as TOML, as `loopstone config` prints them. Raises OptionsError.
     """
 
+class Pose:
+    """
+    A rigid motion of the plane: where frame b lies in frame a, ``a_T_b``. Can't be changed.
+
+    Poses are arrays (3,) elsewhere; this is for who computes with them. Whatever takes a pose
+    takes one of these.
+    """
+
+    def __init__(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
+        """x, y [m], yaw [rad]. Raises ValueError for what is not finite."""
+
+    @staticmethod
+    def of(pose: numpy.typing.ArrayLike) -> Pose:
+        """Of an array (3,): x, y, yaw. Raises ValueError."""
+
+    @property
+    def x(self) -> float:
+        """[m]"""
+
+    @property
+    def y(self) -> float:
+        """[m]"""
+
+    @property
+    def yaw(self) -> float:
+        """[rad] counter-clockwise, in (-pi, pi]."""
+
+    @property
+    def matrix(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(3, 3) of homogeneous coordinates."""
+
+    @overload
+    def __matmul__(self, arg: Pose, /) -> Pose:
+        """``a_T_c = a_T_b @ b_T_c``."""
+
+    @overload
+    def __matmul__(self, points: numpy.typing.ArrayLike, /) -> numpy.typing.NDArray[numpy.float64]:
+        """As :meth:`transform`."""
+
+    def transform(self, points: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (N, 2) or (2,) points of the pose's own frame, in the frame that it lies in [m]. Points that
+        are not finite stay so. Raises ValueError for another shape.
+        """
+
+    def inverse(self) -> Pose:
+        """``b_T_a`` of ``a_T_b``."""
+
+    def between(self, other: Pose) -> Pose:
+        """The other one as seen from here: ``self.inverse() @ other``."""
+
+    def interpolate(self, other: Pose, ratio: float) -> Pose:
+        """
+        Along the arc to the other one: 0 is here, 1 is there; it goes on beyond both.
+        """
+
+    @staticmethod
+    def exp(twist: numpy.typing.ArrayLike) -> Pose:
+        """The motion along a twist (3,) [m, m, rad] for unit time: an arc."""
+
+    @property
+    def twist(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) of which this is exp()."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int) -> float: ...
+
+    def __iter__(self) -> Iterator[float]: ...
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> numpy.typing.NDArray[Any]: ...
+
+    __array_ufunc__: None = None
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+class LidarMount:
+    """Where a planar lidar sits on the robot; can't be changed."""
+
+    def __init__(self, x_m: float = 0.14, y_m: float = 0.0, yaw_rad: float = 0.0, *, height_m: float = 0.51435, upside_down: bool = False, sweep_s: float = 0.0, name: str = 'front') -> None:
+        """
+        By default that of the UCSD robot. Values are checked by the robot that gets it.
+        """
+
+    @property
+    def x_m(self) -> float:
+        """Ahead of the robot's centre [m]."""
+
+    @property
+    def y_m(self) -> float:
+        """Left of it [m]."""
+
+    @property
+    def yaw_rad(self) -> float:
+        """Where its x axis points, counter-clockwise [rad]."""
+
+    @property
+    def robot_T_lidar(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) the three together."""
+
+    @property
+    def height_m(self) -> float:
+        """Above the floor [m]."""
+
+    @property
+    def upside_down(self) -> bool:
+        """Its beams go round the other way than its scans say."""
+
+    @property
+    def sweep_s(self) -> float:
+        """
+        From the first beam to the last, where scans do not tell; negative: the last comes
+        first [s].
+        """
+
+    @property
+    def name(self) -> str:
+        """For people."""
+
+    def replace(self, **changes: Any) -> LidarMount:
+        """The same with other values of some: ``lidar.replace(x_m=0.2)``."""
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+class WheelModel:
+    """A differential drive, of :attr:`Robot.wheels`; can't be changed."""
+
+    @property
+    def metres_per_count(self) -> float:
+        """How far a wheel rolls for each encoder count."""
+
+    @property
+    def track_width_m(self) -> float:
+        """Effective distance of the left from the right wheels, for turning."""
+
+    @property
+    def counts_are_cumulative(self) -> bool:
+        """Since the start; else since the last reading."""
+
+    @property
+    def counter_bits(self) -> int:
+        """Cumulative counters wrap at 2 to this power."""
+
+    @property
+    def radius_m(self) -> float:
+        """Of wheels that are told as angles."""
+
+    def __repr__(self) -> str: ...
+
 class Robot:
     """
     What is fixed about a robot: wheels, and where its sensors sit. The defaults are those of
-    the UCSD robot, ``robots/ucsd.toml``; a log's own words beat them.
+    the UCSD robot, ``robots/ucsd.toml``; a log's own words beat them. Can't be changed;
+    replace() makes another one.
     """
 
     def __init__(self, toml: str = '') -> None:
@@ -64,10 +221,34 @@ class Robot:
         """Cells this near to its path are free."""
 
     @property
+    def odometry_scale(self) -> float:
+        """Odometry's way / the real one; 1: learned while driving."""
+
+    @property
+    def wheels(self) -> WheelModel:
+        """What its counts mean."""
+
+    @property
+    def lidars(self) -> list[LidarMount]:
+        """Where each sits; a copy: replace() changes it."""
+
+    @property
     def robot_T_lidars(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
         """(L, 3) x, y [m], yaw [rad] of each lidar on the robot."""
 
+    def replace(self, changes: Mapping[str, Any] | None = None, /, *, lidars: Sequence[LidarMount] | None = None, **values: Any) -> Robot:
+        """
+        The same robot with other values of some keys of a robot file, two underscores for
+        the dot: ``robot.replace(wheels__track_width_m=0.4, footprint_radius_m=0.3)``.
+
+        :param changes: the same by their dotted keys: ``{"lidars[0].x_m": 0.2}``
+        :param lidars: in place of all that it has
+        :raises OptionsError: with all that is wrong with them
+        """
+
     def __repr__(self) -> str: ...
+
+def replaced_robot(robot: Robot, changes: Sequence[tuple[str, str]], lidars: Sequence[LidarMount] | None) -> Robot: ...
 
 class LaserScan:
     """
@@ -338,7 +519,203 @@ class Log:
         Reads it to its end and tells what is in it. Raises DataError, KeyboardInterrupt.
         """
 
+    def save(self, path: str | os.PathLike[str], *, format: str | None = None, force: bool = False, progress: loopstone._progress.ProgressLike = False) -> Conversion:
+        """Writes it in another format; see :func:`loopstone.convert`."""
+
     def __repr__(self) -> str: ...
+
+class Conversion:
+    """A log that was written in another format."""
+
+    @property
+    def path(self) -> str:
+        """Where it is."""
+
+    @property
+    def format(self) -> str:
+        """Its name, such as ``carmen``."""
+
+    @property
+    def scans(self) -> int:
+        """That were read."""
+
+    @property
+    def odometry_poses(self) -> int:
+        """Likewise."""
+
+    @property
+    def wheel_readings(self) -> int:
+        """Likewise."""
+
+    @property
+    def inertial_readings(self) -> int:
+        """Likewise."""
+
+    @property
+    def camera_frames(self) -> int:
+        """Likewise."""
+
+    @property
+    def poses_by_dead_reckoning(self) -> int:
+        """Made of wheel counts and gyro, for a format with poses and no counts."""
+
+    @property
+    def records_skipped(self) -> int:
+        """Of the old log: broken, repeated or out of order."""
+
+    @property
+    def notes(self) -> list[str]:
+        """
+        What the new format could not carry, or carries in its own way, in words.
+        """
+
+    @property
+    def robot(self) -> Robot:
+        """
+        By which the new log's wheel counts are to be read: no log says it itself.
+        """
+
+    def __repr__(self) -> str: ...
+
+def convert(log: Log, path: str | os.PathLike[str], format: str | None, force: bool, progress: object | None) -> Conversion: ...
+
+class CalibratedValue:
+    """A value that a log tells."""
+
+    @property
+    def value(self) -> float:
+        """Means nothing when it is not observable."""
+
+    @property
+    def sigma(self) -> float:
+        """One standard deviation."""
+
+    @property
+    def given(self) -> float:
+        """As the robot or the log has it."""
+
+    @property
+    def observable(self) -> bool:
+        """The robot moved so that the log tells it."""
+
+    def __repr__(self) -> str: ...
+
+class WheelCalibration:
+    """What wheel counts by themselves, without a gyro, tell."""
+
+    @property
+    def translation_scale(self) -> CalibratedValue:
+        """The way by the wheels / the laser's."""
+
+    @property
+    def rotation_scale(self) -> CalibratedValue:
+        """The turns by the wheels / the laser's."""
+
+    @property
+    def turn_per_m_rad(self) -> CalibratedValue:
+        """They turn so far a metre while the robot does not."""
+
+    @property
+    def metres_per_count(self) -> float:
+        """Put right, if it is certainly wrong; else as given."""
+
+    @property
+    def track_width_m(self) -> float:
+        """Likewise."""
+
+class CalibrationResult:
+    """
+    How a robot's sensors sit and count, by its own motion; see
+    :func:`loopstone.calibrate`.
+    """
+
+    @property
+    def lidar_x_m(self) -> CalibratedValue:
+        """Of the laser on the robot: ahead [m]."""
+
+    @property
+    def lidar_y_m(self) -> CalibratedValue:
+        """To the left [m]."""
+
+    @property
+    def lidar_yaw_rad(self) -> CalibratedValue:
+        """Where it looks [rad]."""
+
+    @property
+    def translation_scale(self) -> CalibratedValue:
+        """Odometry's way / the laser's."""
+
+    @property
+    def rotation_scale(self) -> CalibratedValue:
+        """Odometry's turns / the laser's."""
+
+    @property
+    def turn_bias_rad_s(self) -> CalibratedValue:
+        """Odometry turns so fast while the robot does not."""
+
+    @property
+    def turn_per_m_rad(self) -> CalibratedValue:
+        """Odometry turns so far a metre while the robot does not."""
+
+    @property
+    def laser_delay_s(self) -> CalibratedValue:
+        """Scans show the robot so long after their stamp, by odometry's clock."""
+
+    @property
+    def sweep_s(self) -> CalibratedValue:
+        """From the first beam to the last, where scans do not tell."""
+
+    @property
+    def motions(self) -> int:
+        """That were compared."""
+
+    @property
+    def lidar_covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(3, 3) of the laser's x, y, yaw on the robot."""
+
+    @property
+    def mount_is_off(self) -> bool:
+        """
+        The laser sits elsewhere than was told: significant, and both halves of the log say so.
+        """
+
+    @property
+    def mount_is_certain(self) -> bool:
+        """So much so that a map is made with the mount put right."""
+
+    @property
+    def laser_is_mirrored(self) -> bool:
+        """Its beams go round the other way: it hangs upside down."""
+
+    @property
+    def mirror_is_in_doubt(self) -> bool:
+        """Or it is odometry that turns the other way; no gyro tells."""
+
+    @property
+    def sweep_is_off(self) -> bool:
+        """The sweep must be told."""
+
+    @property
+    def wheels(self) -> WheelCalibration | None:
+        """By the wheels alone; None of a log without counts."""
+
+    @property
+    def robot(self) -> Robot:
+        """
+        With what is certainly wrong put right, as ``loopstone calibrate -o`` writes it.
+        """
+
+    @property
+    def robot_given(self) -> Robot:
+        """As it was told; beams that are off put right."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """Of the log, in plain words."""
+
+    def __repr__(self) -> str: ...
+
+def calibrate_log(log: Log, options: OptionValues, start_s: float, duration_s: float, max_scans: int, threads: int, progress: object | None) -> CalibrationResult: ...
 
 class Trajectory:
     """
@@ -615,7 +992,7 @@ class Certificate:
 
     @property
     def certified(self) -> bool:
-        """It is proven; also what bool() tells."""
+        """It is proven, of the edges that it is about; also what bool() tells."""
 
     @property
     def status(self) -> str:
@@ -638,6 +1015,31 @@ class Certificate:
     @property
     def min_eigenvalue(self) -> float:
         """Of the dual certificate matrix; at an optimum 0 to rounding."""
+
+    @property
+    def edges(self) -> int:
+        """That it is about."""
+
+    @property
+    def edges_set_aside(self) -> int:
+        """
+        Edges that a robust kernel turned down before (weight below 0.5). Nothing is
+        proven of them, nor that turning them down was right.
+        """
+
+    @property
+    def loop_closures_set_aside(self) -> int:
+        """
+        Of these, loop closures. When it is most of them, what was proven is little
+        more than that odometry agrees with itself.
+        """
+
+    @property
+    def whole_graph(self) -> bool:
+        """
+        It is about every edge; also what a certificate should be asked that is
+        to stand for a map.
+        """
 
     def __bool__(self) -> bool: ...
 
@@ -871,6 +1273,16 @@ class MapResult:
         """That the map was made with: mounts and wheels."""
 
     @property
+    def has_state(self) -> bool:
+        """
+        Another drive can go on with it, and it can be edited: made with ``keep_state=True``.
+        """
+
+    @property
+    def drives(self) -> int:
+        """How many drives it is of: more than 1 of a map that was gone on with."""
+
+    @property
     def options_toml(self) -> str:
         """The effective options."""
 
@@ -890,9 +1302,106 @@ class MapResult:
 
     def __repr__(self) -> str: ...
 
-def map_log(log: Log, options: OptionValues, start_s: float, duration_s: float, max_scans: int, threads: int, texture: bool, progress: object | None) -> MapResult: ...
+def map_log(log: Log, options: OptionValues, start_s: float, duration_s: float, max_scans: int, threads: int, texture: bool, keep_state: bool, from_folder: str | os.PathLike[str] | None, from_result: MapResult | None, progress: object | None) -> MapResult: ...
 
 def map_messages(messages: Iterable[object], robot: Robot | None, options: OptionValues, threads: int, progress: object | None) -> MapResult: ...
+
+class EditReport:
+    """What became of an edit."""
+
+    @property
+    def applied(self) -> bool:
+        """False: it was refused, and nothing has changed."""
+
+    @property
+    def told(self) -> str:
+        """What it did, or why it was refused, in words."""
+
+    @property
+    def closure(self) -> LoopClosure | None:
+        """Added, taken out or refused; else None."""
+
+    @property
+    def closures_revoked(self) -> int:
+        """Others that contradict the graph since."""
+
+    @property
+    def moved_m(self) -> float:
+        """How far a key scan moved at most."""
+
+    @property
+    def moved_rad(self) -> float:
+        """How far one turned at most."""
+
+    @property
+    def verdict_before(self) -> str:
+        """Of the graph alone."""
+
+    @property
+    def verdict(self) -> str:
+        """Of the graph since."""
+
+    def __bool__(self) -> bool: ...
+
+    def __repr__(self) -> str: ...
+
+class MapEditor:
+    """
+    A finished map in somebody's hand, as ``loopstone edit`` has it: a list of edits, done to
+    what the map was made of. Points and polygons are told in the frame of the map before all
+    edits.
+    """
+
+    def __init__(self, map: MapResult, *, threads: int = 0) -> None:
+        """
+        Of a map made with ``keep_state=True``; it stays as it is. Raises UsageError.
+        """
+
+    def add(self, kind: str, **keys: Any) -> EditReport:
+        """
+        One more edit: ``editor.add("crop", box=[0, 0, 20, 10])``. Kinds and keys are
+        those of docs/editing.md. One that is refused is on the list all the same, and changes
+        nothing. Raises OptionsError for what is no edit.
+        """
+
+    def add_toml(self, toml: str, name: str = 'edits') -> list[EditReport]:
+        """All ``[[edit]]`` tables of a text, in their order."""
+
+    def undo(self) -> bool:
+        """Takes the last one away; False when there is none."""
+
+    def __len__(self) -> int: ...
+
+    @property
+    def reports(self) -> list[EditReport]:
+        """What became of each."""
+
+    def to_toml(self) -> str:
+        """The list, as ``loopstone edit --edits`` takes it."""
+
+    @property
+    def map_T_keys(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (K, 3) of the graph's nodes with all edits so far, in the frame that they ask for.
+        """
+
+    @property
+    def verdict(self) -> str:
+        """Of the graph with all edits so far, before the map is drawn."""
+
+    @property
+    def loop_closures(self) -> list[LoopClosure]:
+        """With all edits so far."""
+
+    def draw(self, progress: Callable[[str, int, int, int, float], object] | None = None) -> MapResult:
+        """
+        The map with the edits, with all that map() gives but the floor's colour; its save()
+        writes the edits and the masks of zones, too. Raises UsageError while one is refused.
+        """
+
+    def __repr__(self) -> str: ...
+
+def add_edit(editor: MapEditor, toml: str) -> EditReport: ...
 
 class MapEvent:
     """What happened since the scan before."""
@@ -1056,7 +1565,18 @@ class LocalizationEstimate:
 
     @property
     def hypotheses(self) -> int:
-        """Places that the robot may be at."""
+        """How many places the robot may be at."""
+
+    @property
+    def places(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (H, 3) these places, the most probable first, as the particles have them;
+        map_T_robot is the first one's, refined.
+        """
+
+    @property
+    def place_probabilities(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(H,) share of the belief that each place has; they sum to 1."""
 
     @property
     def particles(self) -> int:
@@ -1137,6 +1657,81 @@ class Localizer:
 
 def localize_log(log: Log, map: LocalizationMap, options: OptionValues, initial: numpy.typing.ArrayLike | None, initial_sigma_m: float, initial_sigma_rad: float, seed: int, calibration: bool, start_s: float, duration_s: float, max_scans: int, threads: int, progress: object | None) -> LocalizationResult: ...
 
+class PlaceCandidate:
+    """A pose that scans may have been taken from."""
+
+    @property
+    def map_T_robot(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) x, y [m], yaw [rad]."""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(3, 3) of map_T_robot, axes of the map [m^2, m rad, rad^2]."""
+
+    @property
+    def probability(self) -> float:
+        """That the robot is within 0.2 m and 5 deg of the pose."""
+
+    @property
+    def explained(self) -> float:
+        """
+        [0, 1], of the returns where the map knows what is there, the share on a wall.
+        """
+
+    @property
+    def violations(self) -> float:
+        """[0, 1], share of the beams that went on behind a wall of the map."""
+
+    @property
+    def unexpected(self) -> float:
+        """
+        [0, 1], share of the beams that ended well before one: people, things that are new.
+        """
+
+    @property
+    def known(self) -> float:
+        """[0, 1], share of the returns where the map knows what is there."""
+
+    @property
+    def silent(self) -> float:
+        """[0, 1], share of the beams without a return where a wall is near."""
+
+    def __repr__(self) -> str: ...
+
+class Relocalization:
+    """
+    Where on a map scans may have been taken; see
+    :func:`loopstone.relocalize`.
+    """
+
+    @property
+    def candidates(self) -> list[PlaceCandidate]:
+        """The most probable first; may be none."""
+
+    @property
+    def poses(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(C, 3) map_T_robot of the candidates."""
+
+    @property
+    def probabilities(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(C,) of the candidates."""
+
+    @property
+    def none_probability(self) -> float:
+        """
+        That the robot is at none of these places: elsewhere on the map, or not on it.
+        """
+
+    @property
+    def complete(self) -> bool:
+        """False: more places look alike than were looked into."""
+
+    def __len__(self) -> int: ...
+
+    def __repr__(self) -> str: ...
+
+def relocalize(scans: Sequence[LaserScan], map: LocalizationMap, robot: Robot | None, odom_T_robot: numpy.typing.ArrayLike | None, velocity: numpy.typing.ArrayLike | None, threads: int) -> Relocalization: ...
+
 class MatchResult:
     """Where a scan or cloud lies in the frame of another, or of a map."""
 
@@ -1195,6 +1790,38 @@ class MatchResult:
     @property
     def iterations(self) -> int:
         """Of the method that gave the answer."""
+
+    @property
+    def sure(self) -> bool | None:
+        """
+        Of a search: the answer explains the source, and no other pose explains it
+        nearly as well. None where nobody looked elsewhere: from a guess.
+        """
+
+    @property
+    def complete(self) -> bool:
+        """False: more places on the map look alike than were looked into."""
+
+    @property
+    def candidates(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (C, 3) target_T_source, best first: the answer and what else the search found; of
+        clouds in space without z, roll and pitch. None when nothing was found.
+        """
+
+    @property
+    def candidate_matrices(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None, None))]:
+        """(C, 4, 4) the same."""
+
+    @property
+    def candidate_scores(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(C,) score of each; NaN of a cloud's other pose, which has none."""
+
+    @property
+    def candidate_rmse_m(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """
+        (C,) rmse_m of each; of a cloud's other pose over a sample of its points.
+        """
 
     def __bool__(self) -> bool: ...
 
@@ -1262,6 +1889,30 @@ class Evaluation:
     def reference_T_estimate(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
         """(3,) the alignment that was applied."""
 
+    @property
+    def stamps_ns(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]:
+        """(P,) int64 [ns] of each pose that was compared, a read-only view."""
+
+    @property
+    def translation_errors_m(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,), writable=False)]:
+        """(P,) errors of each pose that was compared [m], a read-only view."""
+
+    @property
+    def rotation_errors_rad(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,), writable=False)]:
+        """(P,) of the heading, not negative [rad], a read-only view."""
+
+    @property
+    def rpe_stamps_ns(self) -> Annotated[NDArray[numpy.int64], dict(shape=(None,), writable=False)]:
+        """(S,) int64 [ns] of each stretch, at its beginning, a read-only view."""
+
+    @property
+    def rpe_translation_errors_m(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,), writable=False)]:
+        """(S,) errors of each stretch, at its beginning [m], a read-only view."""
+
+    @property
+    def rpe_rotation_errors_rad(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,), writable=False)]:
+        """(S,) of the heading, not negative [rad], a read-only view."""
+
     def __repr__(self) -> str: ...
 
 def evaluate(estimate: Trajectory, reference: Trajectory, align: str, rpe_delta: float, rpe_unit: str) -> Evaluation: ...
@@ -1303,6 +1954,25 @@ class Simulation:
     def route_length_m(self) -> float:
         """The way that the robot drove [m]."""
 
+    @property
+    def realism_facts(self) -> list[tuple[str, str, float]]:
+        """
+        (effect, name with its unit, value) of what was drawn, such as the laser's true mount.
+        """
+
+    @property
+    def realism_spoils(self) -> list[tuple[str, float, float]]:
+        """(effect, from, to) of what was spoilt when, since the log's start [s]."""
+
+    @property
+    def reflectors(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (R, 3) x, y, radius [m] of the reflectors that found a place, on the map.
+        """
+
+    def save_reflectors(self, path: str | os.PathLike[str]) -> None:
+        """Writes them as ``loopstone localize --landmarks`` takes them."""
+
     def save(self, path: str | os.PathLike[str], format: str = 'carmen') -> None:
         """
         Writes the log, whole or not at all: ``carmen``, ``ucsd``, ``mcap``, ``bag``...
@@ -1311,7 +1981,12 @@ class Simulation:
 
     def __repr__(self) -> str: ...
 
-def simulate(world: object, robot: Robot | None, seed: int, options: OptionValues, progress: object | None) -> Simulation: ...
+def simulate(world: object, robot: Robot | None, seed: int, realism: str, drive_seed: int | None, reflectors: int, options: OptionValues, progress: object | None) -> Simulation: ...
+
+def realism_names() -> list[str]:
+    """
+    Effects in which the real world is less kind than a simulation, for ``realism``.
+    """
 
 def world_names() -> list[str]:
     """The worlds that there are."""

@@ -1,8 +1,10 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -38,6 +40,36 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& reference,
   if (evaluation.absolute.poses == 0)
     throw UsageError("the estimate has no time in common with the reference");
   return evaluation;
+}
+
+/// \param errors  tells them of an evaluation
+template <typename ErrorsOf>
+void def_errors(nb::class_<Evaluation>& cls, const std::string& prefix, const char* shape,
+                const std::string& of, ErrorsOf errors_of) {
+  static_assert(sizeof(Stamp) == sizeof(std::int64_t));
+  const auto errors = [errors_of](nb::handle_t<Evaluation> self) -> const PoseErrors& {
+    return errors_of(nb::cast<const Evaluation&>(self));
+  };
+  def_array(
+      cls, (prefix + "stamps_ns").c_str(),
+      [errors](nb::handle_t<Evaluation> self) {
+        const std::vector<Stamp>& stamps = errors(self).stamps;
+        const std::int64_t* first = stamps.empty() ? nullptr : &stamps.front().nanoseconds;
+        return view_of<std::int64_t>({first, stamps.size()}, self);
+      },
+      (std::string(shape) + " int64 [ns] of " + of + ", a read-only view.").c_str());
+  def_array(
+      cls, (prefix + "translation_errors_m").c_str(),
+      [errors](nb::handle_t<Evaluation> self) {
+        return view_of<double>(errors(self).translation_m, self);
+      },
+      (std::string(shape) + " errors of " + of + " [m], a read-only view.").c_str());
+  def_array(
+      cls, (prefix + "rotation_errors_rad").c_str(),
+      [errors](nb::handle_t<Evaluation> self) {
+        return view_of<double>(errors(self).rotation_rad, self);
+      },
+      (std::string(shape) + " of the heading, not negative [rad], a read-only view.").c_str());
 }
 
 }  // namespace
@@ -78,6 +110,10 @@ void bind_evaluation(nb::module_& m) {
       evaluation, "reference_T_estimate",
       [](const Evaluation& e) { return to_array(e.absolute.reference_T_estimate); },
       "(3,) the alignment that was applied.");
+  def_errors(evaluation, "", "(P,)", "each pose that was compared",
+             [](const Evaluation& e) -> const PoseErrors& { return e.absolute.by_pose; });
+  def_errors(evaluation, "rpe_", "(S,)", "each stretch, at its beginning",
+             [](const Evaluation& e) -> const PoseErrors& { return e.relative.by_pair; });
   evaluation.def("__repr__", [](const Evaluation& e) {
     return "<Evaluation: ATE " + std::to_string(e.absolute.translation_m.rmse) + " m rmse>";
   });

@@ -1,5 +1,6 @@
 #include "graph.hpp"
 
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -241,7 +242,8 @@ Optimised optimise(const Graph& given, const std::string& initial, bool gnc, boo
   options.solver = settings.solver;
   if (gnc) options.gnc = settings.gnc;
   if (certify) options.certificate = settings.certificate;
-  Optimised result{given, work(nb::none(), [&](Work& /*no place to stop at*/) {
+  Optimised result{given, work(nb::none(), [&](Work& own) {
+                     options.stop = [&own] { return !own.goes_on(); };
                      return optimize_graph(*given.graph, options);
                    })};
   PoseGraph solved = *given.graph;
@@ -261,7 +263,7 @@ void bind_certificate(nb::module_& m) {
       m, "Certificate",
       "Whether the isotropic objective of SE-Sync is at its global minimum, with the proof.");
   certificate.def_prop_ro("certified", &Certificate::certified,
-                          "It is proven; also what bool() tells.");
+                          "It is proven, of the edges that it is about; also what bool() tells.");
   certificate.def_prop_ro(
       "status", [](const Certificate& c) { return std::string(loopstone::to_string(c.status)); },
       "``certified``, ``not_optimal``, ``gap_open``, ``not_converged``, "
@@ -272,9 +274,26 @@ void bind_certificate(nb::module_& m) {
   certificate.def_ro("optimality_gap", &Certificate::optimality_gap, "cost - lower_bound");
   certificate.def_ro("min_eigenvalue", &Certificate::min_eigenvalue,
                      "Of the dual certificate matrix; at an optimum 0 to rounding.");
+  certificate.def_ro("edges", &Certificate::edges, "That it is about.");
+  certificate.def_ro(
+      "edges_set_aside", &Certificate::edges_set_aside,
+      "Edges that a robust kernel turned down before (weight below 0.5). Nothing is\n"
+      "proven of them, nor that turning them down was right.");
+  certificate.def_ro("loop_closures_set_aside", &Certificate::closures_set_aside,
+                     "Of these, loop closures. When it is most of them, what was proven is little\n"
+                     "more than that odometry agrees with itself.");
+  certificate.def_prop_ro(
+      "whole_graph", &Certificate::is_of_whole_graph,
+      "It is about every edge; also what a certificate should be asked that is\n"
+      "to stand for a map.");
   certificate.def("__bool__", &Certificate::certified);
   certificate.def("__repr__", [](const Certificate& c) {
-    return "<Certificate: " + std::string(loopstone::to_string(c.status)) + ">";
+    std::string text = "<Certificate: " + std::string(loopstone::to_string(c.status));
+    if (!c.is_of_whole_graph()) {
+      text += fmt::format(", of {} edges alone: {} set aside, {} of them loop closures", c.edges,
+                          c.edges_set_aside, c.closures_set_aside);
+    }
+    return text + ">";
   });
 }
 

@@ -17,6 +17,7 @@
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "json.hpp"
+#include "known_map.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/localization/localizer.hpp"
@@ -38,11 +39,6 @@ namespace loopstone::python {
 namespace {
 
 using Estimate = LocalizationEstimate;
-
-/// A known map made ready.
-struct KnownMap {
-  std::shared_ptr<const LocalizationMap> map{};
-};
 
 /// Where a robot was on a map, and what a folder of results tells beside.
 struct Localized {
@@ -180,7 +176,25 @@ void bind_estimate(nb::module_& m) {
                   "That the pose is within 0.2 m and 5 deg of the truth.");
   estimate.def_ro("refined", &Estimate::refined,
                   "By registration to the map; else the particles' mean.");
-  estimate.def_ro("hypotheses", &Estimate::hypotheses, "Places that the robot may be at.");
+  estimate.def_ro("hypotheses", &Estimate::hypotheses, "How many places the robot may be at.");
+  def_array(
+      estimate, "places",
+      [](const Estimate& e) {
+        std::vector<Pose2> poses;
+        for (const LocalizationHypothesis& place : e.places) poses.push_back(place.map_T_robot);
+        return to_array(std::span<const Pose2>(poses));
+      },
+      "(H, 3) these places, the most probable first, as the particles have them;\n"
+      "map_T_robot is the first one's, refined.");
+  def_array(
+      estimate, "place_probabilities",
+      [](const Estimate& e) {
+        std::vector<double> values;
+        for (const LocalizationHypothesis& place : e.places) values.push_back(place.probability);
+        const std::size_t count = values.size();
+        return array_of<double, nb::ndim<1>>(std::move(values), {count});
+      },
+      "(H,) share of the belief that each place has; they sum to 1.");
   estimate.def_ro("particles", &Estimate::particles, "How many there are at the scan.");
   estimate.def_ro("travelled_m", &Estimate::travelled_m, "By odometry since the first scan [m].");
   estimate.def("__repr__", [](const Estimate& e) {

@@ -23,6 +23,7 @@
 #include "loopstone/formats/log_summary.hpp"
 #include "loopstone/formats/machine_memory.hpp"
 #include "messages.hpp"
+#include "methods.hpp"
 #include "path_like.hpp"
 #include "reading.hpp"
 #include "robot.hpp"
@@ -291,6 +292,11 @@ void bind_log(nb::module_& m) {
       "A robot was given, which beats what the log says of it.");
   log.def("summary", summary_of,
           "Reads it to its end and tells what is in it. Raises DataError, KeyboardInterrupt.");
+  def_python(log, "save", "loopstone._api", "convert",
+             "def save(self, path: str | os.PathLike[str], *, format: str | None = None, "
+             "force: bool = False, progress: loopstone._progress.ProgressLike = False) -> "
+             "Conversion",
+             "Writes it in another format; see :func:`loopstone.convert`.");
   log.def("__repr__", [](const Log& self) { return "<Log '" + self.path + "'>"; });
 }
 

@@ -4,7 +4,9 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,8 +15,11 @@
 #include "bindings.hpp"
 #include "graph.hpp"
 #include "json.hpp"
+#include "loopstone/base/error.hpp"
 #include "loopstone/formats/image.hpp"
+#include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/formats/options_file.hpp"
+#include "loopstone/formats/session_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/report/map_picture.hpp"
 #include "mapping.hpp"
@@ -30,7 +35,8 @@ namespace {
 using Shared = std::shared_ptr<Mapped>;
 
 MapExtras extras_of(const Mapped& mapped) {
-  return {.texture = mapped.texture ? &*mapped.texture : nullptr};
+  return {.texture = mapped.texture ? &*mapped.texture : nullptr,
+          .edits = mapped.edits ? &*mapped.edits : nullptr};
 }
 
 /// A part of a result; it keeps all of it.
@@ -45,6 +51,11 @@ void save(const Shared& self, const PathLike& folder, bool force) {
   RunInfo info = self->info;
   info.force = force;
   write_map_outputs(self->result, info, folder.value, extras_of(*self));
+  if (self->state) {
+    write_session(kept_state_path(folder.value), *self->state);
+  } else {
+    remove_kept_state(folder.value);
+  }
 }
 
 nb::object summary(const Shared& self) {
@@ -135,6 +146,20 @@ void def_parts(nb::class_<Mapped>& cls) {
       "All that were found, those that do not stand included.");
 }
 
+/// The state of a result that kept it. Throws UsageError when it has none to go on from.
+MappingPlan gone_on_with(MappingPlan plan, const Mapped& before) {
+  if (before.edits) {
+    throw UsageError(
+        "this map was edited; go on with the one that was not, then do the same edits to what "
+        "comes of it");
+  }
+  if (!before.state)
+    throw UsageError("this map has no state to go on from; make it with keep_state=True");
+  plan.goes_on_with = before.state;
+  plan.goes_on_from = "the map's state";
+  return plan;
+}
+
 void def_judgement(nb::class_<Mapped>& cls) {
   cls.def_prop_ro(
       "verdict", [](const Shared& self) { return self->result.verdict; },
@@ -159,6 +184,12 @@ void def_judgement(nb::class_<Mapped>& cls) {
       },
       "That the map was made with: mounts and wheels.");
   cls.def_prop_ro(
+      "has_state", [](const Shared& self) { return self->state != nullptr; },
+      "Another drive can go on with it, and it can be edited: made with ``keep_state=True``.");
+  cls.def_prop_ro(
+      "drives", [](const Shared& self) { return self->result.drives.size() + 1; },
+      "How many drives it is of: more than 1 of a map that was gone on with.");
+  cls.def_prop_ro(
       "options_toml", [](const Shared& self) { return self->info.options_toml; },
       "The effective options.");
 }
@@ -173,7 +204,6 @@ void bind_map_result(nb::module_& m) {
           "Writes the files that ``loopstone map`` writes, all of them or none. Raises UsageError\n"
           "when the folder holds something, unless forced.");
   cls.def("to_png", picture, "The bytes of map.png: map, path, closures, scale bar.");
-  cls.def("_repr_png_", picture);
   def_python(cls, "_repr_html_", "loopstone._notebook", "map_result_html",
              "def _repr_html_(self) -> str", "Map and verdict, for notebooks.");
   def_python(cls, "plot", "loopstone._plot", "plot_result",
@@ -190,15 +220,27 @@ void bind_map_result(nb::module_& m) {
   m.def(
       "map_log",
       [](const Log& log, const OptionValues& values, double start_s, double duration_s,
-         std::int64_t max_scans, int threads, bool texture, const nb::object& progress) {
+         std::int64_t max_scans, int threads, bool texture, bool keep_state,
+         const std::optional<PathLike>& from_folder, const Mapped* from_result,
+         const nb::object& progress) {
         const auto options = options_of<MapOptions>(values);
-        const LogCut cut{start_s, duration_s, max_scans};
+        MappingPlan plan{.cut = {start_s, duration_s, max_scans},
+                         .threads = Threads{threads},
+                         .texture = texture,
+                         .keep_state = keep_state};
+        if (from_result != nullptr) plan = gone_on_with(std::move(plan), *from_result);
         return work(progress, [&](Work& own) {
-          return map_log(log, options, cut, Threads{threads}, texture, own);
+          if (from_folder) {
+            plan.goes_on_with = std::make_shared<const Session>(
+                read_kept_state(from_folder->value, machine_memory_budget()));
+            plan.goes_on_from = kept_state_path(from_folder->value);
+          }
+          return map_log(log, options, plan, own);
         });
       },
       nb::arg("log"), nb::arg("options"), nb::arg("start_s"), nb::arg("duration_s"),
-      nb::arg("max_scans"), nb::arg("threads"), nb::arg("texture"), nb::arg("progress").none());
+      nb::arg("max_scans"), nb::arg("threads"), nb::arg("texture"), nb::arg("keep_state"),
+      nb::arg("from_folder").none(), nb::arg("from_result").none(), nb::arg("progress").none());
   m.def(
       "map_messages",
       [](const nb::typed<nb::iterable, nb::object>& messages, const Robot* robot,

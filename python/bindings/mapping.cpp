@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <string>
 #include <utility>
 #include <variant>
 
+#include "loopstone/base/error.hpp"
 #include "loopstone/base/release_memory.hpp"
 #include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/rgbd_files.hpp"
+#include "loopstone/formats/robot_file.hpp"
 #include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/slam/mapper.hpp"
@@ -38,14 +41,27 @@ class Cost {
   double cpu_s_ = cpu_seconds();
 };
 
-/// Tells how far a mapping is, and collects what the camera took.
+/// Tells how far a mapping is, and collects what the camera took; goes on with a map, and keeps
+/// what it can be gone on from.
 class Companion final : public MappingWatch {
  public:
-  Companion(Work& work, bool takes_frames) : work_(work), takes_frames_(takes_frames) {}
+  Companion(Work& work, const MappingPlan& plan)
+      : work_(work), plan_(plan), takes_frames_(plan.texture) {}
 
-  void begin(Mapper& /*mapper*/, const RobotModel& /*robot*/, bool anew) override {
+  void begin(Mapper& mapper, const RobotModel& /*robot*/, bool anew) override {
     takes_frames_ = takes_frames_ && !anew;
+    if (!plan_.goes_on_with) return;
+    try {
+      mapper.restore_state(plan_.goes_on_with->mapper);
+    } catch (const UsageError& error) {
+      throw DataError({plan_.goes_on_from}, std::string("is damaged: ") + error.what());
+    }
+    mapper.begin_drive();
   }
+  void end(Mapper& mapper) override {
+    if (plan_.keep_state) kept_ = mapper.save_state().get();
+  }
+  [[nodiscard]] bool may_begin_anew() const override { return !plan_.goes_on_with; }
   void add(const SensorMessage& message, Mapper& mapper) override {
     if (takes_frames_) {
       if (const auto* frame = std::get_if<RgbdFrame>(&message)) frames_.push_back(*frame);
@@ -55,12 +71,30 @@ class Companion final : public MappingWatch {
   bool goes_on(const Progress& progress) override { return work_.tell(progress); }
   [[nodiscard]] bool is_stopped() const override { return !work_.goes_on(); }
   std::vector<RgbdFrame>& frames() { return frames_; }
+  std::optional<MapperState>& kept() { return kept_; }
 
  private:
   Work& work_;
+  const MappingPlan& plan_;
   bool takes_frames_;
   std::vector<RgbdFrame> frames_{};
+  std::optional<MapperState> kept_{};
 };
+
+/// What states have in common of which one goes on with the other.
+SessionTerms state_terms(const RunInfo& info) {
+  return {.version = std::string(kVersion), .options_toml = info.options_toml};
+}
+
+void require_same_kind(const MappingPlan& plan, const RunInfo& info) {
+  if (!plan.goes_on_with) return;
+  SessionTerms then = state_terms(info);
+  then.version = plan.goes_on_with->terms.version;
+  then.options_toml = plan.goes_on_with->terms.options_toml;
+  const std::string differs = difference(then, state_terms(info));
+  if (!differs.empty())
+    throw DataError({plan.goes_on_from}, "is of another kind of run: " + differs);
+}
 
 bool has_pairs(const std::vector<RgbdFrame>& frames) {
   return std::ranges::any_of(frames, [](const RgbdFrame& frame) {
@@ -73,7 +107,8 @@ void colour(Mapped& mapped, std::vector<RgbdFrame> frames, const LogReader& read
             const RobotModel& robot, bool robot_given, const TextureOptions& options,
             Threads threads, Work& work) {
   MapResult& result = mapped.result;
-  if (!has_pairs(frames) || !result.complete) return;
+  // Pictures have the clock of the newest drive, the trajectory the map's.
+  if (!has_pairs(frames) || !result.complete || !result.drives.empty()) return;
   if (!robot_given && !reader.camera_fault().empty()) {
     result.warnings.push_back("the floor is not coloured: " + reader.camera_fault() +
                               "; --robot FILE can tell it");
@@ -98,20 +133,22 @@ ReadingWatch watch_by(Work& work) {
   return {.stop = [&work] { return !work.goes_on(); }, .progress = work.callback()};
 }
 
-std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const LogCut& cut,
-                                Threads threads, bool texture, Work& work) {
+std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const MappingPlan& plan,
+                                Work& work) {
   const Cost cost;
+  const Threads threads = plan.threads;
   limit_cells(options);
   const ReadingWatch watch = watch_by(work);
   LogSource source = log.source(watch.stop);
-  source.how.topics.pictures = texture;
-  const auto reader = source.open_ahead(threads);
-  Companion companion(work, texture);
-  LogMap made = loopstone::map_log(source, *reader, cut, options, threads, watch, &companion);
-  if (!work.goes_on()) throw CalledOff{};
-
+  source.how.topics.pictures = plan.texture;
   auto mapped = std::make_shared<Mapped>();
   mapped->info = run_info(options, threads);
+  require_same_kind(plan, mapped->info);
+  const auto reader = source.open_ahead(threads);
+  Companion companion(work, plan);
+  LogMap made = loopstone::map_log(source, *reader, plan.cut, options, threads, watch, &companion);
+  if (!work.goes_on()) throw CalledOff{};
+
   mapped->info.log_path = log.path;
   mapped->info.left_out = made.log.left_out;
   mapped->info.log_warnings = warnings_of(made.log);
@@ -119,6 +156,12 @@ std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const LogCut
                                    made.corrections.end());
   mapped->result = std::move(made.result);
   mapped->robot = std::move(made.robot);
+  if (companion.kept() && mapped->result.complete) {
+    SessionTerms terms = state_terms(mapped->info);
+    terms.robot_toml = robot_to_toml(mapped->robot);
+    mapped->state = std::make_shared<const Session>(
+        Session{.terms = std::move(terms), .mapper = std::move(*companion.kept())});
+  }
   colour(*mapped, std::move(companion.frames()), *reader, source.robot_of(*reader),
          log.robot.has_value(), options.texture, threads, work);
   cost.note(mapped->info);
@@ -148,7 +191,8 @@ std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
       return message;
     };
   };
-  Companion companion(work, false);
+  const MappingPlan plan{.threads = threads, .texture = false};
+  Companion companion(work, plan);
   DriveMapping mapping(robot, options, threads, companion);
   mapped->result = mapping.map(from_beginning("mapping"));
   if (mapping.is_bent()) mapped->result = mapping.map_anew(from_beginning("mapping anew"));

@@ -11,10 +11,12 @@
 #include "loopstone/formats/log_summary.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/pipeline/cut_log.hpp"
+#include "loopstone/report/edit_outputs.hpp"
 #include "loopstone/report/run_info.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
+#include "loopstone/slam/session.hpp"
 #include "reading.hpp"
 #include "work.hpp"
 
@@ -26,6 +28,9 @@ struct Mapped {
   RunInfo info{};
   std::optional<FloorTexture> texture{};
   RobotModel robot{};  ///< that the map was made with
+  /// What the map can be gone on from, or edited: where it was to be kept.
+  std::shared_ptr<const Session> state{};
+  std::optional<EditOutputs> edits{};  ///< of a map that somebody edited
 
   // What is worked out when it is asked for; behind `mutex`.
   std::mutex mutex{};
@@ -38,10 +43,19 @@ struct CalledOff {};
 /// Who waits for the work looks on, and may call it off.
 [[nodiscard]] ReadingWatch watch_by(Work& work);
 
+/// What belongs to a mapping beside log and options.
+struct MappingPlan {
+  LogCut cut{};
+  Threads threads{};
+  bool texture = true;  ///< the floor in colour, when the log has RGB-D
+  bool keep_state = false;
+  std::shared_ptr<const Session> goes_on_with{};
+  std::string goes_on_from{};  ///< what that is called in errors
+};
+
 /// As `loopstone map` does it: the same bytes. Throws DataError, UsageError, CalledOff.
-/// \param texture  the floor in colour, when the log has RGB-D
-[[nodiscard]] std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const LogCut& cut,
-                                              Threads threads, bool texture, Work& work);
+[[nodiscard]] std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options,
+                                              const MappingPlan& plan, Work& work);
 
 /// The same of messages that are there already.
 [[nodiscard]] std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,

@@ -2,8 +2,10 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
@@ -19,6 +21,14 @@ namespace loopstone::python {
 
 namespace {
 
+/// A pose that the source may lie at.
+struct Candidate {
+  Pose2 pose{};
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  double score = 0.0;
+  double rmse_m = 0.0;
+};
+
 /// Of the plane or of space: what a match found, as arrays.
 struct Matched {
   int dimension = 2;
@@ -33,6 +43,9 @@ struct Matched {
   double score = 0.0;
   int pairs = 0;
   int iterations = 0;
+  std::optional<bool> sure{};  ///< none: nobody looked elsewhere
+  bool complete = true;
+  std::vector<Candidate> candidates{};
 };
 
 /// How to match, whatever it is.
@@ -54,20 +67,56 @@ AlignMethod method_of(const std::string& word) {
   throw UsageError("method = " + word + ": must be one of " + known);
 }
 
+Candidate candidate_at(const Pose2& pose) {
+  Candidate at{.pose = pose};
+  at.matrix.topLeftCorner<2, 2>() = pose.rotation();
+  at.matrix.block<2, 1>(0, 3) = pose.translation();
+  return at;
+}
+
+Candidate candidate_at(const Pose3& pose) {
+  Candidate at{.pose = project_to_plane(pose)};
+  at.matrix.topLeftCorner<3, 3>() = pose.rotation.toRotationMatrix();
+  at.matrix.block<3, 1>(0, 3) = pose.translation;
+  return at;
+}
+
+template <int kDimension>
+Candidate candidate_of(const BasicMatchResult<kDimension>& match) {
+  Candidate candidate = candidate_at(match.target_T_source);
+  candidate.score = match.score;
+  candidate.rmse_m = match.rmse_m;
+  return candidate;
+}
+
+/// The answer and what else a search found, best first.
+template <int kDimension>
+void add_candidates(const AlignResult<kDimension>& aligned, Matched& m) {
+  if (aligned.map_match) {
+    m.sure = aligned.map_match->sure;
+    m.complete = aligned.map_match->complete;
+    for (const MatchResult& match : aligned.map_match->poses)
+      m.candidates.push_back(candidate_of<2>(match));
+    return;
+  }
+  if (m.supported) m.candidates.push_back(candidate_of<kDimension>(aligned.match));
+  if (!aligned.search) return;
+  m.sure = m.supported && !aligned.search->ambiguous;
+  if (const auto& other = aligned.search->runner_up) {
+    m.candidates.push_back(candidate_at(other->target_T_source));
+    m.candidates.back().score = std::numeric_limits<double>::quiet_NaN();
+    m.candidates.back().rmse_m = other->rmse_m;
+  }
+}
+
 template <int kDimension>
 Matched as_arrays(const AlignResult<kDimension>& aligned) {
   const auto& match = aligned.match;
   Matched m;
   m.dimension = kDimension;
-  if constexpr (kDimension == 2) {
-    m.pose = match.target_T_source;
-    m.matrix.topLeftCorner<2, 2>() = m.pose.rotation();
-    m.matrix.block<2, 1>(0, 3) = m.pose.translation();
-  } else {
-    m.pose = project_to_plane(match.target_T_source);
-    m.matrix.topLeftCorner<3, 3>() = match.target_T_source.rotation.toRotationMatrix();
-    m.matrix.block<3, 1>(0, 3) = match.target_T_source.translation;
-  }
+  const Candidate best = candidate_of<kDimension>(match);
+  m.pose = best.pose;
+  m.matrix = best.matrix;
   m.covariance = match.covariance;
   m.status = std::string(loopstone::to_string(match.status));
   m.method = aligned.method;
@@ -77,6 +126,7 @@ Matched as_arrays(const AlignResult<kDimension>& aligned) {
   m.score = match.score;
   m.pairs = match.pairs;
   m.iterations = match.iterations;
+  add_candidates(aligned, m);
   return m;
 }
 
@@ -182,6 +232,54 @@ Matched match(nb::handle source, nb::handle target, const Robot* robot, const st
   return columns == 3 ? match_clouds3(source, target, given) : match_clouds2(source, target, given);
 }
 
+template <typename Number>
+Vector of_candidates(const Matched& self, Number&& number) {
+  std::vector<double> values;
+  for (const Candidate& candidate : self.candidates) values.push_back(number(candidate));
+  const std::size_t count = values.size();
+  return array_of<double, nb::ndim<1>>(std::move(values), {count});
+}
+
+void def_candidates(nb::class_<Matched>& matched) {
+  matched.def_ro("sure", &Matched::sure,
+                 "Of a search: the answer explains the source, and no other pose explains it\n"
+                 "nearly as well. None where nobody looked elsewhere: from a guess.");
+  matched.def_ro("complete", &Matched::complete,
+                 "False: more places on the map look alike than were looked into.");
+  def_array(
+      matched, "candidates",
+      [](const Matched& self) {
+        std::vector<Pose2> poses;
+        for (const Candidate& candidate : self.candidates) poses.push_back(candidate.pose);
+        return to_array(std::span<const Pose2>(poses));
+      },
+      "(C, 3) target_T_source, best first: the answer and what else the search found; of\n"
+      "clouds in space without z, roll and pitch. None when nothing was found.");
+  def_array(
+      matched, "candidate_matrices",
+      [](const Matched& self) {
+        std::vector<double> values;
+        for (const Candidate& candidate : self.candidates) {
+          const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> rows = candidate.matrix;
+          values.insert(values.end(), rows.data(), rows.data() + rows.size());
+        }
+        return array_of<double, nb::ndim<3>>(std::move(values), {self.candidates.size(), 4, 4});
+      },
+      "(C, 4, 4) the same.");
+  def_array(
+      matched, "candidate_scores",
+      [](const Matched& self) {
+        return of_candidates(self, [](const Candidate& c) { return c.score; });
+      },
+      "(C,) score of each; NaN of a cloud's other pose, which has none.");
+  def_array(
+      matched, "candidate_rmse_m",
+      [](const Matched& self) {
+        return of_candidates(self, [](const Candidate& c) { return c.rmse_m; });
+      },
+      "(C,) rmse_m of each; of a cloud's other pose over a sample of its points.");
+}
+
 }  // namespace
 
 void bind_match(nb::module_& m) {
@@ -210,6 +308,7 @@ void bind_match(nb::module_& m) {
   matched.def_ro("score", &Matched::score, "[0, 1], share of the source that the target explains.");
   matched.def_ro("pairs", &Matched::pairs, "That were used in the end.");
   matched.def_ro("iterations", &Matched::iterations, "Of the method that gave the answer.");
+  def_candidates(matched);
   matched.def("__bool__", [](const Matched& self) { return self.supported; });
   matched.def("__repr__", [](const Matched& self) {
     return "<MatchResult by " + self.method + ": " + self.status + ">";

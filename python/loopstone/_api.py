@@ -84,6 +84,8 @@ def map(  # noqa: A001 - the word for it
     duration_s: float = 0.0,
     max_scans: int = 0,
     texture: bool = True,
+    keep_state: bool = False,
+    continue_from: _core.MapResult | StrPath | None = None,
     threads: int = 0,
     progress: ProgressLike = False,
     **overrides: Any,
@@ -100,6 +102,10 @@ def map(  # noqa: A001 - the word for it
     :param duration_s: use so much of the log; 0: all
     :param max_scans: use so many scans; 0: all
     :param texture: the floor in colour, when the log has RGB-D
+    :param keep_state: the result can be gone on with, edited (:class:`MapEditor`), and saves
+        state.loopstone
+    :param continue_from: a map with its state, or the folder of one: the log is another drive in
+        its building, which may begin anywhere in it
     :param threads: 0: one for each processor
     :param progress: True shows a bar by tqdm; or a function that is told a :class:`Progress`
     :raises DataError: nothing can be made of the log
@@ -109,14 +115,79 @@ def map(  # noqa: A001 - the word for it
     values = option_values("MapOptions", options, overrides)
     with told(progress) as tell:
         if isinstance(log, (str, os.PathLike, _core.Log)):
+            before = continue_from if isinstance(continue_from, _core.MapResult) else None
+            folder = None if isinstance(continue_from, _core.MapResult) else continue_from
             return _core.map_log(
-                _log_of(log, robot), values, start_s, duration_s, max_scans, threads, texture, tell
+                _log_of(log, robot),
+                values,
+                start_s,
+                duration_s,
+                max_scans,
+                threads,
+                texture,
+                keep_state,
+                folder,
+                before,
+                tell,
             )
+        if keep_state or continue_from is not None:
+            raise TypeError("keep_state and continue_from are of logs, not of messages")
         if start_s or duration_s or max_scans:
             raise TypeError("start_s, duration_s and max_scans are of logs; cut the messages")
         if robot is None and isinstance(log, _core.Simulation):
             robot = log.robot
         return _core.map_messages(log, robot, values, threads, tell)
+
+
+def calibrate(
+    log: StrPath | _core.Log,
+    *,
+    options: MapOptions | Mapping[str, Any] | StrPath | None = None,
+    robot: _core.Robot | None = None,
+    start_s: float = 0.0,
+    duration_s: float = 0.0,
+    max_scans: int = 0,
+    threads: int = 0,
+    progress: ProgressLike = False,
+    **overrides: Any,
+) -> _core.CalibrationResult:
+    """How the laser sits and the wheels count, by the robot's own motion, with covariances.
+
+    What ``loopstone calibrate`` finds. It needs odometry, and half a minute of driving with turns.
+
+    :param options: of the mapping, as :func:`map` takes them
+    :param robot: whose mounts and wheels are to be judged; None: as the log states them
+    :raises DataError: nothing can be made of the log, or it tells too little
+    :raises OptionsError: with everything that is wrong with the options
+    """
+    values = option_values("MapOptions", options, overrides)
+    with told(progress) as tell:
+        return _core.calibrate_log(
+            _log_of(log, robot), values, start_s, duration_s, max_scans, threads, tell
+        )
+
+
+def convert(
+    log: StrPath | _core.Log,
+    path: StrPath,
+    *,
+    format: str | None = None,  # noqa: A002
+    robot: _core.Robot | None = None,
+    force: bool = False,
+    progress: ProgressLike = False,
+) -> _core.Conversion:
+    """Writes a log in another format, whole or not at all: what ``loopstone convert`` writes.
+
+    :param path: of the new log; its format follows from its name
+    :param format: ``carmen``, ``ucsd``, ``mcap``, ``bag``..., where the name does not tell it
+    :param robot: for dead reckoning, where the new format has poses and no wheel counts
+    :param force: overwrite what is there
+    :return: what was read, and what the new format has no place for
+    :raises DataError: nothing can be made of the log
+    :raises UsageError: the format is unknown or does not follow, or the new log is there already
+    """
+    with told(progress) as tell:
+        return _core.convert(_log_of(log, robot), path, format, force, tell)
 
 
 def localize(
@@ -165,6 +236,34 @@ def localize(
             threads,
             tell,
         )
+
+
+def relocalize(
+    scan: _core.LaserScan | Sequence[_core.LaserScan],
+    map: MapLike,  # noqa: A002
+    *,
+    robot: _core.Robot | None = None,
+    odom_T_robot: ArrayLike | None = None,
+    velocity: ArrayLike | None = None,
+    threads: int = 0,
+) -> _core.Relocalization:
+    """Where on a known map one scan may have been taken, by that scan alone.
+
+    All poses that explain it nearly as well as the best, and how probable each is: what ``loopstone
+    relocalize`` tells. A place that exists twice can't be told apart by any scan; several scans of a
+    drive may.
+
+    :param scan: or several: of lasers that look different ways, or taken on the way
+    :param robot: where its lasers sit, unless the scans say so themselves
+    :param odom_T_robot: (N, 3) by odometry of the robot at each scan, of several on the way; the
+        answer is of the last
+    :param velocity: (3,) of the robot at the scans [m/s, m/s, rad/s]; undoes the sweep
+    :return: no candidates and ``none_probability`` 1 where no pose explains the scan
+    :raises UsageError: a scan of fewer than 10 returns, or a map without walls
+    """
+    scans = [scan] if isinstance(scan, _core.LaserScan) else list(scan)
+    known = localization_map(map)
+    return _core.relocalize(scans, known, robot, odom_T_robot, velocity, threads)
 
 
 def match(
@@ -235,9 +334,11 @@ def optimize(
     :param initial: where to begin; ``auto``: at the cheapest start
     :param robust: how false loop closures are softened; ``gnc`` finds out which are wrong and
         leaves them out
-    :param certify: prove that the minimum is the global one; it costs about as much again
+    :param certify: prove that the minimum is the global one, of the edges that a kernel kept; it
+        costs about as much again
     :raises DataError: a file that is damaged, or a graph in parts
     :raises UsageError: a graph that makes no sense
+    :raises KeyboardInterrupt: after the step that is being done
     """
     if not isinstance(graph, _core.PoseGraph):
         graph = _core.read_graph(graph)
@@ -281,6 +382,9 @@ def simulate(
     world: str | MapLike = "office",
     *,
     seed: int = 1,
+    drive_seed: int | None = None,
+    realism: str | Iterable[str] = (),
+    reflectors: int = 0,
     robot: _core.Robot | None = None,
     options: SimulationOptions | Mapping[str, Any] | StrPath | None = None,
     progress: ProgressLike = False,
@@ -292,7 +396,13 @@ def simulate(
 
     :param world: one of :func:`world_names`, or a map
     :param seed: of the world and of all noise
-    :raises UsageError: for a world that there is not, or has no room for the robot
+    :param drive_seed: of what robot and sensors draw, instead of ``seed``: other drives in the same
+        world
+    :param realism: effects of :func:`realism_names`, or ``"usual"``: what every robot has every
+        day; ``realism__blocked__at_s=60.0`` changes one
+    :param reflectors: so many are hung where the robot sees them; scans then have intensities
+    :raises UsageError: for a world that there is not, or has no room for the robot; for an effect
+        that there is not
     """
     values = option_values("SimulationOptions", options, overrides)
     place: str | _core.GridMap
@@ -302,5 +412,6 @@ def simulate(
         place = world  # the library says which there are
     else:
         place = grid_map(world)
+    effects = realism if isinstance(realism, str) else ",".join(realism)
     with told(progress) as tell:
-        return _core.simulate(place, robot, seed, values, tell)
+        return _core.simulate(place, robot, seed, effects, drive_seed, reflectors, values, tell)

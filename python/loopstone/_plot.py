@@ -25,6 +25,26 @@ def _axes(ax: Axes | None) -> Axes:
     return ax
 
 
+def _legend_below(ax: Axes) -> None:
+    """Under the numbers and the name of the x axis: inside it would cover the map."""
+    from matplotlib.figure import Figure
+    from matplotlib.transforms import offset_copy
+
+    handles, labels = ax.get_legend_handles_labels()
+    figure = ax.get_figure()
+    assert isinstance(figure, Figure)
+    ax.legend(
+        handles,
+        labels,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=offset_copy(ax.transAxes, fig=figure, y=-30.0, units="points"),
+        ncols=len(labels),
+        fontsize="small",
+        frameon=False,
+    )
+
+
 def plot_grid(grid: GridMap, ax: Axes | None = None) -> Axes:
     import numpy as np
 
@@ -56,6 +76,6 @@ def plot_result(result: MapResult, ax: Axes | None = None) -> Axes:
             ends = nodes[[closure.from_node, closure.to_node]]
             ax.plot(ends[:, 0], ends[:, 1], color="tab:red", linewidth=1.0, label=label)
             label = None
-    ax.legend(loc="upper right", fontsize="small")
     ax.set_title(f"verdict: {result.verdict.overall}")
+    _legend_below(ax)
     return ax

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _core
@@ -52,6 +52,24 @@ def option_values(
     for key, value in overrides.items():
         values[key.replace("__", ".")] = value
     return _core.OptionValues(file, [(key, _text(value)) for key, value in values.items()])
+
+
+def replaced_robot(
+    robot: _core.Robot,
+    changes: Mapping[str, Any] | None = None,
+    /,
+    *,
+    lidars: Sequence[_core.LidarMount] | None = None,
+    **values: Any,
+) -> _core.Robot:
+    given = {**(changes or {}), **{key.replace("__", "."): v for key, v in values.items()}}
+    texts = [(key, _text(value)) for key, value in given.items()]
+    return _core.replaced_robot(robot, texts, None if lidars is None else list(lidars))
+
+
+def replaced_lidar(lidar: _core.LidarMount, /, **changes: Any) -> _core.LidarMount:
+    names = ("x_m", "y_m", "yaw_rad", "height_m", "upside_down", "sweep_s", "name")
+    return _core.LidarMount(**{**{name: getattr(lidar, name) for name in names}, **changes})
 
 
 def map_values(given: Any, **overrides: Any) -> _core.OptionValues:

@@ -19,6 +19,23 @@ def path(noise: float = 0.0) -> ls.Trajectory:
     )
 
 
+def test_errors_by_pose_are_views_of_what_the_figures_are_of() -> None:
+    estimate = path(0.02)
+    found = ls.evaluate(estimate, path(), align="none", rpe_delta=10, rpe_unit="frames")
+    errors = found.translation_errors_m
+    assert len(errors) == found.poses and not errors.flags.writeable
+    expected = np.linalg.norm(estimate.poses[:, :2] - path().poses[:, :2], axis=1)
+    np.testing.assert_allclose(errors, expected, atol=1e-12)
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(found.ate_translation_m.rmse)
+    assert found.rotation_errors_rad.max() == found.ate_rotation_rad.max
+    np.testing.assert_array_equal(found.stamps_ns, path().stamps_ns)
+    assert len(found.rpe_translation_errors_m) == found.pairs == len(found.rpe_stamps_ns)
+    assert found.rpe_rotation_errors_rad.max() == found.rpe_rotation_rad.max
+    assert found.rpe_translation_errors_m.mean() == pytest.approx(found.rpe_translation_m.mean)
+    del found
+    assert errors.max() > 0.0  # lives on
+
+
 def test_errors_are_those_of_the_program(tmp_path: Path, run: Any) -> None:
     path(0.02).save(tmp_path / "estimate.tum")
     path().save(tmp_path / "truth.tum")

@@ -44,6 +44,40 @@ def test_false_closures_are_told() -> None:
     assert soft.edge_weights[-1] < 0.1
 
 
+def test_a_certificate_says_of_what_it_is() -> None:
+    whole = ls.optimize(square()).certificate
+    assert whole and whole.whole_graph and whole.edges == 41 and whole.edges_set_aside == 0
+    assert repr(whole) == "<Certificate: certified>"
+    part = ls.optimize(square(false_closure=True), robust="gnc").certificate
+    assert part and not part.whole_graph
+    assert (part.edges, part.edges_set_aside, part.loop_closures_set_aside) == (41, 1, 1)
+    assert "of 41 edges alone: 1 set aside, 1 of them loop closures" in repr(part)
+
+
+def test_a_kernel_that_turns_down_true_closures_is_told() -> None:
+    """A chain that bends far: at its start every closure looks wrong, and DCS believes none."""
+    steps = np.tile([1.0, 0.0, 0.0], (90, 1))
+    poses = [np.zeros(3)]
+    for step in steps:
+        x, y, yaw = poses[-1]
+        poses.append(np.array([x + np.cos(yaw) * step[0], y + np.sin(yaw) * step[0], yaw + 0.2]))
+    truth = np.column_stack([np.arange(91.0), np.zeros(91), np.zeros(91)])
+    edges = [(i, i + 1) for i in range(90)] + [(i, i + 20) for i in range(0, 70)]
+    odometry = [np.array([1.0, 0.0, 0.2])] * 90
+    closures = [truth[i + 20] - truth[i] for i in range(0, 70)]
+    information = np.concatenate(
+        [
+            np.tile(np.diag([1e6, 1e6, 1e8]), (90, 1, 1)),
+            np.tile(np.diag([1e4, 1e4, 1e4]), (70, 1, 1)),
+        ]
+    )
+    graph = ls.PoseGraph(np.array(poses), np.array(edges), odometry + closures, information)
+    found = ls.optimize(graph, robust="dcs", initial="odometry").certificate
+    assert found is not None and not found.whole_graph
+    assert found.loop_closures_set_aside > 60 and found.edges < 100
+    assert f"{found.loop_closures_set_aside} of them loop closures" in repr(found)
+
+
 def test_files_keep_every_number(tmp_path: Path) -> None:
     graph = square()
     graph.save(tmp_path / "graph.g2o")

@@ -58,6 +58,19 @@ def test_it_finds_the_robot_and_knows_it(drive: ls.Simulation, log: Path) -> Non
     assert made.summary["scans"] == drive.scans
 
 
+def test_every_estimate_tells_all_places(tmp_path: Path) -> None:
+    drive = ls.simulate("rooms", duration_s=12.0, laser__beams=181, laser__rate_hz=5.0)
+    drive.save(tmp_path / "drive.mcap", "mcap")
+    made = ls.localize(tmp_path / "drive.mcap", drive.map, calibration=False)
+    for estimate in made.estimates:
+        assert len(estimate.places) == len(estimate.place_probabilities) == estimate.hypotheses
+        assert estimate.place_probabilities.sum() == pytest.approx(1.0)
+        assert (np.diff(estimate.place_probabilities) <= 1e-12).all()
+    assert max(e.hypotheses for e in made.estimates) > 1  # the rooms are alike
+    last = made.estimates[-1]
+    np.testing.assert_allclose(last.places[0][:2], last.map_T_robot[:2], atol=0.3)
+
+
 def test_online_is_the_same(drive: ls.Simulation, log: Path) -> None:
     known = ls.LocalizationMap(drive.map)
     initial = drive.truth.poses[0]

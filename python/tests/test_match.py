@@ -78,11 +78,51 @@ def test_scans_and_maps(drive: ls.Simulation) -> None:
     np.testing.assert_allclose(by_points.pose, poses[60], atol=0.05)
 
 
+def test_a_search_tells_all_that_it_found_and_whether_it_is_sure(drive: ls.Simulation) -> None:
+    scans = [m for m in drive if isinstance(m, ls.LaserScan)]
+    found = ls.match(scans[80], drive.map, anywhere=True)
+    assert found.sure is not None and found.complete
+    np.testing.assert_array_equal(found.candidates[0], found.pose)
+    np.testing.assert_array_equal(found.candidate_matrices[0], found.matrix)
+    scores = found.candidate_scores
+    assert len(scores) == len(found.candidates) and (np.diff(scores) <= 0.0).all()
+    near = np.linalg.norm(found.candidates[:, :2] - drive.truth.poses[80][:2], axis=1)
+    assert near.min() < 0.1
+    guessed = ls.match(scans[80], drive.map, guess=drive.truth.poses[80])
+    assert guessed.sure is None and len(guessed.candidates) == 1
+
+
+def test_rooms_that_look_alike_are_not_sure() -> None:
+    cells = np.zeros((120, 260), np.int8)
+    for left in (10, 140):
+        cells[10:110, left] = cells[10:110, left + 100] = 100
+        cells[10, left : left + 101] = cells[110, left : left + 101] = 100
+        cells[60:62, left : left + 40] = 100
+    grid = ls.GridMap(cells, 0.05, [0.0, 0.0])
+    rows, columns = np.nonzero(cells[:, :130] == 100)
+    points = 0.05 * np.column_stack([columns + 0.5, rows + 0.5]) - [3.5, 2.0]
+    seen = points[RNG.permutation(len(points))[:300]]
+    found = ls.match(seen, grid, anywhere=True)
+    assert found.sure is False and len(found.candidates) >= 2
+    apart = np.abs(found.candidates[1] - found.candidates[0])
+    np.testing.assert_allclose(apart[:2], [6.5, 0.0], atol=0.1)
+
+
+def test_clouds_without_a_guess_tell_the_runner_up() -> None:
+    square = np.vstack([[s * 2 - 1, e] for s in np.linspace(0, 1, 60) for e in (-1.0, 1.0)])
+    square = np.vstack([square, square[:, ::-1]])  # fits onto itself in four ways
+    found = ls.match(moved(square, [9.0, 5.0, 0.7]), square)
+    if found.sure is not None:
+        assert not found.sure and len(found.candidates) == 2
+        assert np.isnan(found.candidate_scores[1]) and found.candidate_rmse_m[1] < 0.1
+
+
 def test_no_match_is_a_status() -> None:
     far = room() + [500.0, 0.0]
     found = ls.match(room(), far, guess=[0, 0, 0], method="icp_line")
     assert not found and found.status == "too_few_pairs"
     assert np.isinf(np.diag(found.covariance)).all()
+    assert found.candidates.shape == (0, 3) and found.candidate_matrices.shape == (0, 4, 4)
 
 
 def test_points_without_return_are_left_out() -> None:

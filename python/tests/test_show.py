@@ -24,14 +24,35 @@ def test_results_are_drawn(result: ls.MapResult, drive: ls.Simulation) -> None:
     plt.close("all")
 
 
+def test_the_legend_covers_nothing_of_the_map(result: ls.MapResult) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    _, (left, right) = plt.subplots(1, 2, layout="constrained")
+    for axes in (result.plot(), result.plot(left), result.plot(right)):
+        figure: Any = axes.get_figure()
+        figure.canvas.draw()
+        legend: Any = axes.get_legend()
+        shown = legend.get_window_extent()
+        assert not shown.overlaps(axes.get_window_extent())
+        assert not shown.overlaps(axes.xaxis.label.get_window_extent())
+        assert figure.bbox.y0 <= shown.y0
+        assert "path" in [text.get_text() for text in legend.get_texts()]
+    plt.close("all")
+
+
 def test_notebooks_show_map_and_verdict(result: ls.MapResult, drive: ls.Simulation) -> None:
     shown: Any = result
     html = shown._repr_html_()
     assert "data:image/png;base64," in html and result.verdict.overall in html
     png = b"\x89PNG\r\n"
     assert result.map is not None
-    for shown in (result, result.map, drive.map):
+    for shown in (result.map, drive.map):
         assert shown._repr_png_().startswith(png)
+    # One picture, not two: a page shows every form that an object has.
+    assert html.count("<img") == 1 and not hasattr(result, "_repr_png_")
+    assert result.to_png().startswith(png)
 
 
 def test_to_pandas(result: ls.MapResult) -> None:

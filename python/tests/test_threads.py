@@ -80,6 +80,11 @@ CALLS = {
     "localize": "ls.localize(path, drive.map)",
     "summary": "[ls.open_log(path).summary() for _ in range(10**6)]",
     "iterate": "[m for _ in range(10**6) for m in ls.open_log(path)]",
+    "calibrate": "ls.calibrate(path)",
+    "convert": "[ls.convert(path, path + '.bag', force=True) for _ in range(10**6)]",
+    "optimize": "ls.optimize(chain, certify=False, initial='file', solver__relative_tolerance=0.0)",
+    "optimize_gnc": "ls.optimize(chain, robust='gnc', initial='file')",
+    "certify": "ls.optimize(chain, initial='file')",
     "simulate": "ls.simulate('campus', laser__rate_hz=100.0)",
 }
 
@@ -89,10 +94,21 @@ def test_ctrl_c_ends_a_call_at_once(call: str, long_log: Path, tmp_path: Path) -
     """In a program of its own, which gets the signal half a second into the call."""
     script = textwrap.dedent(
         f"""
-        import time, loopstone as ls
+        import time, numpy as np, loopstone as ls
+
+        def big_graph(n=60000):
+            # Of which nothing is solved in half a second.
+            rng = np.random.default_rng(1)
+            poses = np.cumsum(rng.normal(size=(n, 3)), axis=0)
+            edges = [(i, i + 1) for i in range(n - 1)]
+            edges += [(i, i + 97) for i in range(0, n - 97, 3)]
+            measured = rng.normal(size=(len(edges), 3))
+            return ls.PoseGraph(poses, np.array(edges), measured, np.eye(3))
+
         path = {str(long_log)!r}
         drive = ls.simulate("office", duration_s=1.0)
         messages = list(ls.open_log(path)) * 3 if "messages" in {CALLS[call]!r} else []
+        chain = big_graph() if "chain" in {CALLS[call]!r} else None
         print("begins", flush=True)
         try:
             {CALLS[call]}

@@ -121,23 +121,24 @@ AbsoluteError absolute_error(const Trajectory& estimate, const Trajectory& refer
   if (alignment == Alignment::kSe2) {
     result.reference_T_estimate = align_trajectories(pairs.estimate, pairs.reference);
   }
-  std::vector<double> translation_m;
-  std::vector<double> rotation_rad;
+  PoseErrors& errors = result.by_pose;
   for (std::size_t i = 0; i < pairs.stamps.size(); ++i) {
     const Pose2 aligned = result.reference_T_estimate * pairs.estimate[i];
-    translation_m.push_back((aligned.translation() - pairs.reference[i].translation()).norm());
-    rotation_rad.push_back(std::abs(wrap_angle(aligned.yaw - pairs.reference[i].yaw)));
+    errors.stamps.push_back(pairs.stamps[i]);
+    errors.translation_m.push_back(
+        (aligned.translation() - pairs.reference[i].translation()).norm());
+    errors.rotation_rad.push_back(std::abs(wrap_angle(aligned.yaw - pairs.reference[i].yaw)));
   }
-  result.translation_m = statistics_of(std::move(translation_m));
-  result.rotation_rad = statistics_of(std::move(rotation_rad));
+  result.translation_m = statistics_of(errors.translation_m);
+  result.rotation_rad = statistics_of(errors.rotation_rad);
   return result;
 }
 
 RelativeError relative_error(const Trajectory& estimate, const Trajectory& reference, double delta,
                              Spacing spacing) {
   const Pairs pairs = pair_up(estimate, reference);
-  std::vector<double> translation_m;
-  std::vector<double> rotation_rad;
+  RelativeError result;
+  PoseErrors& errors = result.by_pair;
   std::size_t j = 0;
   for (std::size_t i = 0; i < pairs.stamps.size(); ++i) {
     j = std::max(j, i + 1);  // a pair is two different poses, however small delta is
@@ -146,13 +147,13 @@ RelativeError relative_error(const Trajectory& estimate, const Trajectory& refer
     const Pose2 expected = pairs.reference[i].inverse() * pairs.reference[j];
     const Pose2 measured = pairs.estimate[i].inverse() * pairs.estimate[j];
     const Pose2 error = expected.inverse() * measured;
-    translation_m.push_back(error.translation().norm());
-    rotation_rad.push_back(std::abs(error.yaw));
+    errors.stamps.push_back(pairs.stamps[i]);
+    errors.translation_m.push_back(error.translation().norm());
+    errors.rotation_rad.push_back(std::abs(error.yaw));
   }
-  RelativeError result;
-  result.pairs = static_cast<std::int64_t>(translation_m.size());
-  result.translation_m = statistics_of(std::move(translation_m));
-  result.rotation_rad = statistics_of(std::move(rotation_rad));
+  result.pairs = static_cast<std::int64_t>(errors.stamps.size());
+  result.translation_m = statistics_of(errors.translation_m);
+  result.rotation_rad = statistics_of(errors.rotation_rad);
   return result;
 }
 

@@ -1,9 +1,15 @@
 #include "loopstone/formats/convert_log.hpp"
 
 #include <deque>
+#include <filesystem>
 #include <optional>
+#include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/log_files.hpp"
 #include "loopstone/formats/log_summary.hpp"
 #include "loopstone/odometry/odometer.hpp"
 
@@ -130,6 +136,19 @@ ConvertResult convert_log(LogReader& log, LogWriter& writer, const LogContents& 
   result.left_out = counter.left_out();
   copier.finish(result);
   return result;
+}
+
+void require_free_place(const LogTarget& target, const std::string& source, bool may_overwrite) {
+  const std::vector<std::string> read = LogFiles(source).paths();
+  for (const std::string& path : log_parts(target).files) {
+    std::error_code ignored;
+    for (const std::string& other : read) {
+      if (std::filesystem::equivalent(path, other, ignored))
+        throw UsageError(path + ": this is the log that is read; name another file");
+    }
+    if (!may_overwrite && std::filesystem::exists(path, ignored))
+      throw UsageError(path + ": is there already; it is overwritten when that is asked for");
+  }
 }
 
 }  // namespace loopstone

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "formats/atomic_file.hpp"
@@ -194,6 +195,21 @@ std::vector<OptionProblem> check_camera(const CameraModel& camera, const std::st
   return problems;
 }
 
+/// Takes what the key states of the wheels, if it is of them.
+void state(StatedWheels& stated, std::string_view key, const WheelModel& wheels) {
+  if (key == "wheels.metres_per_count") stated.metres_per_count = wheels.metres_per_count;
+  if (key == "wheels.radius_m") stated.radius_m = wheels.radius_m;
+  if (key == "wheels.track_width_m") stated.track_width_m = wheels.track_width_m;
+  if (key == "wheels.counts_are_cumulative")
+    stated.counts_are_cumulative = wheels.counts_are_cumulative;
+  if (key == "wheels.counter_bits") stated.counter_bits = wheels.counter_bits;
+}
+
+void wrap_yaws(RobotModel& robot) {
+  for (LidarMount& lidar : robot.lidars)
+    lidar.robot_T_lidar.yaw = wrap_angle(lidar.robot_T_lidar.yaw);
+}
+
 }  // namespace
 
 RobotModel parse_robot(std::string_view toml, const std::string& path) {
@@ -220,9 +236,7 @@ RobotModel parse_robot(std::string_view toml, const std::string& path) {
   problems.insert(problems.begin(), document.problems.begin(), document.problems.end());
   if (!problems.empty()) throw OptionsError(std::move(problems));
 
-  for (LidarMount& lidar : robot.lidars) {
-    lidar.robot_T_lidar.yaw = wrap_angle(lidar.robot_T_lidar.yaw);
-  }
+  wrap_yaws(robot);
   CameraModel& camera = robot.camera;
   camera.robot_T_camera = posed(camera.robot_T_camera.translation, angles.camera);
   camera.camera_T_colour = posed(camera.camera_T_colour.translation, angles.colour);
@@ -236,20 +250,47 @@ RobotModel read_robot_file(const std::string& path) {
 StatedWheels stated_wheels(std::string_view toml, const std::string& path) {
   const WheelModel wheels = parse_robot(toml, path).wheels;
   StatedWheels stated;
-  for (const TomlValue& value : parse_toml(toml, path).values) {
-    if (value.key == "wheels.metres_per_count") stated.metres_per_count = wheels.metres_per_count;
-    if (value.key == "wheels.radius_m") stated.radius_m = wheels.radius_m;
-    if (value.key == "wheels.track_width_m") stated.track_width_m = wheels.track_width_m;
-    if (value.key == "wheels.counts_are_cumulative") {
-      stated.counts_are_cumulative = wheels.counts_are_cumulative;
-    }
-    if (value.key == "wheels.counter_bits") stated.counter_bits = wheels.counter_bits;
-  }
+  for (const TomlValue& value : parse_toml(toml, path).values) state(stated, value.key, wheels);
   return stated;
 }
 
 StatedWheels read_stated_wheels(const std::string& path) {
   return stated_wheels(read_whole_file(path, kMostOptionBytes), path);
+}
+
+RobotModel changed_robot(RobotModel robot, const RobotValues& changes, const std::string& origin) {
+  CameraAngles angles = angles_of(robot.camera);
+  const std::vector<OptionEntry> entries = list_robot(robot, angles);
+  std::vector<OptionProblem> problems;
+  bool camera_turned = false;
+  const auto add = [&](std::vector<OptionProblem> found) {
+    for (OptionProblem& problem : found) {
+      problem.where.path = origin;
+      problems.push_back(std::move(problem));
+    }
+  };
+  for (const auto& [key, value] : changes) {
+    std::string assignment = key;
+    add(apply_assignment(entries, assignment.append("=").append(value)));
+    camera_turned = camera_turned || (key.starts_with("camera.") && key.ends_with("_rad"));
+  }
+  add(problems_of(entries));
+  add(check_camera(robot.camera, origin));
+  if (!problems.empty()) throw OptionsError(std::move(problems));
+
+  wrap_yaws(robot);
+  if (camera_turned) {
+    CameraModel& camera = robot.camera;
+    camera.robot_T_camera = posed(camera.robot_T_camera.translation, angles.camera);
+    camera.camera_T_colour = posed(camera.camera_T_colour.translation, angles.colour);
+  }
+  return robot;
+}
+
+StatedWheels changed_stated_wheels(StatedWheels stated, const WheelModel& wheels,
+                                   const RobotValues& changes) {
+  for (const auto& [key, value] : changes) state(stated, key, wheels);
+  return stated;
 }
 
 std::string robot_to_toml(const RobotModel& robot) {

@@ -1,5 +1,9 @@
 #include "loopstone/formats/session_file.hpp"
 
+#include <filesystem>
+#include <string>
+#include <system_error>
+
 #include "base/crc32.hpp"
 #include "formats/atomic_file.hpp"
 #include "loopstone/base/byte_archive.hpp"
@@ -122,6 +126,33 @@ Session parse_session(std::string_view bytes, const std::string& path) {
 
 Session read_session(const std::string& path, const MemoryBudget& budget) {
   return parse_session(read_whole_file(path, budget.most_text_bytes()), path);
+}
+
+std::string kept_state_path(const std::string& folder) {
+  return (std::filesystem::path(folder) / "state.loopstone").string();
+}
+
+Session read_kept_state(const std::string& folder, const MemoryBudget& budget) {
+  const std::string path = kept_state_path(folder);
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    throw DataError({folder},
+                    "holds no state.loopstone to go on from; one is left where it was asked for "
+                    "when the map was made (--keep-state, keep_state=True)");
+  }
+  if (std::filesystem::exists(std::filesystem::path(folder) / "edits.toml", ignored)) {
+    throw DataError({folder},
+                    "is a map that was edited; go on with the one that was not, then do the same "
+                    "edits to what comes of it");
+  }
+  return read_session(path, budget);
+}
+
+void remove_kept_state(const std::string& folder) {
+  const std::string path = kept_state_path(folder);
+  std::error_code error;
+  std::filesystem::remove(path, error);
+  if (error) throw DataError({path}, "cannot remove the old state: " + error.message());
 }
 
 }  // namespace loopstone

@@ -25,8 +25,10 @@ ComplexRows as_rows(const std::vector<Complex>& headings) {
 }
 
 Certificate certificate_of(const IsotropicSystem& system, const VerifierVerdict& verdict,
-                           const RelaxedPoint& point, double cost, double relative_gap) {
+                           const RelaxedPoint& point, double cost, double relative_gap,
+                           std::size_t edges) {
   Certificate certificate;
+  certificate.edges = edges;
   certificate.cost = cost;
   certificate.min_eigenvalue = verdict.min_eigenvalue;
   certificate.eigenvalue_tolerance = verdict.tolerance;
@@ -76,15 +78,17 @@ struct Climb {
 };
 
 Climb climb(const IsotropicSystem& system, const PositionSolver& positions, Verifier& verifier,
-            RelaxedPoint start, VerifierVerdict verdict, const CertificateOptions& options) {
+            RelaxedPoint start, VerifierVerdict verdict, const CertificateOptions& options,
+            const StopQuestion& stop) {
   Climb at{std::move(start), std::move(verdict)};
-  while (!at.verdict.positive && at.verdict.shift && at.rank < options.max_rank) {
+  while (!at.verdict.positive && at.verdict.shift && at.rank < options.max_rank &&
+         !is_stopped(stop)) {
     const Eigenpair negative{at.verdict.min_eigenvalue, at.verdict.direction};
     RelaxedPoint lower = escape(system, positions, at.point, negative);
     if (!(lower.cost < at.point.cost)) break;
     ++at.rank;
     at.point = descend_relaxation(system, positions, verifier.matrix(), *at.verdict.shift,
-                                  std::move(lower), options.max_iterations);
+                                  std::move(lower), options.max_iterations, stop);
     at.verdict = verifier.verify(at.point);
   }
   return at;
@@ -93,11 +97,11 @@ Climb climb(const IsotropicSystem& system, const PositionSolver& positions, Veri
 /// The minimum in the plane that a relaxed point leads to.
 IsotropicDescentResult come_back(const IsotropicSystem& system, const PositionSolver& positions,
                                  const RelaxedPoint& point, const IsotropicState& gauge,
-                                 int max_iterations) {
+                                 int max_iterations, const StopQuestion& stop) {
   IsotropicState state = gauge;
   state.heading = rounded_headings(system, point, gauge.heading);
   positions.solve(state);
-  return descend_isotropic(system, std::move(state), {.max_iterations = max_iterations});
+  return descend_isotropic(system, std::move(state), {.max_iterations = max_iterations}, stop);
 }
 
 }  // namespace
@@ -113,33 +117,32 @@ Certificate verify_optimality(const PoseGraph& graph, const CertificateOptions& 
   const IsotropicState state = state_of(graph, system.problem);
   const double cost = isotropic_cost(system.problem, state);
   if (holds_too_much(graph)) {
-    return {CertificateStatus::kUnsupported, cost, 0.0, kInfinity, 0.0, cost};
+    return {CertificateStatus::kUnsupported, cost, 0.0, kInfinity, 0.0, cost, graph.edges.size()};
   }
   const PositionSolver positions(system);
   const RelaxedPoint point = relaxed_point(system, positions, as_rows(state.heading));
   Verifier verifier(system, options.relative_gap);
-  return certificate_of(system, verifier.verify(point), point, cost, options.relative_gap);
+  return certificate_of(system, verifier.verify(point), point, cost, options.relative_gap,
+                        graph.edges.size());
 }
 
-CertifiedSolution optimize_certified(const PoseGraph& graph, const CertificateOptions& options) {
+CertifiedSolution optimize_certified(const PoseGraph& graph, const CertificateOptions& options,
+                                     const StopQuestion& stop) {
   check_graph(graph);
   const IsotropicSystem system = isotropic_system(graph);
   const IsotropicState start = state_of(graph, system.problem);
   CertifiedSolution solution{graph.poses, graph.landmarks};
   solution.cost_initial = isotropic_cost(system.problem, start);
   if (holds_too_much(graph)) {
-    solution.certificate = {CertificateStatus::kUnsupported,
-                            solution.cost_initial,
-                            0.0,
-                            kInfinity,
-                            0.0,
-                            solution.cost_initial};
+    solution.certificate = {
+        CertificateStatus::kUnsupported, solution.cost_initial, 0.0, kInfinity, 0.0,
+        solution.cost_initial,           graph.edges.size()};
     return solution;
   }
   const PositionSolver positions(system);
   Verifier verifier(system, options.relative_gap);
   IsotropicDescentResult best =
-      descend_isotropic(system, start, {.max_iterations = options.max_iterations});
+      descend_isotropic(system, start, {.max_iterations = options.max_iterations}, stop);
   solution.iterations = best.iterations;
 
   // Each round ends in a proof or leads to a lower minimum.
@@ -147,15 +150,16 @@ CertifiedSolution optimize_certified(const PoseGraph& graph, const CertificateOp
   while (true) {
     RelaxedPoint point = relaxed_point(system, positions, as_rows(best.state.heading));
     VerifierVerdict verdict = verifier.verify(point);
-    solution.certificate = certificate_of(system, verdict, point, best.cost, options.relative_gap);
+    solution.certificate =
+        certificate_of(system, verdict, point, best.cost, options.relative_gap, graph.edges.size());
     if (solution.certificate.status != CertificateStatus::kNotOptimal) break;
-    if (options.max_rank < 2 || solution.escapes == kMostEscapes) break;
+    if (options.max_rank < 2 || solution.escapes == kMostEscapes || is_stopped(stop)) break;
 
     const Climb top =
-        climb(system, positions, verifier, std::move(point), std::move(verdict), options);
+        climb(system, positions, verifier, std::move(point), std::move(verdict), options, stop);
     solution.rank = std::max(solution.rank, top.rank);
     IsotropicDescentResult next =
-        come_back(system, positions, top.point, best.state, options.max_iterations);
+        come_back(system, positions, top.point, best.state, options.max_iterations, stop);
     solution.iterations += next.iterations;
     const bool lower = next.cost < best.cost * (1.0 - options.relative_gap);
     if (lower) {
@@ -164,8 +168,8 @@ CertifiedSolution optimize_certified(const PoseGraph& graph, const CertificateOp
     }
     if (top.verdict.positive) {
       // The relaxation is solved: its value bounds every solution from below.
-      solution.certificate =
-          certificate_of(system, top.verdict, top.point, best.cost, options.relative_gap);
+      solution.certificate = certificate_of(system, top.verdict, top.point, best.cost,
+                                            options.relative_gap, graph.edges.size());
     }
     if (!lower) break;
   }

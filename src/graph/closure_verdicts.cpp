@@ -177,9 +177,9 @@ bool readmit(const PoseGraph& graph, double inlier_chi2, Solution& solution,
 }  // namespace
 
 void settle_closures(const PoseGraph& graph, const std::vector<bool>& fixed, double inlier_chi2,
-                     std::vector<double>& weights, GraphState& state) {
+                     std::vector<double>& weights, GraphState& state, const StopQuestion& stop) {
   bool readmitted = false;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostRounds && !is_stopped(stop); ++round) {
     Solution solution(graph, fixed, weights, state);
     if (!solution.usable()) return;
     double bound = inlier_chi2;

@@ -66,11 +66,12 @@ class Damping {
 class Descent {
  public:
   Descent(NormalEquations& equations, BlockCholesky& cholesky, const DescentOptions& options,
-          GraphState& state)
+          GraphState& state, const StopQuestion& stop)
       : equations_(equations),
         cholesky_(cholesky),
         options_(options),
         state_(state),
+        stop_(stop),
         damping_(options.method) {
     step_.resize(equations.gradient().size());
     trial_ = state;
@@ -91,7 +92,7 @@ class Descent {
 
  private:
   SolveStatus gauss_newton() {
-    while (result_.iterations < options_.max_iterations) {
+    while (result_.iterations < options_.max_iterations && !is_stopped(stop_)) {
       ++result_.iterations;
       if (!cholesky_.factorise(equations_.hessian(), damping_.value())) {
         step_failed();
@@ -125,7 +126,7 @@ class Descent {
   SolveStatus dogleg() {
     Dogleg region;
     bool factorised = false;
-    while (result_.iterations < options_.max_iterations) {
+    while (result_.iterations < options_.max_iterations && !is_stopped(stop_)) {
       ++result_.iterations;
       if (!factorised) {
         // A shade of damping where the measurements leave something open.
@@ -214,6 +215,7 @@ class Descent {
   BlockCholesky& cholesky_;
   const DescentOptions& options_;
   GraphState& state_;
+  const StopQuestion& stop_;
   Damping damping_;
   DescentResult result_;
   GraphCosts costs_;
@@ -248,8 +250,8 @@ void apply_step(const GraphState& from, const NormalEquations& equations,
 }
 
 DescentResult descend(NormalEquations& equations, BlockCholesky& cholesky,
-                      const DescentOptions& options, GraphState& state) {
-  return Descent(equations, cholesky, options, state).run();
+                      const DescentOptions& options, GraphState& state, const StopQuestion& stop) {
+  return Descent(equations, cholesky, options, state, stop).run();
 }
 
 }  // namespace loopstone

@@ -4,6 +4,7 @@
 
 #include "graph/block_cholesky.hpp"
 #include "graph/normal_equations.hpp"
+#include "loopstone/base/stop_question.hpp"
 #include "loopstone/graph/solver.hpp"
 
 namespace loopstone {
@@ -21,9 +22,10 @@ struct DescentResult {
   GraphCosts final;
 };
 
-/// Lowers the robust cost of the state until nothing is left to gain.
+/// Lowers the robust cost of the state until nothing is left to gain, or until it is stopped.
 [[nodiscard]] DescentResult descend(NormalEquations& equations, BlockCholesky& cholesky,
-                                    const DescentOptions& options, GraphState& state);
+                                    const DescentOptions& options, GraphState& state,
+                                    const StopQuestion& stop = {});
 
 /// The state after a step, by the places of its poses and landmarks.
 void apply_step(const GraphState& from, const NormalEquations& equations,

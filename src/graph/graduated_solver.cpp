@@ -118,18 +118,19 @@ void decide(const PoseGraph& graph, std::vector<double>& weights) {
 /// From odometry alone: closures that it can reach come in together, and the worst go out one after
 /// another.
 Verdict judge_from_odometry(const PoseGraph& graph, const GncOptions& options,
-                            const std::vector<bool>& fixed) {
+                            const std::vector<bool>& fixed, const StopQuestion& stop) {
   Verdict verdict{start_of(graph, options), std::vector<double>(graph.edges.size(), 1.0)};
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
     if (judged(graph.edges[i])) verdict.weights[i] = 0.0;
   }
-  settle_closures(graph, fixed, options.inlier_chi2, verdict.weights, verdict.state);
+  settle_closures(graph, fixed, options.inlier_chi2, verdict.weights, verdict.state, stop);
   return verdict;
 }
 
 /// \param candidates  by edge: closures that are none stay out of the rounds
 Verdict judge_by_rounds(const PoseGraph& graph, const GncOptions& options,
-                        const std::vector<bool>& fixed, const std::vector<bool>& candidates) {
+                        const std::vector<bool>& fixed, const std::vector<bool>& candidates,
+                        const StopQuestion& stop) {
   GraphState state = start_of(graph, options);
   std::vector<double> weights(graph.edges.size(), 1.0);
   const auto judged_here = [&](std::size_t i) { return judged(graph.edges[i]) && candidates[i]; };
@@ -147,7 +148,7 @@ Verdict judge_by_rounds(const PoseGraph& graph, const GncOptions& options,
   }
   double mu = 0.0;
   int round = 0;
-  for (; round < options.max_rounds; ++round) {
+  for (; round < options.max_rounds && !is_stopped(stop); ++round) {
     improve(graph, weights, fixed, state);
     const std::vector<double> chi2 = chi2_of_edges(graph, state);
     if (round == 0) {
@@ -173,21 +174,21 @@ Verdict judge_by_rounds(const PoseGraph& graph, const GncOptions& options,
   }
 
   decide(graph, weights);
-  settle_closures(graph, fixed, options.inlier_chi2, weights, state);
+  settle_closures(graph, fixed, options.inlier_chi2, weights, state, stop);
   return {std::move(state), std::move(weights), round};
 }
 
 }  // namespace
 
 GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options,
-                       const SolverOptions& solver) {
+                       const SolverOptions& solver, const StopQuestion& stop) {
   check_graph(graph);
   const std::vector<bool> fixed = gauge_of(graph, connected_components(graph)).fixed;
   const std::vector<bool> all(graph.edges.size(), true);
   const auto closures = std::count_if(graph.edges.begin(), graph.edges.end(), judged);
   const bool few = closures <= kFewClosures;
-  Verdict verdict = judge_by_rounds(graph, options, fixed,
-                                    few ? all : supported_closures(graph, options.inlier_chi2));
+  Verdict verdict = judge_by_rounds(
+      graph, options, fixed, few ? all : supported_closures(graph, options.inlier_chi2), stop);
   // Other ways to begin end elsewhere; the least truncated cost wins.
   const auto compete = [&](Verdict next) {
     if (truncated_cost(graph, next, options.inlier_chi2) <
@@ -195,11 +196,12 @@ GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options,
       verdict = std::move(next);
     }
   };
-  if (few || strained(graph, verdict)) compete(judge_from_odometry(graph, options, fixed));
-  if (few || strained(graph, verdict)) {
+  const auto again = [&] { return !is_stopped(stop) && (few || strained(graph, verdict)); };
+  if (again()) compete(judge_from_odometry(graph, options, fixed, stop));
+  if (again()) {
     GncOptions other = options;
     other.consistency_first = !options.consistency_first;
-    compete(judge_by_rounds(graph, other, fixed, all));
+    compete(judge_by_rounds(graph, other, fixed, all, stop));
   }
   auto& [state, weights, rounds] = verdict;
   GncResult result;
@@ -207,7 +209,7 @@ GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options,
   PoseGraph accepted = weighted(graph, weights);
   accepted.poses = std::move(state.poses);
   accepted.landmarks = std::move(state.landmarks);
-  result.solved = optimize(accepted, solver);
+  result.solved = optimize(accepted, solver, stop);
   state = {result.solved.poses, result.solved.landmarks};
   result.edge_chi2 = chi2_of_edges(graph, state);
   for (std::size_t i = 0; i < weights.size(); ++i) {

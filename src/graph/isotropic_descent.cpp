@@ -146,7 +146,8 @@ IsotropicState moved(const IsotropicState& state, const IsotropicSystem& system,
 }  // namespace
 
 IsotropicDescentResult descend_isotropic(const IsotropicSystem& system, IsotropicState start,
-                                         const IsotropicDescentOptions& options) {
+                                         const IsotropicDescentOptions& options,
+                                         const StopQuestion& stop) {
   constexpr double kFirstDamping = 1e-5;
   constexpr double kMostDamping = 1e10;
   constexpr double kNegligibleCost = 1e-20;
@@ -173,7 +174,8 @@ IsotropicDescentResult descend_isotropic(const IsotropicSystem& system, Isotropi
 
   double damping = 0.0;
   bool far = true;  // where Gauss-Newton, which sees no negative curvature, leads down fast
-  while (result.iterations < options.max_iterations && damping < kMostDamping) {
+  while (result.iterations < options.max_iterations && damping < kMostDamping &&
+         !is_stopped(stop)) {
     const double negligible = std::max(options.relative_tolerance * result.cost, kNegligibleCost);
     promised = 2.0 * negligible + 1.0;
     const bool down = step_down(Curvature::kNewton, damping, 1.0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/chordal.hpp"
+#include "loopstone/base/stop_question.hpp"
 
 namespace loopstone {
 
@@ -22,6 +23,7 @@ struct IsotropicDescentOptions {
 /// where it does not.
 [[nodiscard]] IsotropicDescentResult descend_isotropic(const IsotropicSystem& system,
                                                        IsotropicState start,
-                                                       const IsotropicDescentOptions& options = {});
+                                                       const IsotropicDescentOptions& options = {},
+                                                       const StopQuestion& stop = {});
 
 }  // namespace loopstone

@@ -57,6 +57,11 @@ PoseGraph kept_part(const PoseGraph& graph, const std::vector<double>& weights) 
   return kept;
 }
 
+std::size_t closures_of(const PoseGraph& graph) {
+  return static_cast<std::size_t>(
+      std::ranges::count(graph.edges, EdgeKind::kLoopClosure, &RelativePoseEdge::kind));
+}
+
 }  // namespace
 
 GraphOptimisation optimize_graph(const PoseGraph& graph, const GraphOptimisationOptions& options) {
@@ -72,16 +77,19 @@ GraphOptimisation optimize_graph(const PoseGraph& graph, const GraphOptimisation
   };
   const auto solve = [&] {
     const PartTimer timer(times.solve_s, times.cpu_s);
-    result.solved = options.gnc ? optimize_gnc(at, *options.gnc, options.solver).solved
-                                : optimize(at, options.solver);
+    result.solved = options.gnc
+                        ? optimize_gnc(at, *options.gnc, options.solver, options.stop).solved
+                        : optimize(at, options.solver, options.stop);
     result.solved.cost_initial = result.start.cost;
     go_to(result.solved, at);
   };
   const auto certify = [&] {
     const PartTimer timer(times.certify_s, times.cpu_s);
     const PoseGraph kept = kept_part(at, result.solved.edge_weights);
-    result.certified_edges = kept.edges.size();
-    result.certified = optimize_certified(kept, *options.certificate);
+    result.certified = optimize_certified(kept, *options.certificate, options.stop);
+    Certificate& certificate = result.certified->certificate;
+    certificate.edges_set_aside = at.edges.size() - kept.edges.size();
+    certificate.closures_set_aside = closures_of(at) - closures_of(kept);
   };
 
   begin();
@@ -90,12 +98,13 @@ GraphOptimisation optimize_graph(const PoseGraph& graph, const GraphOptimisation
   } else if (options.is_robust()) {
     // Which edges count is what a robust kernel finds out; only then is there something to prove.
     solve();
-    certify();
+    if (!is_stopped(options.stop)) certify();
   } else {
     certify();
     go_to(*result.certified, at);
     solve();
   }
+  result.interrupted = is_stopped(options.stop);
   return result;
 }
 

@@ -124,14 +124,14 @@ Subproblem::Step Subproblem::solve(const ComplexRows& gradient, double radius) c
 
 RelaxedPoint descend_relaxation(const IsotropicSystem& system, const PositionSolver& positions,
                                 const CertificateMatrix& preconditioner, double shift,
-                                RelaxedPoint start, int max_iterations) {
+                                RelaxedPoint start, int max_iterations, const StopQuestion& stop) {
   constexpr double kNegligible = 1e-11;
   constexpr double kAccepted = 0.1;
   RelaxedPoint point = std::move(start);
   // The preconditioner's norm of a turn of all nodes by one radian along its weakest direction.
   const double widest = std::sqrt(shift * static_cast<double>(system.problem.headings));
   double radius = 0.5 * widest;
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations && !is_stopped(stop); ++iteration) {
     const ComplexRows gradient = half_gradient(point);
     const Subproblem subproblem(system, positions, preconditioner, point);
     const Subproblem::Step step = subproblem.solve(gradient, radius);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "graph/certificate_matrix.hpp"
+#include "loopstone/base/stop_question.hpp"
 
 namespace loopstone {
 
@@ -11,7 +12,8 @@ namespace loopstone {
 [[nodiscard]] RelaxedPoint descend_relaxation(const IsotropicSystem& system,
                                               const PositionSolver& positions,
                                               const CertificateMatrix& preconditioner, double shift,
-                                              RelaxedPoint start, int max_iterations);
+                                              RelaxedPoint start, int max_iterations,
+                                              const StopQuestion& stop = {});
 
 /// One dimension more, entered along the eigenvector of a negative eigenvalue of S: a saddle point
 /// is left downwards (Rosen et al. 2019, section 5.2). The start when no step along it is

@@ -9,7 +9,8 @@
 
 namespace loopstone {
 
-SolveResult optimize(const PoseGraph& graph, const SolverOptions& options) {
+SolveResult optimize(const PoseGraph& graph, const SolverOptions& options,
+                     const StopQuestion& stop) {
   check_graph(graph);
   const RobustPolicy policy{options.robust_kernel, options.robust_width, options.robust_everywhere};
   const DescentOptions descent{options.method, options.max_iterations, options.relative_tolerance};
@@ -18,7 +19,7 @@ SolveResult optimize(const PoseGraph& graph, const SolverOptions& options) {
   NormalEquations equations(graph, gauge.fixed, policy);
   BlockCholesky cholesky(equations.hessian());
   GraphState state{graph.poses, graph.landmarks};
-  const DescentResult found = descend(equations, cholesky, descent, state);
+  const DescentResult found = descend(equations, cholesky, descent, state, stop);
 
   SolveResult result;
   result.cost_initial = found.initial.plain;

@@ -239,7 +239,9 @@ class LandmarkTracker::Impl {
     estimate.odom_T_robot = odom_T_robot_;
     estimate.covariance = best.map_T_robot.covariance;
     estimate.refined = seen && best.explained > 0;
-    estimate.hypotheses = static_cast<int>(belief_.places().size());
+    for (const LandmarkPlace& place : belief_.places())
+      estimate.places.push_back({place.map_T_robot.pose, place.weight});
+    estimate.hypotheses = static_cast<int>(estimate.places.size());
     estimate.landmarks = seen ? best.explained : 0;
     estimate.travelled_m = motion_.travelled_m();
     const Eigen::Matrix3d& spread = best.map_T_robot.covariance;
@@ -264,9 +266,7 @@ class LandmarkTracker::Impl {
   [[nodiscard]] BeliefSnapshot snapshot_of(const std::vector<LandmarkObservation>& seen,
                                            const LocalizationEstimate& estimate) const {
     BeliefSnapshot snapshot{.stamp = estimate.stamp, .estimate = estimate};
-    for (const LandmarkPlace& place : belief_.places()) {
-      snapshot.hypotheses.push_back({place.map_T_robot.pose, place.weight});
-    }
+    snapshot.hypotheses = estimate.places;
     for (const LandmarkObservation& observation : seen) {
       snapshot.points.emplace_back(observation.point.cast<float>());
     }

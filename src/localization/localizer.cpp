@@ -446,7 +446,8 @@ class Localizer::Impl {
     estimate.odom_T_robot = odom_T_robot_;
     estimate.covariance = crowded(track_->covariance());
     estimate.refined = refined;
-    estimate.hypotheses = static_cast<int>(belief_.places().size());
+    estimate.places = places_now();
+    estimate.hypotheses = static_cast<int>(estimate.places.size());
     estimate.particles = static_cast<int>(belief_.particle_count());
     estimate.travelled_m = motion_.travelled_m();
     const double way_m = evidence_way_m();
@@ -621,13 +622,20 @@ class Localizer::Impl {
     result_.estimates.push_back(std::move(estimate));
   }
 
+  /// Where the robot may be, moved on from where the particles were weighed last.
+  [[nodiscard]] std::vector<LocalizationHypothesis> places_now() const {
+    std::vector<LocalizationHypothesis> places;
+    for (const PlaceBelief& place : belief_.places()) {
+      places.push_back(
+          {place.moments.pose * motion_.since_weighing().pose, std::exp(place.log_mass)});
+    }
+    return places;
+  }
+
   [[nodiscard]] BeliefSnapshot snapshot_of(const LocalizationScan& view,
                                            const LocalizationEstimate& estimate) const {
     BeliefSnapshot snapshot{.stamp = estimate.stamp, .points = view.weighed, .estimate = estimate};
-    for (const PlaceBelief& place : belief_.places()) {
-      snapshot.hypotheses.push_back(
-          {place.moments.pose * motion_.since_weighing().pose, std::exp(place.log_mass)});
-    }
+    snapshot.hypotheses = places_now();
     snapshot.particles = particles();
     return snapshot;
   }

@@ -80,11 +80,11 @@ LogMap map_log(const LogSource& source, LogReader& reader, const LogCut& cut,
                MappingWatch* companion) {
   MappingWatch nobody;
   const LogFiles files(source.path);
-  DriveMapping mapping(source.robot_of(reader), options, threads,
-                       companion == nullptr ? nobody : *companion);
+  MappingWatch& with = companion == nullptr ? nobody : *companion;
+  DriveMapping mapping(source.robot_of(reader), options, threads, with);
   CutLog log(reader, cut, source.mounts_from_log(), "mapping", watch);
   LogMap made;
-  made.result = mapping.map([&log] { return log.next(); });
+  made.result = mapping.map([&log] { return log.next(); }, with.may_begin_anew());
   made.log = log.judge(source.path);
   bool interrupted = log.interrupted();
   if (mapping.is_bent() && !interrupted) {

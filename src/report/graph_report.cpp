@@ -75,11 +75,29 @@ std::vector<std::size_t> by_chi2(const GraphRun& run, bool those_set_aside, std:
   return edges;
 }
 
+std::int64_t closures_of(const PoseGraph& graph) {
+  return std::ranges::count(graph.edges, EdgeKind::kLoopClosure, &RelativePoseEdge::kind);
+}
+
+/// Of what is proven: nobody shall take it for a proof of the whole graph.
+std::string proven_words(const Certificate& c) {
+  if (c.is_of_whole_graph()) return "certified";
+  return count_of(static_cast<std::int64_t>(c.edges), "edge", "edges") +
+         " that were kept certified";
+}
+
+std::string words_on_set_aside(const GraphRun& run) {
+  const Certificate& c = run.found.certified->certificate;
+  if (c.is_of_whole_graph()) return "";
+  return fmt::format(
+      "; nothing is proven of the {} set aside ({} of {}), nor that setting them aside was right",
+      count_of(static_cast<std::int64_t>(c.edges_set_aside), "edge", "edges"), c.closures_set_aside,
+      count_of(closures_of(run.file.graph), "loop closure", "loop closures"));
+}
+
 std::string figures(const GraphRun& run) {
   const PoseGraph& graph = run.file.graph;
-  const auto closures = std::count_if(
-      graph.edges.begin(), graph.edges.end(),
-      [](const RelativePoseEdge& edge) { return edge.kind == EdgeKind::kLoopClosure; });
+  const std::int64_t closures = closures_of(graph);
   const auto count = [](auto n) { return with_thousands(static_cast<std::int64_t>(n)); };
   std::string html = "<div class=\"figures\">\n";
   html +=
@@ -107,6 +125,9 @@ std::string figures(const GraphRun& run) {
     const Certificate& c = run.found.certified->certificate;
     html += html_key_table(
         "Certificate", {{"status", std::string(to_string(c.status))},
+                        {"of edges", count(c.edges)},
+                        {"not of edges, set aside", count(c.edges_set_aside)},
+                        {"of them loop closures", count(c.closures_set_aside)},
                         {"isotropic cost", cost_text(c.cost)},
                         {"proven lower bound", cost_text(c.lower_bound)},
                         {"gap at most", fmt::format("{:.3g}", c.optimality_gap)},
@@ -139,17 +160,17 @@ GraphRun make_graph_run(std::string name, GraphFile file, GraphOptimisation foun
 std::string certificate_sentence(const GraphRun& run) {
   if (!run.found.certified) return "not certified: nothing was asked to be proven";
   const Certificate& c = run.found.certified->certificate;
-  const std::size_t edges = run.file.graph.edges.size();
-  const std::string of =
-      run.found.certified_edges < edges
-          ? fmt::format(" of the {} edges that were kept", run.found.certified_edges)
-          : std::string();
+  const std::string of = c.is_of_whole_graph()
+                             ? std::string()
+                             : fmt::format(" of the {} edges that were kept", c.edges);
   switch (c.status) {
     case CertificateStatus::kCertified:
       return fmt::format(
-          "certified: the isotropic optimum{}, {}, is global to within {:.2g}; the solution is the "
-          "minimum of chi2 next to it",
-          of, cost_text(c.cost), c.optimality_gap);
+          "certified{}: the isotropic optimum{}, {}, is global to within {:.2g}; the solution is "
+          "the "
+          "minimum of chi2 next to it{}",
+          c.is_of_whole_graph() ? "" : " in part", of, cost_text(c.cost), c.optimality_gap,
+          words_on_set_aside(run));
     case CertificateStatus::kGapOpen:
       return fmt::format(
           "NOT certified: the isotropic cost{} is {}, and no solution is below {}; the relaxation "
@@ -186,7 +207,7 @@ std::string graph_summary_line(const GraphRun& run) {
   }
   if (run.found.certified) {
     const Certificate& c = run.found.certified->certificate;
-    line += c.certified() ? fmt::format("; certified to {:.2g}", c.optimality_gap)
+    line += c.certified() ? fmt::format("; {} to {:.2g}", proven_words(c), c.optimality_gap)
                           : "; NOT certified: " + std::string(to_string(c.status));
   }
   return line;
@@ -199,9 +220,10 @@ Image draw_graph_run(const GraphRun& run, int panel_px) {
   scene.weights = run.found.solved.edge_weights;
   scene.before_title =
       fmt::format("before: {}, cost {}", run.before_name, cost_text(run.before_cost));
-  scene.after_title = fmt::format(
-      "after: cost {}{}", cost_text(run.found.solved.cost),
-      run.found.certified && run.found.certified->certificate.certified() ? ", certified" : "");
+  const bool proven = run.found.certified && run.found.certified->certificate.certified();
+  scene.after_title =
+      fmt::format("after: cost {}{}", cost_text(run.found.solved.cost),
+                  proven ? ", " + proven_words(run.found.certified->certificate) : "");
   return draw_graph_picture(scene, {.panel_px = panel_px, .set_aside_below = kSetAsideBelow});
 }
 
@@ -210,7 +232,8 @@ std::string format_graph_report(const GraphRun& run, const RunInfo& info) {
   const std::size_t aside = edges_set_aside(run.found.solved);
   std::string body = "<p class=\"verdict\">" + escape_html(graph_summary_line(run)) + "</p>\n";
   if (run.found.certified) {
-    body += fmt::format("<p class=\"{}\">{}</p>\n", proven ? "good" : "bad",
+    const bool whole = run.found.certified->certificate.is_of_whole_graph();
+    body += fmt::format("<p class=\"{}\">{}</p>\n", !proven ? "bad" : (whole ? "good" : ""),
                         escape_html(certificate_sentence(run)));
   }
   for (const std::string& note : run.file.notes) {

@@ -63,6 +63,13 @@ TEST_F(CalibrateCommand, TableSaysWhatIsGiven) {
   EXPECT_THAT(result.out, HasSubstr("track"));
 }
 
+/// --quiet is about stderr: the result is what was asked for, as of every command.
+TEST_F(CalibrateCommand, QuietSaysNothingBesideTheResult) {
+  const ProgramResult calibrated = run_program({"calibrate", log_, "--quiet"});
+  EXPECT_EQ(calibrated.error, "");
+  EXPECT_EQ(calibrated.out, run_program({"calibrate", log_}).out);
+}
+
 TEST_F(CalibrateCommand, TooLittleIsAnErrorThatLeavesNothing) {
   const std::string robot = *folder_ / "short.toml";
   const ProgramResult result =

@@ -129,6 +129,21 @@ TEST_F(LogCommands, ConvertedLogsHaveTheSameOdometry) {
   EXPECT_EQ(run_program({"convert", log(), carmen}).exit_code, 2) << "there is one already";
 }
 
+TEST_F(LogCommands, QuietLeavesOutWhatIsToldOfAFewBrokenRecords) {
+  const TempDir folder;
+  (void)run_json({"convert", log(), folder / "whole.clf"});
+  const std::string path =
+      folder.write("broken.clf", "ODOM 1 2 broken\n" + folder.read("whole.clf"));
+  const ProgramResult told = run_program({"convert", path, folder / "told.clf"});
+  EXPECT_EQ(told.exit_code, 0) << told.error;
+  EXPECT_THAT(told.error, HasSubstr("1 of"));
+  const ProgramResult quiet = run_program({"convert", path, folder / "quiet.clf", "--quiet"});
+  EXPECT_EQ(quiet.exit_code, 0);
+  EXPECT_EQ(quiet.error, "");
+  // The result is what was asked for, as of every command.
+  EXPECT_THAT(quiet.out, HasSubstr("records skipped"));
+}
+
 TEST_F(LogCommands, OdometryStaysNearTheTruthForAWhile) {
   (void)run_json({"odometry", log(), "-o", *folder_ / "odometry.tum"});
   const auto error = run_json(

@@ -75,6 +75,8 @@ TEST_F(OptimizeCommand, GivesItsFiguresAsJson) {
   EXPECT_GT(json.at("wall_time_s").get<double>(), 0.0);
   EXPECT_EQ(json.at("certificate").at("status"), "certified");
   EXPECT_EQ(json.at("certificate").at("edges"), graph_.edges.size());
+  EXPECT_EQ(json.at("certificate").at("edges_set_aside"), 0);
+  EXPECT_EQ(json.at("certificate").at("whole_graph"), true);
   EXPECT_THAT(json.at("certificate").at("what").get<std::string>(), HasSubstr("isotropic"));
 }
 
@@ -207,6 +209,35 @@ TEST_F(OptimizeCommand, BadInputIsOneLineThatSaysWhatToDo) {
   expect({bare_, "--require", "certain"}, 2, "must read like");
   expect({bare_, "--set", "solver.max_iteration=3"}, 2, "max_iterations");
   expect({bare_, "-o", folder_ / "none/out.g2o"}, 1, "none/out.g2o");
+}
+
+TEST_F(OptimizeCommand, ACertificateOfAPartSaysHowManyEdgesItIsNotOf) {
+  // A ring of true closures over odometry that bends: DCS believes none of them.
+  PoseGraph chain;
+  Eigen::Matrix3d tight = Eigen::Vector3d(1e6, 1e6, 1e8).asDiagonal();
+  for (int i = 0; i < 90; ++i)
+    chain.edges.push_back({{i}, {i + 1}, {1.0, 0.0, 0.2}, tight, EdgeKind::kOdometry});
+  for (int i = 0; i + 20 <= 90; ++i) {
+    chain.edges.push_back({{i},
+                           {i + 20},
+                           {20.0, 0.0, 0.0},
+                           Eigen::Matrix3d::Identity() * 1e4,
+                           EdgeKind::kLoopClosure});
+  }
+  chain.poses.resize(91);
+  for (std::size_t i = 0; i < 90; ++i) chain.poses[i + 1] = chain.poses[i] * Pose2{1.0, 0.0, 0.2};
+  const std::string path = folder_ / "chain.g2o";
+  write_g2o(path, chain);
+  const Json json = optimize({path, "--robust", "dcs", "--initial", "odometry", "--certify"});
+  const Json& certificate = json.at("certificate");
+  EXPECT_EQ(certificate.at("whole_graph"), false);
+  EXPECT_EQ(certificate.at("edges_set_aside"), json.at("edges_set_aside"));
+  EXPECT_GE(certificate.at("loop_closures_set_aside").get<int>(), 60);
+  EXPECT_THAT(certificate.at("what").get<std::string>(), HasSubstr("edges that were kept"));
+  const ProgramResult text =
+      run_program({"optimize", path, "--robust", "dcs", "--initial", "odometry", "--certify"});
+  EXPECT_THAT(text.out, HasSubstr("nothing is proven of the"));
+  EXPECT_THAT(text.out, HasSubstr("nor that setting them aside was right"));
 }
 
 }  // namespace

@@ -27,6 +27,13 @@ constexpr auto words_of(Alignment /*any*/) {
   return std::array{Word{kSe2, "se2"}, Word{kNone, "none"}};
 }
 
+/// Errors of one pose, or of the motion of one pair, after the other.
+struct PoseErrors {
+  std::vector<Stamp> stamps{};  ///< of the reference; of a pair, of its first pose
+  std::vector<double> translation_m{};
+  std::vector<double> rotation_rad{};  ///< not negative
+};
+
 /// Absolute trajectory error.
 struct AbsoluteError {
   ErrorStatistics translation_m;
@@ -34,6 +41,7 @@ struct AbsoluteError {
   Pose2 reference_T_estimate;      ///< the alignment that was applied
   std::int64_t poses = 0;          ///< that were compared
   std::int64_t poses_missing = 0;  ///< reference poses outside the estimate's time
+  PoseErrors by_pose{};            ///< of each that was compared
 };
 
 /// The rigid motion that brings the points of `estimate` nearest to those of `reference`, pair by
@@ -59,6 +67,7 @@ struct RelativeError {
   ErrorStatistics translation_m;
   ErrorStatistics rotation_rad;
   std::int64_t pairs = 0;
+  PoseErrors by_pair{};  ///< of each of them
 };
 
 /// How much the motion over a stretch differs: of (reference_i^-1 reference_j)^-1 (estimate_i^-1

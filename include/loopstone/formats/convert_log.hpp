@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "loopstone/base/progress.hpp"
 #include "loopstone/formats/left_out.hpp"
@@ -32,5 +33,11 @@ struct ConvertResult {
 [[nodiscard]] ConvertResult convert_log(LogReader& log, LogWriter& writer, const LogContents& held,
                                         const RobotModel& robot,
                                         const ProgressCallback& progress = {});
+
+/// A log is not written over the one that it is made of, nor over what somebody may want to keep.
+/// \param source           the log that is read, as open_log() takes it
+/// \param may_overwrite    what is there, but for the source
+/// Throws UsageError that names the file.
+void require_free_place(const LogTarget& target, const std::string& source, bool may_overwrite);
 
 }  // namespace loopstone

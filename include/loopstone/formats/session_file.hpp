@@ -26,4 +26,12 @@ std::int64_t write_session(const std::string& path, const Session& session);
 /// Throws DataError, also when the file can't be read.
 [[nodiscard]] Session read_session(const std::string& path, const MemoryBudget& budget = {});
 
+/// Where the state of a finished map lies in the folder of its results, from which another drive
+/// goes on and edits begin.
+[[nodiscard]] std::string kept_state_path(const std::string& folder);
+/// It. Throws DataError when there is none, it is damaged, or of a map that was edited.
+[[nodiscard]] Session read_kept_state(const std::string& folder, const MemoryBudget& budget = {});
+/// One of an older map is not of new results.
+void remove_kept_state(const std::string& folder);
+
 }  // namespace loopstone

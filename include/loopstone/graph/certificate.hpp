@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "loopstone/base/options.hpp"
+#include "loopstone/base/stop_question.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
 namespace loopstone {
@@ -61,8 +63,15 @@ struct Certificate {
   double eigenvalue_tolerance = 0.0;
   double lower_bound = 0.0;     ///< no solution costs less; -infinity when nothing is known
   double optimality_gap = 0.0;  ///< cost - lower_bound
+  std::size_t edges = 0;        ///< between poses, of the problem that it is about
+  /// Edges that a robust solution turned down before (optimize_graph): nothing is said of them, and
+  /// of whether they were right.
+  std::size_t edges_set_aside = 0;
+  std::size_t closures_set_aside = 0;  ///< of these, loop closures
 
   [[nodiscard]] bool certified() const { return status == CertificateStatus::kCertified; }
+  /// It is about every edge of the graph.
+  [[nodiscard]] bool is_of_whole_graph() const { return edges_set_aside == 0; }
 };
 
 /// Whether the graph's poses are a global optimum of F, up to a motion of each component.
@@ -85,9 +94,12 @@ struct CertifiedSolution {
 /// along the direction of negative curvature in a relaxation of higher rank (Riemannian staircase:
 /// Boumal 2015; Rosen et al. 2019, section 5.2), comes back to the plane and tries again. Held
 /// poses and each component's first one stay where they are.
+/// \param stop  asked before each step; true ends it, at the latest with kNotConverged after what a
+///              proof takes
 /// Throws UsageError as check_graph does. Deterministic.
 [[nodiscard]] CertifiedSolution optimize_certified(const PoseGraph& graph,
-                                                   const CertificateOptions& options = {});
+                                                   const CertificateOptions& options = {},
+                                                   const StopQuestion& stop = {});
 
 /// F at the graph's poses.
 [[nodiscard]] double isotropic_cost(const PoseGraph& graph);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "loopstone/base/stop_question.hpp"
 #include "loopstone/graph/certificate.hpp"
 #include "loopstone/graph/initial_poses.hpp"
 #include "loopstone/graph/outlier_rejection.hpp"
@@ -27,6 +28,8 @@ struct GraphOptimisationOptions {
   std::optional<GncOptions> gnc{};
   /// Proves that the minimum where the solution begins is the global one.
   std::optional<CertificateOptions> certificate{};
+  /// Asked before each step: true ends it, and the result is GraphOptimisation::interrupted.
+  StopQuestion stop{};
 
   [[nodiscard]] bool is_robust() const {
     return gnc || solver.robust_kernel != RobustKernel::kNone;
@@ -49,7 +52,7 @@ struct GraphOptimisation {
   SolveResult solved{};  ///< cost_initial is that of the start
   /// Of the edges that were kept, when a certificate was asked for.
   std::optional<CertifiedSolution> certified{};
-  std::size_t certified_edges = 0;  ///< of all; fewer when robust weights set some aside
+  bool interrupted = false;  ///< nothing here is a solution then
   GraphOptimisationTimes times{};
 
   /// Steps of the certified minimum and of the solution.
@@ -64,7 +67,9 @@ struct GraphOptimisation {
 /// With a certificate and no robust weights the isotropic objective is minimised first, its minimum
 /// is proven to be global, and the solution begins there. With robust weights the solution comes
 /// first, since it is what finds out which edges count; what is certified then is the isotropic
-/// minimum of the edges that it kept (weight at least kSetAsideBelow).
+/// minimum of the edges that it kept (weight at least kSetAsideBelow), and the certificate says how
+/// many it did not: a kernel may well turn down what was right, and then that is proven optimal
+/// which is left, a bare chain at worst.
 ///
 /// \param graph  connected, or each part held by a fixed pose or a prior; else status kDisconnected
 /// Throws UsageError as check_graph does. Deterministic but for the times.

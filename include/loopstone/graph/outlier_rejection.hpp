@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "loopstone/base/options.hpp"
+#include "loopstone/base/stop_question.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/graph/solver.hpp"
 
@@ -57,10 +58,13 @@ struct GncResult {
 /// starts (odometry alone, consistent closures) compete by truncated cost where there are few
 /// closures, or where the result's cost is more than twice its degrees of freedom.
 ///
+/// \param stop  asked before each round and step; true ends it: then the poses and weights mean
+///              nothing, and the status is kNotConverged
 /// Source: Yang, Antonante, Tzoumas and Carlone 2020, "Graduated non-convexity for robust spatial
 /// perception".
 [[nodiscard]] GncResult optimize_gnc(const PoseGraph& graph, const GncOptions& options = {},
-                                     const SolverOptions& solver = {});
+                                     const SolverOptions& solver = {},
+                                     const StopQuestion& stop = {});
 
 struct ConsistencyOptions {
   /// Squared standard deviations that the loop of two true closures and the odometry between them

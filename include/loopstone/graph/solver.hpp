@@ -5,6 +5,7 @@
 
 #include "loopstone/base/options.hpp"
 #include "loopstone/base/robust_kernel.hpp"
+#include "loopstone/base/stop_question.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 
 namespace loopstone {
@@ -83,11 +84,13 @@ struct SolveResult {
 /// found. What is left to gain is what a step promises, or what the next one would, going by how
 /// the promises of undamped steps shrink.
 ///
+/// \param stop  asked before each step; true ends it at the best poses found, kNotConverged
 /// Throws UsageError as check_graph does. Graphs without poses or edges are solved as they are.
 /// Cost: per step, one multifrontal Cholesky factorisation with 3x3 blocks in a fill-reducing
 /// order. Deterministic.
 /// Source: Grisetti et al. 2010, "A tutorial on graph-based SLAM"; damping of Nielsen 1999; dogleg
 /// of Powell 1970.
-[[nodiscard]] SolveResult optimize(const PoseGraph& graph, const SolverOptions& options = {});
+[[nodiscard]] SolveResult optimize(const PoseGraph& graph, const SolverOptions& options = {},
+                                   const StopQuestion& stop = {});
 
 }  // namespace loopstone

@@ -59,6 +59,12 @@ struct PoseEvidence {
   FitOverWay along{};       ///< over about the last 8 m
 };
 
+/// A place where the robot may be.
+struct LocalizationHypothesis {
+  Pose2 map_T_robot;
+  double probability = 0.0;  ///< [0, 1], share of the belief
+};
+
 /// Where the robot is at a scan, and how far to trust that.
 struct LocalizationEstimate {
   Stamp stamp;
@@ -69,7 +75,9 @@ struct LocalizationEstimate {
   LocalizationState state = LocalizationState::kLost;
   double probability = 0.0;  ///< that the pose is within 0.2 m and 5 deg of the truth
   bool refined = false;      ///< by registration to the map; else the particles' mean
-  int hypotheses = 0;        ///< places that the robot may be at
+  int hypotheses = 0;        ///< places that the robot may be at,
+  /// the most probable first, as the particles have them; map_T_robot is the first one's, refined
+  std::vector<LocalizationHypothesis> places{};
   int particles = 0;
   int landmarks = 0;         ///< of the map, that this reading showed; among landmarks only
   double travelled_m = 0.0;  ///< path since the first scan, by odometry
@@ -77,12 +85,6 @@ struct LocalizationEstimate {
 
   /// As REP-105 has it: moves when the pose is corrected.
   [[nodiscard]] Pose2 map_T_odom() const { return map_T_robot * odom_T_robot.inverse(); }
-};
-
-/// Another place where the robot may be.
-struct LocalizationHypothesis {
-  Pose2 map_T_robot;
-  double probability = 0.0;
 };
 
 /// The belief at one moment, for pictures.

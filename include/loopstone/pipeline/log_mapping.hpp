@@ -44,6 +44,8 @@ class MappingWatch {
   virtual void finishing(Mapper& /*mapper*/) {}
   /// Told while the map is finished; false ends that at the next good place.
   virtual bool goes_on(const Progress& /*progress*/) { return true; }
+  /// False: the map goes on with drives that can't be had again, so that it is not made anew.
+  [[nodiscard]] virtual bool may_begin_anew() const { return true; }
   /// What there is will do: the map is finished as it is.
   [[nodiscard]] virtual bool is_stopped() const { return false; }
 };

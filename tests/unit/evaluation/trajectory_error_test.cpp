@@ -118,6 +118,24 @@ TEST(AbsoluteError, CountsWhatLiesOutsideAndInterpolatesWhatLiesBetween) {
   EXPECT_LT(error.translation_m.max, 1e-3);
 }
 
+TEST(AbsoluteError, TellsTheErrorOfEachPose) {
+  const std::vector<StampedPose2> truth{
+      {Stamp{0}, {}}, {Stamp{1}, {1.0, 0.0, 0.0}}, {Stamp{2}, {2.0, 0.0, 0.0}}};
+  const std::vector<StampedPose2> found{
+      {Stamp{0}, {}}, {Stamp{1}, {1.0, 0.3, -0.1}}, {Stamp{2}, {2.0, 0.4, 0.0}}};
+  const AbsoluteError error =
+      absolute_error(Trajectory(found), Trajectory(truth), Alignment::kNone);
+  EXPECT_EQ(error.by_pose.stamps, (std::vector<Stamp>{{0}, {1}, {2}}));
+  ASSERT_EQ(error.by_pose.translation_m.size(), 3U);
+  EXPECT_DOUBLE_EQ(error.by_pose.translation_m[1], 0.3);
+  EXPECT_DOUBLE_EQ(error.by_pose.rotation_rad[1], 0.1);
+  const RelativeError steps =
+      relative_error(Trajectory(found), Trajectory(truth), 1, Spacing::kFrames);
+  EXPECT_EQ(steps.by_pair.stamps, (std::vector<Stamp>{{0}, {1}}));
+  EXPECT_DOUBLE_EQ(steps.by_pair.translation_m[0], 0.3);
+  EXPECT_EQ(steps.by_pair.rotation_rad.size(), 2U);
+}
+
 TEST(AbsoluteError, HeadingErrorsAreWrappedAndUnsigned) {
   Trajectory reference;
   Trajectory estimate;

@@ -140,6 +140,37 @@ TEST(RobotFile, ACameraThatCanNotMeasureIsRefused) {
   refused("[camera.color]\nis_registered = true", "did you mean camera.colour.is_registered?");
 }
 
+TEST(RobotFile, ChangesWhatIsNamedAndKeepsTheRestToTheBit) {
+  RobotModel robot;
+  robot.lidars.push_back(LidarMount{.name = "rear"});
+  const RobotValues changes{{"wheels.track_width_m", "0.5"}, {"lidars[1].yaw_rad", "4"}};
+  const RobotModel changed = changed_robot(robot, changes, "r");
+  RobotModel expected = robot;
+  expected.wheels.track_width_m = 0.5;
+  expected.lidars[1].robot_T_lidar.yaw = 4.0 - 2.0 * kPi;
+  EXPECT_EQ(changed.camera.robot_T_camera.rotation.coeffs(),
+            robot.camera.robot_T_camera.rotation.coeffs());
+  expect_same(changed, expected);
+  const StatedWheels stated = changed_stated_wheels({.radius_m = 0.1}, changed.wheels, changes);
+  EXPECT_EQ(stated.track_width_m, 0.5);
+  EXPECT_EQ(stated.radius_m, 0.1);
+  EXPECT_FALSE(stated.metres_per_count);
+
+  const RobotModel tilted = changed_robot(robot, {{"camera.pitch_rad", "0.5"}}, "r");
+  EXPECT_GT(
+      tilted.camera.robot_T_camera.rotation.angularDistance(robot.camera.robot_T_camera.rotation),
+      0.1);
+  robot.lidars[0].robot_T_lidar.x = 1e9;
+  try {
+    (void)changed_robot(robot, {{"wheels.track", "0.5"}, {"lidars[7].x_m", "0"}}, "r");
+    FAIL() << "accepted";
+  } catch (const OptionsError& error) {
+    EXPECT_EQ(error.problems().size(), 3U);
+    EXPECT_THAT(error.what(), HasSubstr("lidars[0].x_m"));
+    EXPECT_THAT(error.what(), HasSubstr("r: wheels.track"));
+  }
+}
+
 TEST(RobotFile, AllProblemsComeAtOnce) {
   try {
     (void)parse_robot("[wheels]\ntrack_with_m = 0.4\nmetres_per_count = -1\n[[lidars]]\nx = 3\n",

@@ -66,7 +66,9 @@ TEST(OptimizeGraph, ACertifiedSolutionBeginsAtTheCertifiedMinimum) {
   const GraphOptimisation found = optimize_graph(graph, {.certificate = CertificateOptions{}});
   ASSERT_TRUE(found.certified);
   EXPECT_TRUE(found.certified->certificate.certified());
-  EXPECT_EQ(found.certified_edges, graph.edges.size());
+  EXPECT_EQ(found.certified->certificate.edges, graph.edges.size());
+  EXPECT_TRUE(found.certified->certificate.is_of_whole_graph());
+  EXPECT_FALSE(found.interrupted);
   EXPECT_EQ(found.iterations(), found.solved.iterations + found.certified->iterations);
   // The cost at the start is that of the start, not of the certified minimum.
   EXPECT_EQ(found.solved.cost_initial, found.start.cost);
@@ -86,8 +88,11 @@ TEST(OptimizeGraph, WithRobustWeightsWhatWasKeptIsCertifiedInTheEnd) {
     EXPECT_LT(found.solved.edge_weights[i], kSetAsideBelow) << i;
   }
   ASSERT_TRUE(found.certified);
-  EXPECT_EQ(found.certified_edges, graph.edges.size() - edges_set_aside(found.solved));
+  EXPECT_EQ(found.certified->certificate.edges, graph.edges.size() - edges_set_aside(found.solved));
   EXPECT_TRUE(found.certified->certificate.certified());
+  EXPECT_FALSE(found.certified->certificate.is_of_whole_graph());
+  EXPECT_EQ(found.certified->certificate.edges_set_aside, edges_set_aside(found.solved));
+  EXPECT_EQ(found.certified->certificate.closures_set_aside, edges_set_aside(found.solved));
   // All edges alike, the false ones tear the city apart.
   EXPECT_GT(optimize_graph(graph).solved.cost, 10.0 * found.solved.robust_cost);
 }
@@ -102,7 +107,41 @@ TEST(OptimizeGraph, AKernelOfTheSolverIsRobustToo) {
   EXPECT_TRUE(options.is_robust());
   const GraphOptimisation found = optimize_graph(graph, options);
   EXPECT_GE(edges_set_aside(found.solved), 3U);
-  EXPECT_EQ(found.certified_edges, graph.edges.size() - edges_set_aside(found.solved));
+  EXPECT_EQ(found.certified->certificate.edges, graph.edges.size() - edges_set_aside(found.solved));
+}
+
+TEST(OptimizeGraph, EndsWhereItIsAskedToStop) {
+  const PoseGraph graph = with_false_closures(city(), 8);
+  for (const bool gnc : {false, true}) {
+    GraphOptimisationOptions options;
+    options.start = Initialisation::kOdometryChain;
+    options.certificate = CertificateOptions{};
+    if (gnc) options.gnc = GncOptions{};
+    int asked = 0;
+    options.stop = [&asked] {
+      ++asked;
+      return false;
+    };
+    EXPECT_FALSE(optimize_graph(graph, options).interrupted);
+    EXPECT_GT(asked, 5) << gnc;
+    for (const int after : {0, 1, asked / 2, asked - 1}) {
+      int left = after;
+      int too_often = 0;
+      options.stop = [&] {
+        if (left == 0) ++too_often;
+        return left == 0 || --left < 0;
+      };
+      const GraphOptimisation found = optimize_graph(graph, options);
+      EXPECT_TRUE(found.interrupted) << gnc << ' ' << after;
+      EXPECT_EQ(found.solved.poses.size(), graph.poses.size());
+      // Every loop ends the first time that it hears it.
+      EXPECT_LT(too_often, 20) << gnc << ' ' << after;
+    }
+  }
+  const SolveResult at_once = optimize(graph, {}, [] { return true; });
+  EXPECT_EQ(at_once.status, SolveStatus::kNotConverged);
+  EXPECT_EQ(at_once.iterations, 0);
+  expect_same(at_once.poses, graph.poses);
 }
 
 TEST(OptimizeGraph, TimesCoverTheParts) {

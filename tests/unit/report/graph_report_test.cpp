@@ -89,6 +89,21 @@ TEST(GraphReport, EdgesThatWereSetAsideAreListedAndRed) {
   EXPECT_THAT(table, HasSubstr(",0.01\n"));
 }
 
+TEST(GraphReport, AProofOfAPartIsNotTakenForOneOfTheWhole) {
+  GraphRun run = example_run();
+  Certificate& certificate = run.found.certified->certificate;
+  EXPECT_THAT(certificate_sentence(run), testing::Not(HasSubstr("set aside")));
+  certificate.edges = 212;
+  certificate.edges_set_aside = 88;
+  certificate.closures_set_aside = 87;
+  const std::string sentence = certificate_sentence(run);
+  EXPECT_THAT(sentence, HasSubstr("certified in part"));
+  EXPECT_THAT(sentence, HasSubstr("of the 212 edges that were kept"));
+  EXPECT_THAT(sentence, HasSubstr("nothing is proven of the 88 edges set aside (87 of "));
+  EXPECT_THAT(graph_summary_line(run), HasSubstr("212 edges that were kept certified to"));
+  EXPECT_THAT(format_graph_report(run, {}), testing::Not(HasSubstr("class=\"good\"")));
+}
+
 TEST(GraphReport, WithoutAProofItSaysSo) {
   GraphRun run = example_run();
   run.found.certified->certificate.status = CertificateStatus::kNotOptimal;
