@@ -117,9 +117,14 @@ void draw(const SettledMap& map, const FinishCalls& calls, std::span<const Posed
 void judge(const PoseGraph& solved, std::span<const PosedScan> scans, Threads threads,
            MapResult& result) {
   result.quality = assess_map(scans, threads);
-  result.ties = find_ties_of(solved, result.node_stamps, result.drifts, result.path_surfaces,
-                             scale_sigma(result.calibration), result.quality.agreeing,
-                             result.graph_quality.loops, result.graph_quality.reduced_chi2);
+  result.ties = find_ties_of(solved, {.stamps = result.node_stamps,
+                                      .drifts = result.drifts,
+                                      .surfaces = result.path_surfaces,
+                                      .scale_sigma = scale_sigma(result.calibration),
+                                      .agreeing = result.quality.agreeing,
+                                      .contradictions = result.quality.contradictions,
+                                      .loops = result.graph_quality.loops,
+                                      .reduced_chi2 = result.graph_quality.reduced_chi2});
   result.verdict = judge_map(result);
 }
 

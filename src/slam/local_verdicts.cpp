@@ -30,8 +30,13 @@ std::string place(const Eigen::Vector2d& at) {
 }
 
 std::vector<VisitContradiction> contradictions_that_count(const MapResult& result) {
-  std::vector<VisitContradiction> all = result.quality.contradictions;
-  std::erase_if(all, [](const VisitContradiction& region) { return !is_contradiction(region); });
+  const std::vector<double>& off_m = result.ties.contradictions_m;
+  std::vector<VisitContradiction> all;
+  for (std::size_t i = 0; i < result.quality.contradictions.size(); ++i) {
+    const VisitContradiction& region = result.quality.contradictions[i];
+    const bool moved_meanwhile = i < off_m.size() && off_m[i] <= kMapVerdict.contradicted_least_m;
+    if (is_contradiction(region) && !moved_meanwhile) all.push_back(region);
+  }
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.wall_m > b.wall_m; });
   return all;

@@ -51,6 +51,7 @@ std::optional<PathChain> chain_of(const PoseGraph& graph, std::span<const StepDr
 /// How well the path alone knows motions between its nodes: by its surfaces, else by its steps.
 class PathKnowledge {
  public:
+  /// \param across  how many recognised places lead across each edge
   PathKnowledge(const PoseGraph& graph, const PathChain& chain, const PathSurfaces& surfaces,
                 std::span<const int> across)
       : poses_(graph.poses), chain_(chain), across_(across) {
@@ -106,6 +107,28 @@ class PathKnowledge {
   std::optional<PathPosterior> posterior_{};
 };
 
+std::size_t node_at(std::span<const Stamp> stamps, Stamp stamp) {
+  const auto found = std::lower_bound(stamps.begin(), stamps.end(), stamp);
+  return std::min(static_cast<std::size_t>(found - stamps.begin()), stamps.size() - 1);
+}
+
+Stamp middle_of(Stamp from, Stamp to) {
+  return {from.nanoseconds + (to - from).nanoseconds / 2};
+}
+
+/// What the path's edges measured from each node to the next.
+std::vector<Pose2> steps_of(const PoseGraph& graph) {
+  std::vector<Pose2> steps(graph.poses.size() - 1);
+  std::vector<bool> known(steps.size(), false);
+  for (const RelativePoseEdge& edge : graph.edges) {
+    if (edge.kind == EdgeKind::kLoopClosure || edge.to.index != edge.from.index + 1) continue;
+    const auto at = static_cast<std::size_t>(edge.from.index);
+    if (!known[at]) steps[at] = edge.from_T_to;
+    known[at] = true;
+  }
+  return steps;
+}
+
 /// A closure, its earlier end first.
 struct Tie {
   std::size_t low;
@@ -114,12 +137,9 @@ struct Tie {
 
 /// Between the nodes that are nearest in time.
 std::vector<Tie> ties_of(std::span<const VisitTie> agreeing, std::span<const Stamp> stamps) {
-  const auto node_at = [&](Stamp stamp) {
-    const auto found = std::lower_bound(stamps.begin(), stamps.end(), stamp);
-    return std::min(static_cast<std::size_t>(found - stamps.begin()), stamps.size() - 1);
-  };
   std::vector<Tie> ties;
-  for (const VisitTie& tie : agreeing) ties.push_back({node_at(tie.first), node_at(tie.second)});
+  for (const VisitTie& tie : agreeing)
+    ties.push_back({node_at(stamps, tie.first), node_at(stamps, tie.second)});
   return ties;
 }
 
@@ -241,6 +261,40 @@ std::vector<OpenStretch> open_stretches(const PoseGraph& graph, const PathChain&
   return stretches;
 }
 
+/// The motion from one node to a later one as the path measured it, by its own edges.
+Pose2 measured_between(const PoseGraph& graph, std::size_t first, std::size_t last,
+                       const std::vector<Pose2>& steps) {
+  Pose2 motion = graph.poses[first];
+  for (std::size_t i = first; i < last; ++i) motion = motion * steps[i];
+  return motion;
+}
+
+/// See GraphTies::contradictions_m.
+/// \param graph  at the poses that the surfaces speak of; solved: in the frame of the regions
+std::vector<double> off_between_visits(const PoseGraph& graph, const PoseGraph& solved,
+                                       const PathChain& chain, std::span<const Stamp> stamps,
+                                       const PathSurfaces& surfaces,
+                                       std::span<const VisitContradiction> contradictions) {
+  const std::vector<int> no_closures(chain.drifts.size(), 0);
+  PathKnowledge path(graph, chain, surfaces, no_closures);
+  const std::vector<Pose2> steps = steps_of(graph);
+  std::vector<double> off_m;
+  for (const VisitContradiction& region : contradictions) {
+    const std::size_t first = node_at(stamps, middle_of(region.first_from, region.first_to));
+    const std::size_t last = node_at(stamps, middle_of(region.second_from, region.second_to));
+    const Eigen::Vector2d robot_T_region = solved.poses[last].inverse() * region.centre();
+    const Eigen::Vector2d at = graph.poses[last] * robot_T_region;
+    const Eigen::Matrix3d there = lever_of(at - graph.poses[last].translation());
+    const Eigen::Matrix3d covariance = there * path.between(first, last) * there.transpose();
+    // Where the region would lie, had nothing but the path's own edges placed the second visit.
+    const Pose2 by_path = measured_between(graph, first, last, steps);
+    const Eigen::Vector2d moved = by_path * robot_T_region - at;
+    off_m.push_back(kLooseParts.sure_sigmas * largest_sigma(covariance.topLeftCorner<2, 2>()) +
+                    moved.norm());
+  }
+  return off_m;
+}
+
 template <typename Part>
 void least_certain_first(std::vector<Part>& parts, std::size_t most) {
   std::stable_sort(parts.begin(), parts.end(),
@@ -250,10 +304,9 @@ void least_certain_first(std::vector<Part>& parts, std::size_t most) {
 
 }  // namespace
 
-GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
-                       std::span<const StepDrift> drifts, const PathSurfaces& surfaces,
-                       double scale_sigma, std::span<const VisitTie> agreeing, int loops,
-                       double reduced_chi2) {
+GraphTies find_ties_of(const PoseGraph& solved, const TieEvidence& evidence) {
+  const auto& [stamps, drifts, surfaces, scale_sigma, agreeing, contradictions, loops,
+               reduced_chi2] = evidence;
   GraphTies ties;
   if (stamps.size() != solved.poses.size()) return ties;
   if (!drifts.empty() && drifts.size() + 1 != solved.poses.size()) return ties;
@@ -275,6 +328,8 @@ GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
   ties.possible = path.possible();
   ties.loose = loose_parts(solved, *chain, stamps, across, path);
   ties.open = open_stretches(solved, *chain, stamps, path);
+  if (!contradictions.empty())
+    ties.contradictions_m = off_between_visits(graph, solved, *chain, stamps, held, contradictions);
   least_certain_first(ties.loose, static_cast<std::size_t>(kLooseParts.most_loose));
   least_certain_first(ties.open, static_cast<std::size_t>(kLooseParts.most_open));
   return ties;

@@ -18,6 +18,7 @@ struct MapVerdictNumbers {
   VerdictLimits revoked_share{0.05, 0.30};
   VerdictLimits contradicted_wall_m{2.5, 10.0};
   double contradicted_share = 0.3;
+  double contradicted_least_m = 0.15;
   double sure_sigmas = 3.0;
   double right_m = 0.5;
   double right_rad = 0.0262;
@@ -63,6 +64,9 @@ void visit_numbers(const MapVerdictNumbers& n, Visitor&& visit) {
   visit("contradicted_share", n.contradicted_share,
         "measured by bench/quality.py: what moves between visits is up to a quarter of what they "
         "say about each other");
+  visit("contradicted_least_m", n.contradicted_least_m,
+        "chosen: where two visits can't be off to one another by more, as the path between them "
+        "says, things moved meanwhile");
   visit("sure_sigmas", n.sure_sigmas, "chosen: one in 300 lies beyond");
   visit("right_m", n.right_m, "chosen: a map that is off by less is right");
   visit("right_rad", n.right_rad,

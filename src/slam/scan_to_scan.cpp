@@ -239,9 +239,12 @@ void ScanToScanMapper::draw(const std::vector<PosedScan>& posed, MapResult& resu
   result.graph_quality = assess_graph(result.graph, result.graph.poses, result.loop_closures);
   if (result.map_failure.empty()) {
     result.quality = assess_map(posed, threads_);
-    result.ties = find_ties_of(result.graph, result.node_stamps, result.drifts, {}, 0.0,
-                               result.quality.agreeing, result.graph_quality.loops,
-                               result.graph_quality.reduced_chi2);
+    result.ties = find_ties_of(result.graph, {.stamps = result.node_stamps,
+                                             .drifts = result.drifts,
+                                             .agreeing = result.quality.agreeing,
+                                             .contradictions = result.quality.contradictions,
+                                             .loops = result.graph_quality.loops,
+                                             .reduced_chi2 = result.graph_quality.reduced_chi2});
     result.verdict = judge_map(result);
   }
   result.statistics.judging_s = judging.seconds();

@@ -51,25 +51,33 @@ struct GraphTies {
   PossibleError possible{};         ///< by all that is loose or open, together
   std::vector<LoosePart> loose{};   ///< the least certain first
   std::vector<OpenStretch> open{};  ///< the least certain first
+  /// How far the two visits of each contradiction may be off to one another where it is: three
+  /// standard deviations by the path between them alone, and what closures and surfaces changed of
+  /// it [m].
+  std::vector<double> contradictions_m{};
   double variance_factor = 1.0;     ///< by which the graph's covariances were scaled
 };
 
-/// \param solved        with all edges, closures that stand among them, at its own solution
-/// \param stamps        of its poses
-/// \param drifts        of the path from each node to the next; where there are none, the path
-///                      drifts by what its edges say
-/// \param surfaces      that hold the path together between its nodes; none: drifts alone count
-/// \param scale_sigma   how wrong the scale of odometry may be, by which open stretches are as long
-///                      as they are
-/// \param agreeing      visits that agree tie as closures do
-/// \param loops         independent ones, and
-/// \param reduced_chi2  how well they close: where there are some, what the covariances promise is
-///                      scaled to it, for edges are as wrong as their loops show
-/// Cost: two factorisations of the graph at most, and the path's length times the number of parts.
-[[nodiscard]] GraphTies find_ties_of(const PoseGraph& solved, std::span<const Stamp> stamps,
-                                     std::span<const StepDrift> drifts,
-                                     const PathSurfaces& surfaces, double scale_sigma,
-                                     std::span<const VisitTie> agreeing, int loops,
-                                     double reduced_chi2);
+/// What a graph is judged by beside its edges.
+struct TieEvidence {
+  std::span<const Stamp> stamps{};  ///< of the graph's poses
+  /// Of the path from each node to the next; where there are none, the path drifts by what its
+  /// edges say.
+  std::span<const StepDrift> drifts{};
+  PathSurfaces surfaces{};  ///< that hold the path between its nodes; none: drifts alone count
+  /// How wrong the scale of odometry may be, by which open stretches are as long as they are.
+  double scale_sigma = 0.0;
+  std::span<const VisitTie> agreeing{};  ///< visits that agree tie as closures do
+  std::span<const VisitContradiction> contradictions{};
+  int loops = 0;  ///< independent ones, and
+  /// how well they close: where there are some, what the covariances promise is scaled to it, for
+  /// edges are as wrong as their loops show.
+  double reduced_chi2 = 1.0;
+};
+
+/// \param solved  with all edges, closures that stand among them, at its own solution
+/// Cost: three factorisations of the graph at most, and the path's length times the number of
+/// parts.
+[[nodiscard]] GraphTies find_ties_of(const PoseGraph& solved, const TieEvidence& evidence);
 
 }  // namespace loopstone

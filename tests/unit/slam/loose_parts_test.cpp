@@ -45,7 +45,11 @@ std::vector<Stamp> stamps_of(const PoseGraph& graph) {
 
 GraphTies ties_of(const PoseGraph& graph, std::vector<VisitTie> agreeing = {}, int loops = 0,
                   double reduced_chi2 = 1.0) {
-  return find_ties_of(graph, stamps_of(graph), {}, {}, 0.0, agreeing, loops, reduced_chi2);
+  const std::vector<Stamp> stamps = stamps_of(graph);
+  return find_ties_of(graph, {.stamps = stamps,
+                              .agreeing = agreeing,
+                              .loops = loops,
+                              .reduced_chi2 = reduced_chi2});
 }
 
 TEST(LooseParts, WithoutClosuresAllHangsOnThePath) {
@@ -105,18 +109,27 @@ TEST(OpenStretches, AreWhereEdgesAreOpenAlongOneDirectionAndShrinkWithClosures) 
   EXPECT_TRUE(ties_of(path(101)).open.empty());
 }
 
+GraphTies ties_of(const PoseGraph& graph, const std::vector<StepDrift>& drifts,
+                  double scale_sigma = 0.0, int loops = 0, double reduced_chi2 = 1.0) {
+  const std::vector<Stamp> stamps = stamps_of(graph);
+  return find_ties_of(graph, {.stamps = stamps,
+                              .drifts = drifts,
+                              .scale_sigma = scale_sigma,
+                              .loops = loops,
+                              .reduced_chi2 = reduced_chi2});
+}
+
 TEST(LooseParts, ThePathDriftsByWhatItsStepsSay) {
   const PoseGraph graph = path(101);
   const std::vector<StepDrift> drifts(
       100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal().toDenseMatrix()});
   const auto ties = [&](int loops, double chi2) {
-    return find_ties_of(graph, stamps_of(graph), drifts, {}, 0.0, {}, loops, chi2);
+    return ties_of(graph, drifts, 0.0, loops, chi2);
   };
   EXPECT_NEAR(ties(0, 1.0).loose.at(0).sigma_m, 0.1, 1e-9);
   EXPECT_NEAR(ties(9, 4.0).loose.at(0).sigma_m, 0.2, 1e-9);
   EXPECT_NEAR(ties(9, 0.1).loose.at(0).sigma_m, 0.1, 1e-9) << "drift is no noise of edges";
-  EXPECT_TRUE(find_ties_of(graph, stamps_of(graph), std::vector<StepDrift>(7), {}, 0.0, {}, 0, 1.0)
-                  .loose.empty());
+  EXPECT_TRUE(ties_of(graph, std::vector<StepDrift>(7)).loose.empty());
 }
 
 TEST(LooseParts, AnOpenStretchIsAsLongAsOdometrysScaleSays) {
@@ -125,7 +138,7 @@ TEST(LooseParts, AnOpenStretchIsAsLongAsOdometrysScaleSays) {
       100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal().toDenseMatrix()});
   for (std::size_t i = 20; i < 60; ++i) drifts[i].open = true;
   const auto ties = [&] {
-    return find_ties_of(graph, stamps_of(graph), drifts, {}, 0.01, {}, 0, 1.0);
+    return ties_of(graph, drifts, 0.01);
   };
   ASSERT_EQ(ties().open.size(), 1U);
   EXPECT_NEAR(ties().open[0].path_m, 40.0, 1e-9);
@@ -188,10 +201,35 @@ PossibleError drawn(const PoseGraph& graph, const std::vector<StepDrift>& drifts
   return {metres[at], radians[at]};
 }
 
+TEST(Contradictions, CanBeNoFurtherOffThanThePathBetweenTheirVisits) {
+  PoseGraph graph = path(101);
+  const std::vector<StepDrift> drifts(
+      100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal().toDenseMatrix()});
+  const auto at = [](double seconds) { return Stamp::from_seconds(seconds); };
+  const std::vector<VisitContradiction> regions{{.low = {12.0, 1.0},
+                                                 .high = {14.0, 3.0},
+                                                 .first_from = at(10.0),
+                                                 .first_to = at(12.0),
+                                                 .second_from = at(26.0),
+                                                 .second_to = at(28.0)}};
+  const std::vector<Stamp> stamps = stamps_of(graph);
+  const auto off_m = [&] {
+    return find_ties_of(graph, {.stamps = stamps, .drifts = drifts, .contradictions = regions})
+        .contradictions_m.at(0);
+  };
+  EXPECT_NEAR(off_m(), 3.0 * 0.01 * std::sqrt(16.0), 1e-9);
+  close(graph, 0, 40);
+  close(graph, 5, 50);
+  EXPECT_NEAR(off_m(), 3.0 * 0.01 * std::sqrt(16.0), 1e-9) << "closures may be wrong";
+  // They pulled the path by 1.5 m between the visits.
+  for (std::size_t i = 20; i < graph.poses.size(); ++i) graph.poses[i].y += 1.5;
+  EXPECT_NEAR(off_m(), 3.0 * 0.01 * std::sqrt(16.0) + 1.5, 1e-9);
+}
+
 TEST(PossibleError, IsThatOfPathsThatAreDrawnAtRandom) {
   const auto [graph, drifts] = bent_path();
   const PossibleError said =
-      find_ties_of(graph, stamps_of(graph), drifts, {}, 0.0, {}, 0, 1.0).possible;
+      ties_of(graph, drifts).possible;
   const PossibleError twin = drawn(graph, drifts, 4000);
   EXPECT_NEAR(said.m, twin.m, 0.2 * twin.m);
   EXPECT_NEAR(said.rad, twin.rad, 0.2 * twin.rad);
@@ -201,7 +239,7 @@ TEST(PossibleError, IsThatOfPathsThatAreDrawnAtRandom) {
 TEST(PossibleError, GrowsWithDriftsAndEndsWhereTwoPlacesTie) {
   auto [graph, drifts] = bent_path();
   const auto possible = [&graph = graph, &drifts = drifts] {
-    return find_ties_of(graph, stamps_of(graph), drifts, {}, 0.0, {}, 0, 1.0).possible;
+    return ties_of(graph, drifts).possible;
   };
   const PossibleError once = possible();
   for (StepDrift& drift : drifts) drift.covariance *= 4.0;
@@ -223,7 +261,7 @@ TEST(PossibleError, NoClosureTiesTheLengthOfWhatIsOpen) {
   std::vector<StepDrift> drifts(
       100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 0.0).asDiagonal().toDenseMatrix()});
   const auto possible_m = [&](double scale_sigma) {
-    return find_ties_of(graph, stamps_of(graph), drifts, {}, scale_sigma, {}, 0, 1.0).possible.m;
+    return ties_of(graph, drifts, scale_sigma).possible.m;
   };
   const double closed = possible_m(0.01);
   EXPECT_EQ(closed, possible_m(0.0));

@@ -189,6 +189,12 @@ TEST(MapVerdict, WhatMovedBetweenVisitsIsNoContradiction) {
   result.quality.contradictions[0].share = 0.1;  // doors and chairs, among walls that agree
   result.quality.contradictions[1].wall_m = 1.5;
   EXPECT_EQ(judge_map(result).overall, Verdict::kGood);
+  // Or what two visits that lie close together along the path say of one another.
+  result.quality.contradictions = {drawn_twice()};
+  result.ties.contradictions_m = {0.1};
+  EXPECT_EQ(judge_map(result).overall, Verdict::kGood);
+  result.ties.contradictions_m = {0.4};
+  EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful);
 }
 
 TEST(MapVerdict, APartThatHangsLooselyIsToldWithWhatItCouldMove) {

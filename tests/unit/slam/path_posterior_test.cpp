@@ -256,7 +256,7 @@ TEST(PathPosterior, IsWhatMapsAreJudgedBy) {
   std::vector<StepDrift> drifts(d.poses.size() - 1);
   for (StepDrift& drift : drifts) drift.covariance = chain_of(d).drifts.front();
   const auto ties = [&](const PathSurfaces& surfaces) {
-    return find_ties_of(d.graph, stamps, drifts, surfaces, 0.0, {}, 0, 1.0);
+    return find_ties_of(d.graph, {.stamps = stamps, .drifts = drifts, .surfaces = surfaces});
   };
   const GraphTies by_steps = ties({});
   const GraphTies held = ties(surfaces_of(d));
