@@ -16,7 +16,8 @@ libraries=(libtbb-dev libhwy-dev libzip-dev libfmt-dev libspdlog-dev libtomlplus
   libjpeg62-turbo-dev libzstd-dev libbz2-dev libdeflate-dev liblz4-dev libsqlite3-dev zlib1g-dev)
 
 # What is installed is known by what it was made of; a run that was cut off leaves no mark.
-wanted="$(dpkg-query -W "${libraries[@]}") $(c++ --version | head -1) $(sha256sum scripts/static_libraries.sh)"
+versions=$(dpkg-query -W "${libraries[@]}") || { echo "scripts/install_dependencies.sh installs what is missing" >&2; exit 1; }
+wanted="$versions $(c++ --version | head -1) $(sha256sum scripts/static_libraries.sh)"
 if [[ -f $root/installed.txt && $(<"$root/installed.txt") == "$wanted" ]]; then
   exit 0
 fi
