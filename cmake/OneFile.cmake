@@ -1,22 +1,16 @@
-# The program as one file that needs nothing of the machine, not even its C library: any Linux on this processor runs it.
-# LOOPSTONE_STATIC_LIBRARIES is where scripts/static_libraries.sh installed what the distribution has as shared libraries alone;
-# scripts/one_file.sh does all of it.
+# The program linked with static libraries (LOOPSTONE_STATIC_LIBRARIES), in two ways: as one file that needs nothing of the
+# machine, not even its C library, so that any Linux on this processor runs it (scripts/one_file.sh); and as one that asks for the C
+# and C++ library alone, and looks hosts up as the machine does, for the wheel (scripts/test_python.sh).
 
-# Objects and libraries are the program's; what they are linked with is not.
-add_executable(loopstone_one_file EXCLUDE_FROM_ALL $<TARGET_OBJECTS:loopstone_program>)
-set_target_properties(loopstone_one_file PROPERTIES LINKER_LANGUAGE CXX OUTPUT_NAME loopstone
-                                                    RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/one_file")
-add_dependencies(loopstone_one_file loopstone_app loopstone)
-
-function(static_library name)
-  find_library(static_${name} NAMES lib${name}.a PATHS "${LOOPSTONE_STATIC_LIBRARIES}/lib" ${ARGN} REQUIRED)
-  target_link_libraries(loopstone_one_file PRIVATE "${static_${name}}")
-endfunction()
-# As the linker wants them: each before those that it needs.
-target_link_libraries(loopstone_one_file PRIVATE -static "$<TARGET_FILE:loopstone_app>" "$<TARGET_FILE:loopstone>")
-foreach(name tbb hwy zip spdlog fmt tomlplusplus)
-  static_library(${name} NO_DEFAULT_PATH)
+include(StaticLibraries)
+foreach(name one_file few_libraries)
+  # The objects are the program's; what they are linked with is not.
+  add_executable(loopstone_${name} EXCLUDE_FROM_ALL $<TARGET_OBJECTS:loopstone_program>)
+  set_target_properties(loopstone_${name} PROPERTIES LINKER_LANGUAGE CXX OUTPUT_NAME loopstone
+                                                     RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${name}")
+  add_dependencies(loopstone_${name} loopstone_app loopstone)
+  target_link_libraries(loopstone_${name} PRIVATE "$<TARGET_FILE:loopstone_app>")
+  loopstone_link_statically(loopstone_${name})
 endforeach()
-foreach(name yaml-cpp png16 jpeg sqlite3 deflate zstd lz4 bz2 z)
-  static_library(${name})
-endforeach()
+target_link_options(loopstone_one_file PRIVATE -static)
+target_link_options(loopstone_few_libraries PRIVATE LINKER:--strip-all)

@@ -25,7 +25,18 @@ target_compile_options(loopstone_python PRIVATE $<TARGET_PROPERTY:loopstone_buil
 target_compile_definitions(loopstone_python PRIVATE $<TARGET_PROPERTY:loopstone_build,INTERFACE_COMPILE_DEFINITIONS>)
 target_link_options(loopstone_python PRIVATE $<TARGET_PROPERTY:loopstone_build,INTERFACE_LINK_OPTIONS>)
 target_include_directories(loopstone_python PRIVATE "${PROJECT_SOURCE_DIR}/python/bindings")
-target_link_libraries(loopstone_python PRIVATE loopstone::loopstone)
+if(LOOPSTONE_STATIC_LIBRARIES)
+  # Nobody else in the process shall see their symbols, nor they anybody's.
+  include(StaticLibraries)
+  target_compile_features(loopstone_python PRIVATE cxx_std_20)
+  target_link_libraries(loopstone_python PRIVATE Eigen3::Eigen)
+  target_include_directories(loopstone_python PRIVATE $<TARGET_PROPERTY:loopstone::loopstone,INTERFACE_INCLUDE_DIRECTORIES>)
+  target_link_options(loopstone_python PRIVATE LINKER:--exclude-libs,ALL)
+  loopstone_link_statically(loopstone_python)
+  install(DIRECTORY "${LOOPSTONE_STATIC_LIBRARIES}/licenses" DESTINATION loopstone COMPONENT python EXCLUDE_FROM_ALL)
+else()
+  target_link_libraries(loopstone_python PRIVATE loopstone::loopstone)
+endif()
 
 # What type checkers and editors read of the extension; tells that the package is typed.
 nanobind_add_stub(
@@ -41,6 +52,9 @@ install(FILES "${package}/_core.pyi" "${package}/py.typed" DESTINATION loopstone
 add_custom_target(loopstone_python_package DEPENDS loopstone_python_stub)
 if(LOOPSTONE_INSTALLED)
   install(PROGRAMS "${LOOPSTONE_INSTALLED}/bin/loopstone" DESTINATION loopstone/bin COMPONENT python EXCLUDE_FROM_ALL)
+elseif(TARGET loopstone_few_libraries)
+  add_dependencies(loopstone_python_package loopstone_few_libraries)
+  install(TARGETS loopstone_few_libraries RUNTIME DESTINATION loopstone/bin COMPONENT python EXCLUDE_FROM_ALL)
 elseif(TARGET loopstone_program)
   add_dependencies(loopstone_python_package loopstone_program)
   install(TARGETS loopstone_program RUNTIME DESTINATION loopstone/bin COMPONENT python EXCLUDE_FROM_ALL)

