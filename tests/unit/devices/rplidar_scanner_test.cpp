@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "loopstone/devices/scanner.hpp"
@@ -210,6 +212,16 @@ TEST(RplidarScannerThread, TheGridStaysThoughTheMotorStillGainsSpeed) {
     EXPECT_EQ(scan.ranges_m.size(), static_cast<std::size_t>(scanner->facts().beams));
     EXPECT_DOUBLE_EQ(scan.angle_increment_rad, scanner->facts().angle_increment_rad);
   }
+}
+
+TEST(RplidarScannerThread, IsHeardThoughTheMachineIsTooSlowForIt) {
+  // A turn of 20 ms takes 40 ms to be emulated.
+  const auto look = [samples = 0](double, double) mutable {
+    if (++samples % 100 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return 2.0;
+  };
+  const EmulatedRplidar device({.range_m = look}, quick_model());
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(scans_of(*open_scanner(device.address()), 2).size(), 2U);
 }
 
 TEST(RplidarTroubleThread, DamageCostsTheTurnThatItIsInAndIsCounted) {
