@@ -108,7 +108,7 @@ std::string_view Wire::read(double patience_s) {
       return {bytes_.data(), static_cast<std::size_t>(count)};
     }
     if (count < 0 && (error == EAGAIN || error == EINTR)) continue;
-    if (count == 0 && !address_.is_serial())
+    if (!address_.is_serial() && (count == 0 || error == ECONNRESET))
       fail("has closed the connection; was it switched off, or is another program connected?");
     fail("is gone; was it unplugged? open it again when it is back");
   }

@@ -26,7 +26,8 @@ class Wire {
   Wire& operator=(const Wire&) = delete;
 
   /// What has come, waiting for it up to patience_s: empty when nothing came. Good until the next
-  /// call. Throws DeviceError when the device is gone; StopAsked.
+  /// call. What is there is read though patience has ended: whoever was held up himself asks once
+  /// more before he gives up. Throws DeviceError when the device is gone; StopAsked.
   [[nodiscard]] std::string_view read(double patience_s);
   /// When the bytes of the last read were there.
   [[nodiscard]] const HostTime& heard() const { return heard_; }

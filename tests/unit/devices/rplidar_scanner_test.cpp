@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "loopstone/devices/scanner.hpp"
@@ -281,6 +282,17 @@ TEST(RplidarTroubleThread, AsksAgainWhenAnAnswerIsDamaged) {
   EXPECT_EQ(*asked, 2);
 }
 
+TEST(RplidarTroubleThread, AnswersThatComeTwiceAreTakenOnce) {
+  // As when the first one was so late that it was asked for again.
+  const auto say_twice = [last = std::string()](std::uint8_t, const std::string& bytes) mutable {
+    return std::exchange(last, bytes) + bytes;
+  };
+  const EmulatedRplidar device(room(), quick_s1(), {.answer = say_twice});
+  const auto scanner = open_scanner(device.address());
+  EXPECT_EQ(scanner->facts().mode, "DenseBoost");
+  EXPECT_DOUBLE_EQ(scanner->facts().range_max_m, 40.0);
+}
+
 TEST(RplidarTroubleThread, ADeviceThatProtectsItselfIsResetOnce) {
   const EmulatedRplidar device(room(), quick_model(), {.has_failed = true});
   EXPECT_TRUE(open_scanner(device.address())->next());
@@ -306,6 +318,22 @@ TEST(RplidarTroubleThread, SilenceIsAnError) {
                 for (int i = 0; i < 1000; ++i) (void)scanner->next();
               }),
               HasSubstr("has been silent for 0.5 s"));
+}
+
+TEST(RplidarTroubleThread, TurnsOfAnotherLengthForGoodAreAnError) {
+  // From the eleventh on only every third beginning of a turn is told.
+  const auto tell_few = [turns = 0](std::int64_t, std::string bytes) mutable {
+    const bool begins = (bytes[0] & 1) == 1;
+    if (begins && ++turns > 10 && turns % 3 != 0) bytes[0] = static_cast<char>(bytes[0] ^ 3);
+    return bytes;
+  };
+  const EmulatedRplidar device(room(), quick_model(), {.packet = tell_few});
+  const auto scanner = open_scanner(device.address("?mode=standard"), {.silence_s = 1.0});
+  EXPECT_THAT(error_of([&] {
+                for (int i = 0; i < 20; ++i) (void)scanner->next();
+              }),
+              HasSubstr("turns much faster or slower than when it was opened"));
+  EXPECT_GE(scanner->skipped().broken, 10);
 }
 
 TEST(RplidarTroubleThread, OtherDevicesAreTold) {
