@@ -57,6 +57,12 @@ Wire::Wire(const DeviceAddress& address, std::function<bool()> stop, double pati
   }
 }
 
+// Somebody else may hold the port open from before: then closing it does not end that it is ours
+// alone.
+Wire::~Wire() {
+  if (address_.is_serial()) (void)::ioctl(descriptor_.number(), TIOCNXCL);
+}
+
 void Wire::fail(const std::string& reason) const { throw DeviceError(address_.text, reason); }
 
 void Wire::open_serial() {

@@ -21,7 +21,7 @@ class Wire {
   /// \param patience_s  for a connection, and for a device that takes no bytes
   /// Throws DeviceError; StopAsked.
   Wire(const DeviceAddress& address, std::function<bool()> stop, double patience_s);
-  ~Wire() = default;
+  ~Wire();
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 

@@ -358,13 +358,14 @@ TEST(RplidarTroubleThread, IsOpenedAgainAfterItWasUnplugged) {
 TEST(RplidarTroubleThread, WhoeverStopsGetsNothing) {
   const EmulatedRplidar device(room(), quick_model());
   const auto stopped = std::make_shared<bool>(false);
-  const auto scanner = open_scanner(device.address(), {.stop = [stopped] { return *stopped; }});
+  auto scanner = open_scanner(device.address(), {.stop = [stopped] { return *stopped; }});
   EXPECT_TRUE(scanner->next());
   *stopped = true;
   // What has come already may be a scan or two.
   int more = 0;
   while (scanner->next() && more < 100) ++more;
   EXPECT_LT(more, 100);
+  scanner.reset();
   EXPECT_EQ(open_scanner(device.address(), {.stop = [] { return true; }}), nullptr);
 }
 
