@@ -38,13 +38,13 @@ std::optional<RplidarDescriptor> find_descriptor(std::string_view bytes, Rplidar
 }
 
 std::optional<std::string> find_answer(std::string_view bytes, RplidarAnswer type,
-                                       std::size_t length_min) {
+                                       std::size_t length_min, std::string_view beginning) {
   constexpr std::size_t kLongest = 256;
   while (const auto descriptor = find_descriptor(bytes, type)) {
     bytes.remove_prefix(descriptor->end);
     const bool fits = !descriptor->is_stream && descriptor->length >= length_min &&
                       descriptor->length <= kLongest;
-    if (fits && bytes.size() >= descriptor->length)
+    if (fits && bytes.size() >= descriptor->length && bytes.starts_with(beginning))
       return std::string(bytes.substr(0, descriptor->length));
   }
   return {};

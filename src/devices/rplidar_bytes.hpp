@@ -59,8 +59,10 @@ struct RplidarDescriptor {
 [[nodiscard]] std::optional<RplidarDescriptor> find_descriptor(std::string_view bytes,
                                                                RplidarAnswer type);
 /// The bytes that follow it; nothing while they are not all there, or fewer than asked for.
+/// \param beginning  of the bytes; others are passed over
 [[nodiscard]] std::optional<std::string> find_answer(std::string_view bytes, RplidarAnswer type,
-                                                     std::size_t length_min);
+                                                     std::size_t length_min,
+                                                     std::string_view beginning = {});
 
 /// As many bytes as the number has, the lowest first.
 [[nodiscard]] std::string little_endian(std::uint64_t number, int bytes);

@@ -28,6 +28,13 @@ constexpr double kAlike = 0.05;
 constexpr double kRangeMinOfA = 0.15;
 constexpr double kRangeMinOfOthers = 0.05;
 
+/// Turns of a length that is not plausible, one after the other, that noise may make.
+constexpr int kMostOdd = 10;
+
+double seconds_since(std::int64_t steady_ns) {
+  return static_cast<double>(HostTime::now().steady_ns - steady_ns) * 1e-9;
+}
+
 std::string in_small_letters(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -108,7 +115,12 @@ class RplidarScanner final : public Scanner {
 
   std::optional<LaserScan> next() override {
     try {
-      for (;;) {
+      const std::int64_t began_ns = HostTime::now().steady_ns;
+      for (int odd = 0;; ++odd) {
+        if (odd >= kMostOdd && seconds_since(began_ns) > silence_s_)
+          session_.wire().fail(
+              "turns much faster or slower than when it was opened; is its motor free? Open it "
+              "again");
         const RplidarTurn turn = next_turn(silence_s_);
         if (is_plausible(turn)) return finish(turn);
         ++odd_turns_;
@@ -140,9 +152,9 @@ class RplidarScanner final : public Scanner {
 
   RplidarTurn next_turn(double patience_s) {
     const std::int64_t began_ns = HostTime::now().steady_ns;
-    while (waiting_.empty()) {
-      const double waited_s = static_cast<double>(HostTime::now().steady_ns - began_ns) * 1e-9;
+    for (double waited_s = 0.0; waiting_.empty();) {
       if (waited_s > patience_s) give_up(patience_s);
+      waited_s = seconds_since(began_ns);
       const std::string_view bytes = session_.wire().read(patience_s - waited_s);
       hear(bytes);
     }
@@ -152,8 +164,7 @@ class RplidarScanner final : public Scanner {
   }
 
   [[noreturn]] void give_up(double waited_s) const {
-    const std::int64_t silent_ns = HostTime::now().steady_ns - session_.wire().heard().steady_ns;
-    const bool sends = static_cast<double>(silent_ns) * 1e-9 < waited_s / 2;
+    const bool sends = seconds_since(session_.wire().heard().steady_ns) < waited_s / 2;
     session_.wire().fail(
         sends
             ? fmt::format("has not ended a turn for {:.1f} s; does its motor turn?", waited_s)
@@ -174,7 +185,7 @@ class RplidarScanner final : public Scanner {
       if (sorted.size() == kAlikeTurns && sorted.front() >= kFewest &&
           spread <= kAlike * static_cast<double>(sorted.back()))
         return sorted[kAlikeTurns / 2];
-      if (static_cast<double>(HostTime::now().steady_ns - began_ns) * 1e-9 > silence_s_ + kSpinUpS)
+      if (seconds_since(began_ns) > silence_s_ + kSpinUpS)
         session_.wire().fail("turns unevenly; is its motor free, and the power enough?");
     }
   }

@@ -45,17 +45,18 @@ void RplidarSession::quiet() {
 }
 
 std::optional<std::string> RplidarSession::ask(RplidarCommand command, std::string_view payload,
-                                               RplidarAnswer type, std::size_t length, int tries) {
+                                               RplidarAnswer type, std::size_t length, int tries,
+                                               std::string_view beginning) {
   for (int i = 0; i < tries; ++i) {
     wire_.write(rplidar_request(command, payload));
     std::string heard;
     const std::int64_t began_ns = HostTime::now().steady_ns;
-    for (;;) {
-      const double left_s = silence_s_ / 4 - seconds_since(began_ns);
-      if (left_s <= 0.0) break;
+    double left_s = silence_s_ / 4;
+    do {
+      left_s = silence_s_ / 4 - seconds_since(began_ns);
       heard += wire_.read(left_s);
-      if (auto answer = find_answer(heard, type, length)) return answer;
-    }
+      if (auto answer = find_answer(heard, type, length, beginning)) return answer;
+    } while (left_s > 0.0);
   }
   return {};
 }
@@ -93,13 +94,13 @@ void RplidarSession::make_healthy() {
 
 std::optional<std::string> RplidarSession::ask_setting(RplidarSetting setting, int mode) {
   constexpr int kSettingBytes = 4;
-  std::string payload = little_endian(static_cast<std::uint64_t>(setting), kSettingBytes);
+  const std::string name = little_endian(static_cast<std::uint64_t>(setting), kSettingBytes);
+  std::string payload = name;
   if (mode >= 0) payload += little_endian(static_cast<std::uint64_t>(mode), 2);
-  const auto answer =
-      ask(RplidarCommand::kConfiguration, payload, RplidarAnswer::kConfiguration, kSettingBytes, 2);
-  if (!answer || little_endian(std::string_view(*answer).substr(0, kSettingBytes)) !=
-                     static_cast<std::uint64_t>(setting))
-    return {};
+  // One that was asked for twice may come twice, the second time before this one.
+  const auto answer = ask(RplidarCommand::kConfiguration, payload, RplidarAnswer::kConfiguration,
+                          kSettingBytes, 2, name);
+  if (!answer) return {};
   return answer->substr(kSettingBytes);
 }
 
@@ -180,11 +181,13 @@ std::string RplidarSession::start(const RplidarMode& mode) {
                           little_endian(static_cast<std::uint64_t>(mode.number), kExpressBytes)));
     std::string heard;
     const std::int64_t began_ns = HostTime::now().steady_ns;
-    for (double left_s = silence_s_; left_s > 0.0; left_s = silence_s_ - seconds_since(began_ns)) {
+    double left_s = silence_s_;
+    do {
+      left_s = silence_s_ - seconds_since(began_ns);
       heard += wire_.read(left_s);
       if (const auto descriptor = find_descriptor(heard, mode.answer))
         return heard.substr(descriptor->end);
-    }
+    } while (left_s > 0.0);
     quiet();
   }
   wire_.fail("does not begin to measure in mode " + mode.name + "; try another by ?mode=");

@@ -45,9 +45,11 @@ class RplidarSession {
   [[nodiscard]] const Wire& wire() const { return wire_; }
 
  private:
-  /// Nothing when it does not come.
+  /// Nothing when it does not come; others of that type than the one with that beginning are passed
+  /// over.
   [[nodiscard]] std::optional<std::string> ask(RplidarCommand command, std::string_view payload,
-                                               RplidarAnswer type, std::size_t length, int tries);
+                                               RplidarAnswer type, std::size_t length, int tries,
+                                               std::string_view beginning = {});
   [[nodiscard]] std::optional<std::uint64_t> ask_number(RplidarSetting setting, int mode,
                                                         int bytes);
   /// The data of a setting; of a mode when that is not negative.

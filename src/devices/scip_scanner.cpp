@@ -226,14 +226,14 @@ class ScipScanner final : public Scanner {
   }
 
   LaserScan wait_for_scan() {
+    const double allowed_s = silence_s_ + (has_scan_ ? 0.0 : kSpinUpS);
     const std::int64_t began_ns = HostTime::now().steady_ns;
-    for (;;) {
+    for (double waited_s = 0.0;;) {
       while (const auto reply = session_.replies().next()) {
         if (auto scan = scan_of(*reply)) return *std::move(scan);
       }
-      const double allowed_s = silence_s_ + (has_scan_ ? 0.0 : kSpinUpS);
-      const double waited_s = static_cast<double>(HostTime::now().steady_ns - began_ns) * 1e-9;
       if (waited_s > allowed_s) give_up(allowed_s);
+      waited_s = static_cast<double>(HostTime::now().steady_ns - began_ns) * 1e-9;
       const std::string_view bytes = session_.wire().read(allowed_s - waited_s);
       session_.replies().add(bytes);
     }

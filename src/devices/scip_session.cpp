@@ -22,13 +22,13 @@ ScipSession::ScipSession(const DeviceAddress& address, const ScannerOptions& opt
 
 std::optional<ScipReply> ScipSession::await(const std::string& echo, double patience_s) {
   const std::int64_t began_ns = HostTime::now().steady_ns;
-  for (;;) {
+  for (double left_s = patience_s;;) {
     while (auto reply = replies_.next()) {
       // What the last user left in the device's buffer may stand before it.
       if (reply->echo.ends_with(echo)) return reply;
     }
-    const double left_s = patience_s - seconds_since(began_ns);
     if (left_s <= 0.0) return {};
+    left_s = patience_s - seconds_since(began_ns);
     const std::string_view bytes = wire_.read(left_s);
     heard_any_ = heard_any_ || !bytes.empty();
     replies_.add(bytes);

@@ -57,6 +57,12 @@ Wire::Wire(const DeviceAddress& address, std::function<bool()> stop, double pati
   }
 }
 
+// Somebody else may hold the port open from before: then closing it does not end that it is ours
+// alone.
+Wire::~Wire() {
+  if (address_.is_serial()) (void)::ioctl(descriptor_.number(), TIOCNXCL);
+}
+
 void Wire::fail(const std::string& reason) const { throw DeviceError(address_.text, reason); }
 
 void Wire::open_serial() {
@@ -108,7 +114,7 @@ std::string_view Wire::read(double patience_s) {
       return {bytes_.data(), static_cast<std::size_t>(count)};
     }
     if (count < 0 && (error == EAGAIN || error == EINTR)) continue;
-    if (count == 0 && !address_.is_serial())
+    if (!address_.is_serial() && (count == 0 || error == ECONNRESET))
       fail("has closed the connection; was it switched off, or is another program connected?");
     fail("is gone; was it unplugged? open it again when it is back");
   }

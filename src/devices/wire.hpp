@@ -21,12 +21,13 @@ class Wire {
   /// \param patience_s  for a connection, and for a device that takes no bytes
   /// Throws DeviceError; StopAsked.
   Wire(const DeviceAddress& address, std::function<bool()> stop, double patience_s);
-  ~Wire() = default;
+  ~Wire();
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
   /// What has come, waiting for it up to patience_s: empty when nothing came. Good until the next
-  /// call. Throws DeviceError when the device is gone; StopAsked.
+  /// call. What is there is read though patience has ended: whoever was held up himself asks once
+  /// more before he gives up. Throws DeviceError when the device is gone; StopAsked.
   [[nodiscard]] std::string_view read(double patience_s);
   /// When the bytes of the last read were there.
   [[nodiscard]] const HostTime& heard() const { return heard_; }

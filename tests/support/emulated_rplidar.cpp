@@ -77,6 +77,10 @@ double EmulatedRplidar::time_of(std::int64_t sample) const {
   return way_began_s_ + static_cast<double>(sample) * sample_s();
 }
 
+bool EmulatedRplidar::has_measured_for(std::optional<double> seconds) const {
+  return way_ != Way::kNone && seconds && time_of(sent_) - way_began_s_ > *seconds;
+}
+
 double EmulatedRplidar::turned(std::int64_t sample) const {
   const double since_s = static_cast<double>(sample) * sample_s();
   const double slow_s = model_.spin_up_s;
@@ -93,15 +97,14 @@ double EmulatedRplidar::range_at(std::int64_t sample, double clockwise_deg) cons
 void EmulatedRplidar::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     constexpr int kPatienceMs = 2;
-    if (way_ != Way::kNone && troubles_.is_unplugged_after_s &&
-        now_s() - way_began_s_ > *troubles_.is_unplugged_after_s) {
+    if (has_measured_for(troubles_.is_unplugged_after_s)) {
       troubles_.is_unplugged_after_s.reset();
       way_ = Way::kNone;
       is_measuring_ = false;
       line_.disconnect();
     }
-    send_due();
-    for (const char c : line_.read(kPatienceMs)) take(c);
+    const int patience_ms = send_due() ? kPatienceMs : 0;
+    for (const char c : line_.read(patience_ms)) take(c);
   }
 }
 
@@ -203,11 +206,14 @@ void EmulatedRplidar::begin(std::uint8_t command, Way way) {
   line_.write(bytes);
 }
 
-void EmulatedRplidar::send_due() {
-  if (way_ == Way::kNone) return;
-  if (troubles_.is_silent_after_s && now_s() - way_began_s_ > *troubles_.is_silent_after_s) return;
+// A busy machine may take longer for samples than they last: then it listens every now and then.
+bool EmulatedRplidar::send_due() {
+  constexpr std::int64_t kMostSamples = 256;
+  if (way_ == Way::kNone || has_measured_for(troubles_.is_silent_after_s)) return true;
+  const std::int64_t end = sent_ + kMostSamples;
+  const auto is_due = [this] { return time_of(sent_ + samples_of_packet()) <= now_s(); };
   std::string due;
-  while (time_of(sent_ + samples_of_packet()) <= now_s()) {
+  while (sent_ < end && is_due()) {
     std::string packet = way_ == Way::kStandard ? node_of(sent_) : capsule_of(sent_);
     if (troubles_.packet) packet = troubles_.packet(packets_, packet);
     ++packets_;
@@ -215,6 +221,7 @@ void EmulatedRplidar::send_due() {
     sent_ += samples_of_packet();
   }
   line_.write(due);
+  return !is_due();
 }
 
 /// Notes when a turn begins.

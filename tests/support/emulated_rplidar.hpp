@@ -30,7 +30,7 @@ struct RplidarModel {
 };
 
 /// What is wrong with it. Packets are nodes or capsules, counted since it was switched on; seconds
-/// count from when it began to measure.
+/// are those of the measurements that it has sent since it was last told to measure.
 struct RplidarTroubles {
   /// May change what it sends of a packet.
   std::function<std::string(std::int64_t packet, std::string bytes)> packet{};
@@ -71,16 +71,18 @@ class EmulatedRplidar {
   void obey_setting(const std::string& payload);
   void answer(std::uint8_t command, std::uint8_t type, const std::string& data);
   void begin(std::uint8_t command, Way way);
-  void send_due();
+  /// Returns whether that is all that is due.
+  [[nodiscard]] bool send_due();
   [[nodiscard]] std::string node_of(std::int64_t sample);
   [[nodiscard]] std::string capsule_of(std::int64_t first);
-  void send(const std::string& packet);
   [[nodiscard]] double sample_s() const;
   [[nodiscard]] int samples_of_packet() const;
   [[nodiscard]] double now_s() const;
   /// Turned so far when a sample is measured [turns].
   [[nodiscard]] double turned(std::int64_t sample) const;
   [[nodiscard]] double time_of(std::int64_t sample) const;
+  /// Sent measurements of so many seconds.
+  [[nodiscard]] bool has_measured_for(std::optional<double> seconds) const;
   [[nodiscard]] double range_at(std::int64_t sample, double clockwise_deg) const;
 
   EmulatedRoom room_;
@@ -93,7 +95,6 @@ class EmulatedRplidar {
   double way_began_s_ = 0.0;
   std::int64_t sent_ = 0;     ///< samples of this way
   std::int64_t packets_ = 0;  ///< of all ways
-  bool is_unplugged_ = false;
   std::atomic<bool> is_measuring_ = false;
   std::atomic<int> motor_pwm_ = 0;
   mutable std::mutex mutex_{};

@@ -97,23 +97,25 @@ std::uint32_t EmulatedScip::clock_at(double time_s) const {
   return static_cast<std::uint32_t>(ms & 0xFFFFFF);
 }
 
+/// A scan that is due; returns for how long nothing else is [ms].
+int EmulatedScip::send_due() {
+  constexpr int kMostMs = 10;
+  if (!stream_) return kMostMs;
+  // The turns that ended while nobody asked for scans are over.
+  const double end_s = turn_s() * static_cast<double>(next_turn_) + seconds_to(stream_->last);
+  const double late_s = troubles_.late_s ? troubles_.late_s(sent_) : 0.0;
+  const double left_s = end_s + late_s - now_s();
+  if (left_s > 0.0) return std::min(kMostMs, static_cast<int>(std::ceil(left_s * 1e3)));
+  const std::int64_t turn = next_turn_;
+  next_turn_ += 1 + stream_->interval;
+  send_scan(turn);
+  return 0;
+}
+
+// Between any two scans it listens: a busy machine may take longer for a scan than a turn lasts.
 void EmulatedScip::run(const std::stop_token& stop) {
-  constexpr int kPatienceMs = 10;
   while (!stop.stop_requested()) {
-    double left_s = 1.0;
-    if (stream_) {
-      // The turns that ended while nobody asked for scans are over.
-      const double end_s = turn_s() * static_cast<double>(next_turn_) + seconds_to(stream_->last);
-      const double late_s = troubles_.late_s ? troubles_.late_s(sent_) : 0.0;
-      left_s = end_s + late_s - now_s();
-      if (left_s <= 0.0) {
-        const std::int64_t turn = next_turn_;
-        next_turn_ += 1 + stream_->interval;
-        send_scan(turn);
-        continue;
-      }
-    }
-    const int patience_ms = std::min(kPatienceMs, static_cast<int>(std::ceil(left_s * 1e3)));
+    const int patience_ms = send_due();
     const std::string bytes = line_.read(patience_ms);
     if (!has_said_ && !bytes.empty()) {
       has_said_ = true;

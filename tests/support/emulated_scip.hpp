@@ -82,6 +82,7 @@ class EmulatedScip {
   [[nodiscard]] std::string facts(const std::string& command) const;
   void obey_time(const std::string& command);
   void begin_stream(const std::string& command);
+  [[nodiscard]] int send_due();
   void send_scan(std::int64_t turn);
   [[nodiscard]] std::string data_of(double began_s) const;
   [[nodiscard]] std::uint32_t clock_at(double time_s) const;

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "loopstone/devices/scanner.hpp"
@@ -212,6 +215,16 @@ TEST(RplidarScannerThread, TheGridStaysThoughTheMotorStillGainsSpeed) {
   }
 }
 
+TEST(RplidarScannerThread, IsHeardThoughTheMachineIsTooSlowForIt) {
+  // A turn of 20 ms takes 40 ms to be emulated.
+  const auto look = [samples = 0](double, double) mutable {
+    if (++samples % 100 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return 2.0;
+  };
+  const EmulatedRplidar device({.range_m = look}, quick_model());
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(scans_of(*open_scanner(device.address()), 2).size(), 2U);
+}
+
 TEST(RplidarTroubleThread, DamageCostsTheTurnThatItIsInAndIsCounted) {
   // Opening takes half of a turn, a few to learn from; damage comes after.
   const auto spoil = [](std::int64_t packet, std::string bytes) {
@@ -269,6 +282,17 @@ TEST(RplidarTroubleThread, AsksAgainWhenAnAnswerIsDamaged) {
   EXPECT_EQ(*asked, 2);
 }
 
+TEST(RplidarTroubleThread, AnswersThatComeTwiceAreTakenOnce) {
+  // As when the first one was so late that it was asked for again.
+  const auto say_twice = [last = std::string()](std::uint8_t, const std::string& bytes) mutable {
+    return std::exchange(last, bytes) + bytes;
+  };
+  const EmulatedRplidar device(room(), quick_s1(), {.answer = say_twice});
+  const auto scanner = open_scanner(device.address());
+  EXPECT_EQ(scanner->facts().mode, "DenseBoost");
+  EXPECT_DOUBLE_EQ(scanner->facts().range_max_m, 40.0);
+}
+
 TEST(RplidarTroubleThread, ADeviceThatProtectsItselfIsResetOnce) {
   const EmulatedRplidar device(room(), quick_model(), {.has_failed = true});
   EXPECT_TRUE(open_scanner(device.address())->next());
@@ -296,6 +320,22 @@ TEST(RplidarTroubleThread, SilenceIsAnError) {
               HasSubstr("has been silent for 0.5 s"));
 }
 
+TEST(RplidarTroubleThread, TurnsOfAnotherLengthForGoodAreAnError) {
+  // From the eleventh on only every third beginning of a turn is told.
+  const auto tell_few = [turns = 0](std::int64_t, std::string bytes) mutable {
+    const bool begins = (bytes[0] & 1) == 1;
+    if (begins && ++turns > 10 && turns % 3 != 0) bytes[0] = static_cast<char>(bytes[0] ^ 3);
+    return bytes;
+  };
+  const EmulatedRplidar device(room(), quick_model(), {.packet = tell_few});
+  const auto scanner = open_scanner(device.address("?mode=standard"), {.silence_s = 1.0});
+  EXPECT_THAT(error_of([&] {
+                for (int i = 0; i < 20; ++i) (void)scanner->next();
+              }),
+              HasSubstr("turns much faster or slower than when it was opened"));
+  EXPECT_GE(scanner->skipped().broken, 10);
+}
+
 TEST(RplidarTroubleThread, OtherDevicesAreTold) {
   const EmulatedRplidar mute(room(), quick_model(),
                              {.answer = [](std::uint8_t, const std::string&) { return ""; }});
@@ -318,13 +358,14 @@ TEST(RplidarTroubleThread, IsOpenedAgainAfterItWasUnplugged) {
 TEST(RplidarTroubleThread, WhoeverStopsGetsNothing) {
   const EmulatedRplidar device(room(), quick_model());
   const auto stopped = std::make_shared<bool>(false);
-  const auto scanner = open_scanner(device.address(), {.stop = [stopped] { return *stopped; }});
+  auto scanner = open_scanner(device.address(), {.stop = [stopped] { return *stopped; }});
   EXPECT_TRUE(scanner->next());
   *stopped = true;
   // What has come already may be a scan or two.
   int more = 0;
   while (scanner->next() && more < 100) ++more;
   EXPECT_LT(more, 100);
+  scanner.reset();
   EXPECT_EQ(open_scanner(device.address(), {.stop = [] { return true; }}), nullptr);
 }
 

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "devices/scip_text.hpp"
@@ -77,13 +79,14 @@ TEST(ScipScannerThread, TellsWhatItIs) {
 
 TEST(ScipScannerThread, LaserIsOffBeforeAndAfter) {
   const EmulatedScip device(room());
+  const ScannerOptions patient{.silence_s = 60.0};  // nothing is asked twice
   EXPECT_FALSE(device.laser_is_on());
-  auto scanner = open_scanner(device.address());
+  auto scanner = open_scanner(device.address(), patient);
   (void)scanner->next();
   EXPECT_TRUE(device.laser_is_on());
   scanner.reset();
   // QT is on its way; whoever opens it next hears about it.
-  scanner = open_scanner(device.address());
+  scanner = open_scanner(device.address(), patient);
   const auto commands = device.commands();
   EXPECT_EQ(commands.front(), "QT");
   EXPECT_EQ(std::count(commands.begin(), commands.end(), "QT"), 3);
@@ -141,6 +144,16 @@ TEST(ScipScannerThread, IntensitiesComeWhereTheyAreKnown) {
   const auto without = open_scanner(other.address(), {.intensities = true});
   EXPECT_FALSE(without->facts().intensities);
   EXPECT_TRUE(without->next()->intensities.empty());
+}
+
+TEST(ScipScannerThread, IsHeardThoughTheMachineIsTooSlowForIt) {
+  // A turn of 25 ms takes 40 ms to be emulated.
+  const auto look = [beams = 0](double, double) mutable {
+    if (++beams % 1081 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    return 2.0;
+  };
+  const EmulatedScip device({.range_m = look});
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(scans_of(*open_scanner(device.address()), 3).size(), 3U);
 }
 
 /// Differences of neighbouring stamps [ms].
