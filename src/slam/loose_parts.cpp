@@ -323,7 +323,11 @@ GraphTies find_ties_of(const PoseGraph& solved, const TieEvidence& evidence) {
   }
   chain->factor = ties.variance_factor;
   chain->scale_sigma = scale_sigma;
-  const std::vector<int> across = ties_across(graph, *chain, ties_of(agreeing, stamps));
+  std::vector<int> across = ties_across(graph, *chain, ties_of(agreeing, stamps));
+  // Visits that agree are no proof of where a robot was carried to: places are alike.
+  const std::vector<int> closed = ties_across(graph, *chain, {});
+  for (std::size_t i = 0; i < drifts.size(); ++i)
+    if (drifts[i].broken) across[i] = closed[i];
   PathKnowledge path(graph, *chain, held, across);
   ties.possible = path.possible();
   ties.loose = loose_parts(solved, *chain, stamps, across, path);

@@ -62,7 +62,9 @@ StepDrift drift_between(const KeyScan& previous, const KeyScan& next,
   if (next.across) covariance += *next.across;
   covariance = rotated(covariance, next.local_T_robot.rotation().transpose());
   covariance.diagonal() += Eigen::Vector3d(sigma * sigma, sigma * sigma, sigma_yaw * sigma_yaw);
-  StepDrift drift{.covariance = covariance, .open = rests_on_odometry(next.covariance)};
+  StepDrift drift{.covariance = covariance,
+                  .open = rests_on_odometry(next.covariance),
+                  .broken = next.across.has_value()};
   if (off && !next.across) drift.off = next.local_T_robot.rotation().transpose() * off->head<2>();
   return drift;
 }

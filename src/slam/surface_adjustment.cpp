@@ -96,18 +96,17 @@ class Adjustment {
     const auto keys = placed(state_.poses);
     SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
     if (patches.patches.empty()) return;
-    double sigma_m = 0.0;
+    double spread_m = 0.0;
     {
       SurfaceSystem system(patches, places_, step_.size(), threads_);
-      sigma_m = kSurfaceAdjustment.believed_noise *
-                std::max(system.spread_m(keys), kSurfaceAdjustment.least_sigma_m);
-      system.linearise(keys, sigma_m);
+      spread_m = std::max(system.spread_m(keys), kSurfaceAdjustment.least_sigma_m);
+      system.linearise(keys, kSurfaceAdjustment.believed_noise * spread_m);
       result_.covariances = PoseCovariances(graph_, &system);
     }
     forget_open_directions(keys, weakness_.open, patches);
     part_by_visit(state_.poses, weakness_.broken, patches);
-    SurfaceSystem by_visit(patches, places_, step_.size(), threads_, OpenDirections::kNoneLeft);
-    by_visit.linearise(keys, sigma_m);
+    SurfaceSystem by_visit(patches, places_, step_.size(), threads_, SurfaceUse::kHold);
+    by_visit.linearise(keys, kSurfaceAdjustment.holding_noise * spread_m);
     result_.path = PathSurfaces(state_.poses, places_, step_.size(), weakness_, by_visit);
   }
 

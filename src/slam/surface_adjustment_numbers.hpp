@@ -6,10 +6,12 @@ namespace loopstone {
 struct SurfaceAdjustmentNumbers {
   double shared_noise = 2.0;
   double believed_noise = 4.0;
+  double holding_noise = 8.0;
   double range_scale_sigma = 0.002;
   double least_sigma_m = 1e-4;
   double kernel_width = 2.0;
   double slope_sigma = 0.1;
+  double free_slope = 100.0;
   double step_accuracy = 0.1;
   int products_max = 40;
   double own_surfaces = 0.1;
@@ -26,6 +28,9 @@ void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
   visit("believed_noise", n.believed_noise,
         "measured by bench/covariances.py: the same for covariances, which have to cover what errs "
         "alike in all scans as well");
+  visit("holding_noise", n.holding_noise,
+        "measured by bench/drives.py: the same for what holds a path by itself, where the errors that "
+        "neighbouring scans share add up along it");
   visit(
       "range_scale_sigma", n.range_scale_sigma,
       "chosen: ranges of lasers are as true as two parts in a thousand, and the map is as large as "
@@ -35,6 +40,8 @@ void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
         "chosen: standard deviations beyond which distances count less and less");
   visit("slope_sigma", n.slope_sigma,
         "chosen: how far a patch's direction may be off the mean of its points' normals [rad]");
+  visit("free_slope", n.free_slope,
+        "derived: no prior, as far as the arithmetic allows [rad]");
   visit("step_accuracy", n.step_accuracy,
         "chosen: a step is found to this accuracy; the next round goes on from there");
   visit("products_max", n.products_max, "chosen: beyond the 15 that a round takes as a rule");

@@ -45,9 +45,12 @@ Offset offset_of(const PatchSight& sight, const SharedSurface& patch,
 }
 
 struct LineSums {
+  /// \param slope_sigma  how far the line may be turned
+  explicit LineSums(double slope_sigma) : wtt(1.0 / (slope_sigma * slope_sigma)) {}
+
   double w = 0.0;
   double wt = 0.0;
-  double wtt = 1.0 / (kSurfaceAdjustment.slope_sigma * kSurfaceAdjustment.slope_sigma);
+  double wtt;
   double wr = 0.0;
   double wtr = 0.0;
 
@@ -70,11 +73,11 @@ struct LineSums {
 }  // namespace
 
 SurfaceSystem::SurfaceSystem(const SurfacePatches& patches, std::span<const int> places,
-                             std::size_t size, Threads threads, OpenDirections open)
+                             std::size_t size, Threads threads, SurfaceUse use)
     : patches_(patches),
       places_(places),
       threads_(threads),
-      open_directions_(open),
+      use_(use),
       rows_(patches.sights.size()),
       open_(size),
       inverses_(patches.patches.size()),
@@ -99,7 +102,9 @@ void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey
   const double information = 1.0 / (kGrids * sigma_m * sigma_m);
   auto& distances = chunk.distances;
   distances.resize(patch.last - patch.first);
-  LineSums plain;
+  const double slope_sigma =
+      use_ == SurfaceUse::kAdjust ? kSurfaceAdjustment.slope_sigma : kSurfaceAdjustment.free_slope;
+  LineSums plain(slope_sigma);
   for (std::size_t i = patch.first; i < patch.last; ++i) {
     const PatchSight& sight = patches_.sights[i];
     const Offset offset = offset_of(sight, patch, map_T_key);
@@ -111,7 +116,7 @@ void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey
   Line line = plain.line();
   // Twice: the first line is bent by what does not belong to it.
   for (int round = 0; round < 2; ++round) {
-    LineSums sums;
+    LineSums sums(slope_sigma);
     for (std::size_t i = patch.first; i < patch.last; ++i) {
       Row& row = rows_[i];
       const double off = distances[i - patch.first] - line.offset - line.slope * row.along;
@@ -168,7 +173,7 @@ void SurfaceSystem::find_open(std::span<const PlacedKey> map_T_key) {
 }
 
 double SurfaceSystem::linearise(std::span<const PlacedKey> map_T_key, double sigma_m) {
-  if (open_directions_ == OpenDirections::kTakenOut) find_open(map_T_key);
+  if (use_ == SurfaceUse::kAdjust) find_open(map_T_key);
   parallel_for(chunks_.size(), threads_, [&](std::size_t i) {
     Chunk& chunk = chunks_[i];
     chunk.cost = 0.0;
@@ -235,7 +240,7 @@ double SurfaceSystem::spread_m(std::span<const PlacedKey> map_T_key) const {
     for (std::size_t p = chunks_[chunk].first; p < chunks_[chunk].last; ++p) {
       const SharedSurface& patch = patches_.patches[p];
       offsets.clear();
-      LineSums sums;
+      LineSums sums(kSurfaceAdjustment.slope_sigma);
       for (std::size_t i = patch.first; i < patch.last; ++i) {
         const PatchSight& sight = patches_.sights[i];
         offsets.push_back(offset_of(sight, patch, map_T_key));

@@ -10,10 +10,13 @@
 
 namespace loopstone {
 
-/// Translations that all of a key scan's surfaces leave open.
-enum class OpenDirections {
-  kTakenOut,  ///< of its rows
-  kNoneLeft,  ///< patches say nothing of them (forget_open_directions)
+/// What patches are for.
+enum class SurfaceUse {
+  kAdjust,  ///< poses: patches face about as their points do, and what they leave open is taken out
+  /// To tell how well they hold a path: they say nothing of open directions already
+  /// (forget_open_directions), and may face anywhere, for what faces somewhere on the map is a
+  /// compass.
+  kHold,
 };
 
 /// The part of the normal equations that patches add, with each patch's own offset and slope
@@ -36,7 +39,7 @@ class SurfaceSystem {
   /// \param places  of each key scan in x and y, -1 where it is held
   /// \param size    of x and y
   SurfaceSystem(const SurfacePatches& patches, std::span<const int> places, std::size_t size,
-                Threads threads, OpenDirections open = OpenDirections::kTakenOut);
+                Threads threads, SurfaceUse use = SurfaceUse::kAdjust);
 
   /// Residuals at the poses, weights from them (Cauchy), gradient; returns the robust cost.
   /// \param sigma_m  standard deviation of a point of weight 1
@@ -93,7 +96,7 @@ class SurfaceSystem {
   const SurfacePatches& patches_;
   std::span<const int> places_;
   Threads threads_;
-  OpenDirections open_directions_;
+  SurfaceUse use_;
   std::vector<Row> rows_;
   std::vector<Open> open_;  ///< by place
   std::vector<Inverse> inverses_;
