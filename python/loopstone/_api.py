@@ -250,8 +250,8 @@ def relocalize(
     """Where on a known map one scan may have been taken, by that scan alone.
 
     All poses that explain it nearly as well as the best, and how probable each is: what ``loopstone
-    relocalize`` tells. A place that exists twice can't be told apart by any scan; several scans of a
-    drive may.
+    relocalize`` tells. A place that exists twice can't be told apart by any scan; several scans of
+    a drive may.
 
     :param scan: or several: of lasers that look different ways, or taken on the way
     :param robot: where its lasers sit, unless the scans say so themselves

@@ -112,9 +112,7 @@ std::size_t node_at(std::span<const Stamp> stamps, Stamp stamp) {
   return std::min(static_cast<std::size_t>(found - stamps.begin()), stamps.size() - 1);
 }
 
-Stamp middle_of(Stamp from, Stamp to) {
-  return {from.nanoseconds + (to - from).nanoseconds / 2};
-}
+Stamp middle_of(Stamp from, Stamp to) { return {from.nanoseconds + (to - from).nanoseconds / 2}; }
 
 /// What the path's edges measured from each node to the next.
 std::vector<Pose2> steps_of(const PoseGraph& graph) {

@@ -19,8 +19,9 @@ struct PathChain {
   double scale_sigma = 0.0;               ///< so is what is open, all in the same sense
 };
 
-/// Which way the path leads at an edge, over a metre of it or so: a step by itself may lead anywhere
-/// where the robot stood, or where nothing is known of it. Map axes, unit; zero on the spot.
+/// Which way the path leads at an edge, over a metre of it or so: a step by itself may lead
+/// anywhere where the robot stood, or where nothing is known of it. Map axes, unit; zero on the
+/// spot.
 [[nodiscard]] Eigen::Vector2d way_at(std::span<const Pose2> poses, std::size_t edge);
 
 }  // namespace loopstone

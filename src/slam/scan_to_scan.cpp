@@ -240,11 +240,11 @@ void ScanToScanMapper::draw(const std::vector<PosedScan>& posed, MapResult& resu
   if (result.map_failure.empty()) {
     result.quality = assess_map(posed, threads_);
     result.ties = find_ties_of(result.graph, {.stamps = result.node_stamps,
-                                             .drifts = result.drifts,
-                                             .agreeing = result.quality.agreeing,
-                                             .contradictions = result.quality.contradictions,
-                                             .loops = result.graph_quality.loops,
-                                             .reduced_chi2 = result.graph_quality.reduced_chi2});
+                                              .drifts = result.drifts,
+                                              .agreeing = result.quality.agreeing,
+                                              .contradictions = result.quality.contradictions,
+                                              .loops = result.graph_quality.loops,
+                                              .reduced_chi2 = result.graph_quality.reduced_chi2});
     result.verdict = judge_map(result);
   }
   result.statistics.judging_s = judging.seconds();

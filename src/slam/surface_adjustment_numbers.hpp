@@ -29,7 +29,8 @@ void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
         "measured by bench/covariances.py: the same for covariances, which have to cover what errs "
         "alike in all scans as well");
   visit("holding_noise", n.holding_noise,
-        "measured by bench/drives.py: the same for what holds a path by itself, where the errors that "
+        "measured by bench/drives.py: the same for what holds a path by itself, where the errors "
+        "that "
         "neighbouring scans share add up along it");
   visit(
       "range_scale_sigma", n.range_scale_sigma,
@@ -40,8 +41,7 @@ void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
         "chosen: standard deviations beyond which distances count less and less");
   visit("slope_sigma", n.slope_sigma,
         "chosen: how far a patch's direction may be off the mean of its points' normals [rad]");
-  visit("free_slope", n.free_slope,
-        "derived: no prior, as far as the arithmetic allows [rad]");
+  visit("free_slope", n.free_slope, "derived: no prior, as far as the arithmetic allows [rad]");
   visit("step_accuracy", n.step_accuracy,
         "chosen: a step is found to this accuracy; the next round goes on from there");
   visit("products_max", n.products_max, "chosen: beyond the 15 that a round takes as a rule");

@@ -55,7 +55,7 @@ struct GraphTies {
   /// standard deviations by the path between them alone, and what closures and surfaces changed of
   /// it [m].
   std::vector<double> contradictions_m{};
-  double variance_factor = 1.0;     ///< by which the graph's covariances were scaled
+  double variance_factor = 1.0;  ///< by which the graph's covariances were scaled
 };
 
 /// What a graph is judged by beside its edges.

@@ -46,10 +46,9 @@ std::vector<Stamp> stamps_of(const PoseGraph& graph) {
 GraphTies ties_of(const PoseGraph& graph, std::vector<VisitTie> agreeing = {}, int loops = 0,
                   double reduced_chi2 = 1.0) {
   const std::vector<Stamp> stamps = stamps_of(graph);
-  return find_ties_of(graph, {.stamps = stamps,
-                              .agreeing = agreeing,
-                              .loops = loops,
-                              .reduced_chi2 = reduced_chi2});
+  return find_ties_of(
+      graph,
+      {.stamps = stamps, .agreeing = agreeing, .loops = loops, .reduced_chi2 = reduced_chi2});
 }
 
 TEST(LooseParts, WithoutClosuresAllHangsOnThePath) {
@@ -137,9 +136,7 @@ TEST(LooseParts, AnOpenStretchIsAsLongAsOdometrysScaleSays) {
   std::vector<StepDrift> drifts(
       100, {.covariance = 1e-4 * Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal().toDenseMatrix()});
   for (std::size_t i = 20; i < 60; ++i) drifts[i].open = true;
-  const auto ties = [&] {
-    return ties_of(graph, drifts, 0.01);
-  };
+  const auto ties = [&] { return ties_of(graph, drifts, 0.01); };
   ASSERT_EQ(ties().open.size(), 1U);
   EXPECT_NEAR(ties().open[0].path_m, 40.0, 1e-9);
   EXPECT_NEAR(ties().open[0].sigma_m, std::hypot(0.01 * std::sqrt(40.0), 0.01 * 40.0), 1e-9);
@@ -228,8 +225,7 @@ TEST(Contradictions, CanBeNoFurtherOffThanThePathBetweenTheirVisits) {
 
 TEST(PossibleError, IsThatOfPathsThatAreDrawnAtRandom) {
   const auto [graph, drifts] = bent_path();
-  const PossibleError said =
-      ties_of(graph, drifts).possible;
+  const PossibleError said = ties_of(graph, drifts).possible;
   const PossibleError twin = drawn(graph, drifts, 4000);
   EXPECT_NEAR(said.m, twin.m, 0.2 * twin.m);
   EXPECT_NEAR(said.rad, twin.rad, 0.2 * twin.rad);
