@@ -16,10 +16,13 @@ from pathlib import Path
 
 FILE = Path(__file__).resolve().parent.parent / "python" / "loopstone" / "options.py"
 
-# The class of a call's options, its name for describe_options(), what it is of.
+# The class of a call's options, its name for describe_options(), what it is of; and the class before
+# it that it has the options of, where it has more.
 CALLS = [
     ("MapOptions", "map", "``loopstone.map`` and ``loopstone.Mapper``: ``loopstone config``."),
+    ("LandmarkMapOptions", "landmark_map", "``loopstone.map`` with landmarks.", "MapOptions"),
     ("LocalizationOptions", "localize", "``loopstone.localize`` and ``loopstone.Localizer``."),
+    ("LandmarkTrackingOptions", "landmarks", "``loopstone.localize`` among landmarks."),
     ("MatchOptions", "match", "``loopstone.match`` in the plane."),
     ("Match3dOptions", "match_3d", "``loopstone.match`` in space."),
     ("OptimizeOptions", "optimize", "``loopstone.optimize``."),
@@ -126,10 +129,13 @@ def extension():
 
 def text_of_all():
     core = extension()
-    classes = [
-        class_of(name, "CallOptions", tree_of(core.describe_options(call)), f"Of {doc}", call)
-        for name, call, doc in CALLS
-    ]
+    calls = {name: call for name, call, *_ in CALLS}
+    classes = []
+    for name, call, doc, *more_than in CALLS:
+        base = more_than[0] if more_than else "CallOptions"
+        known = core.describe_options(calls[base]) if more_than else []
+        entries = [entry for entry in core.describe_options(call) if entry not in known]
+        classes.append(class_of(name, base, tree_of(entries), f"Of {doc}", call))
     return HEAD + "\n\n" + "\n\n\n".join(classes) + "\n"
 
 

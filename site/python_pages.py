@@ -15,12 +15,22 @@ GROUPS = {
     "logs": (
         "Logs",
         "Messages of a recording, and the robot that made it.",
-        "open_log Log LogMessages LogSummary Message LaserScan OdometryPose WheelTicks ImuSample RgbdFrame Robot",
+        "open_log convert Conversion Log LogMessages LogSummary Message LaserScan OdometryPose WheelTicks ImuSample RgbdFrame",
+    ),
+    "robots": (
+        "Robots and calibration",
+        "Where sensors sit and how wheels count, told or found out.",
+        "Robot LidarMount WheelModel calibrate CalibrationResult CalibratedValue WheelCalibration",
     ),
     "mapping": (
         "Mapping",
         "From a log to a map and a verdict; whole, or while the robot drives.",
         "map MapResult MapVerdict QualityMeasure LoopClosure Mapper MapUpdate MapEvent Progress ProgressLike",
+    ),
+    "editing": (
+        "Editing",
+        "A finished map put right by hand.",
+        "MapEditor EditReport",
     ),
     "maps": (
         "Maps and trajectories",
@@ -30,7 +40,12 @@ GROUPS = {
     "localization": (
         "Localisation",
         "Where a robot is on a known map.",
-        "localize LocalizationResult LocalizationEstimate LocalizationMap Localizer",
+        "localize LocalizationResult LocalizationEstimate LocalizationMap Localizer relocalize Relocalization PlaceCandidate",
+    ),
+    "landmarks": (
+        "Landmarks",
+        "Reflectors and beacons, to localise by or found by a map.",
+        "Landmark FoundLandmark LandmarksLike read_landmarks",
     ),
     "matching": (
         "Matching",
@@ -43,7 +58,8 @@ GROUPS = {
         "optimize PoseGraph read_graph OptimizeResult Certificate",
     ),
     "evaluation": ("Evaluation", "Errors against the truth.", "evaluate Evaluation ErrorStatistics"),
-    "simulation": ("Simulation", "Logs with known truth.", "simulate Simulation world_names"),
+    "simulation": ("Simulation", "Logs with known truth.", "simulate Simulation world_names realism_names"),
+    "poses": ("Poses", "Composed, inverted, points moved.", "Pose"),
     "texture": ("Texture", "The colour of the floor.", "FloorTexture"),
     "errors": (
         "Errors",
@@ -75,7 +91,10 @@ class Package:
         wrong = set(self.names) ^ (set(self.pages) | ELSEWHERE)
         if wrong:
             raise SystemExit(f"site/python_pages.py: GROUPS and __all__ differ in {sorted(wrong)}")
-        self.calls = {node.name: node for node in classes(self.trees["options"]) if base_of(node) == "CallOptions"}
+        self.calls = {}
+        for node in classes(self.trees["options"]):
+            if base_of(node) == "CallOptions" or base_of(node) in self.calls:
+                self.calls[node.name] = node
         self.pages |= {name: f"options_{page_stem(name)}" for name in self.calls}
 
     def read(self, module, path):
@@ -321,7 +340,10 @@ def option_sections(package, of_name, node, prefix=""):
 
 def options_page(package, name):
     node = package.calls[name]
-    return [f"# {name} {{ #{name} }}", "", *package.docstring(node), *option_sections(package, name, node)]
+    out = [f"# {name} {{ #{name} }}", "", *package.docstring(node)]
+    if base_of(node) in package.calls:
+        out += [f"All of [{base_of(node)}]({package.pages[base_of(node)]}.md), and:", ""]
+    return out + option_sections(package, name, node)
 
 
 def options_index(package):

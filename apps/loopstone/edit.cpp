@@ -168,13 +168,13 @@ void do_edits(const EditsFile& edits, MapEditor& editor, ProgressDisplay& displa
 /// The results, what they were made of, and the state they can be made from again: all, or none.
 void write_all(const MapResult& result, const EditOutputs& edits, RunInfo& info,
                const Outputs& outputs, const Arguments& arguments, const AppContext& context) {
-  const Session session = read_session(state_path(arguments.folder), context.memory());
+  const Session session = read_session(kept_state_path(arguments.folder), context.memory());
   const HeldInterrupt held(
       "interrupted: the results are being written, which is soon done; once "
       "more ends it at once");
   outputs.prepare();
   write_map_outputs(result, info, arguments.out, {.edits = &edits});
-  write_session(state_path(arguments.out), session);
+  write_session(kept_state_path(arguments.out), session);
   info.peak_memory_bytes = peak_memory_bytes();
 }
 
@@ -191,10 +191,7 @@ void add_log_judgement(const EditedFolder& folder, MapResult& result) {
   result.warnings.insert(result.warnings.begin(), folder.log_warnings.begin(),
                          folder.log_warnings.end());
   judge_left_out(result.verdict, folder.left_out.share());
-  if (folder.has_texture) {
-    result.warnings.emplace_back(
-        "the floor of the map that was edited is coloured; this one is not: that needs the log");
-  }
+  if (folder.has_texture) result.warnings.emplace_back(kColourIsLost);
 }
 
 Outputs outputs_for(const Arguments& arguments, const AppContext& context) {

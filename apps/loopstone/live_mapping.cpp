@@ -47,7 +47,7 @@ MapOptions options_of(const LiveArguments& arguments, const AppContext& context)
 
 Outputs outputs_of(const LiveArguments& arguments, const AppContext& context) {
   Outputs outputs(context, arguments.force);
-  if (!arguments.from.empty()) outputs.reads(state_path(arguments.from));
+  if (!arguments.from.empty()) outputs.reads(kept_state_path(arguments.from));
   outputs.add_folder("-o", arguments.out);
   add_live_outputs(arguments, outputs);
   return outputs;
@@ -117,7 +117,7 @@ Checkpoint::How LiveMapping::checkpoints() {
   return {.every_s = arguments_.checkpoint_s,
           .write =
               [this](const Session& session) {
-                const std::int64_t bytes = write_session(state_path(arguments_.out), session);
+                const std::int64_t bytes = write_session(kept_state_path(arguments_.out), session);
                 state_failure_.clear();
                 return bytes;
               },

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <utility>
 
 #include "interrupt.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/landmark_file.hpp"
-#include "loopstone/formats/mrclam.hpp"
-#include "loopstone/localization/landmark_tracker.hpp"
+#include "loopstone/pipeline/log_landmarks.hpp"
 #include "loopstone/report/landmark_drawing.hpp"
 #include "mrclam_run.hpp"
 
@@ -39,46 +37,37 @@ LandmarkTrackingOptions options_of(const LandmarkArguments& arguments, double sn
   return options;
 }
 
-/// Readings wait in the tracker for odometry of their time.
-void follow_mrclam(LandmarkRun& run, LandmarkTracker& tracker, const LandmarkArguments& arguments,
-                   const std::string& path, const LogFlags& reading, const LogCut& cut,
-                   const SightingNoise& noise, const AppContext& context) {
-  const MrclamLog log = read_mrclam_run(path, reading, noise, context);
-  for (const LandmarkReading& seen : readings_within(log, cut, arguments.nameless))
-    tracker.add(seen);
-  for (const OdometryPose& pose : log.odometry) {
-    if (interrupted()) break;
-    tracker.add(pose);
-  }
-  run.result = tracker.finish();
+/// Of MRCLAM's sightings.
+LocalizationResult follow_mrclam(LandmarkRun& run, const LandmarkMap& map,
+                                 const LandmarkArguments& arguments, const std::string& path,
+                                 const LogFlags& reading, const LogCut& cut,
+                                 const LandmarkTrackingOptions& options,
+                                 const std::optional<InitialPose>& initial,
+                                 const AppContext& context) {
+  const MrclamLog log = read_mrclam_run(path, reading, options.sightings, context);
   run.left_out = left_out_of(log);
+  return localize_mrclam(log, readings_within(log, cut, arguments.nameless), context.robot(), map,
+                         options, initial, interrupted);
 }
 
-/// Reflectors need intensities, and enough of them.
-void require_reflectors(const LandmarkTracker& tracker, const std::string& path) {
-  if (tracker.scans_with_intensities() == 0) {
-    throw DataError({path},
-                    "its scans have no intensities, by which reflectors are told; MCAP, ROS 1 bags "
-                    "and rosbag2 hold them where the driver tells them");
-  }
-  if (tracker.observations() == 0) {
-    throw DataError({path},
-                    "no beam is bright enough to be one on a reflector; a lower "
-                    "--reflector-threshold takes fainter ones");
-  }
-}
-
-void follow_scans(LandmarkRun& run, LandmarkTracker& tracker, LogReader& reader,
-                  const std::string& path, const LogCut& cut, const AppContext& context) {
+/// Of reflectors in scans.
+LocalizationResult follow_scans(LandmarkRun& run, const LandmarkMap& map, const std::string& path,
+                                const LogFlags& reading, const LogCut& cut,
+                                const LandmarkTrackingOptions& options,
+                                const std::optional<InitialPose>& initial,
+                                const AppContext& context) {
+  ProblemPrinter print_problem(context);
+  LogOptions how = log_options(reading, context, &print_problem);
+  how.intensities = true;
+  const LogSource source = source_of(path, std::move(how), context);
+  const auto reader = source.open();
+  tell_choices(*reader, context);
   ProgressDisplay display(context);
-  CutLog log(reader, cut, !context.robot_given(), "localising", watch_by(display));
-  while (const auto message = log.next()) tracker.add(*message);
-  run.result = tracker.finish();
+  LogLocalization done =
+      localize_by_reflectors(source, *reader, map, options, initial, cut, watch_by(display));
   ProgressDisplay::clear_line();
-  const LogSummary judged = log.judge(path);
-  if (!log.interrupted()) require_reflectors(tracker, path);
-  run.result.warnings = warnings_of(judged);
-  run.left_out = judged.left_out;
+  run.left_out = done.log.left_out;
+  return std::move(done.result);
 }
 
 }  // namespace
@@ -111,18 +100,10 @@ LandmarkRun localize_by_landmarks(const LandmarkArguments& arguments, const std:
   LandmarkRun run;
   run.drawing = drawn_landmarks(map.landmarks());
   run.options_toml = options_to_toml(list_options(options));
-  if (is_mrclam_log(log)) {
-    LandmarkTracker tracker(map, context.robot(), options, initial);
-    follow_mrclam(run, tracker, arguments, log, reading, cut, options.sightings, context);
-  } else {
-    ProblemPrinter print_problem(context);
-    LogOptions how = log_options(reading, context, &print_problem);
-    how.intensities = true;
-    const auto reader = open_log(log, how);
-    tell_choices(*reader, context);
-    LandmarkTracker tracker(map, robot_of(*reader, context), options, initial);
-    follow_scans(run, tracker, *reader, log, cut, context);
-  }
+  run.result =
+      is_mrclam_log(log)
+          ? follow_mrclam(run, map, arguments, log, reading, cut, options, initial, context)
+          : follow_scans(run, map, log, reading, cut, options, initial, context);
   run.result.complete = run.result.complete && !interrupted();
   return run;
 }

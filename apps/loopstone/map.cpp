@@ -145,7 +145,7 @@ SessionTerms terms_of(const MapArguments& arguments, MapPipeline& pipeline, cons
 Outputs outputs_of(const MapArguments& arguments, RunStart begin, const AppContext& context) {
   Outputs outputs(context, arguments.force);
   outputs.reads_log(arguments.log);
-  if (!arguments.drives.from.empty()) outputs.reads(state_path(arguments.drives.from));
+  if (!arguments.drives.from.empty()) outputs.reads(kept_state_path(arguments.drives.from));
   outputs.add_folder("-o", arguments.out, begin != RunStart::kLog);
   if (!arguments.mcap.empty()) outputs.add_file("--mcap", arguments.mcap);
   return outputs;
@@ -216,13 +216,13 @@ void prepare(const Outputs& outputs, RunStart begin, const MapArguments& argumen
 /// A state beside the results is theirs: one of an older map goes.
 void leave_state(std::optional<MapperState> kept, const MapResult& result, const RobotModel& robot,
                  const MapArguments& arguments, MapPipeline& pipeline) {
-  const std::string path = state_path(arguments.out);
   if (kept && result.complete) {
     SessionTerms terms = state_terms(pipeline);
     terms.robot_toml = robot_to_toml(robot);
-    write_session(path, {.terms = std::move(terms), .mapper = std::move(*kept)});
+    write_session(kept_state_path(arguments.out),
+                  {.terms = std::move(terms), .mapper = std::move(*kept)});
   } else {
-    std::filesystem::remove(path);
+    remove_kept_state(arguments.out);
   }
 }
 

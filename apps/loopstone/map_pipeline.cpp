@@ -246,25 +246,10 @@ MapResult MapPipeline::map_anew(CutLog& log) {
 std::optional<LandmarkMapping> MapPipeline::landmarks_of(MapResult& result,
                                                          std::string& failure) const {
   if (!reflectors_) return {};
-  LandmarkMapping mapping = reflectors_->settle(result);
-  if (!result.complete) return mapping;
-  const auto fail = [&](const char* why) {
-    failure += (failure.empty() ? "" : "; ") + std::string(why);
-  };
-  if (reflectors_->scans_with_intensities() == 0) {
-    fail(
-        "no landmarks: the scans have no intensities, by which reflectors are told; MCAP, ROS 1 "
-        "bags and rosbag2 hold them where the driver tells them");
-  } else if (mapping.figures.observations == 0) {
-    fail(
-        "no landmarks: no beam is bright enough to be one on a reflector; a lower "
-        "--reflector-threshold takes fainter ones");
-  } else if (mapping.landmarks.empty()) {
-    result.warnings.emplace_back(
-        "no landmarks: nothing bright was seen often enough, from places far enough apart; see "
-        "landmarks.sightings_min and landmarks.baseline_min_m");
-  }
-  return mapping;
+  MapLandmarks found = loopstone::landmarks_of(*reflectors_, result);
+  if (!found.failure.empty()) failure += (failure.empty() ? "" : "; ") + found.failure;
+  if (!found.warning.empty()) result.warnings.push_back(found.warning);
+  return std::move(found.mapping);
 }
 
 }  // namespace loopstone::app

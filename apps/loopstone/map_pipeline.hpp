@@ -17,6 +17,7 @@
 #include "loopstone/localization/landmark_mapping_options.hpp"
 #include "loopstone/localization/reflector_mapping.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
+#include "loopstone/pipeline/log_landmarks.hpp"
 #include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/calibration.hpp"
@@ -67,18 +68,6 @@ struct MapArguments {
 
 /// A map beyond what the machine or --max-memory allows is drawn with wider cells.
 [[nodiscard]] std::uint64_t most_cells(const AppContext& context);
-
-/// The options of `map --landmarks`.
-struct LandmarkMapOptions {
-  MapOptions map{};
-  LandmarkMappingOptions landmarks{};
-};
-
-template <typename Visitor>
-void visit_options(LandmarkMapOptions& options, Visitor&& visit) {
-  visit_options(options.map, visit);
-  visit.group("landmarks", options.landmarks);
-}
 
 /// To the mapper, and to who looks on if there is somebody.
 void add_watched(const SensorMessage& message, MapFeed* feed, Mapper& mapper);

@@ -13,7 +13,6 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/session_file.hpp"
-#include "loopstone/version.hpp"
 
 namespace loopstone::app {
 
@@ -22,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSessionName = "session.loopstone";
-constexpr const char* kStateName = "state.loopstone";
 constexpr const char* kStartAnew =
     "; to start from the beginning, leave out --resume and add --force";
 
@@ -141,35 +139,19 @@ void add_continue_flags(CLI::App& command, ContinueFlags& flags) {
       ->type_name("FOLDER");
 }
 
-std::string state_path(const std::string& out) { return (fs::path(out) / kStateName).string(); }
-
 nlohmann::json summary_of(const std::string& out) {
   nlohmann::json summary =
       nlohmann::json::parse(read_text((fs::path(out) / "summary.json").string()), nullptr, false);
   return summary.is_object() ? summary : nlohmann::json();
 }
 
-Session read_kept_session(const std::string& out, const std::string& to_do,
-                          const AppContext& context) {
-  const std::string path = state_path(out);
-  if (!exists(path)) {
-    throw DataError({out}, "holds no state.loopstone to " + to_do +
-                               "; `loopstone map LOG -o FOLDER --keep-state` leaves one");
-  }
-  Session session = read_session(path, context.memory());
-  SessionTerms now = session.terms;
-  now.version = kVersion;
-  const std::string differs = difference(session.terms, now);
-  if (!differs.empty()) throw DataError({path}, "is of another kind of run: " + differs);
-  return session;
-}
-
 MapperState read_state(const std::string& out, const SessionTerms& now, const AppContext& context) {
-  Session session = read_kept_session(out, "go on from", context);
+  Session session = read_kept_state(out, "go on from", context.memory());
   SessionTerms then = now;
   then.options_toml = session.terms.options_toml;
   const std::string differs = difference(then, now);
-  if (!differs.empty()) throw DataError({state_path(out)}, "is of another kind of run: " + differs);
+  if (!differs.empty())
+    throw DataError({kept_state_path(out)}, "is of another kind of run: " + differs);
   const nlohmann::json edits = field(summary_of(out), "edits");
   if (!edits.is_null()) {
     throw DataError({out}, "is a map that was edited; go on with the one that was not" +
@@ -186,7 +168,7 @@ void continue_from(const std::string& out, MapperState state, Mapper& mapper,
   try {
     mapper.restore_state(std::move(state));
   } catch (const UsageError& error) {
-    throw DataError({state_path(out)}, std::string("is damaged: ") + error.what());
+    throw DataError({kept_state_path(out)}, std::string("is damaged: ") + error.what());
   }
   mapper.begin_drive();
   context.note(fmt::format("{}: {} scans; another drive begins", out, mapper.scans()));

@@ -66,16 +66,10 @@ struct ContinueFlags {
 };
 void add_continue_flags(CLI::App& command, ContinueFlags& flags);
 
-/// The state that a finished map can be gone on from, beside its results.
-[[nodiscard]] std::string state_path(const std::string& out);
 /// Throws DataError when the folder has none, it is damaged, of another version or of other
 /// options, or of a map that was edited.
 [[nodiscard]] MapperState read_state(const std::string& out, const SessionTerms& now,
                                      const AppContext& context);
-/// The whole session that --keep-state left. Throws DataError when there is none, it is damaged or
-/// of another version.
-[[nodiscard]] Session read_kept_session(const std::string& out, const std::string& to_do,
-                                        const AppContext& context);
 /// The summary.json of a folder, null when there is none or it is no JSON.
 [[nodiscard]] nlohmann::json summary_of(const std::string& out);
 /// Gives a mapper that was just made the state of a folder, and begins another drive.

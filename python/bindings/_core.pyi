@@ -906,6 +906,71 @@ class FloorTexture:
     def warnings(self) -> list[str]:
         """In plain words."""
 
+class Landmark:
+    """A reflector or beacon whose place is known; can't be changed."""
+
+    def __init__(self, id: int, x_m: float, y_m: float, *, sigma_m: float = 0.0, radius_m: float = 0.0) -> None:
+        """Values are checked by what it is given to."""
+
+    @property
+    def id(self) -> int:
+        """No other landmark's."""
+
+    @property
+    def position(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) x, y of its centre on the map [m]."""
+
+    @property
+    def sigma_m(self) -> float:
+        """Standard deviation of x and of y."""
+
+    @property
+    def radius_m(self) -> float:
+        """Of a round one, whose surface a laser meets; 0: it is flat."""
+
+    def __repr__(self) -> str: ...
+
+class FoundLandmark:
+    """A landmark whose place a drive found."""
+
+    @property
+    def id(self) -> int:
+        """1, 2, ... as they were first seen."""
+
+    @property
+    def position(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) x, y of its centre on the map [m]."""
+
+    @property
+    def covariance(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """(2, 2) of its position against the first pose, axes of the map [m^2]."""
+
+    @property
+    def sigma_m(self) -> float:
+        """Among the other landmarks, without what moves all of them together."""
+
+    @property
+    def radius_m(self) -> float:
+        """0: it is flat, or was seen from one side only."""
+
+    @property
+    def sightings(self) -> int:
+        """That agree with it."""
+
+    @property
+    def visits(self) -> int:
+        """How often it came into view."""
+
+    def __repr__(self) -> str: ...
+
+def read_landmarks(path: str | os.PathLike[str]) -> list[Landmark]:
+    """
+    Reads landmarks: CSV with ``id,x_m,y_m``, a folder that holds landmarks.csv, or UTIAS
+    MRCLAM's. Raises DataError.
+    """
+
+def mapped_landmarks(found: Sequence[FoundLandmark]) -> list[Landmark]: ...
+
 class PoseGraph:
     """
     Poses to estimate and measurements between them; can't be changed.
@@ -1241,6 +1306,13 @@ class MapResult:
         """The floor in colour, when the log has RGB-D."""
 
     @property
+    def landmarks(self) -> list[FoundLandmark]:
+        """
+        The reflectors that were found, of a map with ``landmarks=True``; in the order of the
+        graph's landmarks.
+        """
+
+    @property
     def loop_closures(self) -> list[LoopClosure]:
         """All that were found, those that do not stand included."""
 
@@ -1267,6 +1339,13 @@ class MapResult:
     @property
     def complete(self) -> bool:
         """False when the run was interrupted."""
+
+    @property
+    def failure(self) -> str:
+        """
+        What was asked for and can't be had, the floor's colour or landmarks, and why; empty when
+        all is there.
+        """
 
     @property
     def robot(self) -> Robot:
@@ -1302,9 +1381,9 @@ class MapResult:
 
     def __repr__(self) -> str: ...
 
-def map_log(log: Log, options: OptionValues, start_s: float, duration_s: float, max_scans: int, threads: int, texture: bool, keep_state: bool, from_folder: str | os.PathLike[str] | None, from_result: MapResult | None, progress: object | None) -> MapResult: ...
+def map_log(log: Log, options: OptionValues, start_s: float, duration_s: float, max_scans: int, threads: int, texture: bool, landmarks: bool, keep_state: bool, from_folder: str | os.PathLike[str] | None, from_result: MapResult | None, progress: object | None) -> MapResult: ...
 
-def map_messages(messages: Iterable[object], robot: Robot | None, options: OptionValues, threads: int, progress: object | None) -> MapResult: ...
+def map_messages(messages: Iterable[object], robot: Robot | None, options: OptionValues, landmarks: bool, threads: int, progress: object | None) -> MapResult: ...
 
 class EditReport:
     """What became of an edit."""
@@ -1352,9 +1431,11 @@ class MapEditor:
     edits.
     """
 
-    def __init__(self, map: MapResult, *, threads: int = 0) -> None:
+    def __init__(self, map: MapResult | str | os.PathLike[str], *, threads: int = 0) -> None:
         """
-        Of a map made with ``keep_state=True``; it stays as it is. Raises UsageError.
+        Of a map made with ``keep_state=True``, or of the folder that it was saved in, as
+        ``loopstone edit`` takes it: if that was edited, with these edits first. Map and folder stay
+        as they are. Raises UsageError, DataError.
         """
 
     def add(self, kind: str, **keys: Any) -> EditReport:
@@ -1656,6 +1737,8 @@ class Localizer:
         """Ends the recording. Nothing may follow."""
 
 def localize_log(log: Log, map: LocalizationMap, options: OptionValues, initial: numpy.typing.ArrayLike | None, initial_sigma_m: float, initial_sigma_rad: float, seed: int, calibration: bool, start_s: float, duration_s: float, max_scans: int, threads: int, progress: object | None) -> LocalizationResult: ...
+
+def localize_by_landmarks(log: Log, landmarks: Sequence[Landmark], options: OptionValues, initial: numpy.typing.ArrayLike | None, initial_sigma_m: float, initial_sigma_rad: float, nameless: bool, start_s: float, duration_s: float, max_scans: int, progress: object | None) -> LocalizationResult: ...
 
 class PlaceCandidate:
     """A pose that scans may have been taken from."""
@@ -1969,6 +2052,10 @@ class Simulation:
         """
         (R, 3) x, y, radius [m] of the reflectors that found a place, on the map.
         """
+
+    @property
+    def landmarks(self) -> list[Landmark]:
+        """The same as :func:`loopstone.localize` takes them."""
 
     def save_reflectors(self, path: str | os.PathLike[str]) -> None:
         """Writes them as ``loopstone localize --landmarks`` takes them."""

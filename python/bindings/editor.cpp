@@ -2,6 +2,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <chrono>
@@ -12,20 +13,26 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/edits_file.hpp"
+#include "loopstone/formats/machine_memory.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/robot_file.hpp"
+#include "loopstone/formats/session_file.hpp"
+#include "loopstone/report/edited_folder.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/slam/map_editor.hpp"
 #include "loopstone/slam/map_verdict.hpp"
 #include "loopstone/slam/mapper.hpp"
+#include "loopstone/version.hpp"
 #include "mapping.hpp"
 #include "methods.hpp"
+#include "path_like.hpp"
 #include "work.hpp"
 
 namespace loopstone::python {
@@ -41,8 +48,9 @@ double seconds_since(Clock::time_point start) {
 std::string word(Verdict verdict) { return std::string(loopstone::to_string(verdict)); }
 
 /// The map of a state up to its solved graph.
-SettledMap settle(const Session& session, Threads threads) {
-  const std::string origin = "the map's state";
+SettledMap settle(const Session& session, const std::string& origin, Threads threads) {
+  if (session.terms.robot_toml.empty())
+    throw DataError({origin}, "does not tell its robot; map the log once more");
   const RobotModel robot = parse_robot(session.terms.robot_toml, origin);
   MapOptions options;
   std::vector<OptionProblem> problems =
@@ -50,21 +58,56 @@ SettledMap settle(const Session& session, Threads threads) {
   if (!problems.empty()) throw OptionsError(std::move(problems));
   limit_cells(options);
   Mapper mapper(robot, options, threads);
-  mapper.restore_state(session.mapper);
+  try {
+    mapper.restore_state(session.mapper);
+  } catch (const UsageError& error) {
+    throw DataError({origin}, std::string("is damaged: ") + error.what());
+  }
   return mapper.settle();
+}
+
+/// What an edit needs of the map in a folder of results: its state, and what is known of its log.
+std::shared_ptr<Mapped> map_in(const std::string& folder, const EditedFolder& told,
+                               Threads threads) {
+  auto map = std::make_shared<Mapped>();
+  const MemoryBudget budget = machine_memory_budget();
+  map->state = std::make_shared<const Session>(read_kept_state(folder, "edit", budget));
+  map->robot = parse_robot(map->state->terms.robot_toml, kept_state_path(folder));
+  map->info.version = kVersion;
+  map->info.threads = threads.resolved();
+  map->info.options_toml = map->state->terms.options_toml;
+  map->info.log_path = told.log;
+  map->info.left_out = told.left_out;
+  map->info.log_warnings = told.log_warnings;
+  map->result.verdict.overall = told.verdict;
+  return map;
 }
 
 /// A finished map in somebody's hand; any thread may call it, one at a time works.
 class Editor {
  public:
-  Editor(std::shared_ptr<Mapped> map, Threads threads) : before_(std::move(map)) {
+  Editor(std::shared_ptr<Mapped> map, Threads threads)
+      : before_(std::move(map)),
+        edited_(before_->info.log_path),
+        was_coloured_(before_->texture.has_value()) {
     if (before_->edits)
       throw UsageError("this map was edited; edit the one that was not, with all edits");
     if (!before_->state)
       throw UsageError("this map has no state to be edited from; make it with keep_state=True");
     const auto start = Clock::now();
-    editor_.emplace(settle(*before_->state, threads), threads);
+    editor_.emplace(settle(*before_->state, "the map's state", threads), threads);
     open_s_ = seconds_since(start);
+  }
+  /// With the edits that were done to it.
+  Editor(const std::string& folder, Threads threads) : edited_(folder) {
+    const auto start = Clock::now();
+    const EditedFolder told = read_edited_folder(folder, machine_memory_budget());
+    before_ = map_in(folder, told, threads);
+    was_coloured_ = told.has_texture;
+    editor_.emplace(settle(*before_->state, kept_state_path(folder), threads), threads);
+    open_s_ = seconds_since(start);
+    if (!told.was_edited) return;
+    for (const MapEdit& edit : joined(told.edits, {}).edits) editor_->add(edit);
   }
 
   EditReport add(const std::string& toml) {
@@ -129,8 +172,9 @@ class Editor {
     std::vector<std::string>& warnings = done->result.warnings;
     warnings.insert(warnings.begin(), of_log.begin(), of_log.end());
     judge_left_out(done->result.verdict, before_->info.left_out.share());
+    if (was_coloured_) warnings.emplace_back(kColourIsLost);
     EditOutputs edits{.edits_toml = toml_of(editor),
-                      .edited = before_->info.log_path,
+                      .edited = edited_,
                       .new_T_map = map.new_T_map,
                       .shift = editor.preview().shift,
                       .cells_erased = map.cells_erased,
@@ -161,6 +205,8 @@ class Editor {
   }
 
   std::shared_ptr<Mapped> before_;
+  std::string edited_;  ///< what the report calls the map
+  bool was_coloured_ = false;
   double open_s_ = 0.0;
   std::mutex mutex_{};
   std::optional<MapEditor> editor_{};
@@ -201,12 +247,19 @@ void bind_editor(nb::module_& m) {
       "edits.");
   editor.def(
       "__init__",
-      [](Editor* self, const std::shared_ptr<Mapped>& map, int threads) {
+      [](Editor* self, const std::variant<std::shared_ptr<Mapped>, PathLike>& map, int threads) {
         const nb::gil_scoped_release unlocked;
-        new (self) Editor(map, Threads{threads});
+        if (const auto* made = std::get_if<std::shared_ptr<Mapped>>(&map)) {
+          new (self) Editor(*made, Threads{threads});
+        } else {
+          new (self) Editor(std::get<PathLike>(map).value, Threads{threads});
+        }
       },
       nb::arg("map"), nb::kw_only(), nb::arg("threads") = 0,
-      "Of a map made with ``keep_state=True``; it stays as it is. Raises UsageError.");
+      "Of a map made with ``keep_state=True``, or of the folder that it was saved in, as\n"
+      "``loopstone edit`` takes it: if that was edited, with these edits first. Map and folder "
+      "stay\n"
+      "as they are. Raises UsageError, DataError.");
   def_python(editor, "add", "loopstone._edits", "add",
              "def add(self, kind: str, **keys: typing.Any) -> EditReport",
              "One more edit: ``editor.add(\"crop\", box=[0, 0, 20, 10])``. Kinds and keys are\n"

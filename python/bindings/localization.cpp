@@ -19,9 +19,13 @@
 #include "json.hpp"
 #include "known_map.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/machine_memory.hpp"
+#include "loopstone/formats/mrclam.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/localization/localizer.hpp"
+#include "loopstone/pipeline/log_landmarks.hpp"
 #include "loopstone/pipeline/log_localization.hpp"
+#include "loopstone/report/landmark_drawing.hpp"
 #include "loopstone/report/localization_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/version.hpp"
@@ -44,8 +48,12 @@ using Estimate = LocalizationEstimate;
 struct Localized {
   LocalizationResult result{};
   LocalizationRunInfo info{};
-  std::shared_ptr<const LocalizationMap> map{};
+  std::shared_ptr<const Grid<std::int8_t>> drawn{};  ///< the map, to look at
 };
+
+std::shared_ptr<const Grid<std::int8_t>> drawing_of(const KnownMap& map) {
+  return {map.map, &map.map->occupancy()};
+}
 
 std::optional<InitialPose> initial_of(const std::optional<ArrayLike>& pose, double sigma_m,
                                       double sigma_rad) {
@@ -85,7 +93,7 @@ std::shared_ptr<Localized> localize_log(const Log& log, const KnownMap& map,
   if (!work.goes_on()) throw CalledOff{};
 
   auto done = std::make_shared<Localized>();
-  done->map = map.map;
+  done->drawn = drawing_of(map);
   done->result = std::move(found.result);
   done->info = info_of(options, initial, seed, threads, map);
   done->info.run.log_path = log.path;
@@ -93,6 +101,62 @@ std::shared_ptr<Localized> localize_log(const Log& log, const KnownMap& map,
   done->info.run.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   done->info.run.peak_memory_bytes = peak_memory_bytes();
+  return done;
+}
+
+struct ByLandmarks {
+  LocalizationResult result{};
+  LeftOut left_out{};
+};
+
+ByLandmarks follow_mrclam(const Log& log, const LandmarkMap& landmarks,
+                          const LandmarkTrackingOptions& options,
+                          const std::optional<InitialPose>& initial, bool nameless,
+                          const LogCut& cut, Work& work) {
+  const MrclamLog drive = read_mrclam_drive(log.path, {.strict = log.how.strict}, options.sightings,
+                                            machine_memory_budget());
+  const RobotModel robot = log.robot ? log.robot->model : RobotModel{};
+  return {localize_mrclam(drive, readings_within(drive, cut, nameless), robot, landmarks, options,
+                          initial, [&work] { return !work.goes_on(); }),
+          left_out_of(drive)};
+}
+
+ByLandmarks follow_reflectors(const Log& log, const LandmarkMap& landmarks,
+                              const LandmarkTrackingOptions& options,
+                              const std::optional<InitialPose>& initial, const LogCut& cut,
+                              Work& work) {
+  const ReadingWatch watch = watch_by(work);
+  LogSource source = log.source(watch.stop);
+  source.how.intensities = true;
+  const auto reader = source.open();
+  LogLocalization found =
+      localize_by_reflectors(source, *reader, landmarks, options, initial, cut, watch);
+  return {std::move(found.result), found.log.left_out};
+}
+
+std::shared_ptr<Localized> localize_by_landmarks(const Log& log,
+                                                 const std::vector<MappedLandmark>& known,
+                                                 LandmarkTrackingOptions options,
+                                                 const std::optional<InitialPose>& initial,
+                                                 bool nameless, const LogCut& cut, Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  const LandmarkMap landmarks(known);
+  ByLandmarks found = is_mrclam_log(log.path)
+                          ? follow_mrclam(log, landmarks, options, initial, nameless, cut, work)
+                          : follow_reflectors(log, landmarks, options, initial, cut, work);
+  if (!work.goes_on()) throw CalledOff{};
+  auto done = std::make_shared<Localized>();
+  done->drawn = std::make_shared<const Grid<std::int8_t>>(drawn_landmarks(known));
+  done->result = std::move(found.result);
+  RunInfo& run = done->info.run;
+  run.version = kVersion;
+  run.threads = 1;
+  run.options_toml = options_to_toml(list_options(options));
+  run.log_path = log.path;
+  run.left_out = found.left_out;
+  done->info.initial = initial;
+  run.wall_time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  run.peak_memory_bytes = peak_memory_bytes();
   return done;
 }
 
@@ -131,7 +195,7 @@ class OnlineLocalizer {
       auto done = std::make_shared<Localized>();
       done->result = localizer.finish();
       done->info = info_;
-      done->map = map_.map;
+      done->drawn = drawing_of(map_);
       localizer_.reset();
       return done;
     });
@@ -236,7 +300,7 @@ void bind_result(nb::module_& m) {
   result.def_prop_ro(
       "summary",
       [](const Localized& self) {
-        return parse_json(format_summary(self.result, self.map->occupancy(), self.info));
+        return parse_json(format_summary(self.result, *self.drawn, self.info));
       },
       nb::sig("def summary(self) -> dict[str, typing.Any]"), "What summary.json has.");
   result.def(
@@ -245,7 +309,7 @@ void bind_result(nb::module_& m) {
         const nb::gil_scoped_release unlocked;
         LocalizationRunInfo info = self.info;
         info.run.force = force;
-        write_localization_outputs(self.result, self.map->occupancy(), info, folder.value);
+        write_localization_outputs(self.result, *self.drawn, info, folder.value);
       },
       nb::arg("folder"), nb::kw_only(), nb::arg("force") = false,
       "Writes the files of ``loopstone localize --report``, all of them or none.");
@@ -333,6 +397,21 @@ void bind_localization(nb::module_& m) {
       nb::arg("initial_sigma_m"), nb::arg("initial_sigma_rad"), nb::arg("seed"),
       nb::arg("calibration"), nb::arg("start_s"), nb::arg("duration_s"), nb::arg("max_scans"),
       nb::arg("threads"), nb::arg("progress").none());
+  m.def(
+      "localize_by_landmarks",
+      [](const Log& log, const std::vector<MappedLandmark>& landmarks, const OptionValues& values,
+         const std::optional<ArrayLike>& initial, double sigma_m, double sigma_rad, bool nameless,
+         double start_s, double duration_s, std::int64_t max_scans, const nb::object& progress) {
+        const auto options = options_of<LandmarkTrackingOptions>(values);
+        const auto place = initial_of(initial, sigma_m, sigma_rad);
+        const LogCut cut{start_s, duration_s, max_scans};
+        return work(progress, [&](Work& own) {
+          return localize_by_landmarks(log, landmarks, options, place, nameless, cut, own);
+        });
+      },
+      nb::arg("log"), nb::arg("landmarks"), nb::arg("options"), nb::arg("initial").none(),
+      nb::arg("initial_sigma_m"), nb::arg("initial_sigma_rad"), nb::arg("nameless"),
+      nb::arg("start_s"), nb::arg("duration_s"), nb::arg("max_scans"), nb::arg("progress").none());
 }
 
 }  // namespace loopstone::python

@@ -15,17 +15,12 @@
 #include "bindings.hpp"
 #include "graph.hpp"
 #include "json.hpp"
-#include "loopstone/base/error.hpp"
 #include "loopstone/formats/image.hpp"
-#include "loopstone/formats/machine_memory.hpp"
-#include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/session_file.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/report/map_picture.hpp"
 #include "mapping.hpp"
-#include "messages.hpp"
 #include "methods.hpp"
-#include "options.hpp"
 #include "path_like.hpp"
 
 namespace loopstone::python {
@@ -36,6 +31,7 @@ using Shared = std::shared_ptr<Mapped>;
 
 MapExtras extras_of(const Mapped& mapped) {
   return {.texture = mapped.texture ? &*mapped.texture : nullptr,
+          .landmarks = mapped.landmarks ? &*mapped.landmarks : nullptr,
           .edits = mapped.edits ? &*mapped.edits : nullptr};
 }
 
@@ -142,22 +138,15 @@ void def_parts(nb::class_<Mapped>& cls) {
       nb::sig("def texture(self) -> FloorTexture | None"),
       "The floor in colour, when the log has RGB-D.");
   cls.def_prop_ro(
+      "landmarks",
+      [](const Shared& self) {
+        return self->landmarks ? self->landmarks->landmarks : std::vector<FoundLandmark>{};
+      },
+      "The reflectors that were found, of a map with ``landmarks=True``; in the order of the\n"
+      "graph's landmarks.");
+  cls.def_prop_ro(
       "loop_closures", [](const Shared& self) { return self->result.loop_closures; },
       "All that were found, those that do not stand included.");
-}
-
-/// The state of a result that kept it. Throws UsageError when it has none to go on from.
-MappingPlan gone_on_with(MappingPlan plan, const Mapped& before) {
-  if (before.edits) {
-    throw UsageError(
-        "this map was edited; go on with the one that was not, then do the same edits to what "
-        "comes of it");
-  }
-  if (!before.state)
-    throw UsageError("this map has no state to go on from; make it with keep_state=True");
-  plan.goes_on_with = before.state;
-  plan.goes_on_from = "the map's state";
-  return plan;
 }
 
 void def_judgement(nb::class_<Mapped>& cls) {
@@ -177,6 +166,10 @@ void def_judgement(nb::class_<Mapped>& cls) {
   cls.def_prop_ro(
       "complete", [](const Shared& self) { return self->result.complete; },
       "False when the run was interrupted.");
+  cls.def_prop_ro(
+      "failure", [](const Shared& self) { return self->info.failure; },
+      "What was asked for and can't be had, the floor's colour or landmarks, and why; empty when\n"
+      "all is there.");
   cls.def_prop_ro(
       "robot",
       [](const Shared& self) {
@@ -216,45 +209,6 @@ void bind_map_result(nb::module_& m) {
            " loop closures: " + std::string(loopstone::to_string(self.result.verdict.overall)) +
            ">";
   });
-
-  m.def(
-      "map_log",
-      [](const Log& log, const OptionValues& values, double start_s, double duration_s,
-         std::int64_t max_scans, int threads, bool texture, bool keep_state,
-         const std::optional<PathLike>& from_folder, const Mapped* from_result,
-         const nb::object& progress) {
-        const auto options = options_of<MapOptions>(values);
-        MappingPlan plan{.cut = {start_s, duration_s, max_scans},
-                         .threads = Threads{threads},
-                         .texture = texture,
-                         .keep_state = keep_state};
-        if (from_result != nullptr) plan = gone_on_with(std::move(plan), *from_result);
-        return work(progress, [&](Work& own) {
-          if (from_folder) {
-            plan.goes_on_with = std::make_shared<const Session>(
-                read_kept_state(from_folder->value, machine_memory_budget()));
-            plan.goes_on_from = kept_state_path(from_folder->value);
-          }
-          return map_log(log, options, plan, own);
-        });
-      },
-      nb::arg("log"), nb::arg("options"), nb::arg("start_s"), nb::arg("duration_s"),
-      nb::arg("max_scans"), nb::arg("threads"), nb::arg("texture"), nb::arg("keep_state"),
-      nb::arg("from_folder").none(), nb::arg("from_result").none(), nb::arg("progress").none());
-  m.def(
-      "map_messages",
-      [](const nb::typed<nb::iterable, nb::object>& messages, const Robot* robot,
-         const OptionValues& values, int threads, const nb::object& progress) {
-        const auto options = options_of<MapOptions>(values);
-        std::vector<SensorMessage> all;
-        for (const nb::handle message : messages) all.push_back(message_of(message));
-        const RobotModel model = robot == nullptr ? RobotModel{} : robot->model;
-        return work(progress, [&](Work& own) {
-          return map_messages(all, model, options, Threads{threads}, own);
-        });
-      },
-      nb::arg("messages"), nb::arg("robot").none(), nb::arg("options"), nb::arg("threads"),
-      nb::arg("progress").none());
 }
 
 }  // namespace loopstone::python

@@ -49,6 +49,8 @@ class Companion final : public MappingWatch {
       : work_(work), plan_(plan), takes_frames_(plan.texture) {}
 
   void begin(Mapper& mapper, const RobotModel& /*robot*/, bool anew) override {
+    if (plan_.landmarks)
+      mapper.set_graph_addition(reflectors_.emplace(*plan_.landmarks).addition());
     takes_frames_ = takes_frames_ && !anew;
     if (!plan_.goes_on_with) return;
     try {
@@ -72,6 +74,8 @@ class Companion final : public MappingWatch {
   [[nodiscard]] bool is_stopped() const override { return !work_.goes_on(); }
   std::vector<RgbdFrame>& frames() { return frames_; }
   std::optional<MapperState>& kept() { return kept_; }
+  /// Of the last mapping; nothing where landmarks are not asked for.
+  [[nodiscard]] const std::optional<ReflectorMapper>& reflectors() const { return reflectors_; }
 
  private:
   Work& work_;
@@ -79,6 +83,7 @@ class Companion final : public MappingWatch {
   bool takes_frames_;
   std::vector<RgbdFrame> frames_{};
   std::optional<MapperState> kept_{};
+  std::optional<ReflectorMapper> reflectors_{};
 };
 
 /// What states have in common of which one goes on with the other.
@@ -127,6 +132,17 @@ void colour(Mapped& mapped, std::vector<RgbdFrame> frames, const LogReader& read
   if (!work.goes_on()) throw CalledOff{};
 }
 
+/// What the map has of landmarks, where they were asked for. That the log can't show any leaves all
+/// else and is told.
+void take_landmarks(const Companion& companion, Mapped& mapped) {
+  if (!companion.reflectors()) return;
+  MapLandmarks found = landmarks_of(*companion.reflectors(), mapped.result);
+  std::string& failure = mapped.info.failure;
+  if (!found.failure.empty()) failure += (failure.empty() ? "" : "; ") + found.failure;
+  if (!found.warning.empty()) mapped.result.warnings.push_back(found.warning);
+  mapped.landmarks = std::move(found.mapping);
+}
+
 }  // namespace
 
 ReadingWatch watch_by(Work& work) {
@@ -141,8 +157,9 @@ std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const Mappin
   const ReadingWatch watch = watch_by(work);
   LogSource source = log.source(watch.stop);
   source.how.topics.pictures = plan.texture;
+  source.how.intensities = source.how.intensities || plan.landmarks.has_value();
   auto mapped = std::make_shared<Mapped>();
-  mapped->info = run_info(options, threads);
+  mapped->info = run_info(options, threads, plan.landmarks);
   require_same_kind(plan, mapped->info);
   const auto reader = source.open_ahead(threads);
   Companion companion(work, plan);
@@ -164,17 +181,18 @@ std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options, const Mappin
   }
   colour(*mapped, std::move(companion.frames()), *reader, source.robot_of(*reader),
          log.robot.has_value(), options.texture, threads, work);
+  take_landmarks(companion, *mapped);
   cost.note(mapped->info);
   return mapped;
 }
 
 std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
-                                     const RobotModel& robot, MapOptions options, Threads threads,
-                                     Work& work) {
+                                     const RobotModel& robot, MapOptions options,
+                                     const MappingPlan& plan, Work& work) {
   const Cost cost;
   limit_cells(options);
   auto mapped = std::make_shared<Mapped>();
-  mapped->info = run_info(options, threads);
+  mapped->info = run_info(options, plan.threads, plan.landmarks);
   mapped->info.log_path = "messages";
   const auto from_beginning = [&messages, &work](const char* step) {
     return [&, step, at = std::size_t{0}, scans = std::int64_t{0}]() mutable {
@@ -191,23 +209,25 @@ std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
       return message;
     };
   };
-  const MappingPlan plan{.threads = threads, .texture = false};
   Companion companion(work, plan);
-  DriveMapping mapping(robot, options, threads, companion);
+  DriveMapping mapping(robot, options, plan.threads, companion);
   mapped->result = mapping.map(from_beginning("mapping"));
   if (mapping.is_bent()) mapped->result = mapping.map_anew(from_beginning("mapping anew"));
   if (!work.goes_on()) throw CalledOff{};
   mapped->robot = mapping.robot();
   mapped->info.log_warnings = mapping.corrections();
+  take_landmarks(companion, *mapped);
   cost.note(mapped->info);
   return mapped;
 }
 
-RunInfo run_info(MapOptions options, Threads threads) {
+RunInfo run_info(MapOptions options, Threads threads,
+                 const std::optional<LandmarkMappingOptions>& landmarks) {
   RunInfo info;
   info.version = kVersion;
   info.threads = threads.resolved();
-  info.options_toml = options_to_toml(list_options(options));
+  LandmarkMapOptions both{options, landmarks.value_or(LandmarkMappingOptions{})};
+  info.options_toml = options_to_toml(landmarks ? list_options(both) : list_options(options));
   return info;
 }
 

@@ -9,8 +9,10 @@
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/formats/log_summary.hpp"
+#include "loopstone/localization/landmark_mapping.hpp"
 #include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/pipeline/cut_log.hpp"
+#include "loopstone/pipeline/log_landmarks.hpp"
 #include "loopstone/report/edit_outputs.hpp"
 #include "loopstone/report/run_info.hpp"
 #include "loopstone/sensor/messages.hpp"
@@ -27,7 +29,8 @@ struct Mapped {
   MapResult result{};
   RunInfo info{};
   std::optional<FloorTexture> texture{};
-  RobotModel robot{};  ///< that the map was made with
+  std::optional<LandmarkMapping> landmarks{};  ///< where they were asked for
+  RobotModel robot{};                          ///< that the map was made with
   /// What the map can be gone on from, or edited: where it was to be kept.
   std::shared_ptr<const Session> state{};
   std::optional<EditOutputs> edits{};  ///< of a map that somebody edited
@@ -48,6 +51,7 @@ struct MappingPlan {
   LogCut cut{};
   Threads threads{};
   bool texture = true;  ///< the floor in colour, when the log has RGB-D
+  std::optional<LandmarkMappingOptions> landmarks{};  ///< nothing: they are not asked for
   bool keep_state = false;
   std::shared_ptr<const Session> goes_on_with{};
   std::string goes_on_from{};  ///< what that is called in errors
@@ -57,13 +61,16 @@ struct MappingPlan {
 [[nodiscard]] std::shared_ptr<Mapped> map_log(const Log& log, MapOptions options,
                                               const MappingPlan& plan, Work& work);
 
-/// The same of messages that are there already.
+/// The same of messages that are there already; of the plan what belongs to them.
 [[nodiscard]] std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
                                                    const RobotModel& robot, MapOptions options,
-                                                   Threads threads, Work& work);
+                                                   const MappingPlan& plan, Work& work);
 
-/// What is known of every run. \param options  effective
-[[nodiscard]] RunInfo run_info(MapOptions options, Threads threads);
+/// What is known of every run.
+/// \param options    effective
+/// \param landmarks  and those of landmarks, where they are asked for
+[[nodiscard]] RunInfo run_info(MapOptions options, Threads threads,
+                               const std::optional<LandmarkMappingOptions>& landmarks = {});
 
 /// Not more cells than the machine may hold.
 void limit_cells(MapOptions& options);

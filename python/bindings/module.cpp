@@ -16,9 +16,11 @@ NB_MODULE(_core, m) {
   bind_trajectory(m);
   bind_maps(m);
   bind_texture(m);
+  bind_landmarks(m);
   bind_graph(m);
   bind_verdict(m);
   bind_map_result(m);
+  bind_map_calls(m);
   bind_editor(m);
   bind_mapper(m);
   bind_localization(m);

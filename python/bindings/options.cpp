@@ -12,7 +12,9 @@
 
 #include "bindings.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/localization/landmark_tracking_options.hpp"
 #include "loopstone/localization/localization_options.hpp"
+#include "loopstone/pipeline/log_landmarks.hpp"
 #include "loopstone/registration/align_options.hpp"
 #include "loopstone/simulation/simulate.hpp"
 #include "loopstone/slam/map_options.hpp"
@@ -65,7 +67,9 @@ nb::list describe() {
 /// The options of a call by its name.
 nb::list describe_options(const std::string& of) {
   if (of == "map") return describe<MapOptions>();
+  if (of == "landmark_map") return describe<LandmarkMapOptions>();
   if (of == "localize") return describe<LocalizationOptions>();
+  if (of == "landmarks") return describe<LandmarkTrackingOptions>();
   if (of == "match") return describe<AlignOptions<2>>();
   if (of == "match_3d") return describe<AlignOptions<3>>();
   if (of == "optimize") return describe<OptimizeOptions>();
@@ -81,7 +85,9 @@ std::string toml(const OptionValues& given) {
 
 std::string options_text(const std::string& of, const OptionValues& given) {
   if (of == "map") return toml<MapOptions>(given);
+  if (of == "landmark_map") return toml<LandmarkMapOptions>(given);
   if (of == "localize") return toml<LocalizationOptions>(given);
+  if (of == "landmarks") return toml<LandmarkTrackingOptions>(given);
   if (of == "match") return toml<AlignOptions<2>>(given);
   if (of == "match_3d") return toml<AlignOptions<3>>(given);
   if (of == "optimize") return toml<OptimizeOptions>(given);

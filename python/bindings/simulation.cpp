@@ -134,6 +134,9 @@ void def_reality(nb::class_<Simulated>& simulated) {
         return array_of<double, nb::ndim<2>>(std::move(values), {self.reflectors.size(), 3});
       },
       "(R, 3) x, y, radius [m] of the reflectors that found a place, on the map.");
+  simulated.def_prop_ro(
+      "landmarks", [](const Simulated& self) { return self.reflectors; },
+      "The same as :func:`loopstone.localize` takes them.");
   simulated.def(
       "save_reflectors",
       [](const Simulated& self, const PathLike& path) {

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _core
 from ._progress import ProgressLike, told
-from ._values import grid_map, localization_map, option_values
+from ._values import grid_map, known_landmarks, localization_map, option_values
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .options import (
+        LandmarkTrackingOptions,
         LocalizationOptions,
         MapOptions,
         Match3dOptions,
@@ -29,6 +30,10 @@ Message = (
 )
 #: A map in any of its forms; a path is of a YAML file as ROS map_server reads it, or a folder.
 MapLike = _core.GridMap | _core.OccupancyMap | _core.MapResult | _core.LocalizationMap | StrPath
+
+#: Landmarks of known places: a CSV file with ``id,x_m,y_m`` or a folder that holds landmarks.csv,
+#: UTIAS MRCLAM's, a map that found them, or one by one.
+LandmarksLike = _core.MapResult | Iterable[_core.Landmark | _core.FoundLandmark] | StrPath
 
 
 def open_log(
@@ -84,6 +89,7 @@ def map(  # noqa: A001 - the word for it
     duration_s: float = 0.0,
     max_scans: int = 0,
     texture: bool = True,
+    landmarks: bool = False,
     keep_state: bool = False,
     continue_from: _core.MapResult | StrPath | None = None,
     threads: int = 0,
@@ -97,11 +103,14 @@ def map(  # noqa: A001 - the word for it
 
     :param log: a path, what :func:`open_log` returns, or messages in the order of time
     :param options: :class:`loopstone.options.MapOptions`, values by their dotted keys, or the path
-        of a TOML file; ``loop_closure=False`` or ``map__resolution_m=0.02`` beats them
+        of a TOML file; ``loop_closure=False`` or ``map__resolution_m=0.02`` beats them. With
+        landmarks :class:`loopstone.options.LandmarkMapOptions`, which has theirs, too
     :param start_s: skip scans before this time
     :param duration_s: use so much of the log; 0: all
     :param max_scans: use so many scans; 0: all
     :param texture: the floor in colour, when the log has RGB-D
+    :param landmarks: also map reflectors, by the intensities of the scans, and let them hold the
+        map: ``loopstone map --landmarks``. Where the log can't show any, ``failure`` says why
     :param keep_state: the result can be gone on with, edited (:class:`MapEditor`), and saves
         state.loopstone
     :param continue_from: a map with its state, or the folder of one: the log is another drive in
@@ -112,7 +121,8 @@ def map(  # noqa: A001 - the word for it
     :raises OptionsError: with everything that is wrong with the options
     :raises KeyboardInterrupt: within a fraction of a second; nothing is left behind
     """
-    values = option_values("MapOptions", options, overrides)
+    kinds = ("LandmarkMapOptions", "MapOptions") if landmarks else ("MapOptions",)
+    values = option_values(kinds, options, overrides)
     with told(progress) as tell:
         if isinstance(log, (str, os.PathLike, _core.Log)):
             before = continue_from if isinstance(continue_from, _core.MapResult) else None
@@ -125,6 +135,7 @@ def map(  # noqa: A001 - the word for it
                 max_scans,
                 threads,
                 texture,
+                landmarks,
                 keep_state,
                 folder,
                 before,
@@ -136,7 +147,7 @@ def map(  # noqa: A001 - the word for it
             raise TypeError("start_s, duration_s and max_scans are of logs; cut the messages")
         if robot is None and isinstance(log, _core.Simulation):
             robot = log.robot
-        return _core.map_messages(log, robot, values, threads, tell)
+        return _core.map_messages(log, robot, values, landmarks, threads, tell)
 
 
 def calibrate(
@@ -192,11 +203,15 @@ def convert(
 
 def localize(
     log: StrPath | _core.Log,
-    map: MapLike,  # noqa: A002
+    map: MapLike | None = None,  # noqa: A002
     *,
+    landmarks: LandmarksLike | None = None,
+    nameless: bool = False,
     initial: ArrayLike | None = None,
     initial_sigma: tuple[float, float] = (0.5, 0.26),
-    options: LocalizationOptions | Mapping[str, Any] | StrPath | None = None,
+    options: (
+        LocalizationOptions | LandmarkTrackingOptions | Mapping[str, Any] | StrPath | None
+    ) = None,
     robot: _core.Robot | None = None,
     seed: int = 1,
     calibration: bool = True,
@@ -211,14 +226,43 @@ def localize(
 
     What ``loopstone localize`` makes of it, to the byte.
 
+    :param landmarks: instead of a map of cells, where reflectors or beacons are: what ``loopstone
+        localize --landmarks`` takes. The scans must have intensities, or the log is MRCLAM's folder,
+        ``DIR#2`` its robot 2. There are no particles, so that ``seed``, ``threads`` and
+        ``calibration`` change nothing
+    :param nameless: of MRCLAM's: do not use which landmark was seen
     :param initial: (3,) about where it is at the first scan, x, y [m], yaw [rad]; None: anywhere
     :param initial_sigma: standard deviations of that [m, rad]
+    :param options: :class:`loopstone.options.LocalizationOptions`; with landmarks
+        :class:`loopstone.options.LandmarkTrackingOptions`, as ``reflectors__brightness=4.0``
     :param seed: of the particles
     :param calibration: the laser sits and goes round as the first minutes of the drive tell; else,
         and with a robot that is given, as it is told
     :raises DataError: nothing can be made of the log or the map
     :raises OptionsError: with everything that is wrong with the options
     """
+    if (map is None) == (landmarks is None):
+        raise TypeError(
+            "on which map? map is one of cells, landmarks tells places of reflectors or beacons"
+        )
+    if landmarks is not None:
+        values = option_values("LandmarkTrackingOptions", options, overrides)
+        places = known_landmarks(landmarks)
+        with told(progress) as tell:
+            return _core.localize_by_landmarks(
+                _log_of(log, robot),
+                places,
+                values,
+                initial,
+                *initial_sigma,
+                nameless,
+                start_s,
+                duration_s,
+                max_scans,
+                tell,
+            )
+    if nameless:
+        raise TypeError("nameless is of landmarks")
     values = option_values("LocalizationOptions", options, overrides)
     known = localization_map(map)
     with told(progress) as tell:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _core
@@ -25,28 +25,30 @@ def _text(value: object) -> str:
 
 
 def option_values(
-    kind: str,
+    kind: str | tuple[str, ...],
     given: CallOptions | Mapping[str, Any] | str | os.PathLike[str] | None,
     overrides: Mapping[str, Any],
 ) -> _core.OptionValues:
     """A file, or values by their keys; ``overrides`` beats both, ``a__b`` in it is ``a.b``.
 
-    :param kind: the class of loopstone.options that belongs to the call
+    :param kind: the class of loopstone.options that belongs to the call; or several, the first of
+        which errors name
     """
+    kinds = (kind,) if isinstance(kind, str) else kind
     file = ""
     values: dict[str, Any] = {}
     changed = getattr(given, "changed", None)
-    if changed is not None and type(given).__name__ == kind:
+    if changed is not None and type(given).__name__ in kinds:
         values = changed()
     elif changed is not None:
-        raise TypeError(f"options: expected {kind}, not {type(given).__name__}")
+        raise TypeError(f"options: expected {kinds[0]}, not {type(given).__name__}")
     elif isinstance(given, Mapping):
         values = dict(given)
     elif isinstance(given, (str, os.PathLike)):
         file = os.fspath(given)
     elif given is not None:
         raise TypeError(
-            f"options: expected {kind}, a mapping of keys to values, or the path of a "
+            f"options: expected {kinds[0]}, a mapping of keys to values, or the path of a "
             f"TOML file, not {type(given).__name__}"
         )
     for key, value in overrides.items():
@@ -104,3 +106,26 @@ def localization_map(given: Any) -> _core.LocalizationMap:
     if isinstance(given, _core.LocalizationMap):
         return given
     return _core.LocalizationMap(grid_map(given))
+
+
+def known_landmarks(given: Any) -> list[_core.Landmark]:
+    """Landmarks in any of their forms."""
+    if isinstance(given, (str, os.PathLike)):
+        return _core.read_landmarks(given)
+    if isinstance(given, _core.MapResult):
+        if not given.landmarks:
+            raise ValueError(
+                "landmarks: this map has none; one with landmarks=True has those that were found"
+            )
+        return _core.mapped_landmarks(given.landmarks)
+    known: list[_core.Landmark] = []
+    for one in given if isinstance(given, Iterable) else [None]:
+        if isinstance(one, _core.FoundLandmark):
+            known += _core.mapped_landmarks([one])
+        elif isinstance(one, _core.Landmark):
+            known.append(one)
+        else:
+            raise TypeError(
+                "landmarks: expected a path, a MapResult, or Landmark and FoundLandmark objects"
+            )
+    return known

@@ -188,6 +188,79 @@ class MapOptions(CallOptions):
 
 
 @dataclass(kw_only=True, slots=True)
+class LandmarkMapLandmarksReflectorsOptions(OptionGroup):
+    """The group ``reflectors``."""
+
+    brightness: float = 3.0
+    """a beam is bright from so many times the median intensity of beams of about its range on (a
+    number from 1 to 1000)
+    """
+    intensity_min: float = 0.0
+    """and from this intensity on, in the scanner's own unit; 0: any (a number from 0 to
+    1000000000)
+    """
+    beams_min: int = 2
+    """bright beams that make a reflector (a whole number from 1 to 1000)"""
+    width_max_m: float = 0.5
+    """wider things are no reflectors (a number from 0.01 to 10)"""
+    range_max_m: float = 30.0
+    """farther ones are left out (a number from 0.5 to 500)"""
+    range_sigma_m: float = 0.01
+    """standard deviation of a reflector's range (a number from 0.0001 to 10)"""
+    bearing_sigma_rad: float = 0.001
+    """and of its bearing, beside that of a beam's width (a number from 1e-05 to 1)"""
+    stamp_sigma_s: float = 0.01
+    """and of the time at which it was seen: a robot that moves sees it elsewhere (a number from
+    0 to 1)
+    """
+
+
+@dataclass(kw_only=True, slots=True)
+class LandmarkMapLandmarksSightingsOptions(OptionGroup):
+    """The group ``sightings``."""
+
+    range_sigma_m: float = 0.15
+    """standard deviation of a range (a number from 0.0001 to 100)"""
+    bearing_sigma_rad: float = 0.04
+    """and of a bearing (a number from 1e-05 to 1)"""
+
+
+@dataclass(kw_only=True, slots=True)
+class LandmarkMapLandmarksOptions(OptionGroup):
+    """The group ``landmarks``."""
+
+    sightings_min: int = 4
+    """a thing seen less often is no landmark (a whole number from 2 to 1000)"""
+    baseline_min_m: float = 0.5
+    """nor is one seen from places no farther apart: a mirror image passes for a thing there (a
+    number from 0 to 100)
+    """
+    clutter_share: float = 0.05
+    """of what is seen that is no landmark (a number from 0.0001 to 0.9)"""
+    robust_width: float = 3.0
+    """standard deviations up to which a sighting counts nearly in full (a number from 0.1 to
+    1000)
+    """
+    radius_max_m: float = 0.5
+    """of the roundest landmark; 0: all are taken to be flat (a number from 0 to 2)"""
+    reflectors: LandmarkMapLandmarksReflectorsOptions = _field(
+        default_factory=LandmarkMapLandmarksReflectorsOptions
+    )
+    sightings: LandmarkMapLandmarksSightingsOptions = _field(
+        default_factory=LandmarkMapLandmarksSightingsOptions
+    )
+
+
+@dataclass(kw_only=True, slots=True)
+class LandmarkMapOptions(MapOptions):
+    """Of ``loopstone.map`` with landmarks."""
+
+    _of: ClassVar[str] = "landmark_map"
+
+    landmarks: LandmarkMapLandmarksOptions = _field(default_factory=LandmarkMapLandmarksOptions)
+
+
+@dataclass(kw_only=True, slots=True)
 class LocalizationOdometryNoiseOptions(OptionGroup):
     """The group ``odometry_noise``."""
 
@@ -260,6 +333,74 @@ class LocalizationOptions(CallOptions):
     )
     velocity_noise: LocalizationVelocityNoiseOptions = _field(
         default_factory=LocalizationVelocityNoiseOptions
+    )
+
+
+@dataclass(kw_only=True, slots=True)
+class LandmarkTrackingReflectorsOptions(OptionGroup):
+    """The group ``reflectors``."""
+
+    brightness: float = 3.0
+    """a beam is bright from so many times the median intensity of beams of about its range on (a
+    number from 1 to 1000)
+    """
+    intensity_min: float = 0.0
+    """and from this intensity on, in the scanner's own unit; 0: any (a number from 0 to
+    1000000000)
+    """
+    beams_min: int = 2
+    """bright beams that make a reflector (a whole number from 1 to 1000)"""
+    width_max_m: float = 0.5
+    """wider things are no reflectors (a number from 0.01 to 10)"""
+    range_max_m: float = 30.0
+    """farther ones are left out (a number from 0.5 to 500)"""
+    range_sigma_m: float = 0.01
+    """standard deviation of a reflector's range (a number from 0.0001 to 10)"""
+    bearing_sigma_rad: float = 0.001
+    """and of its bearing, beside that of a beam's width (a number from 1e-05 to 1)"""
+    stamp_sigma_s: float = 0.01
+    """and of the time at which it was seen: a robot that moves sees it elsewhere (a number from
+    0 to 1)
+    """
+
+
+@dataclass(kw_only=True, slots=True)
+class LandmarkTrackingSightingsOptions(OptionGroup):
+    """The group ``sightings``."""
+
+    range_sigma_m: float = 0.15
+    """standard deviation of a range (a number from 0.0001 to 100)"""
+    bearing_sigma_rad: float = 0.04
+    """and of a bearing (a number from 1e-05 to 1)"""
+
+
+@dataclass(kw_only=True, slots=True)
+class LandmarkTrackingOptions(CallOptions):
+    """Of ``loopstone.localize`` among landmarks."""
+
+    _of: ClassVar[str] = "landmarks"
+
+    max_range_m: float = 30.0
+    """no landmark is seen farther away (a number from 0.5 to 500)"""
+    clutter_share: float = 0.05
+    """of what is seen that is of no landmark of the map (a number from 0.0001 to 0.9)"""
+    tracking_probability: float = 0.9
+    """from here up the state is TRACKING (a number from 0.5 to 1)"""
+    lost_probability: float = 0.1
+    """below it for the place alone, however precise the pose is in it, the state is LOST (a
+    number from 0 to 0.5)
+    """
+    recover: bool = True
+    """search the map when the place is doubted"""
+    snapshot_distance_m: float = 0.0
+    """keep the belief for pictures after so much travel; 0: at twelve moments of the run (a
+    number from 0 to 1000)
+    """
+    reflectors: LandmarkTrackingReflectorsOptions = _field(
+        default_factory=LandmarkTrackingReflectorsOptions
+    )
+    sightings: LandmarkTrackingSightingsOptions = _field(
+        default_factory=LandmarkTrackingSightingsOptions
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -129,3 +130,44 @@ def test_undo_is_to_the_last_byte_and_refusals_are_told(kept: ls.MapResult) -> N
         editor.add("crop", box={"a": 1})
     drawn = editor.draw()
     np.testing.assert_array_equal(drawn.trajectory.poses, kept.trajectory.poses)
+
+
+def test_a_folder_is_edited_as_by_the_program(
+    kept: ls.MapResult, log: Path, tmp_path: Path, run: Any
+) -> None:
+    first, second = tmp_path / "first.toml", tmp_path / "second.toml"
+    run("map", log, "-o", tmp_path / "map", "--keep-state", "--quiet")
+    editor = ls.MapEditor(tmp_path / "map")
+    assert editor.add("erase", box=[0.0, 0.0, 1.0, 1.0])
+    first.write_text(editor.to_toml())
+    editor.draw().save(tmp_path / "ours")
+    run("edit", tmp_path / "map", "--edits", first, "-o", tmp_path / "theirs", "--quiet")
+    assert files(tmp_path / "ours") == files(tmp_path / "theirs")
+    summaries = [
+        json.loads((tmp_path / name / "summary.json").read_text()) for name in ("ours", "theirs")
+    ]
+    for key in ("log", "warnings", "left_out", "quality"):
+        assert summaries[0].get(key) == summaries[1].get(key), key
+    assert [s["edits"]["edited"] for s in summaries] == [str(tmp_path / "map")] * 2
+
+    again = ls.MapEditor(tmp_path / "ours")  # with the edits that it has
+    assert len(again) > 1
+    again.add("origin", x_m=2.0, y_m=1.0, yaw_rad=0.25)
+    second.write_text('[[edit]]\nkind = "origin"\nx_m = 2.0\ny_m = 1.0\nyaw_rad = 0.25\n')
+    again.draw().save(tmp_path / "ours2")
+    run("edit", tmp_path / "theirs", "--edits", second, "-o", tmp_path / "theirs2", "--quiet")
+    ours, theirs = files(tmp_path / "ours2"), files(tmp_path / "theirs2")
+    for name in ("trajectory.tum", "graph.g2o", "map.pgm"):
+        assert ours[name] == theirs[name], name
+    assert ours["trajectory.tum"] != files(tmp_path / "ours")["trajectory.tum"]
+
+
+def test_a_folder_without_a_map_is_not_edited(result: ls.MapResult, tmp_path: Path) -> None:
+    with pytest.raises(ls.DataError, match="holds no map to edit"):
+        ls.MapEditor(tmp_path)
+    result.save(tmp_path / "map")
+    with pytest.raises(ls.DataError, match="holds no state.loopstone to edit"):
+        ls.MapEditor(tmp_path / "map")
+    (tmp_path / "map" / "state.loopstone").write_bytes(b"nothing at all")
+    with pytest.raises(ls.DataError, match="no session"):
+        ls.MapEditor(str(tmp_path / "map"))

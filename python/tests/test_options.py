@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 
 import loopstone as ls
-from loopstone.options import LocalizationOptions, MapOptions, SimulationOptions
+from loopstone.options import (
+    LandmarkMapOptions,
+    LandmarkTrackingOptions,
+    LocalizationOptions,
+    MapOptions,
+    SimulationOptions,
+)
 
 SOURCE = Path(__file__).resolve().parents[2]
 
@@ -28,7 +34,13 @@ def test_the_classes_are_what_the_library_says() -> None:
 
 
 @pytest.mark.parametrize(
-    ("command", "kind"), [("map", MapOptions), ("localize", LocalizationOptions)]
+    ("command", "kind"),
+    [
+        ("map", MapOptions),
+        ("landmark_map", LandmarkMapOptions),
+        ("localize", LocalizationOptions),
+        ("landmarks", LandmarkTrackingOptions),
+    ],
 )
 def test_defaults_are_those_of_the_program(command: str, kind: Any, run: Any) -> None:
     assert kind().to_toml() == run("config", command).stdout

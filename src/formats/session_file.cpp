@@ -8,6 +8,7 @@
 #include "formats/atomic_file.hpp"
 #include "loopstone/base/byte_archive.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/version.hpp"
 
 namespace loopstone {
 
@@ -132,20 +133,26 @@ std::string kept_state_path(const std::string& folder) {
   return (std::filesystem::path(folder) / "state.loopstone").string();
 }
 
-Session read_kept_state(const std::string& folder, const MemoryBudget& budget) {
+Session read_kept_state(const std::string& folder, const std::string& to_do,
+                        const MemoryBudget& budget) {
   const std::string path = kept_state_path(folder);
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) {
-    throw DataError({folder},
-                    "holds no state.loopstone to go on from; one is left where it was asked for "
-                    "when the map was made (--keep-state, keep_state=True)");
+    throw DataError({folder}, "holds no state.loopstone to " + to_do +
+                                  "; `loopstone map LOG -o FOLDER --keep-state` leaves one "
+                                  "(keep_state=True in Python)");
   }
-  if (std::filesystem::exists(std::filesystem::path(folder) / "edits.toml", ignored)) {
-    throw DataError({folder},
-                    "is a map that was edited; go on with the one that was not, then do the same "
-                    "edits to what comes of it");
-  }
-  return read_session(path, budget);
+  Session session = read_session(path, budget);
+  SessionTerms now = session.terms;
+  now.version = kVersion;
+  const std::string differs = difference(session.terms, now);
+  if (!differs.empty()) throw DataError({path}, "is of another kind of run: " + differs);
+  return session;
+}
+
+bool is_edited_map(const std::string& folder) {
+  std::error_code ignored;
+  return std::filesystem::exists(std::filesystem::path(folder) / "edits.toml", ignored);
 }
 
 void remove_kept_state(const std::string& folder) {

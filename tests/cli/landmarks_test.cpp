@@ -167,6 +167,15 @@ TEST_F(LandmarksCommand, ALogWithoutIntensitiesIsRefusedWithARemedy) {
   EXPECT_THAT(result.error, HasSubstr("its scans have no intensities"));
 }
 
+TEST_F(LandmarksCommand, ALogWithoutOdometryIsWarnedOf) {
+  const TempDir out;
+  const ProgramResult result = localize({"-o", out / "where.tum", "--global", "--json", "--topic",
+                                         "wheels=none", "--topic", "imu=none"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_THAT(result.error, HasSubstr("the log has no odometry: the robot is assumed to keep"));
+  EXPECT_THAT(Json::parse(result.out).at("warnings").dump(), HasSubstr("no odometry"));
+}
+
 TEST_F(LandmarksCommand, ConvertKeepsIntensities) {
   const TempDir out;
   ASSERT_EQ(run_program({"convert", log_, out / "log.bag", "--quiet"}).exit_code, 0);

@@ -29,8 +29,12 @@ std::int64_t write_session(const std::string& path, const Session& session);
 /// Where the state of a finished map lies in the folder of its results, from which another drive
 /// goes on and edits begin.
 [[nodiscard]] std::string kept_state_path(const std::string& folder);
-/// It. Throws DataError when there is none, it is damaged, or of a map that was edited.
-[[nodiscard]] Session read_kept_state(const std::string& folder, const MemoryBudget& budget = {});
+/// It. Throws DataError when there is none, it is damaged, or of another version of loopstone.
+/// \param to_do  what it is wanted for, in that error: "go on from"
+[[nodiscard]] Session read_kept_state(const std::string& folder, const std::string& to_do,
+                                      const MemoryBudget& budget = {});
+/// Whether the map there came of edits, of which its state knows nothing.
+[[nodiscard]] bool is_edited_map(const std::string& folder);
 /// One of an older map is not of new results.
 void remove_kept_state(const std::string& folder);
 

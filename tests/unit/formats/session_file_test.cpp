@@ -14,6 +14,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/sensor/log_digest.hpp"
 #include "loopstone/slam/mapper.hpp"
+#include "loopstone/version.hpp"
 #include "support/passage_drive.hpp"
 #include "support/pose_near.hpp"
 #include "support/temp_dir.hpp"
@@ -161,6 +162,42 @@ TEST(SessionFile, AFileThatCannotBeWrittenKeepsTheOldOne) {
   EXPECT_THROW(write_session("/dev/full", sample()), DataError);
   EXPECT_THROW((void)read_session(folder / "nothing"), DataError);
   EXPECT_EQ(folder.read("s"), format_session(sample()));
+}
+
+/// What read_kept_state says of a folder; empty: nothing.
+std::string kept_refusal(const std::string& folder, const std::string& to_do) {
+  try {
+    (void)read_kept_state(folder, to_do);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(KeptState, LiesInTheFolderOfTheResults) {
+  const test::TempDir folder;
+  const std::string path = folder.path().string();
+  EXPECT_THAT(kept_refusal(path, "edit"), HasSubstr("holds no state.loopstone to edit; "));
+  Session session = sample();
+  session.terms.version = kVersion;
+  write_session(kept_state_path(path), session);
+  EXPECT_EQ(format_session(read_kept_state(path, "edit")), format_session(session));
+  EXPECT_FALSE(is_edited_map(path));
+  folder.write("edits.toml", "");
+  EXPECT_TRUE(is_edited_map(path));
+  EXPECT_EQ(kept_refusal(path, "edit"), "") << "its state is there all the same";
+  remove_kept_state(path);
+  EXPECT_THAT(kept_refusal(path, "go on from"), HasSubstr("to go on from; "));
+  remove_kept_state(path);  // nothing is there
+}
+
+TEST(KeptState, OfAnotherVersionIsRefused) {
+  const test::TempDir folder;
+  Session session = sample();
+  session.terms.version = "0.0.0";
+  write_session(folder / "state.loopstone", session);
+  EXPECT_THAT(kept_refusal(folder.path().string(), "edit"),
+              HasSubstr("is of another kind of run: loopstone: 0.0.0 then"));
 }
 
 }  // namespace
