@@ -11,6 +11,7 @@
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "slam/loose_parts_numbers.hpp"
+#include "slam/map_verdict_numbers.hpp"
 #include "slam/path_chain.hpp"
 #include "slam/possible_error.hpp"
 
@@ -287,7 +288,7 @@ std::vector<double> off_between_visits(const PoseGraph& graph, const PoseGraph& 
     // Where the region would lie, had nothing but the path's own edges placed the second visit.
     const Pose2 by_path = measured_between(graph, first, last, steps);
     const Eigen::Vector2d moved = by_path * robot_T_region - at;
-    off_m.push_back(kLooseParts.sure_sigmas * largest_sigma(covariance.topLeftCorner<2, 2>()) +
+    off_m.push_back(kMapVerdict.sure_sigmas * largest_sigma(covariance.topLeftCorner<2, 2>()) +
                     moved.norm());
   }
   return off_m;

@@ -20,7 +20,6 @@ struct LoosePartsNumbers {
   int draws = 200;
   int most_steps = 400;
   double sure_share = 0.975;
-  double sure_sigmas = 3.0;
 };
 inline constexpr LoosePartsNumbers kLooseParts{};
 
@@ -51,7 +50,6 @@ void visit_numbers(const LoosePartsNumbers& n, Visitor&& visit) {
   visit("draws", n.draws,
         "chosen: of how far the map may be off, so many tell the rarest fortieth");
   visit("most_steps", n.most_steps, "chosen: bounds the cost; a path has a bend in some metres");
-  visit("sure_sigmas", n.sure_sigmas, "chosen: one in 300 lies beyond");
   visit("sure_share", n.sure_share, "chosen: two standard deviations, both sides");
 }
 

@@ -12,24 +12,12 @@ namespace {
 
 /// A patch that faces along the direction by more than this has nothing else to say.
 constexpr double kMostAlong = 0.5;
-/// A point is in a patch of either grid.
-constexpr double kGrids = 2.0;
 
 /// Of each key scan; zero: all is held.
 std::vector<Eigen::Vector2d> open_directions(std::span<const PlacedKey> map_T_key,
                                              const std::vector<bool>& open,
                                              const SurfacePatches& patches) {
-  std::vector<Eigen::Matrix3d> hessians(map_T_key.size(), Eigen::Matrix3d::Zero());
-  for (const SharedSurface& patch : patches.patches) {
-    for (std::size_t i = patch.first; i < patch.last; ++i) {
-      const PatchSight& sight = patches.sights[i];
-      const auto key = static_cast<std::size_t>(sight.key);
-      const Eigen::Vector2d arm = map_T_key[key].rotation * sight.point.cast<double>();
-      const double turn = patch.normal.y() * arm.x() - patch.normal.x() * arm.y();
-      const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), turn);
-      hessians[key] += sight.weight / kGrids * jacobian * jacobian.transpose();
-    }
-  }
+  const std::vector<Eigen::Matrix3d> hessians = key_hessians(map_T_key, patches);
   std::vector<Eigen::Vector2d> directions(map_T_key.size(), Eigen::Vector2d::Zero());
   for (std::size_t key = 0; key < map_T_key.size(); ++key) {
     const bool is_open = (!open.empty() && open[key]) || open_translation(hessians[key]);

@@ -89,7 +89,7 @@ PathSurfaces::PathSurfaces(std::span<const Pose2> map_T_key, std::span<const int
           Knowledge{{map_T_key.begin(), map_T_key.end()},
                     {places.begin(), places.end()},
                     SurfaceSegments(map_T_key, places, size, ends_of(weakness))})) {
-  knowledge_->segments.gather(&by_visit);
+  knowledge_->segments.gather(by_visit);
 }
 
 std::span<const Pose2> PathSurfaces::poses() const { return knowledge_->poses; }

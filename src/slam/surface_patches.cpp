@@ -143,6 +143,22 @@ SurfacePatches find_patches(std::span<const PlacedKey> map_T_key,
   return result;
 }
 
+std::vector<Eigen::Matrix3d> key_hessians(std::span<const PlacedKey> map_T_key,
+                                          const SurfacePatches& patches) {
+  std::vector<Eigen::Matrix3d> hessians(map_T_key.size(), Eigen::Matrix3d::Zero());
+  for (const SharedSurface& patch : patches.patches) {
+    for (std::size_t i = patch.first; i < patch.last; ++i) {
+      const PatchSight& sight = patches.sights[i];
+      const auto key = static_cast<std::size_t>(sight.key);
+      const Eigen::Vector2d arm = map_T_key[key].rotation * sight.point.cast<double>();
+      const double turn = patch.normal.y() * arm.x() - patch.normal.x() * arm.y();
+      const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), turn);
+      hessians[key] += sight.weight / kPatchGrids * jacobian * jacobian.transpose();
+    }
+  }
+  return hessians;
+}
+
 void part_by_visit(std::span<const Pose2> map_T_key, const std::vector<bool>& broken,
                    SurfacePatches& patches) {
   std::vector<double> travelled_m{0.0};

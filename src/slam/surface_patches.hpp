@@ -49,6 +49,13 @@ struct SurfacePatches {
                                           std::span<const std::vector<SurfacePoint>> surfaces,
                                           double patch_m, Threads threads = {});
 
+/// A point is in a patch of either grid.
+inline constexpr double kPatchGrids = 2.0;
+
+/// What its patches know of each key scan's pose, in unit distances: H of open_translation().
+[[nodiscard]] std::vector<Eigen::Matrix3d> key_hessians(std::span<const PlacedKey> map_T_key,
+                                                        const SurfacePatches& patches);
+
 /// Parts each patch where the path leads elsewhere before it comes back to see it again, and where
 /// the path is broken; what only one key scan of a visit saw is dropped. Sights stay where they
 /// are.

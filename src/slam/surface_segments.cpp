@@ -15,7 +15,7 @@ struct SurfaceSegments::Group {
 };
 
 SurfaceSegments::SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places,
-                                 std::size_t size, const std::vector<bool>& broken) {
+                                 std::size_t size, const std::vector<bool>& ends) {
   members_.resize(size);
   constexpr auto kKeys = static_cast<std::size_t>(kSurfaceAdjustment.keys_per_segment);
   std::size_t inside = kKeys;
@@ -23,7 +23,7 @@ SurfaceSegments::SurfaceSegments(std::span<const Pose2> map_T_key, std::span<con
   std::vector<int> segment_of(places.size(), -1);
   for (std::size_t key = 0; key < places.size(); ++key) {
     if (places[key] < 0) continue;
-    if (inside == kKeys || (!broken.empty() && broken[key] && inside > 0)) {
+    if (inside == kKeys || (!ends.empty() && ends[key] && inside > 0)) {
       centres_.emplace_back(Eigen::Vector2d::Zero());
       counts.push_back(0);
       inside = 0;
@@ -206,7 +206,7 @@ bool SurfaceSegments::factorise(const SurfaceSystem* surfaces, std::span<const L
   return solver_->factorise(matrix_);
 }
 
-void SurfaceSegments::gather(const SurfaceSystem* surfaces) {
+void SurfaceSegments::gather(const SurfaceSystem& surfaces) {
   std::vector<int> first_place(size(), -1);
   for (std::size_t place = 0; place < members_.size(); ++place) {
     const int segment = members_[place].segment;
@@ -215,8 +215,8 @@ void SurfaceSegments::gather(const SurfaceSystem* surfaces) {
   std::vector<std::pair<int, int>> linked;
   for (std::size_t i = 0; i + 1 < first_place.size(); ++i)
     linked.emplace_back(first_place[i], first_place[i + 1]);
-  build_pattern(surfaces, linked);
-  if (surfaces != nullptr) add_surfaces(*surfaces);
+  build_pattern(&surfaces, linked);
+  add_surfaces(surfaces);
 }
 
 bool SurfaceSegments::factorise_along(std::span<const Link> links) {

@@ -22,9 +22,10 @@ class SurfaceSegments {
   /// \param places  of each key scan in vectors, -1 where it is held
   /// \param size    of the vectors; places that no key scan has are of landmarks, which are no part
   ///                of any segment: as seen from afar they stand still
-  /// \param broken  of each key scan, whether a segment ends before it; empty: nowhere
+  /// \param ends    of each key scan, whether a segment ends before it, besides those that are long
+  ///                enough; empty: no others
   SurfaceSegments(std::span<const Pose2> map_T_key, std::span<const int> places, std::size_t size,
-                  const std::vector<bool>& broken = {});
+                  const std::vector<bool>& ends = {});
 
   /// What is measured between two key scans, or of one (from < 0) against those that are held.
   struct Link {
@@ -43,7 +44,7 @@ class SurfaceSegments {
 
   /// The same in two steps, for links that are known later: what the surfaces say, with room for
   /// links from each segment to the next.
-  void gather(const SurfaceSystem* surfaces);
+  void gather(const SurfaceSystem& surfaces);
   /// After gather(), any number of times.
   [[nodiscard]] bool factorise_along(std::span<const Link> links);
 
@@ -54,8 +55,6 @@ class SurfaceSegments {
     return members_[static_cast<std::size_t>(place)].segment;
   }
   [[nodiscard]] std::size_t size() const { return centres_.size(); }
-  /// Of segments in the order of the path, map frame.
-  [[nodiscard]] const std::vector<Eigen::Vector2d>& centres() const { return centres_; }
   /// Motion of a point fixed to a key scan's segment, `offset` from the key scan, from the
   /// segment's motion.
   [[nodiscard]] Eigen::Matrix3d motion_at(int place, const Eigen::Vector2d& offset) const;

@@ -14,8 +14,6 @@ namespace {
 
 /// So many shares that are summed in order, whatever the number of threads.
 constexpr std::size_t kChunks = 8;
-/// A point is in a patch of either grid.
-constexpr double kGrids = 2.0;
 
 /// The straight line distance = offset + slope * along through weighted points.
 struct Line {
@@ -99,7 +97,7 @@ SurfaceSystem::SurfaceSystem(const SurfacePatches& patches, std::span<const int>
 void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey> map_T_key,
                                     double sigma_m, Chunk& chunk) {
   const SharedSurface& patch = patches_.patches[index];
-  const double information = 1.0 / (kGrids * sigma_m * sigma_m);
+  const double information = 1.0 / (kPatchGrids * sigma_m * sigma_m);
   auto& distances = chunk.distances;
   distances.resize(patch.last - patch.first);
   const double slope_sigma =
@@ -152,23 +150,14 @@ void SurfaceSystem::linearise_patch(std::size_t index, std::span<const PlacedKey
 /// What little walls seem to say along a corridor is noise of their normals. All that pass along
 /// it together would pull it longer or shorter by centimetres.
 void SurfaceSystem::find_open(std::span<const PlacedKey> map_T_key) {
-  std::vector<Eigen::Matrix3d> hessians(open_.size(), Eigen::Matrix3d::Zero());
-  for (const SharedSurface& patch : patches_.patches) {
-    for (std::size_t i = patch.first; i < patch.last; ++i) {
-      const PatchSight& sight = patches_.sights[i];
-      const int place = places_[static_cast<std::size_t>(sight.key)];
-      if (place < 0) continue;
-      const double turn = offset_of(sight, patch, map_T_key).turn;
-      const Eigen::Vector3d jacobian(patch.normal.x(), patch.normal.y(), turn);
-      hessians[static_cast<std::size_t>(place)] +=
-          sight.weight / kGrids * jacobian * jacobian.transpose();
-    }
-  }
-  for (std::size_t place = 0; place < open_.size(); ++place) {
-    const auto open = open_translation(hessians[place]);
-    open_[place] = {};
+  const std::vector<Eigen::Matrix3d> hessians = key_hessians(map_T_key, patches_);
+  std::fill(open_.begin(), open_.end(), Open{});
+  for (std::size_t key = 0; key < hessians.size(); ++key) {
+    if (places_[key] < 0) continue;
+    const auto open = open_translation(hessians[key]);
     if (open && open->information > 0.0)
-      open_[place] = {open->motion, open->along / open->information};
+      open_[static_cast<std::size_t>(places_[key])] = {open->motion,
+                                                       open->along / open->information};
   }
 }
 
