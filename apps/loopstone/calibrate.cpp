@@ -8,7 +8,6 @@
 
 #include "commands.hpp"
 #include "log_run.hpp"
-#include "loopstone/base/error.hpp"
 #include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/formats/text_file.hpp"
@@ -119,15 +118,10 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
                                                context.threads(), watch_by(display));
   ProgressDisplay::clear_line();
   for (const std::string& change : log_files.changes()) context.warn(change);
-  const Calibration& calibration = findings.map.calibration;
-  if (calibration.motions == 0) {
-    throw DataError({arguments.log},
-                    "too little to calibrate by: it takes odometry that agrees with the laser, and "
-                    "half a minute of driving");
-  }
+  require_findings(findings, arguments.log);
   if (!arguments.output.empty())
     write_text_file(arguments.output, robot_to_toml(findings.corrected));
-  print(calibration, findings.wheels, findings.given, arguments.output, context);
+  print(findings.map.calibration, findings.wheels, findings.given, arguments.output, context);
   return kExitDone;
 }
 

@@ -59,11 +59,8 @@ RobotModel robot_of(const LogReader& log, const AppContext& context) {
 
 void judge_left_out(const LeftOut& left_out, const std::string& path, const AppContext& context,
                     Severity told) {
-  const auto finding = loopstone::judge(left_out);
+  const auto finding = loopstone::judge(left_out, path);
   if (!finding || finding->severity < told) return;
-  if (finding->severity == Severity::kError) {
-    throw DataError({path}, "nothing can be made of this log: " + finding->text);
-  }
   if (finding->severity == Severity::kNote) return context.note(finding->text);
   context.warn(finding->text);
 }

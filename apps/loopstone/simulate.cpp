@@ -214,15 +214,6 @@ World lit(World world, const Arguments& arguments, const RobotModel& robot,
   return world;
 }
 
-std::vector<MappedLandmark> landmarks_of(const World& world) {
-  std::vector<MappedLandmark> landmarks;
-  for (const Reflector& reflector : world.reflectors) {
-    landmarks.push_back(
-        {.id = reflector.id, .position = reflector.centre, .radius_m = reflector.radius_m});
-  }
-  return landmarks;
-}
-
 Result result_of(const Arguments& arguments, const SimulatedFolder& folder, const World& world,
                  const SimulationSummary& summary) {
   Result result;

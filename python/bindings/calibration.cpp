@@ -11,7 +11,6 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
-#include "loopstone/base/error.hpp"
 #include "loopstone/pipeline/log_calibration.hpp"
 #include "mapping.hpp"
 #include "options.hpp"
@@ -41,11 +40,7 @@ std::shared_ptr<Calibrated> calibrate_log(const Log& log, const MapOptions& opti
   RobotFindings findings =
       loopstone::calibrate_log(source, *reader, told, cut, options, threads, watch);
   if (!work.goes_on()) throw CalledOff{};
-  if (findings.map.calibration.motions == 0) {
-    throw DataError({log.path},
-                    "too little to calibrate by: it takes odometry that agrees with the laser, and "
-                    "half a minute of driving");
-  }
+  require_findings(findings, log.path);
   auto done = std::make_shared<Calibrated>();
   done->found = findings.map.calibration;
   done->mount_is_certain = findings.mount_is_certain();

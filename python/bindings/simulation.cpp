@@ -87,10 +87,7 @@ std::shared_ptr<Simulated> simulate_drive(World plain, const Robot& robot,
       simulate(world, robot.model, options, plan.drive_seed.value_or(plan.seed), sink);
   RealismRecord& drawn = simulated->summary.realism;
   drawn.facts.insert(drawn.facts.begin(), record.facts.begin(), record.facts.end());
-  for (const Reflector& reflector : world.reflectors) {
-    simulated->reflectors.push_back(
-        {.id = reflector.id, .position = reflector.centre, .radius_m = reflector.radius_m});
-  }
+  simulated->reflectors = landmarks_of(world);
   if (!work.goes_on()) throw CalledOff{};
   simulated->map.cells = std::make_shared<const CellStates>(true_map(world));
   return simulated;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loopstone/base/error.hpp"
 #include "loopstone/geometry/angle.hpp"
 
 namespace loopstone {
@@ -246,6 +247,13 @@ std::optional<Finding> judge(const LeftOut& left_out) {
                             : left_out.share() > kWorthAWarning ? Severity::kWarning
                                                                 : Severity::kNote;
   return Finding{severity, left_out.sentence()};
+}
+
+std::optional<Finding> judge(const LeftOut& left_out, const std::string& path) {
+  auto finding = judge(left_out);
+  if (finding && finding->severity == Severity::kError)
+    throw DataError({path}, "nothing can be made of this log: " + finding->text);
+  return finding;
 }
 
 std::vector<Finding> find_suspicious(const LogSummary& summary,

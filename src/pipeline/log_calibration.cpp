@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "loopstone/base/error.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/odometry/dead_reckoning.hpp"
 #include "loopstone/slam/mapper.hpp"
@@ -122,6 +123,13 @@ RobotFindings calibrate_log(const LogSource& source, LogReader& reader, const Ro
   findings.map = std::move(result.map);
   findings.corrected = corrected(findings);
   return findings;
+}
+
+void require_findings(const RobotFindings& findings, const std::string& path) {
+  if (findings.map.calibration.motions > 0) return;
+  throw DataError({path},
+                  "too little to calibrate by: it takes odometry that agrees with the laser, and "
+                  "half a minute of driving");
 }
 
 DrivenRobot robot_as_driven(const LogSource& source, const RobotModel& told, LogCut cut,

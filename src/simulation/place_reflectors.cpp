@@ -131,4 +131,13 @@ World with_reflectors(World world, double robot_radius_m, const DriveOptions& dr
   return world;
 }
 
+std::vector<MappedLandmark> landmarks_of(const World& world) {
+  std::vector<MappedLandmark> landmarks;
+  for (const Reflector& reflector : world.reflectors) {
+    landmarks.push_back(
+        {.id = reflector.id, .position = reflector.centre, .radius_m = reflector.radius_m});
+  }
+  return landmarks;
+}
+
 }  // namespace loopstone

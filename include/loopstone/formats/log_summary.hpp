@@ -152,6 +152,8 @@ struct LogSummary {
 /// How bad it is that so much was left out: nothing when all was used. From 5 % on it is a warning,
 /// and an error when hardly a scan is left (or a record, in a log without scans).
 [[nodiscard]] std::optional<Finding> judge(const LeftOut& left_out);
+/// The same; throws DataError, which names the log, in place of an error.
+[[nodiscard]] std::optional<Finding> judge(const LeftOut& left_out, const std::string& path);
 
 /// Counts what goes by and what the reader skipped meanwhile.
 class LeftOutCounter {

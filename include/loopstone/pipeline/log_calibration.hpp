@@ -50,6 +50,9 @@ struct RobotFindings {
                                           MapOptions options, Threads threads = {},
                                           const ReadingWatch& watch = {});
 
+/// Throws DataError when nothing was found, which is said of the log.
+void require_findings(const RobotFindings& findings, const std::string& path);
+
 /// The robot that wrote a log.
 struct DrivenRobot {
   RobotModel model{};

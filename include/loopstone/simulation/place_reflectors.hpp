@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "loopstone/localization/landmark_map.hpp"
 #include "loopstone/simulation/drive.hpp"
 #include "loopstone/simulation/world.hpp"
 
@@ -19,5 +21,8 @@ namespace loopstone {
 /// m). Throws UsageError as drive_route does.
 [[nodiscard]] World with_reflectors(World world, double robot_radius_m, const DriveOptions& drive,
                                     int count, std::uint64_t seed);
+
+/// The world's reflectors as landmarks whose places are known.
+[[nodiscard]] std::vector<MappedLandmark> landmarks_of(const World& world);
 
 }  // namespace loopstone
