@@ -16,8 +16,8 @@ from pathlib import Path
 
 FILE = Path(__file__).resolve().parent.parent / "python" / "loopstone" / "options.py"
 
-# The class of a call's options, its name for describe_options(), what it is of; and the class before
-# it that it has the options of, where it has more.
+# The class of a call's options, its name for describe_options(), what it is of; and the class
+# before it that it has the options of, where it has more.
 CALLS = [
     ("MapOptions", "map", "``loopstone.map`` and ``loopstone.Mapper``: ``loopstone config``."),
     ("LandmarkMapOptions", "landmark_map", "``loopstone.map`` with landmarks.", "MapOptions"),

@@ -227,8 +227,8 @@ def localize(
     What ``loopstone localize`` makes of it, to the byte.
 
     :param landmarks: instead of a map of cells, where reflectors or beacons are: what ``loopstone
-        localize --landmarks`` takes. The scans must have intensities, or the log is MRCLAM's folder,
-        ``DIR#2`` its robot 2. There are no particles, so that ``seed``, ``threads`` and
+        localize --landmarks`` takes. The scans must have intensities, or the log is MRCLAM's
+        folder, ``DIR#2`` its robot 2. There are no particles, so that ``seed``, ``threads`` and
         ``calibration`` change nothing
     :param nameless: of MRCLAM's: do not use which landmark was seen
     :param initial: (3,) about where it is at the first scan, x, y [m], yaw [rad]; None: anywhere

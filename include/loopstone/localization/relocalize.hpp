@@ -33,9 +33,9 @@ inline constexpr RelocalizeNumbers kRelocalize{};
 struct TakenScan {
   LaserScan scan{};
   Pose2 robot_T_lidar{};
-  /// Where the robot was when the scan was taken ("then"), seen from where it is at the moment whose
-  /// map_T_robot is asked for: odom_T_robot.inverse() * odom_T_then, by odometry. The identity: the
-  /// scan was taken at that moment.
+  /// Where the robot was when the scan was taken ("then"), seen from where it is at the moment
+  /// whose map_T_robot is asked for: odom_T_robot.inverse() * odom_T_then, by odometry. The
+  /// identity: the scan was taken at that moment.
   Pose2 robot_T_then{};
   Tangent2 velocity = Tangent2::Zero();  ///< of the robot [m/s, m/s, rad/s]; undoes the sweep
 };
