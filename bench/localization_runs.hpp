@@ -59,7 +59,7 @@ struct Run {
     const Cell cell{static_cast<int>(rng.below(static_cast<std::uint64_t>(frame.columns))),
                     static_cast<int>(rng.below(static_cast<std::uint64_t>(frame.rows)))};
     if (map[cell] != 0) continue;
-    const Eigen::Vector2d place = frame.centre_of(cell);
+    Eigen::Vector2d place = frame.centre_of(cell);
     if (surfaces.distance(place, 1.0) > 0.5) return place;
   }
 }

@@ -84,6 +84,6 @@ struct Relocalization {
 /// views decide between them. Views from one place count as one.
 /// Throws UsageError where no view has 10 returns, or a pose or velocity is not finite.
 [[nodiscard]] Relocalization relocalize(const LocalizationMap& map,
-                                        std::span<const TakenScan> views, Threads threads = {1});
+                                        std::span<const TakenScan> scans, Threads threads = {1});
 
 }  // namespace loopstone
