@@ -21,6 +21,7 @@ void add_odometry_command(CLI::App& app, AppContext& context);
 void add_optimize_command(CLI::App& app, AppContext& context);
 void add_relocalize_command(CLI::App& app, AppContext& context);
 void add_texture_command(CLI::App& app, AppContext& context);
+void add_site_command(CLI::App& app, AppContext& context);
 void add_simulate_command(CLI::App& app, AppContext& context);
 void add_view_command(CLI::App& app, AppContext& context);
 

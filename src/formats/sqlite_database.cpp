@@ -36,6 +36,24 @@ std::string address_of(const std::string& path) {
   return address;
 }
 
+/// What a connection begins with.
+const char* words_of(SqliteAccess access) {
+  switch (access) {
+    case SqliteAccess::kCreate:
+      return "PRAGMA page_size=4096; PRAGMA journal_mode=OFF; PRAGMA synchronous=OFF;"
+             "PRAGMA locking_mode=EXCLUSIVE; PRAGMA cache_size=-8192;";
+    case SqliteAccess::kWrite:
+      return "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON;"
+             "PRAGMA cell_size_check=ON;";
+    case SqliteAccess::kUntouched:
+    case SqliteAccess::kRecover:
+    case SqliteAccess::kRead:
+      break;
+  }
+  return "PRAGMA query_only=ON; PRAGMA cache_size=-8192; PRAGMA mmap_size=0;"
+         "PRAGMA temp_store=MEMORY; PRAGMA cell_size_check=ON;";
+}
+
 constexpr std::size_t kPageSizeAt = 16;
 
 /// Of a database that begins like this; 0 when it says none that there is.
@@ -118,7 +136,11 @@ SqliteDatabase::SqliteDatabase(const std::string& path, const SqliteOptions& opt
       flags |= SQLITE_OPEN_READWRITE;
       break;
     case SqliteAccess::kCreate:
+    case SqliteAccess::kWrite:
       flags |= SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+      break;
+    case SqliteAccess::kRead:
+      flags |= SQLITE_OPEN_READONLY;
       break;
   }
   const char* files = options.access == SqliteAccess::kUntouched ? WholePages::name() : nullptr;
@@ -178,17 +200,12 @@ void SqliteDatabase::configure(const SqliteOptions& options) {
   constexpr std::uint64_t kMost = 1'000'000'000;
   sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH,
                 static_cast<int>(std::min(kMost, options.most_value_bytes)));
-  sqlite3_limit(handle_, SQLITE_LIMIT_ATTACHED, 0);
+  // VACUUM attaches the database that it writes.
+  sqlite3_limit(handle_, SQLITE_LIMIT_ATTACHED, options.access == SqliteAccess::kWrite ? 1 : 0);
   sqlite3_limit(handle_, SQLITE_LIMIT_WORKER_THREADS, 0);
   if (stop_) sqlite3_progress_handler(handle_, kStepsBetweenQuestions, ask_to_stop, &stop_);
-  const char* words = options.access == SqliteAccess::kCreate
-                          ? "PRAGMA page_size=4096; PRAGMA journal_mode=OFF;"
-                            "PRAGMA synchronous=OFF; PRAGMA locking_mode=EXCLUSIVE;"
-                            "PRAGMA cache_size=-8192;"
-                          : "PRAGMA query_only=ON; PRAGMA cache_size=-8192; PRAGMA mmap_size=0;"
-                            "PRAGMA temp_store=MEMORY; PRAGMA cell_size_check=ON;";
   try {
-    run(words);
+    run(words_of(options.access));
   } catch (...) {
     sqlite3_close_v2(handle_);
     handle_ = nullptr;
@@ -222,6 +239,11 @@ void SqliteStatement::bind(int parameter, std::int64_t value) {
   if (code != SQLITE_OK) fail(code);
 }
 
+void SqliteStatement::bind_real(int parameter, double value) {
+  const int code = sqlite3_bind_double(handle_, parameter, value);
+  if (code != SQLITE_OK) fail(code);
+}
+
 void SqliteStatement::bind_text(int parameter, std::string_view text) {
   const int code = sqlite3_bind_text64(handle_, parameter, text.empty() ? "" : text.data(),
                                        text.size(), SQLITE_STATIC, SQLITE_UTF8);
@@ -246,6 +268,8 @@ void SqliteStatement::reset() noexcept { sqlite3_reset(handle_); }
 std::int64_t SqliteStatement::integer(int column) const {
   return sqlite3_column_int64(handle_, column);
 }
+
+double SqliteStatement::real(int column) const { return sqlite3_column_double(handle_, column); }
 
 std::string_view SqliteStatement::text(int column) const {
   const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(handle_, column));

@@ -28,6 +28,8 @@ enum class SqliteAccess {
   kUntouched,  ///< the file alone is read and nothing is made beside it; it must not change
   kRecover,    ///< of a private copy: what its log or its journal holds is put into it
   kCreate,     ///< a new file, without a journal
+  kRead,       ///< of a file that somebody may be writing to, through its log
+  kWrite,      ///< of such a file, which is made where there is none
 };
 
 struct SqliteOptions {
@@ -73,6 +75,7 @@ class SqliteStatement {
 
   /// Parameters are counted from 1. Bytes must stay until the next reset().
   void bind(int parameter, std::int64_t value);
+  void bind_real(int parameter, double value);
   void bind_text(int parameter, std::string_view text);
   void bind_blob(int parameter, std::span<const char> bytes);
   /// Whether there is a row. Throws SqliteError, ReadingStopped.
@@ -82,6 +85,7 @@ class SqliteStatement {
 
   // Columns of the row, counted from 0; bytes until the next step or reset.
   [[nodiscard]] std::int64_t integer(int column) const;
+  [[nodiscard]] double real(int column) const;
   [[nodiscard]] std::string_view text(int column) const;
   [[nodiscard]] std::span<const char> blob(int column) const;
   [[nodiscard]] bool is_null(int column) const;

@@ -78,6 +78,20 @@ void BackEnd::add_submap(FinishedSubmap submap) {
   thin_covered();
 }
 
+void BackEnd::search_drive(SubmapId first, const std::function<bool()>& goes_on) {
+  const Stopwatch watch;
+  const auto may_go_on = [&] { return !goes_on || goes_on(); };
+  for (std::size_t newest = first.index; newest < submap_count() && may_go_on(); ++newest) {
+    take(loops_.close({newest}, full_submaps()));
+    (void)loops_.drop_covered(full_submaps());
+  }
+  for (int round = 0; round < kBackEnd.final_rounds && may_go_on(); ++round)
+    take(loops_.close_all(full_submaps(), goes_on));
+  (void)loops_.drop_covered(full_submaps());
+  if (unsolved_chi2() > 0.0) solve_outline();
+  loop_closing_s_ += watch.seconds();
+}
+
 /// A stretch lies in the submap that it starts and in the one before.
 void BackEnd::thin_covered() {
   const auto full = full_submaps();
@@ -199,10 +213,15 @@ std::vector<std::size_t> BackEnd::settle() {
   std::set<std::size_t> passed;
   while (true) {
     const std::vector<std::size_t> consistent = consistent_ones(closures_, submaps);
+    const Drives drives(submaps);
+    const auto needs_asking = [&](const LoopClosure& closure) {
+      return drives.are_adrift(closure.from_submap, closure.to_submap) ||
+             !bends_nothing(closure, submaps);
+    };
     std::vector<std::size_t> places;
     std::vector<LoopClosure> asked;
     for (const std::size_t i : consistent) {
-      if (bends_nothing(closures_[i], submaps) || !passed.insert(i).second) continue;
+      if (!needs_asking(closures_[i]) || !passed.insert(i).second) continue;
       places.push_back(i);
       asked.push_back(closures_[i]);
     }

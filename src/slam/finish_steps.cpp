@@ -105,7 +105,9 @@ void draw(const SettledMap& map, const FinishCalls& calls, std::span<const Posed
           Threads threads, MapResult& result) {
   const Stopwatch rendering;
   try {
-    result.map = build_occupancy_map(scans, map.robot.footprint_radius_m, map.options.map, threads);
+    result.map = calls.draw ? calls.draw(scans)
+                            : build_occupancy_map(scans, map.robot.footprint_radius_m,
+                                                  map.options.map, threads);
     if (calls.touch_up) calls.touch_up(result);
   } catch (const std::exception& error) {
     result.map_failure = error.what();

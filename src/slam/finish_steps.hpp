@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
 
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/graph/pose_graph.hpp"
+#include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/slam/graph_addition.hpp"
 #include "loopstone/slam/key_chain.hpp"
 #include "loopstone/slam/map_result.hpp"
@@ -22,6 +24,8 @@ struct FinishCalls {
   std::function<bool(std::size_t scan)> ignores{};  ///< scans that are not used any more
   /// Once poses are final: new_T_map, of the frame in which the map is told.
   std::function<Pose2(const MapResult&)> frame{};
+  /// Draws the map in place of build_occupancy_map().
+  std::function<OccupancyMap(std::span<const PosedScan>)> draw{};
   std::function<void(MapResult&)> touch_up{};  ///< the map was drawn
   std::function<void()> track_is_told{};       ///< the settled map's track is not needed any more
 };

@@ -30,19 +30,27 @@ PoseWithCovariance2 motion_between(const KeyScan& previous, const KeyScan& next)
 
 }  // namespace
 
+/// The newest stretch reaches to this key scan; what is uncertain on the way counts. Returns the
+/// motion.
+PoseWithCovariance2 KeyChain::lead_to(const KeyScan& key) {
+  const PoseWithCovariance2 motion = motion_between(state_.newest, key);
+  state_.submaps.back().across = compound(state_.submaps.back().across, motion);
+  if (key.across) {
+    double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));
+    // What may face anywhere is found by appearance, which is asked where places may be far off.
+    if (std::sqrt((*key.across)(2, 2)) > kKeyChain.lost_rad)
+      sigma_m = std::max(sigma_m, kKeyChain.lost_m);
+    state_.breaks_m +=
+        kKeyChain.window_sigmas * sigma_m / std::max(drift_per_m_, kKeyChain.least_drift);
+  }
+  return motion;
+}
+
 void KeyChain::add(const KeyScan& key) {
   auto& [submaps, newest, length_m, breaks_m] = state_;
   if (!submaps.empty()) {
-    const PoseWithCovariance2 motion = motion_between(newest, key);
-    submaps.back().across = compound(submaps.back().across, motion);
+    const PoseWithCovariance2 motion = lead_to(key);
     if (!key.starts_drive) length_m += hypotenuse(motion.pose.x, motion.pose.y);
-    if (key.across) {
-      double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));
-      // What may face anywhere is found by appearance, which is asked where places may be far off.
-      if (std::sqrt((*key.across)(2, 2)) > kKeyChain.lost_rad)
-        sigma_m = std::max(sigma_m, kKeyChain.lost_m);
-      breaks_m += kKeyChain.window_sigmas * sigma_m / std::max(drift_per_m_, kKeyChain.least_drift);
-    }
   }
   if (submaps.empty() || key.starts_submap) {
     SubmapRecord submap;
@@ -54,6 +62,26 @@ void KeyChain::add(const KeyScan& key) {
   }
   submaps.back().keys.push_back(key);
   newest = key;
+}
+
+void KeyChain::append(State drive) {
+  auto& [submaps, newest, length_m, breaks_m] = state_;
+  if (submaps.empty()) {
+    state_ = std::move(drive);
+    return;
+  }
+  lead_to(drive.submaps.front().keys.front());
+  const Pose2 map_T_drive = submaps.back().map_T_submap * submaps.back().across.pose *
+                            drive.submaps.front().map_T_submap.inverse();
+  const double before_m = length_m + breaks_m;
+  for (SubmapRecord& submap : drive.submaps) {
+    submap.travelled_m += before_m;
+    submap.map_T_submap = map_T_drive * submap.map_T_submap;
+    submaps.push_back(std::move(submap));
+  }
+  newest = drive.newest;
+  length_m += drive.length_m;
+  breaks_m += drive.breaks_m;
 }
 
 void KeyChain::thin(SubmapId stretch) {

@@ -80,7 +80,10 @@ void LoopCloser::note_tried(const LoopCandidate& candidate) {
 }
 
 std::vector<LoopClosure> LoopCloser::close_newest(std::span<SubmapRecord> submaps) {
-  const SubmapId newest{submaps.size() - 1};
+  return close({submaps.size() - 1}, submaps);
+}
+
+std::vector<LoopClosure> LoopCloser::close(SubmapId newest, std::span<SubmapRecord> submaps) {
   const std::vector<LoopCandidate> candidates = untried_for(newest, submaps);
   // Where a drive is to be found, every place is asked: another one may look the same.
   const Drives drives(submaps);

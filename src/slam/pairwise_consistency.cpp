@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "loopstone/geometry/angle.hpp"
+#include "slam/drives.hpp"
 
 namespace loopstone {
 
@@ -82,7 +83,7 @@ bool bends_nothing(const LoopClosure& closure, Submaps submaps) {
   return !pulls_far(pull) && !turns_far(pull);
 }
 
-bool are_consistent(const LoopClosure& a, const LoopClosure& b, Submaps submaps) {
+bool are_consistent(const LoopClosure& a, const LoopClosure& b, Submaps submaps, bool are_adrift) {
   const double travel_m = travel_between(submaps, a.from_submap, b.from_submap) +
                           travel_between(submaps, a.to_submap, b.to_submap);
   if (travel_m > kPairwiseConsistency.travel_most_m) return false;
@@ -109,7 +110,7 @@ bool are_consistent(const LoopClosure& a, const LoopClosure& b, Submaps submaps)
   const Eigen::Vector3d open(told.x - a.from_T_to.x, told.y - a.from_T_to.y,
                              wrap_angle(told.yaw - a.from_T_to.yaw));
   return chi2(open, covariance) <= kPairwiseConsistency.agrees_chi2 &&
-         notices(pull_of(a, submaps), covariance);
+         (are_adrift || notices(pull_of(a, submaps), covariance));
 }
 
 Eigen::Vector2d map_pull_of(const LoopClosure& closure, Submaps submaps) {
@@ -124,17 +125,20 @@ bool is_foretold(const LoopClosure& closure, Submaps submaps) {
 
 std::vector<std::size_t> consistent_ones(std::span<const LoopClosure> closures, Submaps submaps) {
   const auto waits = [](const LoopClosure& c) { return c.state == ClosureState::kWaiting; };
+  const Drives drives(submaps);
   std::vector<std::size_t> consistent;
   for (std::size_t i = 0; i < closures.size(); ++i) {
     const LoopClosure& closure = closures[i];
     if (!waits(closure)) continue;
-    // What fits elsewhere as well may say nothing because it holds nothing.
-    const bool harmless = bends_nothing(closure, submaps);
+    // What fits elsewhere as well may say nothing because it holds nothing. Where two drives lie to
+    // one another before anything ties them says nothing at all.
+    const bool adrift = drives.are_adrift(closure.from_submap, closure.to_submap);
+    const bool harmless = !adrift && bends_nothing(closure, submaps);
     if (harmless && closure.second_score && !is_foretold(closure, submaps)) continue;
     const bool stands =
         harmless || std::any_of(closures.begin(), closures.end(), [&](const LoopClosure& other) {
           return &other != &closure && (other.stands() || waits(other)) &&
-                 are_consistent(closure, other, submaps);
+                 are_consistent(closure, other, submaps, adrift);
         });
     if (stands) consistent.push_back(i);
   }

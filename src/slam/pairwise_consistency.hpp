@@ -66,10 +66,12 @@ void visit_numbers(const PairwiseConsistencyNumbers& n, Visitor&& visit) {
 /// Two false closures seldom err alike, unless they are of the same scans: closures of submaps that
 /// are neighbours on both sides count as two only where each overlaps by three quarters and agrees
 /// to 85 %.
+/// Of places in drives that nothing ties, no correction is the one that there would be without the
+/// second closure: there it is enough that the loop closes.
 /// Source: Mangelson et al. 2018, "Pairwise consistent measurement set maximization for robust
 /// multi-robot map merging".
 [[nodiscard]] bool are_consistent(const LoopClosure& a, const LoopClosure& b,
-                                  std::span<const SubmapRecord> submaps);
+                                  std::span<const SubmapRecord> submaps, bool are_adrift = false);
 
 /// Which of the closures that wait may stand: those that bend nothing, and those with which
 /// another one, standing or waiting, is consistent. One that fits elsewhere as well and bends

@@ -78,6 +78,10 @@ class BackEnd {
   void add_scan(std::shared_ptr<const MappedScan> scan);
   /// Submaps come in the order of the key scans that they start with.
   void add_submap(FinishedSubmap submap);
+  /// Of a restored state: looks for the submaps from `first` on, which came as they were mapped by
+  /// themselves, among those before them; then everywhere. Covered submaps are dropped, and nothing
+  /// is thinned.
+  void search_drive(SubmapId first, const std::function<bool()>& goes_on = {});
   /// Looks once more for closures everywhere, settles which stand, and makes the graph of all key
   /// scans. Call once, at the end.
   void finish(const std::function<bool()>& goes_on = {});

@@ -71,6 +71,8 @@ class KeyChain {
 
   /// The first key scan begins a stretch in any case. A new stretch lies where the motions put it.
   void add(const KeyScan& key);
+  /// A chain of its own follows: its first key scan starts a drive. It lies where that says.
+  void append(State drive);
   /// Forgets all scans of a stretch but the first. It must not be the newest.
   void thin(SubmapId stretch);
 
@@ -97,6 +99,8 @@ class KeyChain {
   void restore(State state) { state_ = std::move(state); }
 
  private:
+  PoseWithCovariance2 lead_to(const KeyScan& key);
+
   double drift_per_m_;
   State state_{};
 };

@@ -124,6 +124,9 @@ class LoopCloser {
   /// to be considered is returned, waiting or rejected; its nodes are submaps.
   [[nodiscard]] std::vector<LoopClosure> close_newest(std::span<SubmapRecord> submaps);
 
+  /// The same of any submap, with those older than it.
+  [[nodiscard]] std::vector<LoopClosure> close(SubmapId newest, std::span<SubmapRecord> submaps);
+
   /// Compares all pairs within reach that have not been closed yet; for the end of a run, when
   /// poses are good.
   /// \param goes_on  asked now and then; once it returns false, what was found until then is

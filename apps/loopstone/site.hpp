@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "app.hpp"
+#include "loopstone/pipeline/site.hpp"
+#include "result.hpp"
+
+// `loopstone site`: its commands, each in a file of its own.
+
+namespace loopstone::app {
+
+void add_site_add_command(CLI::App& site, AppContext& context);
+void add_site_map_commands(CLI::App& site, AppContext& context);
+void add_site_show_commands(CLI::App& site, AppContext& context);
+void add_site_care_commands(CLI::App& site, AppContext& context);
+
+/// Says once that another program writes the site; Ctrl-C ends the waiting and the search.
+[[nodiscard]] SiteWatch site_watch(const AppContext& context);
+
+[[nodiscard]] nlohmann::ordered_json json_of(const SiteSession& session);
+
+}  // namespace loopstone::app

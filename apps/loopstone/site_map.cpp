@@ -1,0 +1,144 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "commands.hpp"
+#include "log_run.hpp"
+#include "loopstone/base/error.hpp"
+#include "loopstone/report/map_figures.hpp"
+#include "loopstone/report/map_outputs.hpp"
+#include "loopstone/report/peak_memory.hpp"
+#include "loopstone/report/site_outputs.hpp"
+#include "loopstone/version.hpp"
+#include "map_text.hpp"
+#include "output_path.hpp"
+#include "result.hpp"
+#include "site.hpp"
+
+namespace loopstone::app {
+
+namespace {
+
+constexpr const char* kMapFooter = R"(
+OUT then holds what `loopstone map` writes, of all sessions that are joined, drawn as they agree now: a wall that was moved is gone
+once two visits in a row saw through it. Beside it movable.png and movable.pgm: where visits are not of one mind, such as doors and
+chairs, and how often something stood there. `loopstone localize LOG --map OUT` uses it.)";
+
+constexpr const char* kChangesFooter = R"(
+OUT then holds changes.png and changes.csv (metres of the map). Dates are those of the sessions: what the last ones
+until each date agreed on. Sessions that newer ones have replaced are gone: the oldest that are kept then count.)";
+
+struct Arguments {
+  std::string site;
+  std::string out;
+  std::string date;
+  std::string from;
+  bool force = false;
+};
+
+Stamp date_of(const std::string& flag, const std::string& text) {
+  auto date = parse_utc(text);
+  if (!date) throw UsageError(flag + ": " + text + " is no date; write 2026-11-26 or 2026-11-26T14:03");
+  // A day is whole.
+  constexpr std::size_t kDayAlone = 10;
+  if (text.size() == kDayAlone) *date = *date + Duration::from_seconds(86'400.0 - 1e-9);
+  return *date;
+}
+
+Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
+  Outputs outputs(context, arguments.force);
+  outputs.reads(arguments.site);
+  outputs.add_folder("-o", arguments.out);
+  outputs.check();
+  return outputs;
+}
+
+RunInfo info_of(const Site& site, const Arguments& arguments,
+                std::chrono::steady_clock::time_point start, const AppContext& context) {
+  RunInfo info = run_info(arguments.site, {}, arguments.force, context);
+  info.options_toml = site.file().options_toml();
+  info.cpu_time_s = cpu_seconds();
+  info.peak_memory_bytes = peak_memory_bytes();
+  info.wall_time_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return info;
+}
+
+ExitCode run_map(const Arguments& arguments, const AppContext& context) {
+  const auto start = std::chrono::steady_clock::now();
+  std::optional<Stamp> until;
+  if (!arguments.date.empty()) until = date_of("--date", arguments.date);
+  const Outputs outputs = outputs_of(arguments, context);
+  const Site site(arguments.site, SiteAccess::kRead, context.threads());
+  const SiteMap map = site.map(until);
+  outputs.prepare();
+  const RunInfo info = info_of(site, arguments, start, context);
+  write_map_outputs(map.result, info, arguments.out, {});
+  write_movable(map.movable, map.result.map, arguments.out);
+  return tell_map(map.result, {}, info, {.out = arguments.out}, context);
+}
+
+ExitCode run_changes(const Arguments& arguments, const AppContext& context) {
+  const Stamp from = date_of("--from", arguments.from);
+  const Stamp to = arguments.date.empty() ? Stamp{std::int64_t{1} << 61} : date_of("--to", arguments.date);
+  if (to < from) throw UsageError("--to lies before --from");
+  const Outputs outputs = outputs_of(arguments, context);
+  const Site site(arguments.site, SiteAccess::kRead, context.threads());
+  const Site::Difference difference = site.difference(from, to);
+  outputs.prepare();
+  write_changes(difference.changes, difference.before, difference.now.result.map, arguments.out);
+  Result result;
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  int appeared = 0;
+  for (const MapChange& change : difference.changes) {
+    appeared += change.appeared ? 1 : 0;
+    rows.push_back(nlohmann::ordered_json{{"appeared", change.appeared},
+                                          {"x_m", {change.low.x(), change.high.x()}},
+                                          {"y_m", {change.low.y(), change.high.y()}},
+                                          {"area_m2", change.area_m2}});
+  }
+  const int gone = static_cast<int>(difference.changes.size()) - appeared;
+  result.add("appeared", "appeared", appeared).add("gone", "gone", gone);
+  result.add_json("changes", std::move(rows)).add_row("picture", arguments.out + "/changes.png");
+  result.print(context);
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_site_map_commands(CLI::App& site, AppContext& context) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = site.add_subcommand("map", "The map of a site, of today or of a date");
+  command->add_option("SITE", arguments->site, "its file")->required();
+  command
+      ->add_option("-o,--out", arguments->out,
+                   "folder for the results; made, or empty unless --force")
+      ->required();
+  command
+      ->add_option("--date", arguments->date,
+                   "as the building was then, UTC: by the sessions until the end of this day")
+      ->type_name("DATE");
+  add_force_flag(*command, arguments->force);
+  context.add_common_flags(*command);
+  context.add_threads_flag(*command);
+  command->footer(kMapFooter);
+  context.on_run(*command, [arguments, &context] { return run_map(*arguments, context); });
+
+  auto dates = std::make_shared<Arguments>();
+  command = site.add_subcommand("changes", "What appeared in a building, and what is gone");
+  command->add_option("SITE", dates->site, "its file")->required();
+  command->add_option("-o,--out", dates->out, "folder for the pictures; made, or empty unless --force")
+      ->required();
+  command->add_option("--from", dates->from, "since this date, UTC")->type_name("DATE")->required();
+  command->add_option("--to", dates->date, "until this one (default: today)")->type_name("DATE");
+  add_force_flag(*command, dates->force);
+  context.add_common_flags(*command);
+  context.add_threads_flag(*command);
+  command->footer(kChangesFooter);
+  context.on_run(*command, [dates, &context] { return run_changes(*dates, context); });
+}
+
+}  // namespace loopstone::app

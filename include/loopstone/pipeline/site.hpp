@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loopstone/base/parallel_for.hpp"
+#include "loopstone/formats/site_file.hpp"
+#include "loopstone/mapping/visit_ledger.hpp"
+#include "loopstone/pipeline/cut_log.hpp"
+#include "loopstone/pipeline/log_source.hpp"
+#include "loopstone/slam/drive_record.hpp"
+#include "loopstone/slam/joined_drives.hpp"
+#include "loopstone/slam/map_options.hpp"
+#include "loopstone/slam/map_result.hpp"
+
+// One map of a building from many drives of many robots, kept true as the building changes.
+
+namespace loopstone {
+
+/// What a site keeps, and for how long.
+struct SiteNumbers {
+  int keep_visits = 10;
+  double visit_cell_m = 2.0;
+};
+inline constexpr SiteNumbers kSite{};
+
+template <typename Visitor>
+void visit_numbers(const SiteNumbers& n, Visitor&& visit) {
+  visit("keep_visits", n.keep_visits,
+        "chosen: a session is kept until so many newer ones came by wherever it drove");
+  visit("visit_cell_m", n.visit_cell_m, "chosen: who drove through one square of this side came by");
+}
+
+/// A log that was mapped by itself, on its way into a site.
+struct MappedSession {
+  SiteSession session{};
+  std::shared_ptr<const DriveRecord> record{};  ///< none: its map is bad, or was broken off
+  bool complete = true;                         ///< false: it was called off
+  std::vector<std::string> warnings{};          ///< of its map
+};
+
+/// Maps a log for a site. Cost: of map_log(). Throws as that does.
+/// \param begins  when it was driven; nothing: as its stamps say
+[[nodiscard]] MappedSession map_session(const LogSource& source, LogReader& reader,
+                                        const MapOptions& options, Threads threads,
+                                        std::optional<Stamp> begins = {},
+                                        const ReadingWatch& watch = {});
+
+/// The map of a site at a time.
+struct SiteMap {
+  MapResult result{};                     ///< its map is what the visits agree on
+  Grid<float> movable{};                  ///< VisitLedger::movable(), of the same cells
+  std::vector<SiteSession> sessions{};    ///< that are joined, in order: the result's drives
+};
+
+/// Who waits while a site is changed.
+struct SiteWatch {
+  std::function<bool()> goes_on{};  ///< false: leaves the site as it was, and throws UsageError
+  std::function<bool()> waits{};    ///< somebody else writes; false: gives up
+};
+
+/// A site: its file, and what is done to it. Each change is one transaction of the file.
+class Site {
+ public:
+  /// Throws DataError as SiteFile does, or where its options are of another version.
+  Site(const std::string& path, SiteAccess access, Threads threads);
+
+  [[nodiscard]] const SiteFile& file() const { return file_; }
+  [[nodiscard]] const MapOptions& options() const { return options_; }
+  [[nodiscard]] std::vector<SiteSession> sessions() const { return file_.sessions(); }
+
+  /// Looks for a session among the others, without a guess. One that is older than some that are in
+  /// already makes all of them be joined anew: the order in which sessions are added changes
+  /// nothing.
+  /// Returns it as it is then. Throws UsageError when it is there already.
+  SiteSession add(const MappedSession& mapped, const SiteWatch& watch = {});
+  /// Removes sessions and all that rests on them.
+  void remove(const std::vector<std::int64_t>& sessions, const SiteWatch& watch = {});
+  /// Finds all that ties sessions anew.
+  void rebuild(const SiteWatch& watch = {});
+
+  /// \param until  of sessions that began until then; all of them hold the map together
+  [[nodiscard]] SiteMap map(std::optional<Stamp> until = {}) const;
+  /// Where the building at one time differs from what it was at another one, on the map of the
+  /// later.
+  struct Difference {
+    SiteMap now{};
+    OccupancyMap before{};
+    std::vector<MapChange> changes{};
+  };
+  [[nodiscard]] Difference difference(Stamp from, Stamp to) const;
+
+ private:
+  struct Kept {
+    std::vector<SiteSession> sessions{};
+    JoinedDrives drives;
+  };
+  [[nodiscard]] Kept load(std::optional<std::int64_t> without = {}) const;
+  [[nodiscard]] Kept join_all(const std::vector<SiteSession>& sessions, const SiteWatch& watch) const;
+  void store(Kept& kept);
+  void retire(Kept& kept);
+  void note(const std::string& what, const std::string& session, const std::string& text);
+
+  SiteFile file_;
+  MapOptions options_{};
+  Threads threads_;
+};
+
+/// "2026-11-26T14:03:00Z".
+[[nodiscard]] std::string utc_text(Stamp stamp);
+/// Reads "2026-11-26", with "T14:03" or "T14:03:00" behind it, with or without Z; UTC. Nothing for
+/// what is none.
+[[nodiscard]] std::optional<Stamp> parse_utc(const std::string& text);
+
+}  // namespace loopstone

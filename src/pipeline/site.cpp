@@ -1,0 +1,399 @@
+#include "loopstone/pipeline/site.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "loopstone/base/error.hpp"
+#include "loopstone/base/option_list.hpp"
+#include "loopstone/formats/options_file.hpp"
+#include "loopstone/formats/robot_file.hpp"
+#include "loopstone/pipeline/log_mapping.hpp"
+#include "loopstone/sensor/log_digest.hpp"
+
+namespace loopstone {
+
+namespace {
+
+Stamp now() {
+  using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
+  return {duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count()};
+}
+
+/// Keeps what a mapping has led to, before its end.
+class RecordKeeper : public MappingWatch {
+ public:
+  void begin(Mapper& /*mapper*/, const RobotModel& /*robot*/, bool /*anew*/) override {
+    digest_ = {};
+  }
+  void add(const SensorMessage& message, Mapper& mapper) override {
+    digest_.add(message);
+    mapper.add(message);
+  }
+  void finishing(Mapper& mapper) override {
+    (void)mapper.judge_robot();  // ends the drive
+    state_ = mapper.save_state().get();
+  }
+
+  [[nodiscard]] const LogDigest& digest() const { return digest_; }
+  [[nodiscard]] DriveRecord take_record(const MapOptions& options) {
+    return record_of(std::move(state_), options);
+  }
+
+ private:
+  LogDigest digest_{};
+  MapperState state_{};
+};
+
+/// Why a drive is not joined, by what was found of it.
+std::string why_pending(const JoinedDrives& drives, std::size_t drive) {
+  bool waits = false;
+  bool is_alike = false;
+  bool differs = false;
+  for (const DrivePair& pair : drives.pairs()) {
+    if (pair.older == pair.newer || (pair.older != drive && pair.newer != drive)) continue;
+    for (const LoopClosure& closure : pair.closures) {
+      waits = waits || closure.state == ClosureState::kWaiting || closure.stands();
+      is_alike = is_alike || closure.reason == ClosureReason::kAmbiguousPlace ||
+                 closure.reason == ClosureReason::kAmbiguousPose;
+      differs = differs || closure.reason == ClosureReason::kSurroundings;
+    }
+  }
+  if (is_alike) return "it looks like several places of the site: which of them is not known";
+  if (waits) return "one place looks like one of the site, and no second one bears it out";
+  if (differs) return "a place looks like one of the site, and what lies around it does not";
+  return "nothing of it was recognised";
+}
+
+int closures_with_others(const JoinedDrives& drives, std::size_t drive) {
+  int count = 0;
+  for (const DrivePair& pair : drives.pairs()) {
+    if (pair.older != pair.newer && (pair.older == drive || pair.newer == drive))
+      count += pair.standing();
+  }
+  return count;
+}
+
+using Squares = std::set<std::pair<int, int>>;
+
+/// Where a drive went.
+Squares squares_of(const DriveRecord& drive, const DrivePlacement& placement) {
+  Squares squares;
+  const auto& submaps = drive.back_end.chain.submaps;
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    const Pose2 map_T_local =
+        placement.map_T_submaps[i] * submaps[i].keys.front().local_T_robot.inverse();
+    for (const KeyScan& key : submaps[i].keys) {
+      const Eigen::Vector2d at = map_T_local * key.local_T_robot.translation();
+      squares.emplace(static_cast<int>(std::floor(at.x() / kSite.visit_cell_m)),
+                      static_cast<int>(std::floor(at.y() / kSite.visit_cell_m)));
+    }
+  }
+  return squares;
+}
+
+bool was_there(const Squares& squares, const std::pair<int, int>& square) {
+  for (int x = square.first - 1; x <= square.first + 1; ++x) {
+    for (int y = square.second - 1; y <= square.second + 1; ++y)
+      if (squares.contains({x, y})) return true;
+  }
+  return false;
+}
+
+/// Whether so many newer drives came by wherever this one went.
+bool is_worn_out(std::size_t drive, std::span<const Squares> squares) {
+  return std::ranges::all_of(squares[drive], [&](const auto& square) {
+    int visits = 0;
+    for (std::size_t newer = drive + 1; newer < squares.size(); ++newer)
+      visits += was_there(squares[newer], square) ? 1 : 0;
+    return visits >= kSite.keep_visits;
+  });
+}
+
+bool is_kept(const SiteSession& session) {
+  return session.status == SessionStatus::kJoined || session.status == SessionStatus::kPending;
+}
+
+bool comes_before(const SiteSession& a, const SiteSession& b) {
+  return std::pair(a.begins, a.digest) < std::pair(b.begins, b.digest);
+}
+
+}  // namespace
+
+MappedSession map_session(const LogSource& source, LogReader& reader, const MapOptions& options,
+                          Threads threads, std::optional<Stamp> begins,
+                          const ReadingWatch& watch) {
+  RecordKeeper keeper;
+  const LogMap made = map_log(source, reader, {}, options, threads, watch, &keeper);
+  const MapResult& result = made.result;
+  MappedSession mapped{.complete = result.complete, .warnings = result.warnings};
+  SiteSession& session = mapped.session;
+  session.log = std::filesystem::absolute(source.path).string();
+  session.digest = keeper.digest().text();
+  session.robot = robot_to_toml(made.robot);
+  session.begins = begins ? *begins
+                          : (result.trajectory.empty() ? Stamp{} : result.trajectory.front().stamp);
+  session.added = utc_text(now());
+  session.scans = result.statistics.scans;
+  session.path_m = result.statistics.path_length_m;
+  session.duration_s = result.statistics.duration_s;
+  session.verdict = to_string(result.verdict.overall);
+  session.sentence = result.verdict.sentence;
+  DriveRecord record = keeper.take_record(options);
+  if (result.verdict.overall == Verdict::kBad || record.back_end.chain.submaps.empty()) {
+    session.status = SessionStatus::kRefused;
+    session.reason = "its own map is bad: " + session.sentence;
+  } else if (mapped.complete) {
+    mapped.record = std::make_shared<const DriveRecord>(std::move(record));
+  }
+  return mapped;
+}
+
+Site::Site(const std::string& path, SiteAccess access, Threads threads)
+    : file_(path, access), threads_(threads) {
+  const auto problems = apply_toml(list_options(options_), file_.options_toml(), path);
+  if (!problems.empty()) throw OptionsError(problems);
+}
+
+Site::Kept Site::load(std::optional<std::int64_t> without) const {
+  Kept kept{.drives = JoinedDrives(options_, threads_)};
+  std::map<std::int64_t, std::size_t> places;
+  std::vector<std::shared_ptr<const DriveRecord>> records;
+  for (SiteSession& session : file_.sessions()) {
+    if (!is_kept(session) || session.id == without) continue;
+    places[session.id] = kept.sessions.size();
+    records.push_back(file_.record(session));
+    kept.sessions.push_back(std::move(session));
+  }
+  std::vector<DrivePlacement> placements(records.size());
+  for (SitePlacement& placement : file_.placements()) {
+    if (places.contains(placement.session))
+      placements[places[placement.session]] = std::move(placement.placement);
+  }
+  std::vector<DrivePair> pairs;
+  for (SitePair& pair : file_.pairs()) {
+    if (!places.contains(pair.older) || !places.contains(pair.newer)) continue;
+    pair.pair.older = places[pair.older];
+    pair.pair.newer = places[pair.newer];
+    pairs.push_back(std::move(pair.pair));
+  }
+  std::ranges::stable_sort(pairs, {}, [](const DrivePair& p) { return std::pair(p.newer, p.older); });
+  kept.drives.restore(std::move(records), std::move(pairs), std::move(placements));
+  return kept;
+}
+
+Site::Kept Site::join_all(const std::vector<SiteSession>& sessions, const SiteWatch& watch) const {
+  Kept kept{.drives = JoinedDrives(options_, threads_)};
+  for (const SiteSession& session : sessions) {
+    if (!is_kept(session)) continue;
+    kept.drives.add(file_.record(session), watch.goes_on);
+    kept.sessions.push_back(session);
+  }
+  return kept;
+}
+
+void Site::store(Kept& kept) {
+  std::vector<SitePair> pairs;
+  for (const DrivePair& pair : kept.drives.pairs())
+    pairs.push_back({kept.sessions[pair.older].id, kept.sessions[pair.newer].id, pair});
+  std::vector<SitePlacement> placements;
+  for (std::size_t i = 0; i < kept.sessions.size(); ++i) {
+    SiteSession& session = kept.sessions[i];
+    placements.push_back({session.id, kept.drives.placements()[i]});
+    const bool is_joined = kept.drives.is_joined(i);
+    session.status = is_joined ? SessionStatus::kJoined : SessionStatus::kPending;
+    session.reason = is_joined ? "" : why_pending(kept.drives, i);
+    session.closures = closures_with_others(kept.drives, i);
+    file_.update(session);
+  }
+  file_.set_joins(pairs, placements);
+}
+
+/// The oldest first, as long as newer ones show all that they saw and hold together without them.
+void Site::retire(Kept& kept) {
+  for (std::size_t i = 0; i < kept.sessions.size();) {
+    std::vector<Squares> squares;
+    for (std::size_t k = 0; k < kept.sessions.size(); ++k) {
+      squares.emplace_back();
+      if (kept.drives.is_joined(k))
+        squares.back() = squares_of(kept.drives.record(k), kept.drives.placements()[k]);
+    }
+    const auto joined = [](const JoinedDrives& drives) {
+      return std::ranges::count_if(drives.placements(), &DrivePlacement::is_joined);
+    };
+    if (!kept.drives.is_joined(i) || !is_worn_out(i, squares)) {
+      ++i;
+      continue;
+    }
+    JoinedDrives rest = kept.drives;
+    rest.remove(i);
+    if (joined(rest) + 1 < joined(kept.drives)) {
+      ++i;
+      continue;
+    }
+    SiteSession session = kept.sessions[i];
+    session.status = SessionStatus::kRetired;
+    session.reason = fmt::format("{} newer ones show all that it saw", kSite.keep_visits);
+    file_.update(session);
+    file_.drop_record(session.id);
+    kept.sessions.erase(kept.sessions.begin() + static_cast<std::ptrdiff_t>(i));
+    kept.drives = std::move(rest);
+  }
+}
+
+void Site::note(const std::string& what, const std::string& session, const std::string& text) {
+  file_.add_event({utc_text(now()), what, session, text});
+}
+
+SiteSession Site::add(const MappedSession& mapped, const SiteWatch& watch) {
+  file_.begin_change(watch.waits);
+  SiteSession session = mapped.session;
+  std::vector<SiteSession> before = file_.sessions();
+  for (const SiteSession& other : before) {
+    if (other.digest == session.digest) {
+      throw UsageError(fmt::format("{}: is in the site already, as session {} ({})", session.log,
+                                   other.id, other.log));
+    }
+  }
+  session.id = file_.add(session, mapped.record.get());
+  if (mapped.record) {
+    const bool is_newest = std::ranges::all_of(before, [&](const SiteSession& other) {
+      return !is_kept(other) || comes_before(other, session);
+    });
+    Kept kept = is_newest ? load(session.id) : join_all(file_.sessions(), watch);
+    if (is_newest) {
+      kept.drives.add(mapped.record, watch.goes_on);
+      kept.sessions.push_back(session);
+    }
+    if (watch.goes_on && !watch.goes_on()) throw UsageError(file_.path() + ": stays as it was");
+    store(kept);
+    retire(kept);
+    store(kept);
+    session = *std::ranges::find(kept.sessions, session.id, &SiteSession::id);
+  }
+  note("add", session.log,
+       session.status == SessionStatus::kJoined
+           ? fmt::format("joined by {} closures", session.closures)
+           : fmt::format("{}: {}", to_string(session.status), session.reason));
+  file_.commit();
+  return session;
+}
+
+void Site::remove(const std::vector<std::int64_t>& sessions, const SiteWatch& watch) {
+  file_.begin_change(watch.waits);
+  std::vector<SiteSession> known = file_.sessions();
+  for (const std::int64_t id : sessions) {
+    const auto session = std::ranges::find(known, id, &SiteSession::id);
+    if (session == known.end())
+      throw UsageError(fmt::format("{}: there is no session {}", file_.path(), id));
+    note("remove", session->log, "");
+    file_.remove(id);
+  }
+  // Those that are left are joined by what was found between them alone.
+  Kept kept = join_all(file_.sessions(), watch);
+  store(kept);
+  file_.commit();
+}
+
+void Site::rebuild(const SiteWatch& watch) {
+  file_.begin_change(watch.waits);
+  Kept kept = join_all(file_.sessions(), watch);
+  if (watch.goes_on && !watch.goes_on()) throw UsageError(file_.path() + ": stays as it was");
+  store(kept);
+  note("rebuild", "", fmt::format("{} sessions", kept.sessions.size()));
+  file_.commit();
+}
+
+SiteMap Site::map(std::optional<Stamp> until) const {
+  const Kept kept = load();
+  SiteMap map;
+  for (std::size_t i = 0; i < kept.sessions.size(); ++i)
+    if (kept.drives.is_joined(i)) map.sessions.push_back(kept.sessions[i]);
+  if (map.sessions.empty()) throw DataError({file_.path()}, "there is no session in this site yet");
+  VisitLedger ledger;
+  const RobotModel robot = parse_robot(map.sessions.back().robot, file_.path());
+  map.result = kept.drives.finish(robot, [&](std::size_t drive, const OccupancyMap& visit) {
+    if (!until || !(*until < map.sessions[drive].begins)) ledger.add(visit);
+  });
+  if (ledger.visits() == 0)
+    throw DataError({file_.path()}, fmt::format("no session in this site is as old as {}",
+                                                utc_text(*until)));
+  map.result.map = ledger.map();
+  map.movable = ledger.movable();
+  return map;
+}
+
+Site::Difference Site::difference(Stamp from, Stamp to) const {
+  const Kept kept = load();
+  Difference difference;
+  SiteMap& map = difference.now;
+  for (std::size_t i = 0; i < kept.sessions.size(); ++i)
+    if (kept.drives.is_joined(i)) map.sessions.push_back(kept.sessions[i]);
+  if (map.sessions.empty()) throw DataError({file_.path()}, "there is no session in this site yet");
+  VisitLedger ledger;
+  VisitLedger before;
+  const RobotModel robot = parse_robot(map.sessions.back().robot, file_.path());
+  map.result = kept.drives.finish(robot, [&](std::size_t drive, const OccupancyMap& visit) {
+    const Stamp begins = map.sessions[drive].begins;
+    if (!(from < begins)) before.add(visit);
+    if (!(to < begins)) ledger.add(visit);
+  });
+  if (before.visits() == 0)
+    throw DataError({file_.path()}, fmt::format("of {} no session is kept any more, or none yet",
+                                                utc_text(from)));
+  map.result.map = ledger.map();
+  map.movable = ledger.movable();
+  difference.before = before.map();
+  difference.changes = changes_between(difference.before, map.result.map);
+  return difference;
+}
+
+std::string utc_text(Stamp stamp) {
+  const std::int64_t seconds = stamp.nanoseconds / 1'000'000'000;
+  const std::chrono::sys_seconds time{std::chrono::seconds{seconds}};
+  const auto day = std::chrono::floor<std::chrono::days>(time);
+  const std::chrono::year_month_day date{day};
+  const std::chrono::hh_mm_ss clock{time - day};
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                     clock.hours().count(), clock.minutes().count(), clock.seconds().count());
+}
+
+std::optional<Stamp> parse_utc(const std::string& text) {
+  int year = 0;
+  unsigned month = 0;
+  unsigned day = 0;
+  int hour = 0;
+  int minute = 0;
+  int second = 0;
+  int read = 0;
+  std::string rest = text;
+  if (rest.ends_with('Z')) rest.pop_back();
+  const auto is_whole = [&](int fields, int wanted) {
+    return fields == wanted && static_cast<std::size_t>(read) == rest.size();
+  };
+  const bool fits =
+      is_whole(std::sscanf(rest.c_str(), "%4d-%2u-%2u%n", &year, &month, &day, &read), 3) ||
+      is_whole(std::sscanf(rest.c_str(), "%4d-%2u-%2uT%2d:%2d%n", &year, &month, &day, &hour,
+                           &minute, &read),
+               5) ||
+      is_whole(std::sscanf(rest.c_str(), "%4d-%2u-%2uT%2d:%2d:%2d%n", &year, &month, &day, &hour,
+                           &minute, &second, &read),
+               6);
+  const std::chrono::year_month_day date{std::chrono::year{year}, std::chrono::month{month},
+                                         std::chrono::day{day}};
+  if (!fits || !date.ok() || hour > 23 || minute > 59 || second > 59 || hour < 0 || minute < 0 ||
+      second < 0)
+    return {};
+  const auto time = std::chrono::sys_days(date) + std::chrono::hours(hour) +
+                    std::chrono::minutes(minute) + std::chrono::seconds(second);
+  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count()};
+}
+
+}  // namespace loopstone

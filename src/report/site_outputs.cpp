@@ -1,0 +1,187 @@
+#include "loopstone/report/site_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+
+#include "formats/atomic_file.hpp"
+#include "loopstone/base/error.hpp"
+#include "loopstone/formats/ros_map.hpp"
+#include "loopstone/report/map_picture.hpp"
+#include "report/canvas.hpp"
+#include "report/map_view.hpp"
+#include "report/output_files.hpp"
+#include "report/picture_parts.hpp"
+
+namespace loopstone {
+
+namespace {
+
+// The report's colours: told apart by hue, and by lightness where eyes tell no hues.
+const Colour kAppeared = hex_colour(0x0072b2);
+const Colour kGone = hex_colour(0xd55e00);
+const Colour kMovable = hex_colour(0xb0004e);
+
+/// The map with its contrast taken back, so that what lies over it is read first.
+Image paled(Image image) {
+  for (std::uint8_t& channel : image.bytes)
+    channel = static_cast<std::uint8_t>(255 - (255 - channel) * 3 / 5);
+  return image;
+}
+
+/// A map with things on it, and below it what they mean.
+class Sheet {
+ public:
+  explicit Sheet(const OccupancyMap& map)
+      : view_(view_of(map, {}, MapPictureOptions{}.target_side_px, MapPictureOptions{}.most_side_px)),
+        sizes_(std::max(view_.width_px, view_.height_px)),
+        width_(std::max(view_.width_px, static_cast<int>(16.0 * sizes_.text))),
+        footer_(sizes_, width_),
+        map_(paled(shade_map(map, view_))) {
+    footer_.add_scale_bar(view_.pixels_per_metre());
+    footer_.add_axes();
+  }
+
+  [[nodiscard]] const MapView& view() const { return view_; }
+  [[nodiscard]] const PictureSizes& sizes() const { return sizes_; }
+  void add_swatch(const Colour& colour, const std::string& words) {
+    const double side = 0.9 * sizes_.text;
+    footer_.add("", side, words, [=](Canvas& canvas, Point at) {
+      canvas.fill_rectangle({at.x, at.y - 0.5 * side}, side, side, colour);
+    });
+  }
+  template <typename Draw>
+  [[nodiscard]] Image draw(Draw&& draw) {
+    Canvas canvas(width_, view_.height_px + static_cast<int>(footer_.height()), kPaper);
+    canvas.paste(map_, 0, 0);
+    canvas.clip({0.0, 0.0}, view_.width_px, view_.height_px);
+    draw(canvas);
+    canvas.unclip();
+    footer_.draw(canvas, view_.height_px);
+    return canvas.image();
+  }
+
+ private:
+  MapView view_;
+  PictureSizes sizes_;
+  int width_;
+  Footer footer_;
+  Image map_;
+};
+
+void fill_cell(const GridFrame& frame, Cell cell, const Colour& colour, const MapView& view,
+               Canvas& canvas) {
+  const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.5 * frame.resolution);
+  const Point low = view.pixel_of(frame.centre_of(cell) - half);
+  const double side = std::max(1.0, frame.resolution * view.pixels_per_metre());
+  canvas.fill_rectangle({low.x, low.y - side}, side, side, colour);
+}
+
+/// Occupied cells of a map within a change.
+void fill_change(const MapChange& change, const OccupancyMap& map, const MapView& view,
+                 const Colour& colour, Canvas& canvas) {
+  const GridFrame& frame = map.log_odds.frame();
+  const Cell low = frame.cell_of(change.low);
+  const Cell high = frame.cell_of(change.high);
+  for (int row = std::max(0, low.row); row <= std::min(frame.rows - 1, high.row); ++row) {
+    for (int column = std::max(0, low.column); column <= std::min(frame.columns - 1, high.column);
+         ++column) {
+      const Cell cell{column, row};
+      if (map.observed[cell] != 0 && map.probability(cell) > kVisitLedger.occupied)
+        fill_cell(frame, cell, colour, view, canvas);
+    }
+  }
+}
+
+std::string changes_csv(std::span<const MapChange> changes) {
+  std::string text = "what,x_low_m,y_low_m,x_high_m,y_high_m,area_m2\n";
+  for (const MapChange& change : changes) {
+    text += fmt::format("{},{:.3f},{:.3f},{:.3f},{:.3f},{:.4f}\n",
+                        change.appeared ? "appeared" : "gone", change.low.x(), change.low.y(),
+                        change.high.x(), change.high.y(), change.area_m2);
+  }
+  return text;
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw DataError({folder}, "can't be made: " + error.message());
+}
+
+}  // namespace
+
+Image draw_changes_picture(std::span<const MapChange> changes, const OccupancyMap& before,
+                           const OccupancyMap& now) {
+  Sheet sheet(now);
+  sheet.add_swatch(kAppeared, "appeared");
+  sheet.add_swatch(kGone, "gone");
+  return sheet.draw([&](Canvas& canvas) {
+    for (const MapChange& change : changes) {
+      const Colour& colour = change.appeared ? kAppeared : kGone;
+      fill_change(change, change.appeared ? now : before, sheet.view(), colour, canvas);
+      const Eigen::Vector2d margin = Eigen::Vector2d::Constant(0.2);
+      const Point low = sheet.view().pixel_of(change.low - margin);
+      const Point high = sheet.view().pixel_of(change.high + margin);
+      canvas.line({low, {high.x, low.y}, high, {low.x, high.y}, low},
+                  std::max(2.0, 0.7 * sheet.sizes().path), colour);
+    }
+  });
+}
+
+Image draw_movable_picture(const Grid<float>& movable, const OccupancyMap& map) {
+  Sheet sheet(map);
+  sheet.add_swatch(kMovable, "stands there on some visits: the darker, the more often");
+  return sheet.draw([&](Canvas& canvas) {
+    const GridFrame& frame = movable.frame();
+    for (int row = 0; row < frame.rows; ++row) {
+      for (int column = 0; column < frame.columns; ++column) {
+        const float share = movable[{column, row}];
+        if (share <= 0.0F) continue;
+        Colour colour = kMovable;
+        colour.alpha = 0.25 + 0.75 * static_cast<double>(share);
+        fill_cell(frame, {column, row}, colour, sheet.view(), canvas);
+      }
+    }
+  });
+}
+
+void write_changes(std::span<const MapChange> changes, const OccupancyMap& before,
+                   const OccupancyMap& now, const std::string& folder) {
+  make_folder(folder);
+  AtomicFile table(folder + "/changes.csv");
+  table.write(changes_csv(changes));
+  table.commit();
+  write_png(folder + "/changes.png", draw_changes_picture(changes, before, now), kPngCompression);
+}
+
+void write_movable(const Grid<float>& movable, const OccupancyMap& map, const std::string& folder) {
+  make_folder(folder);
+  write_png(folder + "/movable.png", draw_movable_picture(movable, map), kPngCompression);
+  const GridFrame& frame = movable.frame();
+  Image image = make_image(frame.columns, frame.rows, 1);
+  for (int row = 0; row < frame.rows; ++row) {
+    for (int column = 0; column < frame.columns; ++column) {
+      const Cell cell{column, row};
+      const bool is_known = map.observed.value_or(cell, 0) != 0;
+      const auto index = static_cast<std::size_t>(frame.rows - 1 - row) *
+                             static_cast<std::size_t>(frame.columns) +
+                         static_cast<std::size_t>(column);
+      image.bytes[index] = is_known ? static_cast<std::uint8_t>(std::lround(100.0F * movable[cell]))
+                                    : std::uint8_t{255};
+    }
+  }
+  AtomicFile picture(folder + "/movable.pgm");
+  picture.write(encode_pgm(image));
+  AtomicFile yaml(folder + "/movable.yaml");
+  yaml.write(fmt::format("image: movable.pgm\nmode: raw\nresolution: {}\norigin: [{}, {}, 0.0]\n"
+                         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+                         frame.resolution, frame.origin.x(), frame.origin.y()));
+  picture.commit();
+  yaml.commit();
+}
+
+}  // namespace loopstone
