@@ -17,40 +17,13 @@
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/mapper_state.hpp"
 #include "support/usual_figure.hpp"
+#include "support/world_drive.hpp"
 
 namespace loopstone {
 namespace {
 
-/// A drive, and its truth in the frame of the building.
-struct Drive {
-  std::vector<SensorMessage> messages{};
-  Trajectory truth{};
-};
-
-/// \param start    the drive begins at so many of the world's places
-/// \param clock_s  added to all stamps
-Drive drive_in(World world, std::uint64_t seed, double duration_s, std::size_t start,
-               double clock_s) {
-  const Eigen::Vector2d from = world.places[start % world.places.size()];
-  if (start > 0) {
-    world.map_T_start = {from.x(), from.y(), 1.0};
-    world.returns.clear();
-  }
-  SimulationOptions options{.duration_s = duration_s};
-  options.laser.beams = 361;
-  Drive drive;
-  const Duration shift = Duration::from_seconds(clock_s);
-  simulate(
-      world, RobotModel{}, options, seed,
-      {.message =
-           [&](SensorMessage message) {
-             std::visit([&](auto& known) { known.stamp = known.stamp + shift; }, message);
-             drive.messages.push_back(std::move(message));
-           },
-       .truth =
-           [&](const StampedPose2& pose) { drive.truth.append(pose.stamp + shift, pose.pose); }});
-  return drive;
-}
+using test::drive_in;
+using Drive = test::WorldDrive;
 
 MapResult map_both(const Drive& first, const Drive& second, Threads threads = {}) {
   Mapper mapper(RobotModel{}, MapOptions{}, threads);
