@@ -37,6 +37,7 @@ struct Arguments {
   std::optional<std::string> format;
   std::uint64_t seed = 1;
   std::optional<std::uint64_t> drive_seed;
+  std::optional<std::size_t> start_place;
   bool force = false;
   std::optional<double> duration_s;
   std::optional<int> laps;
@@ -232,6 +233,20 @@ Result result_of(const Arguments& arguments, const SimulatedFolder& folder, cons
   return result;
 }
 
+/// The drive begins at one of the world's places, and goes from there to the others.
+World started(World world, const Arguments& arguments) {
+  if (!arguments.start_place) return world;
+  const std::size_t place = *arguments.start_place;
+  if (place == 0 || place > world.places.size()) {
+    throw UsageError(fmt::format("--start-place: this world has the places 1 to {}",
+                                 world.places.size()));
+  }
+  const Eigen::Vector2d& from = world.places[place - 1];
+  world.map_T_start = {from.x(), from.y(), world.map_T_start.yaw};
+  world.returns.clear();
+  return world;
+}
+
 ExitCode run(const Arguments& arguments, AppContext& context) {
   const RobotModel robot = context.robot();
   const SimulatedFolder folder = folder_of(arguments);
@@ -244,6 +259,7 @@ ExitCode run(const Arguments& arguments, AppContext& context) {
   RealismRecord record;
   World world = real_world(world_of(arguments, robot, context.memory()), options.realism,
                            arguments.seed, record);
+  world = started(std::move(world), arguments);
   world = lit(std::move(world), arguments, robot, options, context);
   if (arguments.rgbd) world.floor = floor_of(arguments, context.memory());
   const HeldInterrupt held;
@@ -274,6 +290,10 @@ void add_drive_flags(CLI::App& command, Arguments& arguments) {
       .add_option("--drive-seed", arguments.drive_seed,
                   "of people and noise alone: another drive in the same world (default: that of "
                   "--seed)")
+      ->type_name("N");
+  command
+      .add_option("--start-place", arguments.start_place,
+                  "begin at the Nth of the world's places (default: where its route begins)")
       ->type_name("N");
   command
       .add_option("--duration", arguments.duration_s, "cut the drive (default: the whole route)")

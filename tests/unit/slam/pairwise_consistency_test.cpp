@@ -89,6 +89,35 @@ TEST(PairwiseConsistency, AFalseClosureIsNotBackedByATrueOneOrByAnotherFalseOne)
   EXPECT_FALSE(are_consistent(next_room, other_room, laps.map()));
 }
 
+/// The second lap as a drive of its own, which nothing ties to the first: it lies where the truth
+/// has it, but for what `map_T_truth` moves it by.
+std::vector<SubmapRecord> another_drive(const Laps& laps, const Pose2& map_T_truth) {
+  std::vector<SubmapRecord> submaps = laps.map();
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    const Pose2& truth = laps.truth[2 + kStepsPerSubmap * i];
+    submaps[i].map_T_submap = i < 25 ? truth : map_T_truth * truth;
+    submaps[i].keys.resize(1);
+  }
+  submaps[25].keys.front().starts_drive = true;
+  return submaps;
+}
+
+TEST(PairwiseConsistency, HowTwoDrivesThatNothingTiesLieToOneAnotherSaysNothing) {
+  const Laps laps;
+  const std::vector<LoopClosure> both{laps.closure(10, 110), laps.closure(18, 118)};
+  // Far off, but facing nearly as it should: so little of a turn two closures would not notice.
+  EXPECT_EQ(consistent_ones(both, another_drive(laps, {100.0, 0.0, 0.045})).size(), 2U);
+  EXPECT_EQ(consistent_ones(both, another_drive(laps, {100.0, 0.0, 2.0})).size(), 2U);
+  EXPECT_EQ(consistent_ones(both, another_drive(laps, {})).size(), 2U);
+}
+
+TEST(PairwiseConsistency, OneClosureTiesNoDriveThoughItBendsNothing) {
+  const Laps laps;
+  const std::vector<LoopClosure> one{laps.closure(10, 110)};
+  EXPECT_TRUE(bends_nothing(one.front(), another_drive(laps, {})));
+  EXPECT_TRUE(consistent_ones(one, another_drive(laps, {})).empty());
+}
+
 TEST(PairwiseConsistency, FarAwayNothingIsConsistent) {
   const Laps laps;
   EXPECT_FALSE(are_consistent(laps.closure(2, 102), laps.closure(90, 190), laps.map()));
