@@ -30,8 +30,8 @@ void check(const LiveArguments& arguments) {
 void add_place_flags(CLI::App& command, LiveArguments& arguments) {
   command
       .add_option("--map", arguments.map,
-                  "make no map: tell where the robot is on this one, a map.yaml or a folder that "
-                  "holds one")
+                  "make no map: tell where the robot is on this one, a map.yaml, a folder that "
+                  "holds one, or a site")
       ->type_name("MAP");
   command
       .add_option("--initial", arguments.initial,

@@ -116,7 +116,7 @@ ExitCode LiveLocalizing::tell_result(const LocalizationResult& result) {
 ExitCode LiveLocalizing::run() {
   const Outputs outputs = outputs_of(arguments_, context_);
   outputs.check();
-  const LocalizationMap map = read_known_map(arguments_.map, context_.memory());
+  const LocalizationMap map = read_known_map(arguments_.map, context_.memory(), context_.threads());
   const HeldInterrupt held(kDriveEnds);
   const std::optional<RobotModel> robot = drive_.wait_for_robot();
   if (!robot) return kExitInterrupted;

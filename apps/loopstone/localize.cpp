@@ -284,7 +284,7 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
   const LogFiles log_files(arguments.log);
   const Outputs outputs = outputs_of(arguments, context);
   outputs.check(least_bytes_of_results(log_files.bytes()));
-  const LocalizationMap map = read_known_map(arguments.map, context.memory());
+  const LocalizationMap map = read_known_map(arguments.map, context.memory(), context.threads());
   if (initial) warn_of_initial_pose(*initial, map.occupancy(), context);
   ProblemPrinter print_problem(context);
   const LogSource source =
@@ -319,7 +319,7 @@ void add_localize_command(CLI::App& app, AppContext& context) {
       ->add_option("LOG", arguments->log,
                    "a log file, or a folder (DIR#20 names set 20 of a UCSD folder)")
       ->required();
-  command->add_option("--map", arguments->map, "a map.yaml, or a folder that holds one")
+  command->add_option("--map", arguments->map, "a map.yaml, a folder that holds one, or a site")
       ->type_name("MAP");
   add_landmark_flags(*command, arguments->landmarks);
   command

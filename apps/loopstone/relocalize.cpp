@@ -122,7 +122,7 @@ void add_rows(const Relocalization& found, Result& result) {
 
 ExitCode run(const Arguments& arguments, const AppContext& context) {
   using Clock = std::chrono::steady_clock;
-  const LocalizationMap map = read_known_map(arguments.map, context.memory());
+  const LocalizationMap map = read_known_map(arguments.map, context.memory(), context.threads());
   const TakenScan scan = read_scan(arguments, context);
   const auto start = Clock::now();
   Relocalization found;
@@ -158,7 +158,7 @@ void add_relocalize_command(CLI::App& app, AppContext& context) {
       ->add_option("LOG", arguments->log,
                    "a log file, or a folder (DIR#20 names set 20 of a UCSD folder)")
       ->required();
-  command->add_option("--map", arguments->map, "a map.yaml, or a folder that holds one")
+  command->add_option("--map", arguments->map, "a map.yaml, a folder that holds one, or a site")
       ->type_name("MAP")
       ->required();
   command

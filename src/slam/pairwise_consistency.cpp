@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
+#include <iterator>
 
 #include "loopstone/geometry/angle.hpp"
 #include "slam/drives.hpp"
@@ -142,6 +144,39 @@ std::vector<std::size_t> consistent_ones(std::span<const LoopClosure> closures, 
         });
     if (stands) consistent.push_back(i);
   }
+  return consistent;
+}
+
+std::vector<std::size_t> first_ties(std::span<const LoopClosure> closures,
+                                    std::vector<std::size_t> consistent, Submaps submaps) {
+  const Drives drives(submaps);
+  const auto is_adrift = [&](std::size_t i) {
+    return drives.are_adrift(closures[i].from_submap, closures[i].to_submap);
+  };
+  const auto is_of_same_drives = [&](const LoopClosure& a, const LoopClosure& b) {
+    return !drives.are_adrift(a.from_submap, b.from_submap) &&
+           !drives.are_adrift(a.to_submap, b.to_submap);
+  };
+  const auto worth = [&](std::size_t i) { return closures[i].overlap * closures[i].agreement; };
+  std::vector<std::size_t> adrift;
+  std::ranges::copy_if(consistent, std::back_inserter(adrift), is_adrift);
+  std::ranges::stable_sort(adrift, std::ranges::greater{}, worth);
+  std::erase_if(consistent, is_adrift);
+  std::vector<std::size_t> leading;
+  for (std::size_t second = 1; second < adrift.size(); ++second) {
+    const LoopClosure& b = closures[adrift[second]];
+    const bool is_led = std::ranges::any_of(
+        leading, [&](std::size_t i) { return is_of_same_drives(closures[i], b); });
+    if (is_led) continue;
+    for (std::size_t first = 0; first < second; ++first) {
+      const LoopClosure& a = closures[adrift[first]];
+      if (!is_of_same_drives(a, b) || !are_consistent(a, b, submaps, true)) continue;
+      leading.insert(leading.end(), {adrift[first], adrift[second]});
+      break;
+    }
+  }
+  consistent.insert(consistent.end(), leading.begin(), leading.end());
+  std::ranges::sort(consistent);
   return consistent;
 }
 
