@@ -150,6 +150,9 @@ DriveRecord record_of(MapperState state, const MapOptions& options) {
                      .statistics = state.so_far.statistics,
                      .gyro_scans = state.so_far.gyro_scans,
                      .back_end = back_end.state()};
+  // How long it took is no part of what was found.
+  record.statistics.front_end_s = 0.0;
+  record.back_end.loop_closing_s = record.back_end.optimisation_s = 0.0;
   // What the last scans saw is drawn, but was too little for a submap.
   for (SubmapRecord& submap : record.back_end.chain.submaps)
     if (submap.state == SubmapState::kOpen) submap.drop();

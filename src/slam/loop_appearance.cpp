@@ -38,6 +38,7 @@ std::vector<LoopCandidate> by_appearance(std::span<const SubmapRecord> submaps,
   for (const LoopCandidate& candidate : candidates) {
     laid.push_back(
         centred(candidate, submaps[candidate.older.index], submaps[candidate.newer.index]));
+    laid.back().either_way = true;
   }
   return laid;
 }

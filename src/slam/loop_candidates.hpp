@@ -67,6 +67,7 @@ struct LoopCandidate {
   double half_yaw_rad = 0.0;
   double distance_m = 0.0;
   bool by_appearance = false;
+  bool either_way = false;  ///< also the older in the newer, of which it may be a part
 };
 
 /// Shortest travel from a submap to each other: Dijkstra, neighbours in sequence by the path
@@ -86,7 +87,7 @@ struct LoopCandidates {
                                             const LoopOptions& options,
                                             const std::function<bool(SubmapId older)>& skips);
 
-/// All of them, to be compared by appearance.
+/// All of them, to be compared by appearance, either one in the other.
 [[nodiscard]] std::vector<LoopCandidate> by_appearance(std::span<const SubmapRecord> submaps,
                                                        std::span<const LoopCandidate> candidates);
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
+#include "loopstone/geometry/pose2.hpp"
 #include "registration/lattice_search.hpp"
 #include "slam/loop_coverage.hpp"
 
@@ -48,12 +50,11 @@ ClosureReason judge(const LoopClosure& closure, const MatchResult& match, const 
   return ClosureReason::kWaitsForSecond;
 }
 
-}  // namespace
-
-std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const FrozenSubmap& older,
-                                      const FrozenSubmap& newer, const LoopOptions& options,
-                                      const SubmapOptions& submap_options,
-                                      const GridMatchOptions& match_options) {
+std::optional<VerifiedClosure> verify_one_way(const LoopCandidate& candidate,
+                                              const FrozenSubmap& older, const FrozenSubmap& newer,
+                                              const LoopOptions& options,
+                                              const SubmapOptions& submap_options,
+                                              const GridMatchOptions& match_options) {
   const auto probe = newer.probe(kLoopVerification.probe_points);
   if (probe.empty() || older.surfaces.empty()) return {};
   const Bar bar = bar_for(candidate, options);
@@ -85,6 +86,43 @@ std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const Froz
   closure.reason = judge(closure, match, bar);
   if (closure.reason == ClosureReason::kWaitsForSecond) closure.state = ClosureState::kWaiting;
   return verified;
+}
+
+/// Centre on centre stays so; any heading is any heading.
+LoopCandidate turned_round(LoopCandidate candidate) {
+  std::swap(candidate.older, candidate.newer);
+  candidate.older_T_newer = candidate.older_T_newer.inverse();
+  return candidate;
+}
+
+/// What was found of the older submap in the newer one, as said of the newer in the older.
+void turn_round(const FrozenSubmap& older, const FrozenSubmap& newer,
+                const SubmapOptions& submap_options, VerifiedClosure& found) {
+  LoopClosure& closure = found.closure;
+  std::swap(closure.from, closure.to);
+  std::swap(closure.from_submap, closure.to_submap);
+  const PoseWithCovariance2 turned =
+      inverse(PoseWithCovariance2{closure.from_T_to, closure.covariance});
+  closure.from_T_to = turned.pose;
+  closure.covariance = turned.covariance;
+  found.seen = seen_by(older.search_pyramid(submap_options, 0.0), turned.pose, newer.surfaces);
+}
+
+}  // namespace
+
+std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const FrozenSubmap& older,
+                                      const FrozenSubmap& newer, const LoopOptions& options,
+                                      const SubmapOptions& submap_options,
+                                      const GridMatchOptions& match_options) {
+  auto found = verify_one_way(candidate, older, newer, options, submap_options, match_options);
+  const bool may_be_larger =
+      !found || found->closure.reason == ClosureReason::kTooLittleOverlap;
+  if (!may_be_larger || !candidate.either_way) return found;
+  auto other = verify_one_way(turned_round(candidate), newer, older, options, submap_options,
+                              match_options);
+  if (!other || other->closure.state != ClosureState::kWaiting) return found;
+  turn_round(older, newer, submap_options, *other);
+  return other;
 }
 
 }  // namespace loopstone

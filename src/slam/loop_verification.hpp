@@ -45,6 +45,8 @@ struct VerifiedClosure {
 /// bound), whether another one comes near it, refined on the surfaces, judged by overlap and
 /// agreement. What passes waits for the graph. Nothing where no pose scores well enough to be
 /// spoken of.
+/// Where that fails and the candidate may be compared either way, the older one is looked for in
+/// the newer: a submap that saw much does not lie in one that saw a part of it.
 /// Deterministic. Cost: milliseconds; by appearance, tens of them.
 [[nodiscard]] std::optional<VerifiedClosure> verify(const LoopCandidate& candidate,
                                                     const FrozenSubmap& older,

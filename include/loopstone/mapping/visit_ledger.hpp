@@ -16,7 +16,7 @@ struct VisitLedgerNumbers {
   double trembles_m = 0.1;
   double fixed_share = 0.8;
   double changed_m = 0.15;
-  int changed_cells = 6;
+  int changed_cells = 10;
   double changed_gap_m = 0.25;
 };
 inline constexpr VisitLedgerNumbers kVisitLedger{};
