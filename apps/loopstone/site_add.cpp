@@ -45,6 +45,7 @@ struct Arguments {
   std::string date;
   double settled_s = 10.0;  ///< of watch
   bool once = false;
+  LogCut cut;
   LogFlags reading;
 };
 
@@ -84,7 +85,7 @@ Added add_log(Site& site, const std::string& log, const Arguments& arguments,
   tell_choices(*reader, context);
   ProgressDisplay display(context);
   const auto start = std::chrono::steady_clock::now();
-  const MappedSession mapped = map_session(source, *reader, site.options(), context.threads(),
+  const MappedSession mapped = map_session(source, *reader, arguments.cut, site.options(), context.threads(),
                                            date_of(arguments), watch_by(display));
   ProgressDisplay::clear_line();
   Added added{.map_s = seconds_since(start)};
@@ -251,6 +252,7 @@ void add_site_add_command(CLI::App& site, AppContext& context) {
       ->add_option("--date", arguments->date,
                    "when the log was recorded, UTC (default: as its stamps say)")
       ->type_name("DATE");
+  add_cut_flags(*command, arguments->cut);
   add_log_flags(*command, arguments->reading);
   context.add_common_flags(*command);
   context.add_threads_flag(*command);

@@ -126,11 +126,11 @@ bool comes_before(const SiteSession& a, const SiteSession& b) {
 
 }  // namespace
 
-MappedSession map_session(const LogSource& source, LogReader& reader, const MapOptions& options,
-                          Threads threads, std::optional<Stamp> begins,
+MappedSession map_session(const LogSource& source, LogReader& reader, const LogCut& cut,
+                          const MapOptions& options, Threads threads, std::optional<Stamp> begins,
                           const ReadingWatch& watch) {
   RecordKeeper keeper;
-  const LogMap made = map_log(source, reader, {}, options, threads, watch, &keeper);
+  const LogMap made = map_log(source, reader, cut, options, threads, watch, &keeper);
   const MapResult& result = made.result;
   MappedSession mapped{.complete = result.complete, .warnings = result.warnings};
   SiteSession& session = mapped.session;

@@ -46,8 +46,8 @@ struct MappedSession {
 /// Maps a log for a site. Cost: of map_log(). Throws as that does.
 /// \param begins  when it was driven; nothing: as its stamps say
 [[nodiscard]] MappedSession map_session(const LogSource& source, LogReader& reader,
-                                        const MapOptions& options, Threads threads,
-                                        std::optional<Stamp> begins = {},
+                                        const LogCut& cut, const MapOptions& options,
+                                        Threads threads, std::optional<Stamp> begins = {},
                                         const ReadingWatch& watch = {});
 
 /// The map of a site at a time.
