@@ -1,0 +1,72 @@
+"""Where logs are mapped: on this machine, on Dask, on Ray. All of them take jobs and tell ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+from loopstone_fleet.errors import FleetError
+from loopstone_fleet.job import Job
+from loopstone_fleet.result_store import Row
+
+
+class Place(NamedTuple):
+    """What is asked of an executor."""
+
+    workers: int
+    address: str
+    """Of a cluster that runs; empty for one on this machine."""
+    max_memory_bytes: int
+    """Of one log."""
+
+
+class Executor(Protocol):
+    """Runs jobs. One thread talks to it."""
+
+    workers: int
+    """Logs that are mapped at the same time; more may be given, which then wait."""
+
+    def submit(self, job: Job) -> None:
+        ...
+
+    def next_end(self, timeout_s: float) -> tuple[Job, Row] | None:
+        """A job that has ended with its row; None when none ends in this time.
+
+        Where a worker was lost, the row says so.
+        """
+
+    def close(self) -> None:
+        """Drops what waits, and ends once workers have seen the stop file or are done."""
+
+
+def local_executor(place: Place) -> Executor:
+    from loopstone_fleet.executors.local import LocalExecutor
+
+    return LocalExecutor(place)
+
+
+def dask_executor(place: Place) -> Executor:
+    try:
+        from loopstone_fleet.executors.dask import DaskExecutor
+    except ImportError as error:
+        raise FleetError(
+            f"--executor dask needs Dask ({error}): pip install 'loopstone-fleet[dask]'"
+        ) from None
+    return DaskExecutor(place)
+
+
+def ray_executor(place: Place) -> Executor:
+    try:
+        from loopstone_fleet.executors.ray import RayExecutor
+    except ImportError as error:
+        raise FleetError(
+            f"--executor ray needs Ray ({error}): pip install 'loopstone-fleet[ray]'"
+        ) from None
+    return RayExecutor(place)
+
+
+EXECUTORS: dict[str, Callable[[Place], Executor]] = {
+    "local": local_executor,
+    "dask": dask_executor,
+    "ray": ray_executor,
+}
