@@ -15,8 +15,6 @@ from loopstone_fleet.progress import Progress
 from loopstone_fleet.result_store import ResultStore, Row
 from loopstone_fleet.status import DONE, is_curable
 
-# Waiting for workers, so that none idles while its next log is on the way.
-QUEUED_A_WORKER = 1
 LONGEST_PAUSE_S = 60.0
 LOOK_EVERY_S = 0.2
 
@@ -62,7 +60,7 @@ class Run:
             if ended is not None:
                 self._take(*ended)
             self._write_again()
-            self._progress.tell(min(len(self._running), self._executor.workers), self._reason())
+            self._progress.tell(len(self._running), self._reason())
         for _ in range(self._retries.most):
             if self._unwritten:
                 time.sleep(self._retries.pause_s(1))
@@ -84,7 +82,7 @@ class Run:
             self._waiting.append((task, attempt))
         if now < self._paused_until:
             return
-        room = self._executor.workers * (1 + QUEUED_A_WORKER) - len(self._running)
+        room = self._executor.workers - len(self._running)
         for _ in range(min(room, len(self._waiting))):
             task, attempt = self._waiting.popleft()
             self._running[task.entry.id] = task

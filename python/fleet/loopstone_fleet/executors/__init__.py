@@ -24,7 +24,7 @@ class Executor(Protocol):
     """Runs jobs. One thread talks to it."""
 
     workers: int
-    """Logs that are mapped at the same time; more may be given, which then wait."""
+    """Logs that are mapped at the same time: so many are given at once, and no more."""
 
     def submit(self, job: Job) -> None:
         ...

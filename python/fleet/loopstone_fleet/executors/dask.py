@@ -14,7 +14,7 @@ from loopstone_fleet.executors import Place
 from loopstone_fleet.job import Job, failed_row, run_job
 from loopstone_fleet.result_store import Row
 
-CONNECT_S = 30
+CONNECT_S = 10
 
 
 class DaskExecutor:
@@ -29,15 +29,18 @@ class DaskExecutor:
                 raise FleetError(f"{place.address}: no Dask scheduler answers: {error}") from None
         else:
             # A nanny that counts memory would end the worker for what its child holds: we do that.
-            self._cluster = LocalCluster(
-                n_workers=place.workers,
-                threads_per_worker=1,
-                processes=True,
-                memory_limit=0,
-                dashboard_address=None,
-                host="127.0.0.1",
-                silence_logs=50,
-            )
+            # A log that waits at a worker that dies is blamed with the one that runs there, so once
+            # is forgiven; beyond, tries are counted here.
+            with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
+                self._cluster = LocalCluster(
+                    n_workers=place.workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    memory_limit=0,
+                    dashboard_address=None,
+                    host="127.0.0.1",
+                    silence_logs=50,
+                )
             self._client = Client(self._cluster, set_as_default=False)
         self.workers = max(1, sum(self._client.nthreads().values()))
         self._futures: dict[str, tuple[Any, Job]] = {}
