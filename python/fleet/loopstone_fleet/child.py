@@ -10,15 +10,16 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import BinaryIO, NamedTuple
 
 LAUNCHER = Path(__file__).with_name("launch.py")
 CHECKED_EVERY_S = 0.1
 # Between SIGTERM, on which the program ends tidily, and SIGKILL.
 GRACE_S = 2.0
 TAIL_BYTES = 4096
-# Of stdout, where a summary is some 10 kB, and stderr together.
-CHATTER_BYTES = 64 << 20
+# Of stdout, where a summary is some 10 kB, and stderr together; they are kept in memory, so that a
+# full disk does not swallow what was said about it.
+CHATTER_BYTES = 16 << 20
 
 
 class Limits(NamedTuple):
@@ -46,61 +47,59 @@ class ChildEnd(NamedTuple):
     stderr_tail: str
 
 
-def run_child(
-    command: Sequence[str], folder: Path, limits: Limits, stop_file: Path | None = None
-) -> ChildEnd:
+def run_child(command: Sequence[str], limits: Limits, stop_file: Path | None = None) -> ChildEnd:
     """Runs a command, a full path and its arguments, to its end.
 
-    Its output goes to files in `folder`, which must exist. It is ended when it passes a limit or
-    when `stop_file` appears. OSError when no process can be made.
+    It is ended when it passes a limit or when `stop_file` appears. OSError when no process can be
+    made.
     """
-    out, err = folder / "stdout", folder / "stderr"
     kernel_kills = _kernel_kills()
     started = time.monotonic()
     launcher = [sys.executable, "-I", "-S", str(LAUNCHER)]
     # The watched limit comes first; the net catches what asks for all at once.
     net_bytes = 2 * limits.max_memory_bytes + (1 << 30)
-    with out.open("wb") as out_file, err.open("wb") as err_file:
+    with _memory_file("stdout") as out, _memory_file("stderr") as err:
         process = subprocess.Popen(
             [*launcher, str(os.getpid()), str(net_bytes), *command],
             stdin=subprocess.DEVNULL,
-            stdout=out_file,
-            stderr=err_file,
+            stdout=out,
+            stderr=err,
             start_new_session=True,  # Ctrl-C is ours; we end it
             env={**os.environ, "LC_ALL": "C.UTF-8"},
         )
-    try:
-        status, cpu_s, killed_for, peak = _watch(process, folder, limits, started, stop_file)
-    except BaseException:
-        _end(process, signal.SIGKILL)
-        process.wait()
-        raise
-    code = os.waitstatus_to_exitcode(status)
-    process.returncode = code
-    _end(process, signal.SIGKILL)  # what it started and left
-    return ChildEnd(
-        limits,
-        code if code >= 0 else None,
-        -code if code < 0 else None,
-        killed_for,
-        _kernel_kills() > kernel_kills,
-        time.monotonic() - started,
-        cpu_s,
-        peak,
-        out.read_bytes() if out.stat().st_size <= CHATTER_BYTES else b"",
-        _tail(err),
-    )
+        try:
+            status, cpu_s, killed_for, peak = _watch(process, out, err, limits, stop_file)
+        except BaseException:
+            _end(process, signal.SIGKILL)
+            process.wait()
+            raise
+        code = os.waitstatus_to_exitcode(status)
+        process.returncode = code
+        _end(process, signal.SIGKILL)  # what it started and left
+        return ChildEnd(
+            limits,
+            code if code >= 0 else None,
+            -code if code < 0 else None,
+            killed_for,
+            _kernel_kills() > kernel_kills,
+            time.monotonic() - started,
+            cpu_s,
+            peak,
+            _tail(out, CHATTER_BYTES),
+            _tail(err, TAIL_BYTES).decode("utf-8", errors="replace"),
+        )
 
 
 def _watch(
     process: subprocess.Popen[bytes],
-    folder: Path,
+    out: BinaryIO,
+    err: BinaryIO,
     limits: Limits,
-    started: float,
     stop_file: Path | None,
 ) -> tuple[int, float, str, int]:
     """Waits for the end: the status of waitpid, CPU seconds, why we ended it, peak memory."""
     killed_for, kill_at, peak = "", 0.0, 0
+    started = time.monotonic()
     with _EndOf(process.pid) as end:
         while True:
             pid, status, usage = os.wait4(process.pid, os.WNOHANG)
@@ -113,7 +112,8 @@ def _watch(
                 if now > kill_at:
                     _end(process, signal.SIGKILL)
             else:
-                killed_for = _fault(folder, limits, now - started, held, stop_file)
+                said = _size(out) + _size(err)
+                killed_for = _fault(limits, now - started, held, said, stop_file)
                 if killed_for:
                     # What is too large may be asking for more right now.
                     mild = killed_for in ("timeout", "stopped")
@@ -122,14 +122,13 @@ def _watch(
             end.wait(CHECKED_EVERY_S)
 
 
-def _fault(folder: Path, limits: Limits, wall_s: float, held: int, stop_file: Path | None) -> str:
+def _fault(limits: Limits, wall_s: float, held: int, said: int, stop_file: Path | None) -> str:
     if stop_file is not None and stop_file.exists():
         return "stopped"
     if wall_s > limits.timeout_s:
         return "timeout"
     if held > limits.max_memory_bytes:
         return "memory"
-    said = sum((folder / name).stat().st_size for name in ("stdout", "stderr"))
     return "chatter" if said > CHATTER_BYTES else ""
 
 
@@ -188,7 +187,14 @@ def _end(process: subprocess.Popen[bytes], number: int) -> None:
         pass
 
 
-def _tail(path: Path) -> str:
-    with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - TAIL_BYTES))
-        return file.read().decode("utf-8", errors="replace")
+def _memory_file(name: str) -> BinaryIO:
+    return os.fdopen(os.memfd_create(name), "r+b", buffering=0)
+
+
+def _size(file: BinaryIO) -> int:
+    return os.fstat(file.fileno()).st_size
+
+
+def _tail(file: BinaryIO, size: int) -> bytes:
+    file.seek(max(0, _size(file) - size))
+    return file.read(size)

@@ -6,6 +6,7 @@ import errno
 import hashlib
 import json
 import os
+import shutil
 import socket
 import tempfile
 import time
@@ -22,6 +23,8 @@ from loopstone_fleet.store import FetchLimits, LocalLog, at_hand
 
 # Of a log that was not tried, or not to its end: no row is kept of it.
 STOPPED = "stopped"
+# A disk with less has no room for a map.
+FULL_BYTES = 256 << 10
 # Figures that say nothing of the map, or what the row has by itself.
 LEFT_OUT = ("log", "command", "version", "result_of", "complete")
 
@@ -143,7 +146,6 @@ def _map(job: Job, row: Row) -> Verdict:
             with store.work_folder() as work:
                 end = run_child(
                     _command(job, log, work / "map"),
-                    work,
                     Limits(settings.timeout_s, settings.max_memory_bytes),
                     stop_file,
                 )
@@ -181,6 +183,10 @@ def _judged(end: ChildEnd, folder: Path) -> tuple[Verdict, Row | None]:
         return Verdict(STOPPED, "the run was interrupted"), None
     verdict = verdict_of(end)
     if verdict.status != DONE:
+        # A program need not be able to say so where nothing can be written.
+        is_odd = verdict.status in ("bad_data", "crashed")
+        if is_odd and shutil.disk_usage(folder.parent).free < FULL_BYTES:
+            return Verdict("disk_full", f"no space was left when it ended: {verdict.reason}"), None
         return verdict, None
     try:
         told = json.loads(end.stdout)

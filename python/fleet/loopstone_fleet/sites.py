@@ -82,9 +82,9 @@ def _join(site: str, row: Row, store: ResultStore, settings: Settings) -> tuple[
     scratch = Path(settings.scratch or store.out / "work")
     target = str(store.out / "sites" / f"{site}.sqlite")
     try:
-        with at_hand(row["log"], scratch, fetch) as log, store.work_folder() as work:
+        with at_hand(row["log"], scratch, fetch) as log:
             command = [settings.program, "site", "add", target, log.path, "--json"]
-            end = run_child(command, work, limits, Path(settings.stop_file))
+            end = run_child(command, limits, Path(settings.stop_file))
     except (MissingLogError, LogTooLargeError, StoreError, OSError) as error:
         return FAILED, str(error), False
     verdict = verdict_of(end)

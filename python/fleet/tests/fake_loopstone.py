@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Stands for the program: what it does with a log, the log says in its first line.
 
-Words of that line: ok, bad, crash, hang, eat, chatter, full, kill, exit N, lie, slow S, kill_parent,
-once WORD (the first time WORD, then ok). Each call of `map` leaves a file in the folder CALLS of
-the environment, if that is set.
+Words of that line: ok, bad, crash, hang, eat, gulp, chatter, full, kill, exit N, lie, slow S,
+kill_parent, once WORD (the first time WORD, then ok). Each call of `map` leaves a file in the
+folder CALLS of the environment, if that is set.
 """
 import json
 import os

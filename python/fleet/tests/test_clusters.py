@@ -71,21 +71,19 @@ def dask_cluster(tmp_path: Path) -> Iterator[str]:
     """A scheduler with a worker, as others run them; its address."""
     need("distributed")
     told = tmp_path / "scheduler.json"
-    common = [sys.executable, "-m", "distributed.cli"]
     environment = {**os.environ, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    scheduler = subprocess.Popen(
-        [*common[:2], "distributed.cli.dask_scheduler", "--scheduler-file", str(told)]
-        + ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"],
-        env=environment,
-        **quiet,
-    )
-    worker = subprocess.Popen(
-        [*common[:2], "distributed.cli.dask_worker", "--scheduler-file", str(told)]
-        + ["--nthreads", "1", "--no-dashboard", "--local-directory", str(tmp_path)],
-        env=environment,
-        **quiet,
-    )
+
+    def begin(part: str, *flags: str) -> subprocess.Popen[bytes]:
+        command = [sys.executable, "-m", f"distributed.cli.{part}", "--scheduler-file", str(told)]
+        return subprocess.Popen(
+            [*command, "--no-dashboard", *flags],
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+
+    scheduler = begin("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
+    worker = begin("dask_worker", "--nthreads", "1", "--local-directory", str(tmp_path))
     try:
         deadline = time.monotonic() + 30
         while not told.exists() and time.monotonic() < deadline:
