@@ -152,12 +152,18 @@ def _map(job: Job, row: Row) -> Verdict:
                 _note_costs(row, end)
                 verdict, summary = _judged(end, work / "map")
                 if summary is None:
-                    return verdict
+                    return Verdict(verdict.status, _without_paths(verdict.reason, log, work))
                 store.publish(work / "map", key)
     row["result"] = str(store.result(key).relative_to(store.out))
     row["starts_at_s"] = first_stamp(store.result(key) / "trajectory.tum")
     row.update({name: value for name, value in summary.items() if name not in LEFT_OUT})
     return Verdict(DONE, "")
+
+
+def _without_paths(reason: str, log: LocalLog, work: Path) -> str:
+    """A reason whose names a reader of rows knows: the row has the log, and work is gone by then."""
+    text = reason.removeprefix(f"{log.path}: ").replace(log.path, os.path.basename(log.path))
+    return text.replace(f"{work}{os.sep}", "")
 
 
 def _command(job: Job, log: LocalLog, out: Path) -> list[str]:

@@ -136,8 +136,18 @@ def _robots(robots: Iterable[Robot]) -> str:
                 ("", escape(faults)),
             ]
         )
-    names = ["robot", "", "maps>", "with faults>", "odometry distrusted>", "what, in how many logs"]
-    note = "service: faults in at least 2 logs and a quarter of all; watch: in any"
+    names = [
+        "robot",
+        "verdict",
+        "maps>",
+        "with faults>",
+        "odometry distrusted>",
+        "what, in how many logs",
+    ]
+    note = (
+        "service: faults of odometry or laser in at least 2 logs and a quarter of all; watch: in"
+        " one, or the laser does not sit where its robot's file or log says"
+    )
     return _section(
         "Which robot needs service", _table(names, rows), note, len(named), ROBOTS_SHOWN
     )
@@ -151,7 +161,7 @@ def _suspects(over: Overview) -> str:
             ("log", _link(row, over.folder)),
             ("", f"<span class='state {row['quality.verdict']}'>{row['quality.verdict']}</span>"),
             ("n", f"{number(row, 'quality.possible_error_m'):.2f} m"),
-            ("", escape(row.get("robot") or "")),
+            ("robot", escape(row.get("robot") or "")),
             ("", escape(str(row.get("quality.sentence") or ""))),
         ]
         for row in over.suspects
@@ -181,7 +191,7 @@ def _failed(over: Overview) -> str:
             ("log", _short(row, over.folder)),
             ("", escape(row["status"])),
             ("n", str(row.get("attempts", ""))),
-            ("", escape(row.get("robot") or "")),
+            ("robot", escape(row.get("robot") or "")),
             ("", escape(str(row.get("reason") or ""))),
         ]
         for row in over.failed

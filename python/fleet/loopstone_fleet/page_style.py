@@ -39,6 +39,7 @@ th, td { padding: .35rem .75rem .35rem 0; text-align: left; vertical-align: top;
 th { font-weight: 600; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td.log { overflow-wrap: anywhere; min-width: 10rem; }
+td.robot { white-space: nowrap; }
 .state { display: inline-block; border-radius: .3rem; padding: 0 .5rem; font-size: .85rem;
   font-weight: 600; color: #fff; background: #6b7280; white-space: nowrap; }
 .state.good, .state.fine, .state.joined { background: #047857; }

@@ -90,9 +90,8 @@ def dask_cluster(tmp_path: Path) -> Iterator[str]:
             time.sleep(0.05)
         yield json.loads(told.read_text())["address"]
     finally:
-        for process in (worker, scheduler):
+        for process in (worker, scheduler):  # a worker asks its scheduler whether it may go
             process.terminate()
-        for process in (worker, scheduler):
             process.wait(20)
 
 
