@@ -161,7 +161,7 @@ def _map(job: Job, row: Row) -> Verdict:
 
 
 def _without_paths(reason: str, log: LocalLog, work: Path) -> str:
-    """A reason whose names a reader of rows knows: the row has the log, and work is gone by then."""
+    """A reason without names that mean nothing later; which log it is, the row tells."""
     text = reason.removeprefix(f"{log.path}: ").replace(log.path, os.path.basename(log.path))
     return text.replace(f"{work}{os.sep}", "")
 

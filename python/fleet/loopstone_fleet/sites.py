@@ -11,6 +11,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import NamedTuple
 
 from loopstone_fleet.child import Limits, run_child
 from loopstone_fleet.errors import LogTooLargeError, MissingLogError, StoreError
@@ -49,6 +50,20 @@ def join_sites(
     return sum(counts, Counter())
 
 
+class Joined(NamedTuple):
+    """What became of one log at its site."""
+
+    status: str
+    reason: str
+    is_final: bool
+    """Whether the same call would end the same."""
+    wall_s: float
+
+    def row(self, row: Row) -> Row:
+        told = {"site_status": self.status, "site_reason": self.reason, "site_wall_s": self.wall_s}
+        return {**row, **told}
+
+
 def _join_site(site: str, rows: list[Row], store: ResultStore, settings: Settings) -> Counter[str]:
     book = store.out / "sites" / f"{site}.json"
     known = read_json(book) or {}
@@ -58,25 +73,20 @@ def _join_site(site: str, rows: list[Row], store: ResultStore, settings: Setting
         if Path(settings.stop_file).exists():
             break
         name = f"{row['log_digest']} {row['recipe']}"
-        if name not in known:
-            status, reason, is_final = _join(site, row, store, settings)
-            store.write_row({**row, "site_status": status, "site_reason": reason})
-            if is_final:
-                known[name] = {"log": row["log"], "status": status, "reason": reason}
-                write_whole(book, json.dumps(known, ensure_ascii=False, indent=1).encode())
-            counts[status] += 1
+        if name in known:
+            joined = Joined(*known[name])
         else:
-            counts[known[name]["status"]] += 1
-            if "site_status" not in row:  # it was mapped again to the same result
-                told = known[name]
-                store.write_row(
-                    {**row, "site_status": told["status"], "site_reason": told["reason"]}
-                )
+            joined = _join(site, row, store, settings)
+            if joined.is_final:
+                known[name] = list(joined)
+                write_whole(book, json.dumps(known, ensure_ascii=False, indent=1).encode())
+        if joined.row(row) != row:
+            store.write_row(joined.row(row))
+        counts[joined.status] += 1
     return counts
 
 
-def _join(site: str, row: Row, store: ResultStore, settings: Settings) -> tuple[str, str, bool]:
-    """Status, reason, and whether the same call would end the same."""
+def _join(site: str, row: Row, store: ResultStore, settings: Settings) -> Joined:
     limits = Limits(settings.timeout_s, settings.max_memory_bytes)
     fetch = FetchLimits(settings.max_log_bytes, settings.timeout_s)
     scratch = Path(settings.scratch or store.out / "work")
@@ -86,13 +96,15 @@ def _join(site: str, row: Row, store: ResultStore, settings: Settings) -> tuple[
             command = [settings.program, "site", "add", target, log.path, "--json"]
             end = run_child(command, limits, Path(settings.stop_file))
     except (MissingLogError, LogTooLargeError, StoreError, OSError) as error:
-        return FAILED, str(error), False
-    verdict = verdict_of(end)
-    if end.killed_for == "stopped" or verdict.status != DONE:
-        return (FAILED, verdict.reason, not end.killed_for and not is_curable(verdict.status))
+        return Joined(FAILED, str(error), False, 0.0)
+    status, reason = verdict_of(end)
+    if end.killed_for or status != DONE:
+        is_final = not end.killed_for and not is_curable(status)
+        return Joined(FAILED, reason, is_final, end.wall_s)
     try:
         told = json.loads(end.stdout)
     except ValueError:
-        return FAILED, "ended with 0, but told nothing that can be read", True
-    pending = isinstance(told, dict) and told.get("status") == PENDING
-    return (PENDING if pending else JOINED), str(told.get("reason") or ""), True
+        return Joined(FAILED, "ended with 0, but told nothing to be read", True, end.wall_s)
+    is_pending = isinstance(told, dict) and told.get("status") == PENDING
+    reason = str(told.get("reason") or "") if isinstance(told, dict) else ""
+    return Joined(PENDING if is_pending else JOINED, reason, True, end.wall_s)

@@ -14,7 +14,8 @@ import pyarrow.parquet as parquet
 
 from loopstone_fleet.result_store import Row
 
-ROWS_A_GROUP = 5000
+# Of one row group, which is in memory as a whole.
+ROWS_A_GROUP = 1000
 
 
 def flat(row: Row) -> Row:
