@@ -29,13 +29,10 @@ venv=$folder/venv
 pip=("$venv/bin/pip" --quiet --disable-pip-version-check --no-input)
 [[ -x $venv/bin/pip ]] || python3 -m venv "$venv"
 
-# Built from a copy, for building leaves files beside the sources.
-rm -rf "$folder/dist" "$folder/source"
-mkdir -p "$folder"
-cp -r python/fleet "$folder/source"
-"${pip[@]}" wheel "$folder/source" --no-deps --wheel-dir "$folder/dist"
+rm -rf "$folder/dist"
+"${pip[@]}" wheel ./python/fleet --no-deps --wheel-dir "$folder/dist"
 wheel=("$folder"/dist/loopstone_fleet-*.whl)
-"${pip[@]}" uninstall --yes loopstone-fleet
+"${pip[@]}" uninstall --yes loopstone-fleet 2>/dev/null
 "${pip[@]}" install "${wheel[0]}[s3,dask,test]"
 "${pip[@]}" install 'ray>=2.9' 2>"$folder/ray.log" ||
   printf '%s: Ray cannot be installed, so its tests are skipped: %s\n' "$0" "$(tail -1 "$folder/ray.log")" >&2
