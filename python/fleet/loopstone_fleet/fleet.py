@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
 from loopstone_fleet.errors import FleetError
 from loopstone_fleet.executors import EXECUTORS, Place
-from loopstone_fleet.job import Settings
+from loopstone_fleet.job import Settings, stop
 from loopstone_fleet.manifest import Entry, Shard, read_manifest
 from loopstone_fleet.outputs import Renewal, write_outputs
 from loopstone_fleet.page import State
@@ -66,9 +68,12 @@ def run_fleet(call: RunCall) -> int:
         helps_again = _map_all(call, store, settings, tasks, progress, outputs)
         _join(call, store, settings, entries, progress)
     except BaseException:
-        _stop(settings)
-        outputs.write(is_running=False)
+        with suppress(OSError):  # of a full disk; what ended the run is to be told
+            outputs.write(is_running=False)
         raise
+    finally:
+        if call.executor == "local":  # elsewhere a worker may still have to see it
+            Path(settings.stop_file).unlink(missing_ok=True)
     progress.end()
     outputs.write(is_running=False)
     progress.say(f"{outputs.page}: open it to see what came of it")
@@ -98,36 +103,34 @@ def _settings(call: RunCall) -> Settings:
 
 def _tasks(
     call: RunCall, store: ResultStore, settings: Settings, entries: list[Entry], progress: Progress
-) -> list[Task]:
-    tasks = []
+) -> Iterator[Task]:
     for planned in plan(entries, store, settings, call.again):
         if planned.task is not None:
-            tasks.append(planned.task)
+            yield planned.task
         else:
             progress.skipped += 1
-        progress.tell(0)
-    return tasks
+            progress.tell(0)
 
 
 def _map_all(
     call: RunCall,
     store: ResultStore,
     settings: Settings,
-    tasks: list[Task],
+    tasks: Iterator[Task],
     progress: Progress,
     outputs: _Outputs,
 ) -> bool:
     """Whether another run would help."""
-    if not tasks:
+    first = next(tasks, None)
+    if first is None:
         return False
-    place = Place(min(call.workers, len(tasks)), call.address, call.max_memory_bytes)
+    place = Place(call.workers, call.address, call.max_memory_bytes)
     executor = EXECUTORS[call.executor](place)
-    renewal = Renewal(outputs.write)
-    run = Run(store, settings, executor, call.retries, progress, renewal)
+    run = Run(store, settings, executor, call.retries, progress, Renewal(outputs.write))
     try:
-        run.run(tasks)
+        run.run(chain([first], tasks))
     except BaseException:
-        _stop(settings)
+        stop(settings)
         raise
     finally:
         executor.close()
@@ -155,14 +158,6 @@ def _join(
     counts = join_sites(entries, store, settings, call.workers)
     told = ", ".join(f"{count} {word}" for word, count in sorted(counts.items())) or "nothing"
     progress.say(f"logs at their sites: {told}")
-
-
-def _stop(settings: Settings) -> None:
-    """Ends what runs, wherever it runs: workers look for this file."""
-    try:
-        Path(settings.stop_file).touch()
-    except OSError:
-        pass
 
 
 class _Outputs:

@@ -102,6 +102,14 @@ def run_job(job: Job) -> Row:
     return row
 
 
+def stop(settings: Settings) -> None:
+    """Ends what runs, wherever it runs."""
+    try:
+        Path(settings.stop_file).touch()
+    except OSError:  # no room even for that; limits will end it
+        pass
+
+
 def failed_row(job: Job, reason: str) -> Row:
     """The row of a log whose worker did not return one."""
     return {**_begun_row(job), "status": "worker_failed", "reason": reason}

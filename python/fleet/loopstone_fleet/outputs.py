@@ -26,7 +26,7 @@ def write_outputs(
 ) -> int:
     """Writes NAME.parquet and NAME.html, and returns how many rows they have."""
     count = write_table(rows, folder / f"{name}.parquet")
-    page = page_of(overview_of(rows()), state).replace(TABLE, f"{name}.parquet")
+    page = page_of(overview_of(rows()), state._replace(table=f"{name}.parquet"))
     write_whole(folder / f"{name}.html", page.encode())
     return count
 

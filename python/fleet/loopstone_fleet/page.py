@@ -27,6 +27,8 @@ class State(NamedTuple):
     is_running: bool
     logs_of: int
     """That the manifest has."""
+    table: str = "fleet.parquet"
+    """Beside the page."""
 
 
 def page_of(over: Overview, state: State) -> str:
@@ -79,7 +81,7 @@ def _head(over: Overview, state: State) -> str:
         f"<h1>{title}</h1>\n<p class='verdict'>{_sentence(over, failed, len(service))}</p>\n"
         f"<div class='bar' role='img' aria-label='verdicts'>{bar}</div><div class='key'>{key}</div>"
         f"{_figures(over)}<p class='soft'>Made {made} of rows by loopstone {escape(versions)}."
-        f"{where} All figures of all logs: <a href='fleet.parquet'>fleet.parquet</a>.</p>"
+        f"{where} All figures of all logs: <a href='{state.table}'>{state.table}</a>.</p>"
     )
 
 
@@ -239,7 +241,7 @@ def _sites(over: Overview) -> str:
 
 
 def _section(title: str, text: str, note: str, count: int, shown: int) -> str:
-    more = f"{count - shown:,} more are in fleet.parquet." if count > shown else ""
+    more = f"{count - shown:,} more are in the table." if count > shown else ""
     soft = " ".join(part for part in (f"{note}." if note else "", more) if part)
     return f"<h2>{title}</h2>\n{text}" + (f"<p class='soft'>{soft}</p>" if soft else "")
 

@@ -14,6 +14,7 @@ import json
 import os
 import shutil
 import socket
+import time
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,6 +25,8 @@ from loopstone_fleet.errors import FleetError
 
 Row = dict[str, Any]
 SUMMARY = "summary.json"
+# By then the last worker has seen that its run was stopped.
+STOPPED_S = 24 * 3600.0
 
 
 class ResultStore:
@@ -103,6 +106,9 @@ class ResultStore:
             pid = folder.name.rsplit("-", 2)[1]
             if pid.isdigit() and not Path(f"/proc/{pid}").exists():
                 shutil.rmtree(folder, ignore_errors=True)
+        for path in (self.out / "work").glob("stop-*"):
+            if time.time() - path.stat().st_mtime > STOPPED_S:
+                path.unlink(missing_ok=True)
 
 
 def read_json(path: Path) -> Row | None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import heapq
 import time
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 from typing import NamedTuple
 
 from loopstone_fleet.executors import Executor
@@ -44,6 +45,7 @@ class Run:
     ) -> None:
         self._store, self._settings, self._executor = store, settings, executor
         self._retries, self._progress, self._on_row = retries, progress, on_row
+        self._tasks: Iterator[Task] = iter(())
         self._waiting: deque[tuple[Task, int]] = deque()
         self._delayed: list[tuple[float, int, Task, int]] = []
         self._running: dict[str, Task] = {}
@@ -51,10 +53,10 @@ class Run:
         self._paused_until = 0.0
         self.statuses: Counter[str] = Counter()
 
-    def run(self, tasks: list[Task]) -> None:
-        """Until every task has its row."""
-        self._waiting.extend((task, 1) for task in tasks)
-        while self._waiting or self._delayed or self._running:
+    def run(self, tasks: Iterable[Task]) -> None:
+        """Until every task has its row. Tasks are taken as workers become free."""
+        self._tasks = iter(tasks)
+        while self._has_more() or self._delayed or self._running:
             self._give_out()
             ended = self._next_end()
             if ended is not None:
@@ -75,6 +77,12 @@ class Run:
     def worth_another_run(self) -> bool:
         return self.rows_lost > 0 or any(is_curable(status) for status in self.statuses)
 
+    def _has_more(self) -> bool:
+        """Whether one waits that may begin now."""
+        if not self._waiting:
+            self._waiting.extend((task, 1) for task in islice(self._tasks, 1))
+        return bool(self._waiting)
+
     def _give_out(self) -> None:
         now = time.monotonic()
         while self._delayed and self._delayed[0][0] <= now:
@@ -82,8 +90,7 @@ class Run:
             self._waiting.append((task, attempt))
         if now < self._paused_until:
             return
-        room = self._executor.workers - len(self._running)
-        for _ in range(min(room, len(self._waiting))):
+        while len(self._running) < self._executor.workers and self._has_more():
             task, attempt = self._waiting.popleft()
             self._running[task.entry.id] = task
             self._executor.submit(Job(task.entry, self._settings, attempt))

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from loopstone_fleet.child import Limits, run_child
 from loopstone_fleet.errors import LogTooLargeError, MissingLogError, StoreError
-from loopstone_fleet.job import Settings
+from loopstone_fleet.job import Settings, stop
 from loopstone_fleet.manifest import Entry
 from loopstone_fleet.result_store import ResultStore, Row, read_json, write_whole
 from loopstone_fleet.status import DONE, is_curable, verdict_of
@@ -45,7 +45,7 @@ def join_sites(
         try:
             counts = [future.result() for future in futures]
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
+            stop(settings)
             raise
     return sum(counts, Counter())
 

@@ -176,7 +176,7 @@ def test_the_page_keeps_its_size() -> None:
     )
     page = page_of(overview_of(rows), State(False, 0))
     assert len(page) < 300_000
-    assert "9,800 more are in fleet.parquet" in page
+    assert "9,800 more are in the table" in page
 
 
 # ---- merging

@@ -209,6 +209,7 @@ def started(fleet: Fleet, manifest: Path, *flags: str) -> subprocess.Popen[bytes
         [sys.executable, "-m", "loopstone_fleet", "run", str(manifest), "-o", str(fleet.out)]
         + ["--program", str(fleet.program), "--workers", "2", *flags],
         stderr=subprocess.PIPE,
+        start_new_session=True,
         env={**os.environ, "CALLS": str(fleet.calls)},
     )
 
@@ -238,21 +239,26 @@ def is_gone(pid: int) -> bool:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_ends_children_and_keeps_rows(fleet: Fleet, number: int) -> None:
+@pytest.mark.parametrize("executor", ["local", "dask"])
+def test_an_interrupt_ends_children_and_keeps_rows(
+    fleet: Fleet, executor: str, number: int
+) -> None:
+    if executor == "dask":
+        pytest.importorskip("distributed", reason="distributed is not installed")
     fleet.log("a_quick")
     fleet.log("b_hangs", "hang")
     fleet.log("c_next")
     fleet.log("d_hangs", "hang")
     fleet.log("e_never")
-    process = started(fleet, fleet.manifest_of_all())
+    process = started(fleet, fleet.manifest_of_all(), "--executor", executor)
     pids = [wait_for(fleet, name) for name in ("b_hangs", "d_hangs")]
-    process.send_signal(number)
-    _, said = process.communicate(timeout=20)
+    os.killpg(process.pid, number)  # as a terminal does
+    _, said = process.communicate(timeout=30)
     assert process.returncode == 130, said
     assert all(is_gone(pid) for pid in pids)
     assert fleet.statuses() == {"a_quick": "done", "c_next": "done"}
     assert parquet.read_table(fleet.out / "fleet.parquet").num_rows == 2
-    assert b"interrupted" in said and b"Traceback" not in said
+    assert b"interrupted" in said and b"Traceback" not in said, said
 
 
 def test_a_killed_run_leaves_no_child_and_goes_on(fleet: Fleet) -> None:

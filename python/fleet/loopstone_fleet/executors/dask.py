@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import queue
+import signal
+import threading
 import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import dask.config
@@ -28,19 +32,7 @@ class DaskExecutor:
             except (OSError, ValueError) as error:
                 raise FleetError(f"{place.address}: no Dask scheduler answers: {error}") from None
         else:
-            # A nanny that counts memory would end the worker for what its child holds: we do that.
-            # A log that waits at a worker that dies is blamed with the one that runs there, so once
-            # is forgiven; beyond, tries are counted here.
-            with dask.config.set({"distributed.scheduler.allowed-failures": 1}):
-                self._cluster = LocalCluster(
-                    n_workers=place.workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    memory_limit=0,
-                    dashboard_address=None,
-                    host="127.0.0.1",
-                    silence_logs=50,
-                )
+            self._cluster = _cluster_here(place.workers)
             self._client = Client(self._cluster, set_as_default=False)
         self.workers = max(1, sum(self._client.nthreads().values()))
         self._futures: dict[str, tuple[Any, Job]] = {}
@@ -78,3 +70,33 @@ class DaskExecutor:
             self._client.close()
             if self._cluster is not None:
                 self._cluster.close()
+
+
+def _cluster_here(workers: int) -> Any:
+    """Processes of this machine."""
+    # A nanny that counts memory would end the worker for what its child holds: we do that.
+    # A log that waits at a worker that dies is blamed with the one that runs there, so once is
+    # forgiven; beyond, tries are counted here.
+    with dask.config.set({"distributed.scheduler.allowed-failures": 1}), _ctrl_c_is_ours():
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            memory_limit=0,
+            dashboard_address=None,
+            host="127.0.0.1",
+            silence_logs=50,
+        )
+
+
+@contextmanager
+def _ctrl_c_is_ours() -> Iterator[None]:
+    """Processes that are begun within do not end by Ctrl-C: they are told to."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
