@@ -72,7 +72,7 @@ def run_fleet(call: RunCall) -> int:
             outputs.write(is_running=False)
         raise
     finally:
-        if call.executor == "local":  # elsewhere a worker may still have to see it
+        if not call.address:  # on a cluster of others a worker may still have to see it
             Path(settings.stop_file).unlink(missing_ok=True)
     progress.end()
     outputs.write(is_running=False)

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from conftest import Fleet
+from loopstone_fleet import executors
 
 os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
 
@@ -103,6 +104,14 @@ def test_a_cluster_that_runs_already(fleet: Fleet, dask_cluster: str) -> None:
     # Here the scheduler itself gave the log to a new worker.
     assert fleet.statuses() == {"a": "done", "b": "done"}
     assert fleet.times_mapped("b") == 2
+
+
+def test_workers_come_and_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = [0, 3, 5]
+    workers = executors.Workers(lambda: answers.pop(0))
+    assert [workers.count(), workers.count()] == [1, 1]
+    monkeypatch.setattr(executors, "ASKED_EVERY_S", -1.0)
+    assert [workers.count(), workers.count()] == [3, 5]
 
 
 def test_a_cluster_that_is_not_there(

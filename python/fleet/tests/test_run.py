@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import signal
@@ -217,7 +218,7 @@ def started(fleet: Fleet, manifest: Path, *flags: str) -> subprocess.Popen[bytes
 def wait_for(fleet: Fleet, name: str) -> int:
     """The process of the fake program that has this log."""
     path = fleet.calls / name
-    deadline = time.monotonic() + 20
+    deadline = time.monotonic() + 60  # a cluster has to begin
     while time.monotonic() < deadline:
         if path.exists() and path.read_text().endswith("\n"):
             return int(path.read_text().split()[-1])
@@ -238,19 +239,28 @@ def is_gone(pid: int) -> bool:
     return False
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("executor", ["local", "dask"])
+@pytest.mark.parametrize(
+    ("executor", "module", "number"),
+    [
+        ("local", "", signal.SIGINT),
+        ("local", "", signal.SIGTERM),
+        ("dask", "distributed", signal.SIGINT),
+        ("ray", "ray", signal.SIGTERM),
+    ],
+)
 def test_an_interrupt_ends_children_and_keeps_rows(
-    fleet: Fleet, executor: str, number: int
+    fleet: Fleet, executor: str, module: str, number: int
 ) -> None:
-    if executor == "dask":
-        pytest.importorskip("distributed", reason="distributed is not installed")
+    if module and importlib.util.find_spec(module) is None:
+        pytest.skip(f"{module} is not installed")
     fleet.log("a_quick")
     fleet.log("b_hangs", "hang")
     fleet.log("c_next")
     fleet.log("d_hangs", "hang")
     fleet.log("e_never")
-    process = started(fleet, fleet.manifest_of_all(), "--executor", executor)
+    process = started(
+        fleet, fleet.manifest_of_all(), "--executor", executor, "--max-memory", "256M"
+    )
     pids = [wait_for(fleet, name) for name in ("b_hangs", "d_hangs")]
     os.killpg(process.pid, number)  # as a terminal does
     _, said = process.communicate(timeout=30)
@@ -259,6 +269,7 @@ def test_an_interrupt_ends_children_and_keeps_rows(
     assert fleet.statuses() == {"a_quick": "done", "c_next": "done"}
     assert parquet.read_table(fleet.out / "fleet.parquet").num_rows == 2
     assert b"interrupted" in said and b"Traceback" not in said, said
+    assert list((fleet.out / "work").iterdir()) == []
 
 
 def test_a_killed_run_leaves_no_child_and_goes_on(fleet: Fleet) -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from loopstone_fleet.errors import FleetError
 from loopstone_fleet.job import Job
 from loopstone_fleet.result_store import Row
+
+
+ASKED_EVERY_S = 5.0
 
 
 class Place(NamedTuple):
@@ -20,11 +24,26 @@ class Place(NamedTuple):
     """Of one log."""
 
 
+class Workers:
+    """How many workers a cluster has, which come and go; at least one is hoped for."""
+
+    def __init__(self, ask: Callable[[], int]) -> None:
+        self._ask = ask
+        self._count, self._asked = 1, float("-inf")
+
+    def count(self) -> int:
+        if time.monotonic() - self._asked > ASKED_EVERY_S:
+            self._count = max(1, self._ask())
+            self._asked = time.monotonic()
+        return self._count
+
+
 class Executor(Protocol):
     """Runs jobs. One thread talks to it."""
 
-    workers: int
-    """Logs that are mapped at the same time: so many are given at once, and no more."""
+    @property
+    def workers(self) -> int:
+        """Logs that are mapped at the same time: so many are given at once, and no more."""
 
     def submit(self, job: Job) -> None:
         ...

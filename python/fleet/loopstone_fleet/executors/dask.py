@@ -14,7 +14,7 @@ import dask.config
 from distributed import Client, LocalCluster
 
 from loopstone_fleet.errors import FleetError
-from loopstone_fleet.executors import Place
+from loopstone_fleet.executors import Place, Workers
 from loopstone_fleet.job import Job, failed_row, run_job
 from loopstone_fleet.result_store import Row
 
@@ -34,9 +34,13 @@ class DaskExecutor:
         else:
             self._cluster = _cluster_here(place.workers)
             self._client = Client(self._cluster, set_as_default=False)
-        self.workers = max(1, sum(self._client.nthreads().values()))
+        self._workers = Workers(lambda: sum(self._client.nthreads().values()))
         self._futures: dict[str, tuple[Any, Job]] = {}
         self._ends: queue.SimpleQueue[str] = queue.SimpleQueue()
+
+    @property
+    def workers(self) -> int:
+        return self._workers.count()
 
     def submit(self, job: Job) -> None:
         # Not pure: the same log may have to be tried again.

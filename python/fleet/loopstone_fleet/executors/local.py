@@ -14,7 +14,7 @@ class LocalExecutor:
     """Threads, since all work is done in the processes that they start."""
 
     def __init__(self, place: Place) -> None:
-        self.workers = place.workers
+        self._workers = place.workers
         self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._ends: queue.SimpleQueue[tuple[Job, Row]] = queue.SimpleQueue()
         self._threads = [
@@ -23,6 +23,10 @@ class LocalExecutor:
         ]
         for thread in self._threads:
             thread.start()
+
+    @property
+    def workers(self) -> int:
+        return self._workers
 
     def submit(self, job: Job) -> None:
         self._jobs.put(job)
