@@ -42,7 +42,7 @@ def test_workers_that_are_killed_lose_nothing(fleet: Fleet, executor: str) -> No
     }
     for name, word in words.items():
         fleet.log(name, word)
-    flags = ["--executor", executor, "--workers", "2", "--timeout", "2", "--retries", "1"]
+    flags = ["--executor", executor, "--workers", "2", "--timeout", "5", "--retries", "1"]
     manifest = fleet.manifest_of_all()
     assert fleet.run(manifest, *flags, "--max-memory", "256M") == 1
     assert fleet.statuses() == {
@@ -62,7 +62,7 @@ def test_workers_that_are_killed_lose_nothing(fleet: Fleet, executor: str) -> No
     assert rows["fine1"]["worker"] != f"{rows['fine1']['worker'].split(':')[0]}:{os.getpid()}"
     # A worker that died could not tidy up; the next run does.
     (fleet.folder / "logs" / "kills_workers").write_text("ok\n")
-    assert fleet.run(manifest, "--timeout", "2") == 0
+    assert fleet.run(manifest, "--timeout", "5") == 0
     assert fleet.times_mapped("fine1") == 1
     assert list((fleet.out / "work").iterdir()) == []
 

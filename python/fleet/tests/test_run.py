@@ -143,7 +143,7 @@ def test_each_fault_has_its_status_and_its_one_row(fleet: Fleet) -> None:
     manifest = fleet.manifest(
         [*(str(path) for path in sorted((fleet.folder / "logs").iterdir())), "logs/gone"]
     )
-    flags = ["--timeout", "1.5", "--max-memory", "64M", "--retries", "1", "--workers", "4"]
+    flags = ["--timeout", "4", "--max-memory", "64M", "--retries", "1", "--workers", "4"]
     assert fleet.run(manifest, *flags) == 1
     expected = {word.replace(" ", "_"): status for word, status in words.items()}
     assert fleet.statuses() == {**expected, "gone": "bad_data"}
@@ -167,12 +167,12 @@ def test_each_fault_has_its_status_and_its_one_row(fleet: Fleet) -> None:
 
 def test_curable_ends_and_higher_limits_are_tried_in_the_next_run(fleet: Fleet) -> None:
     fleet.log("killed", "kill")
-    fleet.log("slow", "slow 2.5")
+    fleet.log("slow", "once hang")
     fleet.log("crash", "crash")
     manifest = fleet.manifest_of_all()
-    assert fleet.run(manifest, "--timeout", "1.2", "--retries", "0") == 1
+    assert fleet.run(manifest, "--timeout", "3", "--retries", "0") == 1
     assert fleet.statuses() == {"killed": "killed", "slow": "timeout", "crash": "crashed"}
-    assert fleet.run(manifest, "--timeout", "1.1", "--retries", "0") == 1
+    assert fleet.run(manifest, "--timeout", "2.9", "--retries", "0") == 1
     assert [fleet.times_mapped(name) for name in ("killed", "slow", "crash")] == [2, 1, 1]
     assert fleet.run(manifest, "--timeout", "30", "--retries", "0", "--again", "crashed") == 1
     assert [fleet.times_mapped(name) for name in ("killed", "slow", "crash")] == [3, 2, 2]
