@@ -20,6 +20,7 @@ from loopstone_fleet.progress import Progress
 from loopstone_fleet.result_store import ResultStore, Row
 from loopstone_fleet.run import Retries, Run
 from loopstone_fleet.sites import join_sites
+from loopstone_fleet.status import DONE
 
 MIN_MEMORY = 16 << 20
 
@@ -97,6 +98,7 @@ def _settings(call: RunCall) -> Settings:
         threads=call.threads,
         flags=call.flags,
         robots=call.robots,
+        anew=DONE in call.again,
         stop_file=str(call.out / "work" / f"stop-{call.name}"),
     )
 

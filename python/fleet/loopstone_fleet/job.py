@@ -47,6 +47,8 @@ class Settings(NamedTuple):
     """More words for `map`, of all logs."""
     robots: str
     """A folder with ROBOT.toml of each robot, or empty."""
+    anew: bool
+    """Whether results are made although they are there."""
     stop_file: str
     """Where it appears, work ends."""
 
@@ -148,7 +150,7 @@ def _map(job: Job, row: Row) -> Verdict:
         row["fetch_s"] = time.monotonic() - fetching
         row["log_digest"], row["log_bytes"] = log.digest, log.size_bytes
         key = result_key(log.digest, row["recipe"])
-        summary = store.summary(key)
+        summary = None if settings.anew else store.summary(key)
         row["reused"] = summary is not None
         if summary is None:
             with store.work_folder() as work:
@@ -161,7 +163,7 @@ def _map(job: Job, row: Row) -> Verdict:
                 verdict, summary = _judged(end, work / "map")
                 if summary is None:
                     return Verdict(verdict.status, _without_paths(verdict.reason, log, work))
-                store.publish(work / "map", key)
+                store.publish(work / "map", key, settings.anew)
     row["result"] = str(store.result(key).relative_to(store.out))
     row["starts_at_s"] = first_stamp(store.result(key) / "trajectory.tum")
     row.update({name: value for name, value in summary.items() if name not in LEFT_OUT})

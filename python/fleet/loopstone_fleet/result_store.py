@@ -53,13 +53,15 @@ class ResultStore:
         summary = read_json(self.result(key) / SUMMARY)
         return summary if summary is not None and summary.get("complete") is True else None
 
-    def publish(self, folder: Path, key: str) -> None:
+    def publish(self, folder: Path, key: str, replaces: bool = False) -> None:
         """Gives a finished result its name. Where another worker was faster, its own stays: both
-        are the same bytes."""
+        are the same bytes. A result that is replaced goes with the folder that `folder` is in."""
         target = self.result(key)
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and self.summary(key) is None:  # damaged by hand, or by a lost disk
             shutil.rmtree(target)
+        if replaces and target.exists():
+            target.rename(folder.with_name("replaced"))
         try:
             folder.rename(target)
         except OSError:

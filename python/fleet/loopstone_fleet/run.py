@@ -51,6 +51,7 @@ class Run:
         self._running: dict[str, Task] = {}
         self._unwritten: list[Row] = []
         self._paused_until = 0.0
+        self._refused = 0
         self.statuses: Counter[str] = Counter()
 
     def run(self, tasks: Iterable[Task]) -> None:
@@ -127,17 +128,20 @@ class Run:
         heapq.heappush(self._delayed, (at, task.entry.line, task, attempt + 1))
 
     def _write_again(self) -> None:
-        """Rows wait in memory where the disk takes none."""
+        """Rows wait in memory where the disk takes none, and for some time work with them."""
         kept: list[Row] = []
         for row in self._unwritten:
             try:
                 self._store.write_row(row)
+                self._refused = 0
                 self._on_row()
-            except OSError as error:
+            except OSError:
                 kept.append(row)
-                self._paused_until = time.monotonic() + self._retries.pause_s(1)
-                self._progress.tell(0, f"a row cannot be written: {error.strerror}")
         self._unwritten = kept
+        now = time.monotonic()
+        if kept and now >= self._paused_until and self._refused < self._retries.most:
+            self._refused += 1
+            self._paused_until = now + self._retries.pause_s(self._refused)
 
     def _reason(self) -> str:
         if time.monotonic() < self._paused_until:

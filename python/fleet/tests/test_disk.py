@@ -86,6 +86,26 @@ def test_a_run_waits_for_space(fleet: Fleet, small_disk: Path) -> None:
     assert all(fleet.times_mapped(f"log{number}") >= 1 for number in range(4))
 
 
+def test_a_disk_that_stays_full_ends_a_run(
+    fleet: Fleet, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for number in range(5):
+        fleet.log(f"log{number}")
+    manifest = fleet.manifest_of_all()
+
+    def write_row(self: ResultStore, row: dict[str, object]) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ResultStore, "write_row", write_row)
+        assert fleet.run(manifest, "--retries", "2", "--workers", "2") == 1
+    assert "5 rows could not be written" in capsys.readouterr().err
+    assert fleet.rows() == {}
+    assert fleet.run(manifest) == 0
+    assert {row["reused"] for row in fleet.rows().values()} == {True}
+    assert fleet.times_mapped("log0") == 1
+
+
 def test_rows_wait_where_the_disk_takes_none(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
     for number in range(3):
         fleet.log(f"log{number}")

@@ -101,6 +101,18 @@ def test_a_lost_or_damaged_result_is_made_again(fleet: Fleet) -> None:
     assert summary.exists()
 
 
+def test_what_is_done_is_made_again_when_asked(fleet: Fleet) -> None:
+    fleet.log("a")
+    manifest = fleet.manifest_of_all()
+    fleet.run(manifest)
+    mark = fleet.out / fleet.rows()["a"]["result"] / "mark"
+    mark.touch()
+    assert fleet.run(manifest, "--again", "all") == 0
+    assert fleet.times_mapped("a") == 2
+    assert mark.parent.is_dir() and not mark.exists()
+    assert list((fleet.out / "work").iterdir()) == []
+
+
 def test_labels_change_without_work(fleet: Fleet) -> None:
     log = fleet.log("a")
     fleet.run(fleet.manifest([f"{log},r1"], "log,robot"))
