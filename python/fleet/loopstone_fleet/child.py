@@ -119,7 +119,8 @@ def _watch(
                     mild = killed_for in ("timeout", "stopped")
                     _end(process, signal.SIGTERM if mild else signal.SIGKILL)
                     kill_at = now + GRACE_S
-            end.wait(CHECKED_EVERY_S)
+            # What is short is looked at more often, for the most memory that it held.
+            end.wait(min(CHECKED_EVERY_S, 0.01 + (now - started) / 10))
 
 
 def _fault(limits: Limits, wall_s: float, held: int, said: int, stop_file: Path | None) -> str:
