@@ -69,7 +69,7 @@ def dask_executor(place: Place) -> Executor:
         from loopstone_fleet.executors.dask import DaskExecutor
     except ImportError as error:
         raise FleetError(
-            f"--executor dask needs Dask ({error}): pip install 'loopstone-fleet[dask]'"
+            f"--executor dask needs Dask ({error}): install loopstone-fleet with its extra [dask]"
         ) from None
     return DaskExecutor(place)
 
@@ -79,7 +79,7 @@ def ray_executor(place: Place) -> Executor:
         from loopstone_fleet.executors.ray import RayExecutor
     except ImportError as error:
         raise FleetError(
-            f"--executor ray needs Ray ({error}): pip install 'loopstone-fleet[ray]'"
+            f"--executor ray needs Ray ({error}): install loopstone-fleet with its extra [ray]"
         ) from None
     return RayExecutor(place)
 
