@@ -46,6 +46,11 @@ if [[ -x build/python/venv/bin/loopstone && -f $data/carmen/intel.clf ]]; then
 else
   echo "bench/python_overhead.py: skipped, it needs scripts/test_python.sh and recorded logs" >&2
 fi
+if [[ -x build/fleet/venv/bin/loopstone-fleet ]]; then
+  measure bench/fleet.py $quick
+else
+  echo "bench/fleet.py: skipped, it needs scripts/test_fleet.sh" >&2
+fi
 measure bench/session.py $quick
 measure bench/continued.py $quick
 measure bench/editing.py $quick

@@ -18,6 +18,7 @@ SOURCES = [
     "apps",
     "bench",
     "scripts",
+    "python/fleet/loopstone_fleet",
     "robots",
     "cmake",
     "CMakeLists.txt",

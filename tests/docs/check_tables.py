@@ -56,6 +56,8 @@ PARTS = {
     "bench/file_readers.py": ["base", "sensor", "formats"],
     "bench/compare_ucsd_odometry.py": ["base", "geometry", "sensor", "odometry", "formats"],
 }
+# What is measured with the program.
+BESIDE = {"bench/fleet.py": ["python/fleet/loopstone_fleet"]}
 
 
 def sources_of(script):
@@ -63,7 +65,7 @@ def sources_of(script):
     parts = [
         f"{root}/{part}" for part in PARTS.get(script, []) for root in ("include/loopstone", "src")
     ]
-    return [script, *(parts or PROGRAM), f":(exclude){VERSION_FILE}"]
+    return [script, *BESIDE.get(script, []), *(parts or PROGRAM), f":(exclude){VERSION_FILE}"]
 
 
 class History:

@@ -1,0 +1,74 @@
+"""The program `loopstone`: where it is, its version, and whether it takes a manifest's options."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+
+from loopstone_fleet.errors import FleetError
+from loopstone_fleet.manifest import Entry
+from loopstone_fleet.options import Options
+
+# Each costs a call of some milliseconds; a manifest with more different ones learns row by row.
+OPTION_SETS_CHECKED = 200
+CALL_S = 60
+
+
+def find_program(given: str) -> str:
+    """The full path: as given, on PATH, or that of the package loopstone."""
+    if given:
+        found = shutil.which(given)
+        if found is None:
+            raise FleetError(f"--program {given}: there is no such program")
+        return os.path.abspath(found)
+    found = shutil.which("loopstone")
+    if found is not None:
+        return os.path.abspath(found)
+    try:
+        from loopstone.__main__ import program
+    except ImportError:
+        raise FleetError(
+            "the program loopstone is not on PATH: install it, or give --program PATH"
+        ) from None
+    return str(program())
+
+
+def version_of(program: str) -> str:
+    done = _call([program, "--version"])
+    words = done.stdout.split()
+    if done.returncode != 0 or not words:
+        raise FleetError(f"{program}: does not tell its version: {done.stderr.strip()}")
+    return words[-1]
+
+
+def has_sites(program: str) -> bool:
+    """Whether this version can join logs to sites."""
+    return _call([program, "site", "add", "--help"]).returncode == 0
+
+
+def check_options(program: str, entries: list[Entry]) -> list[str]:
+    """What the program has against the options of a manifest, with the line of the first."""
+    first: dict[Options, int] = {}
+    for entry in entries:
+        if entry.options:
+            first.setdefault(entry.options, entry.line)
+    problems = []
+    for options, line in list(first.items())[:OPTION_SETS_CHECKED]:
+        words = [word for key, value in options for word in ("--set", f"{key}={value}")]
+        done = _call([program, "config", *words])
+        if done.returncode == 2:
+            text = done.stderr.strip().replace("loopstone: --set: ", "").replace("\n", "; ")
+            problems.append(f"line {line}: options: {text}")
+    return problems
+
+
+def _call(command: list[str]) -> subprocess.CompletedProcess[str]:
+    try:
+        return subprocess.run(
+            command, capture_output=True, text=True, timeout=CALL_S, stdin=subprocess.DEVNULL
+        )
+    except OSError as error:
+        raise FleetError(f"{command[0]}: cannot be run: {error.strerror}") from None
+    except subprocess.TimeoutExpired:
+        raise FleetError(f"{' '.join(command)}: gives no answer") from None
