@@ -39,7 +39,19 @@ double seconds_since(Clock::time_point start) {
 /// A partition that stands across the first room's free side, two metres before the robot's start.
 Box partition(const World& world, double aside_m) {
   const Pose2 map_T_box = world.map_T_start * Pose2{2.5, aside_m, 0.5 * kPi};
-  return {.map_T_box = map_T_box, .length_m = 1.0, .width_m = 0.1, .is_wall = true};
+  return {.map_T_box = map_T_box, .length_m = 0.6, .width_m = 0.1, .is_wall = true};
+}
+
+/// As seen from where its drives begin: the frame of the site.
+World from_its_start(World world) {
+  const Pose2 start_T_map = world.map_T_start.inverse();
+  for (Box& box : world.plan.boxes) box.map_T_box = start_T_map * box.map_T_box;
+  for (Segment& surface : world.plan.surfaces)
+    surface = {start_T_map * surface.from, start_T_map * surface.to};
+  for (Circle& circle : world.plan.circles) circle.centre = start_T_map * circle.centre;
+  for (Eigen::Vector2d& place : world.places) place = start_T_map * place;
+  world.map_T_start = {};
+  return world;
 }
 
 MappedSession session_of_day(const World& world, int day, double seconds) {
@@ -71,7 +83,28 @@ double median(std::vector<double> values) {
   return values.empty() ? 0.0 : values[values.size() / 2];
 }
 
-nlohmann::json checkpoint(const Site& site, int day, const std::vector<double>& join_s) {
+/// Of a partition's length, the share along which the map has something within 5 cm of its faces.
+double share_there(const OccupancyMap& map, const Box& partition) {
+  constexpr int kSteps = 40;
+  constexpr int kReach = 2;  // cells: half the thickness, and one more
+  int there = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double along_m = partition.length_m * ((i + 0.5) / kSteps - 0.5);
+    const Cell at = map.log_odds.frame().cell_of(partition.map_T_box * Eigen::Vector2d(along_m, 0.0));
+    bool found = false;
+    for (int row = at.row - kReach; row <= at.row + kReach; ++row) {
+      for (int column = at.column - kReach; column <= at.column + kReach; ++column) {
+        const Cell cell{column, row};
+        found = found || (map.observed.value_or(cell, 0) != 0 && map.probability(cell) > 0.65);
+      }
+    }
+    there += found ? 1 : 0;
+  }
+  return static_cast<double>(there) / kSteps;
+}
+
+nlohmann::json checkpoint(const std::string& path, int day, const std::vector<double>& join_s) {
+  const Site site(path, SiteAccess::kRead, {2});
   int joined = 0;
   int retired = 0;
   for (const SiteSession& session : site.sessions()) {
@@ -102,30 +135,34 @@ int main(int argc, char** argv) {
   World before = make_world("office", 1);
   World after = before;
   before.plan.boxes.push_back(partition(before, 0.0));
-  after.plan.boxes.push_back(partition(after, 1.2));
+  after.plan.boxes.push_back(partition(after, 0.7));
 
   MapOptions options;
   SiteFile::create(path, options_to_toml(list_options(options)));
-  nlohmann::json result = nlohmann::json::array();
+  nlohmann::json checkpoints = nlohmann::json::array();
   std::vector<double> join_s;
   for (int day = 1; day <= days; ++day) {
     const MappedSession mapped = session_of_day(day < moved_on ? before : after, day, seconds);
-    // A connection of its own, as a command has it: what is written is in the file then.
-    Site site(path, SiteAccess::kWrite, {2});
     const auto start = Clock::now();
-    (void)site.add(mapped);
+    {  // A connection of its own, as a command has it.
+      Site site(path, SiteAccess::kWrite, {2});
+      (void)site.add(mapped);
+    }
     join_s.push_back(seconds_since(start));
-    if (day == 10 || day == days || day % 100 == 0 || day == moved_on)
-      result.push_back(checkpoint(site, day, join_s));
+    if (day == 10 || day == days || day % 100 == 0) checkpoints.push_back(checkpoint(path, day, join_s));
     if (day % 50 == 0) std::fprintf(stderr, "  day %d\n", day);
   }
   const Site site(path, SiteAccess::kRead, {2});
   const SiteMap map = site.map();
   std::filesystem::create_directories(maps);
   write_ros_map(maps + "/site.yaml", cell_states(map.result.map));
-  // The frame of the site is where its oldest session began.
-  after = moved(std::move(after), after.map_T_start.inverse());
-  write_ros_map(maps + "/true.yaml", true_map(after));
+  const World true_now = from_its_start(after);
+  write_ros_map(maps + "/true.yaml", true_map(true_now));
+  const Box old_wall = from_its_start(before).plan.boxes.back();
+  const Box new_wall = true_now.plan.boxes.back();
+  const nlohmann::json result{{"checkpoints", checkpoints},
+                              {"new_wall_there", share_there(map.result.map, new_wall)},
+                              {"old_wall_there", share_there(map.result.map, old_wall)}};
   std::printf("%s\n", result.dump().c_str());
   return 0;
 }

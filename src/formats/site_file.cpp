@@ -125,6 +125,13 @@ void SiteFile::create(const std::string& path, const std::string& options_toml) 
   // Made beside it and renamed, so that there is never half a site.
   const std::string making = path + ".new";
   std::filesystem::remove(making);
+  try {
+    // The room of what is removed is to be given back at once, which is of a file's first page.
+    SqliteDatabase first(making, {.access = SqliteAccess::kCreate});
+    first.run(fmt::format("PRAGMA auto_vacuum = FULL; PRAGMA application_id = {}", kApplication));
+  } catch (const SqliteError& error) {
+    throw DataError({path}, fmt::format("can't be written: {}", error.what()));
+  }
   {
     State state(making, SqliteAccess::kWrite);
     state.told([&] {

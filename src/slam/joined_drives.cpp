@@ -250,6 +250,9 @@ void JoinedDrives::take_apart(BackEnd::State state) {
     pair_of(key.older, key.newer).tried_by_appearance.insert(seats.within(key));
   for (const auto& [key, seen] : state.loops.seen)
     pair_of(key.older, key.newer).seen.emplace(seats.within(key), seen);
+  // Which surfaces of a covered submap others saw is still true, and counts once those are gone.
+  for (DrivePair& before : pairs_)
+    table.of(before.older, before.newer).seen.merge(before.seen);
   pairs_ = table.take();
 
   const std::vector<SubmapRecord>& submaps = state.chain.submaps;
@@ -292,8 +295,12 @@ void JoinedDrives::remove(std::size_t drive) {
   // Whom it covered shows what nobody else does, perhaps; and it may have been all that tied two.
   for (DrivePlacement& placement : placements_)
     placement.covered.assign(placement.covered.size(), false);
+  BackEnd::State all = assemble();
+  for (const LoopClosure& closure : all.closures)
+    if (closure.stands()) all.loops.newly_closed.insert(closure.to_submap);
   BackEnd back_end(options_, threads_);
-  back_end.restore(assemble());
+  back_end.restore(std::move(all));
+  back_end.drop_covered();
   take_apart(back_end.state());
 }
 
