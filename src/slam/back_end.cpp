@@ -83,11 +83,11 @@ void BackEnd::search_drive(SubmapId first, const std::function<bool()>& goes_on)
   const auto may_go_on = [&] { return !goes_on || goes_on(); };
   for (std::size_t newest = first.index; newest < submap_count() && may_go_on(); ++newest) {
     take(loops_.close({newest}, full_submaps()));
-    (void)loops_.drop_covered(full_submaps());
+    drop_covered();
   }
   for (int round = 0; round < kBackEnd.final_rounds && may_go_on(); ++round)
     take(loops_.close_all(full_submaps(), goes_on));
-  (void)loops_.drop_covered(full_submaps());
+  drop_covered();
   if (unsolved_chi2() > 0.0) solve_outline();
   loop_closing_s_ += watch.seconds();
 }

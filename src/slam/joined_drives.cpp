@@ -250,9 +250,6 @@ void JoinedDrives::take_apart(BackEnd::State state) {
     pair_of(key.older, key.newer).tried_by_appearance.insert(seats.within(key));
   for (const auto& [key, seen] : state.loops.seen)
     pair_of(key.older, key.newer).seen.emplace(seats.within(key), seen);
-  // Which surfaces of a covered submap others saw is still true, and counts once those are gone.
-  for (DrivePair& before : pairs_)
-    table.of(before.older, before.newer).seen.merge(before.seen);
   pairs_ = table.take();
 
   const std::vector<SubmapRecord>& submaps = state.chain.submaps;
@@ -301,6 +298,8 @@ void JoinedDrives::remove(std::size_t drive) {
   BackEnd back_end(options_, threads_);
   back_end.restore(std::move(all));
   back_end.drop_covered();
+  // Those that it showed each by itself are compared with one another, until they show each other.
+  back_end.search_drive({0});
   take_apart(back_end.state());
 }
 

@@ -170,7 +170,7 @@ std::vector<LoopClosure> LoopCloser::compare(std::span<const LoopCandidate> cand
   return closures;
 }
 
-std::vector<SubmapId> LoopCloser::drop_covered(std::span<SubmapRecord> submaps) {
+std::vector<SubmapId> LoopCloser::drop_covered(std::span<SubmapRecord> submaps, bool forgets) {
   const auto is_dropped = [&](SubmapId submap) {
     return submaps[submap.index].state == SubmapState::kDropped;
   };
@@ -186,8 +186,10 @@ std::vector<SubmapId> LoopCloser::drop_covered(std::span<SubmapRecord> submaps) 
     }
     if (!(share_of(seen) >= kLoopCloser.covered)) continue;
     submap.drop();
-    state_.seen.erase(state_.seen.lower_bound({newer, {0}}),
-                      state_.seen.lower_bound({{newer.index + 1}, {0}}));
+    if (forgets) {
+      state_.seen.erase(state_.seen.lower_bound({newer, {0}}),
+                        state_.seen.lower_bound({{newer.index + 1}, {0}}));
+    }
     dropped.push_back(newer);
   }
   return dropped;

@@ -83,7 +83,7 @@ class BackEnd {
   /// is thinned.
   void search_drive(SubmapId first, const std::function<bool()>& goes_on = {});
   /// Of a restored state: drops submaps of which older ones saw all, without thinning.
-  void drop_covered() { (void)loops_.drop_covered(full_submaps()); }
+  void drop_covered() { (void)loops_.drop_covered(full_submaps(), false); }
   /// Looks once more for closures everywhere, settles which stand, and makes the graph of all key
   /// scans. Call once, at the end.
   void finish(const std::function<bool()>& goes_on = {});

@@ -137,7 +137,8 @@ class LoopCloser {
   /// Drops what submaps hold that saw nothing new: standing closures tie them to older ones, and
   /// those saw nearly all of their surfaces. They keep their places, but nothing is compared with
   /// them any more. Returns which.
-  std::vector<SubmapId> drop_covered(std::span<SubmapRecord> submaps);
+  /// \param forgets  what older ones saw of them; else it is kept, for when those are gone
+  std::vector<SubmapId> drop_covered(std::span<SubmapRecord> submaps, bool forgets = true);
 
   /// Nothing will be compared any more: drops what all submaps hold.
   void drop_all(std::span<SubmapRecord> submaps);
