@@ -1,0 +1,326 @@
+#include "plan/room_outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "plan/plan_numbers.hpp"
+
+namespace loopstone {
+
+namespace {
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+double signed_area(const std::vector<Eigen::Vector2d>& corners) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d& origin = corners.front();
+    sum += cross(corners[i] - origin, corners[(i + 1) % corners.size()] - origin);
+  }
+  return 0.5 * sum;
+}
+
+/// What an outline may run along.
+struct Bound {
+  Eigen::Vector2d from;
+  Eigen::Vector2d to;
+  double sigma_across_m = 0.0;
+  double sigma_yaw_rad = 0.0;
+
+  [[nodiscard]] Eigen::Vector2d along() const { return (to - from).normalized(); }
+  [[nodiscard]] Eigen::Vector2d normal() const {
+    const Eigen::Vector2d u = along();
+    return {-u.y(), u.x()};
+  }
+  [[nodiscard]] Eigen::Vector2d foot(const Eigen::Vector2d& point) const {
+    const Eigen::Vector2d u = along();
+    return from + (point - from).dot(u) * u;
+  }
+};
+
+/// A side of a cell on the border of a part; the part is on its left.
+struct Side {
+  Eigen::Vector2d middle;
+  Eigen::Vector2d end;  ///< where the next one begins
+  Eigen::Vector2d inward;
+};
+
+/// The borders of a part, each closed: counter-clockwise around it, clockwise around its holes.
+std::vector<std::vector<Side>> borders_of(const FloorParts& parts, int part) {
+  const GridFrame& frame = parts.part_of.frame();
+  const auto inside = [&](int column, int row) {
+    return parts.part_of.value_or({column, row}, FloorParts::kNone) == part;
+  };
+  // Corners of cells, by number; from each, where sides of the border lead.
+  using Corner = std::pair<int, int>;  // row, column
+  std::multimap<Corner, Corner> leads;
+  for (int row = 0; row < frame.rows; ++row) {
+    for (int column = 0; column < frame.columns; ++column) {
+      if (!inside(column, row)) continue;
+      if (!inside(column, row - 1)) leads.insert({{row, column}, {row, column + 1}});
+      if (!inside(column + 1, row)) leads.insert({{row, column + 1}, {row + 1, column + 1}});
+      if (!inside(column, row + 1)) leads.insert({{row + 1, column + 1}, {row + 1, column}});
+      if (!inside(column - 1, row)) leads.insert({{row + 1, column}, {row, column}});
+    }
+  }
+  const auto place = [&](const Corner& corner) {
+    return Eigen::Vector2d(frame.origin.x() + corner.second * frame.resolution,
+                           frame.origin.y() + corner.first * frame.resolution);
+  };
+  std::vector<std::vector<Side>> borders;
+  while (!leads.empty()) {
+    std::vector<Side> border;
+    const Corner start = leads.begin()->first;
+    Corner at = start;
+    Eigen::Vector2d came(0.0, 0.0);
+    do {
+      const auto [first, last] = leads.equal_range(at);
+      auto next = first;  // where cells touch by a corner: the sharper turn to the left
+      for (auto it = first; it != last; ++it)
+        if (cross(came, place(it->second) - place(at)) > 0.0) next = it;
+      const Eigen::Vector2d a = place(at);
+      const Eigen::Vector2d b = place(next->second);
+      came = b - a;
+      border.push_back({.middle = 0.5 * (a + b),
+                        .end = b,
+                        .inward = Eigen::Vector2d(-came.y(), came.x()).normalized()});
+      at = next->second;
+      leads.erase(next);
+    } while (at != start);
+    borders.push_back(std::move(border));
+  }
+  return borders;
+}
+
+/// A stretch of border along one bound, or along none.
+struct Run {
+  int bound = -1;
+  std::vector<Eigen::Vector2d> ends{};  ///< of its sides
+};
+
+class OutlineFitter {
+ public:
+  OutlineFitter(std::span<const Bound> bounds, double resolution_m)
+      : bounds_(bounds), resolution_m_(resolution_m) {}
+
+  struct Fitted {
+    std::vector<Eigen::Vector2d> corners{};
+    double variance_m4 = 0.0;  ///< of its area
+    double open_m = 0.0;
+    double length_m = 0.0;
+  };
+
+  [[nodiscard]] Fitted fit(const std::vector<Side>& border) const {
+    std::vector<Run> runs = runs_of(border);
+    Fitted fitted;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const Run& run = runs[i];
+      const Run& next = runs[(i + 1) % runs.size()];
+      const std::size_t before = fitted.corners.size();
+      if (run.bound < 0) add_open(run, fitted);
+      if (runs.size() > 1) add_joint(run, next, fitted);
+      if (before > 0) account(run, fitted.corners[before - 1], fitted.corners.back(), fitted);
+    }
+    if (fitted.corners.size() > 1)
+      account(runs.front(), fitted.corners.back(), fitted.corners.front(), fitted);
+    return fitted;
+  }
+
+ private:
+  [[nodiscard]] const Bound& bound(int i) const { return bounds_[static_cast<std::size_t>(i)]; }
+
+  [[nodiscard]] double distance_to(const Bound& b, const Side& side) const {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    if (b.normal().dot(side.inward) < -0.3) return kFar;
+    const Eigen::Vector2d u = b.along();
+    const double t = (side.middle - b.from).dot(u);
+    const double beyond = std::max({0.0, -t, t - (b.to - b.from).norm()});
+    if (beyond > resolution_m_) return kFar;
+    const double across = (side.middle - b.from).dot(b.normal());
+    // Sides that face another way belong to what they face, if that is near, too.
+    return std::abs(across) + beyond + 0.5 * resolution_m_ * (1.0 - b.normal().dot(side.inward));
+  }
+
+  [[nodiscard]] int nearest(const Side& side) const {
+    int best = -1;
+    double least = kPlan.outline_m;
+    for (std::size_t i = 0; i < bounds_.size(); ++i) {
+      const Bound& b = bounds_[i];
+      const double reach = kPlan.outline_m + resolution_m_;
+      if (side.middle.x() < std::min(b.from.x(), b.to.x()) - reach ||
+          side.middle.x() > std::max(b.from.x(), b.to.x()) + reach ||
+          side.middle.y() < std::min(b.from.y(), b.to.y()) - reach ||
+          side.middle.y() > std::max(b.from.y(), b.to.y()) + reach) {
+        continue;
+      }
+      const double distance = distance_to(b, side);
+      if (distance >= least) continue;
+      least = distance;
+      best = static_cast<int>(i);
+    }
+    return best;
+  }
+
+  static void join_alike(std::vector<Run>& runs) {
+    std::vector<Run> joined;
+    for (Run& run : runs) {
+      if (!joined.empty() && joined.back().bound == run.bound) {
+        joined.back().ends.insert(joined.back().ends.end(), run.ends.begin(), run.ends.end());
+      } else {
+        joined.push_back(std::move(run));
+      }
+    }
+    if (joined.size() > 1 && joined.front().bound == joined.back().bound) {
+      Run& last = joined.back();
+      last.ends.insert(last.ends.end(), joined.front().ends.begin(), joined.front().ends.end());
+      joined.front() = std::move(last);
+      joined.pop_back();
+    }
+    runs = std::move(joined);
+  }
+
+  [[nodiscard]] std::vector<Run> runs_of(const std::vector<Side>& border) const {
+    std::vector<Run> runs;
+    for (const Side& side : border) runs.push_back({nearest(side), {side.end}});
+    join_alike(runs);
+    // Short pieces along nothing are corners that cells cut off; single sides are noise.
+    const auto open_sides = static_cast<std::size_t>(std::ceil(0.35 / resolution_m_));
+    for (const std::size_t least : {std::size_t{2}, open_sides}) {
+      if (runs.size() < 3) break;
+      std::erase_if(runs, [&](const Run& run) {
+        return run.ends.size() < (run.bound < 0 ? least : std::size_t{2});
+      });
+      join_alike(runs);
+    }
+    return runs;
+  }
+
+  /// Douglas and Peucker 1973.
+  void simplify(const std::vector<Eigen::Vector2d>& points, std::size_t first, std::size_t last,
+                std::vector<Eigen::Vector2d>& out) const {
+    double most = 0.0;
+    std::size_t at = first;
+    const Eigen::Vector2d base = points[last] - points[first];
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const Eigen::Vector2d offset = points[i] - points[first];
+      const double off =
+          base.norm() > 1e-9 ? std::abs(cross(base, offset)) / base.norm() : offset.norm();
+      if (off <= most) continue;
+      most = off;
+      at = i;
+    }
+    if (most > 1.3 * resolution_m_) {
+      simplify(points, first, at, out);
+      simplify(points, at, last, out);
+    } else {
+      out.push_back(points[first]);
+    }
+  }
+
+  void add_open(const Run& run, Fitted& fitted) const {
+    if (run.ends.size() < 2) return;
+    double length = 0.0;
+    std::vector<Eigen::Vector2d> simple;
+    simplify(run.ends, 0, run.ends.size() - 1, simple);
+    simple.push_back(run.ends.back());
+    for (std::size_t i = 1; i < simple.size(); ++i) {
+      const double piece = (simple[i] - simple[i - 1]).norm();
+      length += piece;
+      fitted.variance_m4 += std::pow(piece * resolution_m_, 2);
+    }
+    fitted.open_m += length;
+    fitted.length_m += length;
+    fitted.corners.insert(fitted.corners.end(), simple.begin(), simple.end());
+  }
+
+  /// The corner between two runs.
+  void add_joint(const Run& run, const Run& next, Fitted& fitted) const {
+    const Eigen::Vector2d at = run.ends.back();
+    if (run.bound >= 0 && next.bound >= 0) {
+      const Bound& a = bound(run.bound);
+      const Bound& b = bound(next.bound);
+      const double sine = cross(a.along(), b.along());
+      if (std::abs(sine) > 0.2) {
+        const Eigen::Vector2d corner =
+            a.from + cross(b.from - a.from, b.along()) / sine * a.along();
+        if ((corner - at).norm() <= 0.4) {
+          fitted.corners.push_back(corner);
+          return;
+        }
+      }
+    }
+    if (run.bound >= 0) fitted.corners.push_back(bound(run.bound).foot(at));
+    if (next.bound >= 0) fitted.corners.push_back(bound(next.bound).foot(at));
+  }
+
+  void account(const Run& run, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+               Fitted& fitted) const {
+    if (run.bound < 0) return;
+    const double length = (to - from).norm();
+    const Bound& b = bound(run.bound);
+    const double sigma_tilt = length * b.sigma_yaw_rad;
+    fitted.variance_m4 +=
+        length * length * (b.sigma_across_m * b.sigma_across_m + sigma_tilt * sigma_tilt / 12.0);
+    fitted.length_m += length;
+  }
+
+  std::span<const Bound> bounds_;
+  double resolution_m_;
+};
+
+std::vector<Bound> bounds_of(std::span<const PlanSegment> segments,
+                             std::span<const DoorFace> faces) {
+  std::vector<Bound> bounds;
+  for (const PlanSegment& segment : segments) {
+    if (segment.layer == PlanLayer::kMovable) continue;
+    bounds.push_back({segment.from, segment.to, segment.sigma_across_m, segment.sigma_yaw_rad});
+  }
+  for (const DoorFace& face : faces)
+    bounds.push_back({face.from, face.to, face.sigma_across_m, 0.0});
+  return bounds;
+}
+
+}  // namespace
+
+PlanRoom outline_room(const FloorParts& parts, int part, std::span<const PlanSegment> segments,
+                      std::span<const DoorFace> faces) {
+  const std::vector<Bound> bounds = bounds_of(segments, faces);
+  const double resolution_m = parts.part_of.frame().resolution;
+  const OutlineFitter fitter(bounds, resolution_m);
+  PlanRoom room;
+  double variance_m4 = 0.0;
+  for (const std::vector<Side>& border : borders_of(parts, part)) {
+    std::vector<Eigen::Vector2d> cells;
+    for (const Side& side : border) cells.push_back(side.end);
+    const double cell_area = signed_area(cells);
+    const bool is_hole = cell_area < 0.0;
+    if (is_hole && -cell_area < 0.25) continue;
+    auto fitted = fitter.fit(border);
+    if (fitted.corners.size() < 3 || signed_area(fitted.corners) * cell_area <= 0.0) {
+      fitted.corners = cells;
+      fitted.variance_m4 =
+          std::pow(resolution_m * resolution_m * static_cast<double>(cells.size()), 2);
+    }
+    room.area_m2 += signed_area(fitted.corners);
+    room.open_m += fitted.open_m;
+    room.perimeter_m += fitted.length_m;
+    variance_m4 += fitted.variance_m4;
+    if (is_hole)
+      room.holes.push_back({std::move(fitted.corners)});
+    else if (signed_area(fitted.corners) >
+             (room.outline.corners.empty() ? 0.0 : signed_area(room.outline.corners)))
+      room.outline.corners = std::move(fitted.corners);
+  }
+  room.area_sigma_m2 = std::sqrt(variance_m4);
+  return room;
+}
+
+}  // namespace loopstone
