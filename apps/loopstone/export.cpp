@@ -93,6 +93,7 @@ nlohmann::ordered_json json_of(const VectorPlan& plan) {
                      {"area_sigma_m2", room.area_sigma_m2},
                      {"closed", room.is_closed()},
                      {"open_m", room.open_m},
+                     {"hidden_m", room.hidden_m},
                      {"perimeter_m", room.perimeter_m},
                      {"doors", room.doors.size()}});
   }
@@ -101,7 +102,8 @@ nlohmann::ordered_json json_of(const VectorPlan& plan) {
     return room < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(room + 1);
   };
   for (const PlanDoor& door : plan.doors) {
-    doors.push_back({{"width_m", door.width_m},
+    doors.push_back({{"kind", door.is_opening() ? "opening" : "door"},
+                     {"width_m", door.width_m},
                      {"width_sigma_m", door.width_sigma_m},
                      {"depth_m", door.depth_m},
                      {"rooms", {number(door.room), number(door.other_room)}}});

@@ -118,6 +118,8 @@ VectorPlan extract_plan(const Grid<std::int8_t>& cells, const WallSamples& sampl
                    samples.from_scans ? 0.02 : resolution_m);
   find_structure(cells, joined);
   add_hidden_walls(cells, joined);
+  complete_structure(joined);
+  add_hidden_walls(cells, joined);
   std::vector<DoorFace> faces = find_door_faces(cells, joined);
   const FloorParts parts = part_by_doors(cells, joined.segments, faces);
   plan.doors = doors_of(faces, parts);

@@ -16,6 +16,10 @@ namespace loopstone {
   return value >= 0 && value < kPlan.occupied_percent;
 }
 
+[[nodiscard]] inline bool is_occupied_cell(const Grid<std::int8_t>& cells, Cell cell) {
+  return cells.value_or(cell, -1) >= kPlan.occupied_percent;
+}
+
 /// Of points spread over a line, the share that lies on free cells.
 [[nodiscard]] inline double free_share(const Grid<std::int8_t>& cells, const Eigen::Vector2d& from,
                                        const Eigen::Vector2d& to) {

@@ -1,10 +1,12 @@
 #include "plan/plan_layers.hpp"
 
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "loopstone/base/hypotenuse.hpp"
+#include "loopstone/base/union_find.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "plan/plan_cells.hpp"
 #include "plan/plan_numbers.hpp"
@@ -78,10 +80,90 @@ class Islands {
   std::vector<bool> small_{};
 };
 
+/// What is of the same surface, as far as a line tells.
 bool in_one_plane(const PlanSegment& a, const PlanSegment& b) {
   if (a.direction().dot(b.direction()) < std::cos(radians(1.5))) return false;
-  const double off = (b.middle() - a.middle()).dot(a.normal());
-  return std::abs(off) <= 0.02 + 2.0 * hypotenuse(a.sigma_across_m, b.sigma_across_m);
+  const double off = std::abs((b.middle() - a.middle()).dot(a.normal()));
+  return off <= 0.01 + 2.0 * hypotenuse(a.sigma_across_m, b.sigma_across_m);
+}
+
+/// Of two faces as far apart as a wall is thick, turned from each other: the length along which
+/// they are back to back.
+double back_to_back_m(const PlanSegment& a, const PlanSegment& b) {
+  if (a.direction().dot(b.direction()) > -0.998) return 0.0;
+  const double depth_m = -(b.middle() - a.middle()).dot(a.normal());
+  if (depth_m < 0.06 || depth_m > kPlan.wall_usual_m) return 0.0;
+  const double from = (b.to - a.from).dot(a.direction());
+  const double to = (b.from - a.from).dot(a.direction());
+  return std::max(0.0, std::min(to, a.length_m()) - std::max(from, 0.0));
+}
+
+/// Whether something stands between two points that runs across.
+bool is_crossed(const std::vector<PlanSegment>& segments, const Eigen::Vector2d& from,
+                const Eigen::Vector2d& to) {
+  const Eigen::Vector2d u = (to - from).normalized();
+  const Eigen::Vector2d normal(-u.y(), u.x());
+  const double length_m = (to - from).norm();
+  return std::any_of(segments.begin(), segments.end(), [&](const PlanSegment& segment) {
+    const double a = (segment.from - from).dot(normal);
+    const double b = (segment.to - from).dot(normal);
+    if (std::max(a, b) < 0.04 || std::min(a, b) > -0.04 || std::abs(a - b) < 0.1) return false;
+    const Eigen::Vector2d at = segment.from + a / (a - b) * (segment.to - segment.from);
+    const double t = (at - from).dot(u);
+    return t > 0.0 && t < length_m;
+  });
+}
+
+/// The lengths of surfaces in one plane, where nothing but a door or a thing lies between them.
+class PlaneSupport {
+ public:
+  PlaneSupport(const Grid<std::int8_t>& cells, const std::vector<PlanSegment>& segments,
+               const std::vector<bool>& left_out)
+      : parents_(segments.size()), length_m_(segments.size(), 0.0) {
+    std::iota(parents_.begin(), parents_.end(), 0);
+    for (std::size_t a = 0; a < segments.size(); ++a) {
+      for (std::size_t b = 0; b < segments.size(); ++b) {
+        if (a == b || left_out[a] || left_out[b] || !in_one_plane(segments[a], segments[b]))
+          continue;
+        const double gap_m = (segments[b].from - segments[a].to).dot(segments[a].direction());
+        if (gap_m > kPlan.hidden_most_m || gap_m < -0.1) continue;
+        if (gap_m > kPlan.gap_m) {
+          const double free = free_share(cells, segments[a].to, segments[b].from);
+          if ((free > 0.15 && free < 0.6) || is_crossed(segments, segments[a].to, segments[b].from))
+            continue;
+        }
+        join(parents_, static_cast<int>(a), static_cast<int>(b));
+      }
+      for (std::size_t b = 0; b < a; ++b) {
+        if (!left_out[a] && !left_out[b] && back_to_back_m(segments[a], segments[b]) >= 0.4)
+          join(parents_, static_cast<int>(a), static_cast<int>(b));
+      }
+    }
+    for (std::size_t i = 0; i < segments.size(); ++i)
+      if (!left_out[i]) length_m_[root(i)] += segments[i].length_m();
+  }
+
+  [[nodiscard]] double of(std::size_t i) { return length_m_[root(i)]; }
+
+ private:
+  [[nodiscard]] std::size_t root(std::size_t i) {
+    return static_cast<std::size_t>(root_of(parents_, static_cast<int>(i)));
+  }
+  std::vector<int> parents_;
+  std::vector<double> length_m_;
+};
+
+/// The front of something that stands before a wall: a corner that juts out, from which a short
+/// side leads back to where the wall is.
+bool is_front(const JoinedSegments& joined, std::size_t i) {
+  const auto leads_back = [&](const EndJoint& joint, bool at_to) {
+    if (joint.segment < 0 || !joint.convex) return false;
+    const auto side = static_cast<std::size_t>(joint.segment);
+    const EndJoint& far = at_to ? joined.at_to[side] : joined.at_from[side];
+    return far.segment >= 0 && !far.convex && joined.segments[side].length_m() <= 1.0 &&
+           joined.segments[side].length_m() > 0.1;
+  };
+  return leads_back(joined.at_to[i], true) || leads_back(joined.at_from[i], false);
 }
 
 bool is_structure(const JoinedSegments& joined, int segment) {
@@ -100,6 +182,28 @@ bool completes_walls(const JoinedSegments& joined, std::size_t i) {
   return (at_from && from.convex && to.segment < 0) || (at_to && to.convex && from.segment < 0);
 }
 
+/// The other face of a wall that is known to be one.
+bool backs_wall(const JoinedSegments& joined, std::size_t i) {
+  double sum_m = 0.0;
+  for (const PlanSegment& face : joined.segments)
+    if (face.layer != PlanLayer::kMovable) sum_m += back_to_back_m(joined.segments[i], face);
+  return sum_m >= 0.4 * joined.segments[i].length_m();
+}
+
+/// Of the same surface as a wall nearby, and nothing runs across between them.
+bool continues_wall(const JoinedSegments& joined, std::size_t i) {
+  const PlanSegment& segment = joined.segments[i];
+  return std::any_of(joined.segments.begin(), joined.segments.end(), [&](const PlanSegment& wall) {
+    if (wall.layer == PlanLayer::kMovable || !in_one_plane(segment, wall)) return false;
+    const double ahead_m = (wall.from - segment.to).dot(segment.direction());
+    const double behind_m = (segment.from - wall.to).dot(segment.direction());
+    if (std::max(ahead_m, behind_m) > kPlan.opening_most_m) return false;
+    if (ahead_m > 0.1) return !is_crossed(joined.segments, segment.to, wall.from);
+    if (behind_m > 0.1) return !is_crossed(joined.segments, wall.to, segment.from);
+    return true;
+  });
+}
+
 bool is_corner_of_room(const EndJoint& joint) { return joint.segment >= 0 && !joint.convex; }
 
 }  // namespace
@@ -108,24 +212,33 @@ void find_structure(const Grid<std::int8_t>& cells, JoinedSegments& joined) {
   const Islands islands(cells);
   std::vector<PlanSegment>& segments = joined.segments;
   std::vector<bool> free_standing;
-  for (const PlanSegment& segment : segments) free_standing.push_back(islands.is_island(segment));
+  std::vector<bool> left_out;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    free_standing.push_back(islands.is_island(segments[i]));
+    left_out.push_back(free_standing[i] ||
+                       (segments[i].length_m() < kPlan.support_length_m && is_front(joined, i)));
+  }
+  joined.stands_free = left_out;
+  PlaneSupport support(cells, segments, left_out);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     segments[i].layer = PlanLayer::kMovable;
-    if (free_standing[i]) continue;
-    double support_m = 0.0;
-    for (std::size_t k = 0; k < segments.size(); ++k)
-      if (!free_standing[k] && in_one_plane(segments[i], segments[k]))
-        support_m += segments[k].length_m();
+    if (left_out[i]) continue;
     const bool between_corners =
         is_corner_of_room(joined.at_from[i]) && is_corner_of_room(joined.at_to[i]);
-    if (support_m >= kPlan.support_length_m || between_corners)
+    if (support.of(i) >= kPlan.support_length_m || between_corners)
       segments[i].layer = PlanLayer::kStructure;
   }
+  complete_structure(joined);
+}
+
+void complete_structure(JoinedSegments& joined) {
+  std::vector<PlanSegment>& segments = joined.segments;
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t i = 0; i < segments.size(); ++i) {
-      if (free_standing[i] || segments[i].layer == PlanLayer::kStructure) continue;
-      if (!completes_walls(joined, i)) continue;
+      if (joined.stands_free[i] || segments[i].layer != PlanLayer::kMovable) continue;
+      if (!backs_wall(joined, i) && !completes_walls(joined, i) && !continues_wall(joined, i))
+        continue;
       segments[i].layer = PlanLayer::kStructure;
       changed = true;
     }

@@ -30,10 +30,11 @@ struct PlanNumbers {
   double jamb_m = 0.6;
   double island_m = 3.0;
   double hidden_most_m = 4.5;
-  double hidden_front_m = 1.0;
+
   double door_least_m = 0.55;
-  double door_most_m = 1.4;
+  double opening_most_m = 3.2;
   double wall_most_m = 0.6;
+  double wall_usual_m = 0.32;
   double room_least_m2 = 1.2;
   double pocket_most_m2 = 8.0;
   double outline_m = 0.13;
@@ -77,10 +78,14 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
   visit("jamb_m", n.jamb_m, "chosen: thickness of a wall at the most");
   visit("island_m", n.island_m, "chosen: what stands free and is no larger is no structure");
   visit("hidden_most_m", n.hidden_most_m, "chosen: wall that furniture may hide in one piece");
-  visit("hidden_front_m", n.hidden_front_m, "chosen: depth of what stands before a wall");
+
   visit("door_least_m", n.door_least_m, "chosen: a narrower gap lets nobody through");
-  visit("door_most_m", n.door_most_m, "chosen: a wider one is an opening, not a door");
+  visit("opening_most_m", n.opening_most_m,
+        "chosen: where a wider one is left in a wall, there is one room on both sides");
   visit("wall_most_m", n.wall_most_m, "chosen: thickness of a wall at the most");
+  visit("wall_usual_m", n.wall_usual_m,
+        "chosen: two faces nearer to each other than this are of one wall: furniture before it is "
+        "deeper");
   visit("room_least_m2", n.room_least_m2, "chosen: less is a niche");
   visit("pocket_most_m2", n.pocket_most_m2,
         "chosen: floor that furniture hides, which belongs to the room around it");

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/hypotenuse.hpp"
 #include "plan/plan_numbers.hpp"
 
 namespace loopstone {
@@ -34,6 +35,7 @@ struct Bound {
   Eigen::Vector2d to;
   double sigma_across_m = 0.0;
   double sigma_yaw_rad = 0.0;
+  PlanSide side = PlanSide::kWall;
 
   [[nodiscard]] Eigen::Vector2d along() const { return (to - from).normalized(); }
   [[nodiscard]] Eigen::Vector2d normal() const {
@@ -106,32 +108,33 @@ struct Run {
   std::vector<Eigen::Vector2d> ends{};  ///< of its sides
 };
 
+/// A corner of an outline, and what it goes on along.
+struct Turn {
+  Eigen::Vector2d at;
+  int along = -1;  ///< place among the bounds; -1: nothing
+};
+
 class OutlineFitter {
  public:
   OutlineFitter(std::span<const Bound> bounds, double resolution_m)
       : bounds_(bounds), resolution_m_(resolution_m) {}
 
   struct Fitted {
-    std::vector<Eigen::Vector2d> corners{};
+    PlanOutline outline{};
     double variance_m4 = 0.0;  ///< of its area
     double open_m = 0.0;
+    double hidden_m = 0.0;
     double length_m = 0.0;
   };
 
   [[nodiscard]] Fitted fit(const std::vector<Side>& border) const {
-    std::vector<Run> runs = runs_of(border);
-    Fitted fitted;
+    const std::vector<Run> runs = runs_of(border);
+    std::vector<Turn> turns;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const Run& run = runs[i];
-      const Run& next = runs[(i + 1) % runs.size()];
-      const std::size_t before = fitted.corners.size();
-      if (run.bound < 0) add_open(run, fitted);
-      if (runs.size() > 1) add_joint(run, next, fitted);
-      if (before > 0) account(run, fitted.corners[before - 1], fitted.corners.back(), fitted);
+      if (runs[i].bound < 0) add_open(runs[i], turns);
+      if (runs.size() > 1) add_joint(runs[i], runs[(i + 1) % runs.size()], turns);
     }
-    if (fitted.corners.size() > 1)
-      account(runs.front(), fitted.corners.back(), fitted.corners.front(), fitted);
-    return fitted;
+    return judged(turns);
   }
 
  private:
@@ -225,24 +228,16 @@ class OutlineFitter {
     }
   }
 
-  void add_open(const Run& run, Fitted& fitted) const {
+  void add_open(const Run& run, std::vector<Turn>& turns) const {
     if (run.ends.size() < 2) return;
-    double length = 0.0;
     std::vector<Eigen::Vector2d> simple;
     simplify(run.ends, 0, run.ends.size() - 1, simple);
     simple.push_back(run.ends.back());
-    for (std::size_t i = 1; i < simple.size(); ++i) {
-      const double piece = (simple[i] - simple[i - 1]).norm();
-      length += piece;
-      fitted.variance_m4 += std::pow(piece * resolution_m_, 2);
-    }
-    fitted.open_m += length;
-    fitted.length_m += length;
-    fitted.corners.insert(fitted.corners.end(), simple.begin(), simple.end());
+    for (const Eigen::Vector2d& point : simple) turns.push_back({point, -1});
   }
 
-  /// The corner between two runs.
-  void add_joint(const Run& run, const Run& next, Fitted& fitted) const {
+  /// The corner between two runs, or a step from one to the other.
+  void add_joint(const Run& run, const Run& next, std::vector<Turn>& turns) const {
     const Eigen::Vector2d at = run.ends.back();
     if (run.bound >= 0 && next.bound >= 0) {
       const Bound& a = bound(run.bound);
@@ -252,24 +247,39 @@ class OutlineFitter {
         const Eigen::Vector2d corner =
             a.from + cross(b.from - a.from, b.along()) / sine * a.along();
         if ((corner - at).norm() <= 0.4) {
-          fitted.corners.push_back(corner);
+          turns.push_back({corner, next.bound});
           return;
         }
       }
     }
-    if (run.bound >= 0) fitted.corners.push_back(bound(run.bound).foot(at));
-    if (next.bound >= 0) fitted.corners.push_back(bound(next.bound).foot(at));
+    const bool is_step = run.bound >= 0 && next.bound >= 0;
+    if (run.bound >= 0) {
+      const Eigen::Vector2d foot = bound(run.bound).foot(at);
+      const bool is_small =
+          is_step && (foot - bound(next.bound).foot(at)).norm() <= 2.0 * kPlan.outline_m;
+      turns.push_back({foot, is_small ? run.bound : -1});
+    }
+    if (next.bound >= 0) turns.push_back({bound(next.bound).foot(at), next.bound});
   }
 
-  void account(const Run& run, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
-               Fitted& fitted) const {
-    if (run.bound < 0) return;
-    const double length = (to - from).norm();
-    const Bound& b = bound(run.bound);
-    const double sigma_tilt = length * b.sigma_yaw_rad;
-    fitted.variance_m4 +=
-        length * length * (b.sigma_across_m * b.sigma_across_m + sigma_tilt * sigma_tilt / 12.0);
-    fitted.length_m += length;
+  [[nodiscard]] Fitted judged(const std::vector<Turn>& turns) const {
+    Fitted fitted;
+    for (std::size_t i = 0; i < turns.size(); ++i) {
+      const double length = (turns[(i + 1) % turns.size()].at - turns[i].at).norm();
+      const int along = turns[i].along;
+      const PlanSide side = along < 0 ? PlanSide::kOpen : bound(along).side;
+      double sigma = resolution_m_;
+      if (along >= 0)
+        sigma = hypotenuse(bound(along).sigma_across_m,
+                           length * bound(along).sigma_yaw_rad / std::sqrt(12.0));
+      fitted.variance_m4 += length * length * sigma * sigma;
+      fitted.length_m += length;
+      if (side == PlanSide::kOpen) fitted.open_m += length;
+      if (side == PlanSide::kHidden) fitted.hidden_m += length;
+      fitted.outline.polygon.corners.push_back(turns[i].at);
+      fitted.outline.sides.push_back(side);
+    }
+    return fitted;
   }
 
   std::span<const Bound> bounds_;
@@ -281,10 +291,11 @@ std::vector<Bound> bounds_of(std::span<const PlanSegment> segments,
   std::vector<Bound> bounds;
   for (const PlanSegment& segment : segments) {
     if (segment.layer == PlanLayer::kMovable) continue;
-    bounds.push_back({segment.from, segment.to, segment.sigma_across_m, segment.sigma_yaw_rad});
+    bounds.push_back({segment.from, segment.to, segment.sigma_across_m, segment.sigma_yaw_rad,
+                      segment.layer == PlanLayer::kHidden ? PlanSide::kHidden : PlanSide::kWall});
   }
   for (const DoorFace& face : faces)
-    bounds.push_back({face.from, face.to, face.sigma_across_m, 0.0});
+    bounds.push_back({face.from, face.to, face.sigma_across_m, 0.0, PlanSide::kDoor});
   return bounds;
 }
 
@@ -304,20 +315,22 @@ PlanRoom outline_room(const FloorParts& parts, int part, std::span<const PlanSeg
     const bool is_hole = cell_area < 0.0;
     if (is_hole && -cell_area < 0.25) continue;
     auto fitted = fitter.fit(border);
-    if (fitted.corners.size() < 3 || signed_area(fitted.corners) * cell_area <= 0.0) {
-      fitted.corners = cells;
-      fitted.variance_m4 =
-          std::pow(resolution_m * resolution_m * static_cast<double>(cells.size()), 2);
+    auto& corners = fitted.outline.polygon.corners;
+    if (corners.size() < 3 || signed_area(corners) * cell_area <= 0.0) {
+      fitted = {.outline = {{cells}, std::vector<PlanSide>(cells.size(), PlanSide::kOpen)},
+                .open_m = resolution_m * static_cast<double>(cells.size())};
+      fitted.length_m = fitted.open_m;
+      fitted.variance_m4 = std::pow(resolution_m * fitted.length_m, 2);
     }
-    room.area_m2 += signed_area(fitted.corners);
+    room.area_m2 += signed_area(fitted.outline.polygon.corners);
     room.open_m += fitted.open_m;
+    room.hidden_m += fitted.hidden_m;
     room.perimeter_m += fitted.length_m;
     variance_m4 += fitted.variance_m4;
     if (is_hole)
-      room.holes.push_back({std::move(fitted.corners)});
-    else if (signed_area(fitted.corners) >
-             (room.outline.corners.empty() ? 0.0 : signed_area(room.outline.corners)))
-      room.outline.corners = std::move(fitted.corners);
+      room.holes.push_back(std::move(fitted.outline));
+    else
+      room.outline = std::move(fitted.outline);
   }
   room.area_sigma_m2 = std::sqrt(variance_m4);
   return room;

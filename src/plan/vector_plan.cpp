@@ -17,8 +17,8 @@ VectorPlan operator*(const Pose2& b_T_a, const VectorPlan& in_a) {
     door.to = b_T_a * door.to;
   }
   for (PlanRoom& room : moved.rooms) {
-    room.outline = b_T_a * room.outline;
-    for (Polygon2& hole : room.holes) hole = b_T_a * hole;
+    room.outline.polygon = b_T_a * room.outline.polygon;
+    for (PlanOutline& hole : room.holes) hole.polygon = b_T_a * hole.polygon;
   }
   constexpr double kQuarter = 0.5 * kPi;
   for (PlanAxis& axis : moved.axes)
@@ -42,7 +42,7 @@ namespace {
 /// From a point to the outline and the holes of a room; negative outside.
 double room_around(const PlanRoom& room, const Eigen::Vector2d& point) {
   double least = std::numeric_limits<double>::infinity();
-  bool inside = contains(room.outline, point);
+  bool inside = contains(room.outline.polygon, point);
   const auto look = [&](const Polygon2& polygon) {
     for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
       const Eigen::Vector2d a = polygon.corners[i];
@@ -52,10 +52,10 @@ double room_around(const PlanRoom& room, const Eigen::Vector2d& point) {
       least = std::min(least, (point - a - t * side).norm());
     }
   };
-  look(room.outline);
-  for (const Polygon2& hole : room.holes) {
-    look(hole);
-    inside = inside && !contains(hole, point);
+  look(room.outline.polygon);
+  for (const PlanOutline& hole : room.holes) {
+    look(hole.polygon);
+    inside = inside && !contains(hole.polygon, point);
   }
   return inside ? least : -least;
 }
@@ -63,10 +63,10 @@ double room_around(const PlanRoom& room, const Eigen::Vector2d& point) {
 }  // namespace
 
 Eigen::Vector2d label_place(const PlanRoom& room) {
-  if (room.outline.corners.empty()) return {0.0, 0.0};
-  Eigen::Vector2d low = room.outline.corners.front();
+  if (room.outline.polygon.corners.empty()) return {0.0, 0.0};
+  Eigen::Vector2d low = room.outline.polygon.corners.front();
   Eigen::Vector2d high = low;
-  for (const Eigen::Vector2d& corner : room.outline.corners) {
+  for (const Eigen::Vector2d& corner : room.outline.polygon.corners) {
     low = low.cwiseMin(corner);
     high = high.cwiseMax(corner);
   }
@@ -107,7 +107,7 @@ PlanBox box_of(const VectorPlan& plan) {
     add(segment.to);
   }
   for (const PlanRoom& room : plan.rooms)
-    for (const Eigen::Vector2d& corner : room.outline.corners) add(corner);
+    for (const Eigen::Vector2d& corner : room.outline.polygon.corners) add(corner);
   return box.low.x() <= box.high.x() ? box : PlanBox{};
 }
 

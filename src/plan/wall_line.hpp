@@ -53,6 +53,7 @@ struct JoinedSegments {
   std::vector<PlanSegment> segments{};
   std::vector<EndJoint> at_from{};  ///< of each segment
   std::vector<EndJoint> at_to{};
+  std::vector<bool> stands_free{};  ///< and is no wall therefore, or stands before one
 };
 
 /// Cuts lines to segments; ends that lie where two lines meet become one corner.

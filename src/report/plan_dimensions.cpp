@@ -21,8 +21,8 @@ void add_crossings(const Polygon2& polygon, double height, std::vector<double>& 
 /// The longest stretch of a line y = height inside the room.
 RoomSpan longest_at(const PlanRoom& room, double height) {
   std::vector<double> at;
-  add_crossings(room.outline, height, at);
-  for (const Polygon2& hole : room.holes) add_crossings(hole, height, at);
+  add_crossings(room.outline.polygon, height, at);
+  for (const PlanOutline& hole : room.holes) add_crossings(hole.polygon, height, at);
   std::sort(at.begin(), at.end());
   RoomSpan best{{0.0, height}, {0.0, height}};
   for (std::size_t i = 0; i + 1 < at.size(); i += 2)
@@ -32,9 +32,9 @@ RoomSpan longest_at(const PlanRoom& room, double height) {
 
 /// Along x of a room that lies along the axes.
 std::optional<RoomSpan> span_along_x(const PlanRoom& room, double label_y) {
-  double low = room.outline.corners.front().y();
+  double low = room.outline.polygon.corners.front().y();
   double high = low;
-  for (const Eigen::Vector2d& corner : room.outline.corners) {
+  for (const Eigen::Vector2d& corner : room.outline.polygon.corners) {
     low = std::min(low, corner.y());
     high = std::max(high, corner.y());
   }
@@ -64,13 +64,13 @@ std::optional<RoomSpan> span_along_x(const PlanRoom& room, double label_y) {
 
 std::vector<RoomSpan> room_spans(const PlanRoom& room, const VectorPlan& plan) {
   std::vector<RoomSpan> spans;
-  if (!room.is_closed() || room.outline.corners.size() < 3) return spans;
+  if (!room.is_closed() || room.outline.polygon.corners.size() < 3) return spans;
   const double yaw = plan.axes.empty() ? 0.0 : plan.axes.front().yaw_rad;
   for (const double turn : {yaw, yaw + 0.5 * kPi}) {
     const Pose2 straight{0.0, 0.0, wrap_angle(-turn)};
     PlanRoom turned = room;
-    turned.outline = straight * room.outline;
-    for (Polygon2& hole : turned.holes) hole = straight * hole;
+    turned.outline.polygon = straight * room.outline.polygon;
+    for (PlanOutline& hole : turned.holes) hole.polygon = straight * hole.polygon;
     const auto span = span_along_x(turned, (straight * label_place(room)).y());
     if (!span) continue;
     spans.push_back({straight.inverse() * span->from, straight.inverse() * span->to});

@@ -132,8 +132,8 @@ std::string format_plan_dxf(const VectorPlan& plan) {
   for (const PlanDoor& door : plan.doors) dxf.line("DOORS", door.from, door.to);
   for (std::size_t i = 0; i < plan.rooms.size(); ++i) {
     const PlanRoom& room = plan.rooms[i];
-    dxf.polygon("ROOMS", room.outline);
-    for (const Polygon2& hole : room.holes) dxf.polygon("ROOMS", hole);
+    dxf.polygon("ROOMS", room.outline.polygon);
+    for (const PlanOutline& hole : room.holes) dxf.polygon("ROOMS", hole.polygon);
     dxf.text("AREAS", label_place(room), 0.25, fmt::format("R{} {:.2f} m2", i + 1, room.area_m2));
   }
   dxf.put(0, "ENDSEC");

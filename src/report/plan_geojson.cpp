@@ -56,7 +56,7 @@ Json room_name(int room) { return room < 0 ? Json() : Json(room + 1); }
 Json door_feature(const GeoAnchor& anchor, const PlanDoor& door) {
   return feature("LineString",
                  Json::array({position(anchor, door.from), position(anchor, door.to)}),
-                 {{"layer", "door"},
+                 {{"layer", door.is_opening() ? "opening" : "door"},
                   {"width_m", metres(door.width_m)},
                   {"width_sigma_m", metres(door.width_sigma_m)},
                   {"depth_m", metres(door.depth_m)},
@@ -64,15 +64,16 @@ Json door_feature(const GeoAnchor& anchor, const PlanDoor& door) {
 }
 
 Json room_feature(const GeoAnchor& anchor, const PlanRoom& room, int number) {
-  Json rings = Json::array({ring(anchor, room.outline)});
-  for (const Polygon2& hole : room.holes) rings.push_back(ring(anchor, hole));
+  Json rings = Json::array({ring(anchor, room.outline.polygon)});
+  for (const PlanOutline& hole : room.holes) rings.push_back(ring(anchor, hole.polygon));
   return feature("Polygon", std::move(rings),
                  {{"layer", "room"},
                   {"room", number},
                   {"area_m2", metres(room.area_m2)},
                   {"area_sigma_m2", metres(room.area_sigma_m2)},
                   {"closed", room.is_closed()},
-                  {"open_m", metres(room.open_m)}});
+                  {"open_m", metres(room.open_m)},
+                  {"hidden_m", metres(room.hidden_m)}});
 }
 
 }  // namespace

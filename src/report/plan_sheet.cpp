@@ -23,6 +23,7 @@ constexpr double kBandM = 0.12;     ///< tone behind the faces of walls
 
 constexpr unsigned kInk = 0x1a1a1a;
 constexpr unsigned kWallTone = 0x5b5f66;
+constexpr unsigned kHiddenTone = 0xb9bcc2;
 constexpr unsigned kRoomTone = 0xfbfaf7;
 constexpr unsigned kOpenTone = 0xeef3f8;
 constexpr unsigned kThingTone = 0x8a8f98;
@@ -145,19 +146,34 @@ class SheetDrawer {
   }
 
   [[nodiscard]] SheetShape shape_of(const PlanRoom& room, const SheetStyle& style) const {
-    SheetShape shape{{mm(room.outline)}, true, style};
-    for (const Polygon2& hole : room.holes) shape.rings.push_back(mm(hole));
+    SheetShape shape{{mm(room.outline.polygon)}, true, style};
+    for (const PlanOutline& hole : room.holes) shape.rings.push_back(mm(hole.polygon));
     return shape;
   }
 
-  /// The tone of walls reaches a little way behind their faces; floors lie on it, and doorways.
+  void add_sides(const PlanOutline& outline, PlanSide kind, const SheetStyle& style,
+                 SheetGroup& group) const {
+    const std::vector<Eigen::Vector2d> ring = mm(outline.polygon);
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      if (outline.sides[i] == kind) line(group, ring[i], ring[(i + 1) % ring.size()], style);
+  }
+  void add_sides(PlanSide kind, const SheetStyle& style, SheetGroup& group) const {
+    for (const PlanRoom& room : plan_.rooms) {
+      add_sides(room.outline, kind, style, group);
+      for (const PlanOutline& hole : room.holes) add_sides(hole, kind, style, group);
+    }
+  }
+
+  /// The tone of walls reaches a little way behind their faces; floors lie on it.
   void add_rooms() {
     SheetGroup& walls = group("walls");
-    for (const PlanRoom& room : plan_.rooms)
-      walls.shapes.push_back(shape_of(room, line_style(2.0 * kBandM * mm_per_m(), kWallTone)));
+    const double band_mm = 2.0 * kBandM * mm_per_m();
+    add_sides(PlanSide::kHidden, line_style(band_mm, kHiddenTone), walls);
+    add_sides(PlanSide::kWall, line_style(band_mm, kWallTone), walls);
     SheetGroup& rooms = group("rooms");
     for (const PlanRoom& room : plan_.rooms)
       rooms.shapes.push_back(shape_of(room, fill_style(room.is_closed() ? kRoomTone : kOpenTone)));
+    add_sides(PlanSide::kOpen, line_style(0.18, kSizeTone, {0.4, 1.0}), rooms);
   }
 
   void add_layer(PlanLayer layer, const SheetStyle& style) {
@@ -319,7 +335,7 @@ class SheetDrawer {
         {{line_style(0.35, kInk), "wall, seen"},
          {line_style(0.25, kInk, {1.2, 0.8}), "wall behind furniture"},
          {line_style(0.18, kThingTone), "furniture and other things"},
-         {line_style(2.0 * 0.6, kWallTone), "tone: thickness not measured"}}};
+         {line_style(0.18, kSizeTone, {0.4, 1.0}), "end of what was seen"}}};
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const Eigen::Vector2d row = at - Eigen::Vector2d(0.0, 4.2 * static_cast<double>(i));
       line(title, row, row + Eigen::Vector2d(9.0, 0.0), entries[i].first);

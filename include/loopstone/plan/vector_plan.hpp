@@ -46,7 +46,21 @@ struct PlanSegment {
   [[nodiscard]] Eigen::Vector2d middle() const { return 0.5 * (from + to); }
 };
 
-/// An opening between two jambs.
+/// What an outline runs along.
+enum class PlanSide {
+  kWall,    ///< a segment that was seen
+  kHidden,  ///< one that was drawn through
+  kDoor,    ///< a door or an opening, in the plane of the wall
+  kOpen,    ///< nothing: not explored, or a thing that nothing is known behind
+};
+
+/// A closed line.
+struct PlanOutline {
+  Polygon2 polygon{};             ///< map frame [m]
+  std::vector<PlanSide> sides{};  ///< of each, from its corner to the next
+};
+
+/// An opening between two jambs: a door, or what is wider than one.
 struct PlanDoor {
   Eigen::Vector2d from{0.0, 0.0};  ///< the jambs, in the middle of the wall, map frame [m]
   Eigen::Vector2d to{0.0, 0.0};
@@ -55,22 +69,27 @@ struct PlanDoor {
   double depth_m = 0.0;  ///< of the wall; 0: only one of its faces was seen
   int room = -1;         ///< places in VectorPlan::rooms; -1: outside, or not explored
   int other_room = -1;
+
+  /// Too wide to be a door.
+  [[nodiscard]] bool is_opening() const { return width_m > kWidestDoorM; }
+  static constexpr double kWidestDoorM = 1.4;
 };
 
 /// A piece of floor that walls and doors go round.
 struct PlanRoom {
-  Polygon2
-      outline{};  ///< counter-clockwise, map frame [m]; the floor under furniture belongs to it
-  std::vector<Polygon2> holes{};  ///< walls and rooms that it goes round; clockwise
-  double area_m2 = 0.0;           ///< without its holes
+  PlanOutline outline{};             ///< counter-clockwise; the floor under furniture belongs to it
+  std::vector<PlanOutline> holes{};  ///< walls and rooms that it goes round; clockwise
+  double area_m2 = 0.0;              ///< without its holes
   double area_sigma_m2 = 0.0;
   /// Of the outline, where no wall was seen: the room goes on unexplored, or ends at a thing [m].
   double open_m = 0.0;
   double perimeter_m = 0.0;  ///< of the outline and of holes
   std::vector<int> doors{};  ///< places in VectorPlan::doors
 
-  /// All but a little of its outline was seen.
-  [[nodiscard]] bool is_closed() const { return open_m <= 0.02 * perimeter_m; }
+  double hidden_m = 0.0;  ///< where a wall was drawn through that was not seen [m]
+
+  /// There are walls and doors all around.
+  [[nodiscard]] bool is_closed() const { return open_m <= 0.01 * perimeter_m; }
 };
 
 /// A direction along which walls run, and at right angles to it.
