@@ -14,15 +14,27 @@ namespace {
 constexpr std::array<Cell, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
 /// Cells that a line goes through, so close that nothing that steps sideways or up and down gets
-/// past.
+/// past; of those only what `may` says.
+template <typename May>
 void draw_barrier(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
-                  Grid<std::uint8_t>& barriers) {
+                  Grid<std::uint8_t>& barriers, May&& may) {
   const GridFrame& frame = barriers.frame();
   const double step_m = 0.2 * frame.resolution;
   const int count = std::max(1, static_cast<int>(std::ceil((to - from).norm() / step_m)));
   for (int i = 0; i <= count; ++i) {
     const Cell cell = frame.cell_of(from + static_cast<double>(i) / count * (to - from));
-    if (frame.contains(cell)) barriers[cell] = 1;
+    if (frame.contains(cell) && may(cell)) barriers[cell] = 1;
+  }
+}
+
+/// A face, and what nobody saw right behind it: that is no floor.
+void draw_wall(const PlanSegment& wall, const Grid<std::int8_t>& cells,
+               Grid<std::uint8_t>& barriers) {
+  draw_barrier(wall.from, wall.to, barriers, [](Cell) { return true; });
+  for (double behind = 0.7; behind * cells.frame().resolution <= kPlan.core_m; behind += 0.7) {
+    const Eigen::Vector2d off = behind * cells.frame().resolution * wall.normal();
+    draw_barrier(wall.from - off, wall.to - off, barriers,
+                 [&](Cell cell) { return !is_free_cell(cells, cell); });
   }
 }
 
@@ -133,8 +145,9 @@ FloorParts part_floor(const Grid<std::int8_t>& cells, std::span<const PlanSegmen
                       std::span<const DoorFace> faces) {
   Grid<std::uint8_t> barriers(cells.frame());
   for (const PlanSegment& segment : segments)
-    if (segment.layer != PlanLayer::kMovable) draw_barrier(segment.from, segment.to, barriers);
-  for (const DoorFace& face : faces) draw_barrier(face.from, face.to, barriers);
+    if (segment.layer != PlanLayer::kMovable) draw_wall(segment, cells, barriers);
+  for (const DoorFace& face : faces)
+    draw_barrier(face.from, face.to, barriers, [](Cell) { return true; });
   return FloorFlood(cells, std::move(barriers)).run();
 }
 

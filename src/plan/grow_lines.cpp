@@ -105,6 +105,42 @@ class PieceMap {
   std::unordered_map<Key, std::size_t> places_{};
 };
 
+/// Where samples are at all, whichever way they face: at a corner that juts out normals are of both
+/// walls, so lines of pieces end before it.
+class SampleCells {
+ public:
+  explicit SampleCells(const WallSamples& samples) {
+    for (const WallSample& sample : samples.samples) ++counts_[key(sample.point.cast<double>())];
+  }
+  [[nodiscard]] bool has_some(const Eigen::Vector2d& point) const {
+    const auto found = counts_.find(key(point));
+    return found != counts_.end() && found->second >= kPlan.least_scans;
+  }
+
+ private:
+  static Key key(const Eigen::Vector2d& point) {
+    return key_of(static_cast<int>(std::floor(point.x() / kPlan.end_cell_m)),
+                  static_cast<int>(std::floor(point.y() / kPlan.end_cell_m)), 0);
+  }
+  std::unordered_map<Key, int> counts_{};
+};
+
+/// How far a line goes on beyond an end.
+double reach_beyond(const SampleCells& cells, const Eigen::Vector2d& end,
+                    const Eigen::Vector2d& way) {
+  const Eigen::Vector2d normal(-way.y(), way.x());
+  const double step_m = 0.5 * kPlan.end_cell_m;
+  double reach_m = 0.0;
+  for (double t = step_m; t <= reach_m + 2.5 * kPlan.end_cell_m && t < kPlan.gap_m; t += step_m) {
+    for (const double across : {-0.7, 0.0, 0.7}) {
+      if (!cells.has_some(end + t * way + across * kPlan.end_cell_m * normal)) continue;
+      reach_m = t;
+      break;
+    }
+  }
+  return reach_m;
+}
+
 /// A line while it grows.
 class GrowingLine {
  public:
@@ -232,6 +268,8 @@ class GrowingLine {
   [[nodiscard]] WallLine line_through(const std::vector<std::size_t>& of,
                                       const WallSamples& samples) const {
     WallLine line{.centre = centre_ + samples.origin, .along = along_};
+    Eigen::Vector2d facing = Eigen::Vector2d::Zero();
+    for (const std::size_t i : of) facing += piece(i).facing;
     line.low_m = std::numeric_limits<double>::infinity();
     line.high_m = -line.low_m;
     double within = 0.0;
@@ -253,6 +291,7 @@ class GrowingLine {
     const double common = samples.common_sigma_m;
     line.sigma_across_m = std::sqrt(single * single / independent + common * common);
     line.sigma_yaw_rad = std::sqrt(12.0 / independent) * single / length + common / length;
+    line.facing = facing.dot(normal_) / line.samples;
     return line;
   }
 
@@ -301,7 +340,17 @@ std::vector<WallLine> grow_lines(const WallSamples& samples) {
     const WallLine line = growing.finish(samples);
     const double least_m = samples.from_scans ? kPlan.least_length_m : 3.0 * across_m;
     const double least_samples = samples.from_scans ? kPlan.least_samples : 3.0;
-    if (line.length_m() >= least_m && line.samples >= least_samples) lines.push_back(line);
+    const bool is_straight = line.length_m() >= kPlan.short_m || !samples.from_scans ||
+                             line.facing >= kPlan.short_facing;
+    if (line.length_m() >= least_m && line.samples >= least_samples && is_straight)
+      lines.push_back(line);
+  }
+  if (samples.from_scans) {
+    const SampleCells cells(samples);
+    for (WallLine& line : lines) {
+      line.high_m += reach_beyond(cells, line.at(line.high_m) - samples.origin, line.along);
+      line.low_m -= reach_beyond(cells, line.at(line.low_m) - samples.origin, -line.along);
+    }
   }
   std::vector<WallLine> kept;
   for (const WallLine& line : lines) {

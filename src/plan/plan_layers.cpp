@@ -178,8 +178,8 @@ bool completes_walls(const JoinedSegments& joined, std::size_t i) {
   const bool at_from = is_structure(joined, from.segment);
   const bool at_to = is_structure(joined, to.segment);
   if (at_from && at_to) return true;
-  if (joined.segments[i].length_m() > kPlan.jamb_m) return false;
-  return (at_from && from.convex && to.segment < 0) || (at_to && to.convex && from.segment < 0);
+  if (joined.segments[i].length_m() > kPlan.wall_usual_m) return false;
+  return (at_from && from.convex) || (at_to && to.convex);
 }
 
 /// The other face of a wall that is known to be one.

@@ -16,6 +16,9 @@ struct PlanNumbers {
   int least_samples = 8;
   double across_m = 0.035;
   double gap_m = 0.25;
+  double end_cell_m = 0.02;
+  double short_m = 0.2;
+  double short_facing = 0.97;
   double facing_deg = 22.0;
   double least_length_m = 0.08;
   double correlated_m = 0.3;
@@ -37,6 +40,7 @@ struct PlanNumbers {
   double wall_usual_m = 0.32;
   double room_least_m2 = 1.2;
   double pocket_most_m2 = 8.0;
+  double core_m = 0.12;
   double outline_m = 0.13;
 };
 inline constexpr PlanNumbers kPlan{};
@@ -60,6 +64,11 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
   visit("across_m", n.across_m,
         "chosen: pieces within this of a line belong to it: three times the noise of a laser");
   visit("gap_m", n.gap_m, "chosen: holes up to this do not part a line; a door is wider");
+  visit("end_cell_m", n.end_cell_m,
+        "chosen: ends of lines are looked for in cells of this size: twice a laser's noise");
+  visit("short_m", n.short_m, "chosen: shorter lines may be but the round of a corner");
+  visit("short_facing", n.short_facing,
+        "chosen: unless they face one way: mean cosine, for a spread of about 14 deg");
   visit("facing_deg", n.facing_deg, "chosen: between a piece's normal and that of its line");
   visit("least_length_m", n.least_length_m, "chosen: a jamb is longer");
   visit("correlated_m", n.correlated_m,
@@ -89,6 +98,8 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
   visit("room_least_m2", n.room_least_m2, "chosen: less is a niche");
   visit("pocket_most_m2", n.pocket_most_m2,
         "chosen: floor that furniture hides, which belongs to the room around it");
+  visit("core_m", n.core_m,
+        "chosen: what nobody saw this near behind a wall's face belongs to the wall");
   visit("outline_m", n.outline_m,
         "derived: a wall lies at most two cells and a half from where the floor ends");
 }

@@ -17,6 +17,7 @@ struct WallLine {
   double sigma_across_m = 0.0;  ///< at its centre
   double sigma_yaw_rad = 0.0;
   double samples = 0.0;
+  double facing = 1.0;  ///< mean cosine between its samples' normals and its own
   bool squared = false;
 
   [[nodiscard]] double length_m() const { return high_m - low_m; }

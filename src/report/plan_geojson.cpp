@@ -63,6 +63,13 @@ Json door_feature(const GeoAnchor& anchor, const PlanDoor& door) {
                   {"rooms", Json::array({room_name(door.room), room_name(door.other_room)})}});
 }
 
+/// Of each side of the outer ring, in order, what it runs along.
+Json side_words(const PlanOutline& outline) {
+  Json words = Json::array();
+  for (const PlanSide side : outline.sides) words.push_back(to_string(side));
+  return words;
+}
+
 Json room_feature(const GeoAnchor& anchor, const PlanRoom& room, int number) {
   Json rings = Json::array({ring(anchor, room.outline.polygon)});
   for (const PlanOutline& hole : room.holes) rings.push_back(ring(anchor, hole.polygon));
@@ -73,7 +80,8 @@ Json room_feature(const GeoAnchor& anchor, const PlanRoom& room, int number) {
                   {"area_sigma_m2", metres(room.area_sigma_m2)},
                   {"closed", room.is_closed()},
                   {"open_m", metres(room.open_m)},
-                  {"hidden_m", metres(room.hidden_m)}});
+                  {"hidden_m", metres(room.hidden_m)},
+                  {"sides", side_words(room.outline)}});
 }
 
 }  // namespace

@@ -54,6 +54,12 @@ enum class PlanSide {
   kOpen,    ///< nothing: not explored, or a thing that nothing is known behind
 };
 
+constexpr auto words_of(PlanSide /*any*/) {
+  using enum PlanSide;
+  return std::array{Word{kWall, "wall"}, Word{kHidden, "hidden"}, Word{kDoor, "door"},
+                    Word{kOpen, "open"}};
+}
+
 /// A closed line.
 struct PlanOutline {
   Polygon2 polygon{};             ///< map frame [m]
