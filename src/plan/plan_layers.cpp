@@ -178,6 +178,11 @@ bool completes_walls(const JoinedSegments& joined, std::size_t i) {
   const bool at_from = is_structure(joined, from.segment);
   const bool at_to = is_structure(joined, to.segment);
   if (at_from && at_to) return true;
+  // From a room's corner on, farther than things are deep, and no corner of its own at the end.
+  if (joined.segments[i].length_m() >= 0.9 &&
+      ((at_from && !from.convex && !to.convex) || (at_to && !to.convex && !from.convex))) {
+    return true;
+  }
   if (joined.segments[i].length_m() > kPlan.wall_usual_m) return false;
   return (at_from && from.convex) || (at_to && to.convex);
 }

@@ -42,6 +42,7 @@ struct PlanNumbers {
   double pocket_most_m2 = 8.0;
   double core_m = 0.12;
   double outline_m = 0.13;
+  double thing_deep_m = 0.7;
 };
 inline constexpr PlanNumbers kPlan{};
 
@@ -100,6 +101,8 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
         "chosen: floor that furniture hides, which belongs to the room around it");
   visit("core_m", n.core_m,
         "chosen: what nobody saw this near behind a wall's face belongs to the wall");
+  visit("thing_deep_m", n.thing_deep_m,
+        "chosen: where a floor ends this near to a wall's line, a thing stands before the wall");
   visit("outline_m", n.outline_m,
         "derived: a wall lies at most two cells and a half from where the floor ends");
 }

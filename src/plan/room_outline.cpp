@@ -108,10 +108,24 @@ struct Run {
   std::vector<Eigen::Vector2d> ends{};  ///< of its sides
 };
 
+struct Segment2 {
+  Eigen::Vector2d from;
+  Eigen::Vector2d to;
+};
+
+double distance_to(const Segment2& segment, const Eigen::Vector2d& point) {
+  const Eigen::Vector2d side = segment.to - segment.from;
+  const double length2 = side.squaredNorm();
+  const double t =
+      length2 > 0.0 ? std::clamp((point - segment.from).dot(side) / length2, 0.0, 1.0) : 0.0;
+  return (point - segment.from - t * side).norm();
+}
+
 /// A corner of an outline, and what it goes on along.
 struct Turn {
   Eigen::Vector2d at;
   int along = -1;  ///< place among the bounds; -1: nothing
+  bool drawn_through = false;
 };
 
 class OutlineFitter {
@@ -131,7 +145,7 @@ class OutlineFitter {
     const std::vector<Run> runs = runs_of(border);
     std::vector<Turn> turns;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (runs[i].bound < 0) add_open(runs[i], turns);
+      if (runs[i].bound < 0) add_open(runs, i, turns);
       if (runs.size() > 1) add_joint(runs[i], runs[(i + 1) % runs.size()], turns);
     }
     return judged(turns);
@@ -140,7 +154,7 @@ class OutlineFitter {
  private:
   [[nodiscard]] const Bound& bound(int i) const { return bounds_[static_cast<std::size_t>(i)]; }
 
-  [[nodiscard]] double distance_to(const Bound& b, const Side& side) const {
+  [[nodiscard]] double distance_of(const Bound& b, const Side& side) const {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     if (b.normal().dot(side.inward) < -0.3) return kFar;
     const Eigen::Vector2d u = b.along();
@@ -164,7 +178,7 @@ class OutlineFitter {
           side.middle.y() > std::max(b.from.y(), b.to.y()) + reach) {
         continue;
       }
-      const double distance = distance_to(b, side);
+      const double distance = distance_of(b, side);
       if (distance >= least) continue;
       least = distance;
       best = static_cast<int>(i);
@@ -228,7 +242,49 @@ class OutlineFitter {
     }
   }
 
-  void add_open(const Run& run, std::vector<Turn>& turns) const {
+  /// Where the lines before and after a stretch along nothing meet, if it is a short one that does
+  /// not lead far from them: something stands there before a wall, or in a corner.
+  [[nodiscard]] std::optional<std::vector<Turn>> drawn_through(const Run& before, const Run& run,
+                                                               const Run& after) const {
+    if (before.bound < 0 || after.bound < 0) return std::nullopt;
+    const Bound& a = bound(before.bound);
+    const Bound& b = bound(after.bound);
+    const Eigen::Vector2d start = a.foot(before.ends.back());
+    const Eigen::Vector2d end = b.foot(run.ends.back());
+    const double sine = cross(a.along(), b.along());
+    std::vector<Eigen::Vector2d> line{start};
+    if (std::abs(sine) > 0.5)
+      line.push_back(a.from + cross(b.from - a.from, b.along()) / sine * a.along());
+    else if (std::abs((end - start).dot(a.normal())) > 0.06)
+      return std::nullopt;
+    line.push_back(end);
+    double length = 0.0;
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      if (before.bound == after.bound && line.size() > 2) return std::nullopt;
+      length += (line[i] - line[i - 1]).norm();
+    }
+    if (length > kPlan.hidden_most_m) return std::nullopt;
+    const auto is_far = [&](const Eigen::Vector2d& point) {
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 1; i < line.size(); ++i)
+        least = std::min(least, distance_to(Segment2{line[i - 1], line[i]}, point));
+      return least > kPlan.thing_deep_m;
+    };
+    if (std::any_of(run.ends.begin(), run.ends.end(), is_far)) return std::nullopt;
+    std::vector<Turn> turns{{start, before.bound, true}};
+    if (line.size() > 2) turns.push_back({line[1], after.bound, true});
+    return turns;
+  }
+
+  void add_open(const std::vector<Run>& runs, std::size_t i, std::vector<Turn>& turns) const {
+    const Run& run = runs[i];
+    const Run& before = runs[(i + runs.size() - 1) % runs.size()];
+    if (const auto through = drawn_through(before, run, runs[(i + 1) % runs.size()])) {
+      // The foot on the line before is there already, as the beginning of the open stretch.
+      if (!turns.empty() && turns.back().along < 0) turns.pop_back();
+      turns.insert(turns.end(), through->begin(), through->end());
+      return;
+    }
     if (run.ends.size() < 2) return;
     std::vector<Eigen::Vector2d> simple;
     simplify(run.ends, 0, run.ends.size() - 1, simple);
@@ -267,7 +323,9 @@ class OutlineFitter {
     for (std::size_t i = 0; i < turns.size(); ++i) {
       const double length = (turns[(i + 1) % turns.size()].at - turns[i].at).norm();
       const int along = turns[i].along;
-      const PlanSide side = along < 0 ? PlanSide::kOpen : bound(along).side;
+      const PlanSide side = along < 0                ? PlanSide::kOpen
+                            : turns[i].drawn_through ? PlanSide::kHidden
+                                                     : bound(along).side;
       double sigma = resolution_m_;
       if (along >= 0)
         sigma = hypotenuse(bound(along).sigma_across_m,
