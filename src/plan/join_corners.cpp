@@ -50,6 +50,38 @@ std::vector<Meeting> find_meetings(const std::vector<WallLine>& lines, double co
   return meetings;
 }
 
+/// Where an end that met no other one runs against a line, or a little past it: there it ends.
+std::optional<Meeting> wall_before(const std::vector<WallLine>& lines, std::size_t i,
+                                   const Eigen::Vector2d& end, double corner_m) {
+  std::optional<Meeting> nearest;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (k == i) continue;
+    const auto corner = meeting_of(lines[i], lines[k]);
+    if (!corner) continue;
+    const double along = lines[k].along_of(*corner);
+    const double off = (*corner - end).norm();
+    if (along < lines[k].low_m || along > lines[k].high_m || off > 0.5 * corner_m) continue;
+    if (nearest && nearest->distance_m <= off) continue;
+    nearest = Meeting{off, static_cast<int>(k), 0, *corner};
+  }
+  return nearest;
+}
+
+void end_at_walls(const std::vector<WallLine>& lines, double corner_m, JoinedSegments& joined) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    PlanSegment& segment = joined.segments[i];
+    for (const bool at_to : {true, false}) {
+      if ((at_to ? joined.at_to[i] : joined.at_from[i]).segment >= 0) continue;
+      const auto wall = wall_before(lines, i, at_to ? segment.to : segment.from, corner_m);
+      const Eigen::Vector2d other = at_to ? segment.from : segment.to;
+      if (!wall || (wall->corner - other).norm() < 0.5 * segment.length_m()) continue;
+      (at_to ? segment.to : segment.from) = wall->corner;
+      (at_to ? segment.sigma_to_m : segment.sigma_from_m) =
+          lines[static_cast<std::size_t>(wall->ends)].sigma_across_m;
+    }
+  }
+}
+
 }  // namespace
 
 // Free space is on the left of every segment, so at a corner one of them ends and the other begins;
@@ -85,6 +117,7 @@ JoinedSegments join_corners(const std::vector<WallLine>& lines, double corner_m,
     joined.segments[a].sigma_to_m = lines[b].sigma_across_m / std::abs(sine);
     joined.segments[b].sigma_from_m = lines[a].sigma_across_m / std::abs(sine);
   }
+  end_at_walls(lines, corner_m, joined);
   return joined;
 }
 

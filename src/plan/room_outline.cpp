@@ -148,7 +148,7 @@ class OutlineFitter {
       if (runs[i].bound < 0) add_open(runs, i, turns);
       if (runs.size() > 1) add_joint(runs[i], runs[(i + 1) % runs.size()], turns);
     }
-    return judged(turns);
+    return judged(cleaned(std::move(turns)));
   }
 
  private:
@@ -318,14 +318,37 @@ class OutlineFitter {
     if (next.bound >= 0) turns.push_back({bound(next.bound).foot(at), next.bound});
   }
 
+  [[nodiscard]] PlanSide side_of(const Turn& turn) const {
+    if (turn.along < 0) return PlanSide::kOpen;
+    return turn.drawn_through ? PlanSide::kHidden : bound(turn.along).side;
+  }
+
+  /// Without corners that lie on each other, or in a line between sides of one kind.
+  [[nodiscard]] std::vector<Turn> cleaned(std::vector<Turn> turns) const {
+    constexpr double kSameM = 0.005;
+    for (std::size_t i = 0; i < turns.size() && turns.size() > 3;) {
+      const Turn& before = turns[(i + turns.size() - 1) % turns.size()];
+      const Turn& next = turns[(i + 1) % turns.size()];
+      const Eigen::Vector2d chord = next.at - before.at;
+      const double off = chord.norm() > kSameM
+                             ? std::abs(cross(chord, turns[i].at - before.at)) / chord.norm()
+                             : 1.0;
+      const bool lies_between = (turns[i].at - before.at).dot(next.at - turns[i].at) >= 0.0;
+      const bool is_needless = off < kSameM && lies_between && side_of(before) == side_of(turns[i]);
+      if ((next.at - turns[i].at).norm() < kSameM || is_needless)
+        turns.erase(turns.begin() + static_cast<std::ptrdiff_t>(i));
+      else
+        ++i;
+    }
+    return turns;
+  }
+
   [[nodiscard]] Fitted judged(const std::vector<Turn>& turns) const {
     Fitted fitted;
     for (std::size_t i = 0; i < turns.size(); ++i) {
       const double length = (turns[(i + 1) % turns.size()].at - turns[i].at).norm();
       const int along = turns[i].along;
-      const PlanSide side = along < 0                ? PlanSide::kOpen
-                            : turns[i].drawn_through ? PlanSide::kHidden
-                                                     : bound(along).side;
+      const PlanSide side = side_of(turns[i]);
       double sigma = resolution_m_;
       if (along >= 0)
         sigma = hypotenuse(bound(along).sigma_across_m,
