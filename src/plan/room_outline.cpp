@@ -85,9 +85,10 @@ std::vector<std::vector<Side>> borders_of(const FloorParts& parts, int part) {
     Eigen::Vector2d came(0.0, 0.0);
     do {
       const auto [first, last] = leads.equal_range(at);
-      auto next = first;  // where cells touch by a corner: the sharper turn to the left
+      auto next =
+          first;  // where cells touch by a corner: to the right, so that no ring touches itself
       for (auto it = first; it != last; ++it)
-        if (cross(came, place(it->second) - place(at)) > 0.0) next = it;
+        if (cross(came, place(it->second) - place(at)) < 0.0) next = it;
       const Eigen::Vector2d a = place(at);
       const Eigen::Vector2d b = place(next->second);
       came = b - a;
@@ -140,6 +141,19 @@ class OutlineFitter {
     double hidden_m = 0.0;
     double length_m = 0.0;
   };
+
+  /// Where lines would cross one another: along the cells alone.
+  [[nodiscard]] Fitted along_cells(const std::vector<Side>& border, double tolerance_m) const {
+    std::vector<Eigen::Vector2d> points;
+    for (const Side& side : border) points.push_back(side.end);
+    std::vector<Eigen::Vector2d> simple;
+    simplify(points, 0, points.size() / 2, tolerance_m, simple);
+    simplify(points, points.size() / 2, points.size() - 1, tolerance_m, simple);
+    simple.push_back(points.back());
+    std::vector<Turn> turns;
+    for (const Eigen::Vector2d& point : simple) turns.push_back({point, -1});
+    return judged(turns);
+  }
 
   [[nodiscard]] Fitted fit(const std::vector<Side>& border) const {
     const std::vector<Run> runs = runs_of(border);
@@ -222,7 +236,7 @@ class OutlineFitter {
 
   /// Douglas and Peucker 1973.
   void simplify(const std::vector<Eigen::Vector2d>& points, std::size_t first, std::size_t last,
-                std::vector<Eigen::Vector2d>& out) const {
+                double tolerance_m, std::vector<Eigen::Vector2d>& out) const {
     double most = 0.0;
     std::size_t at = first;
     const Eigen::Vector2d base = points[last] - points[first];
@@ -234,9 +248,9 @@ class OutlineFitter {
       most = off;
       at = i;
     }
-    if (most > 1.3 * resolution_m_) {
-      simplify(points, first, at, out);
-      simplify(points, at, last, out);
+    if (most > tolerance_m) {
+      simplify(points, first, at, tolerance_m, out);
+      simplify(points, at, last, tolerance_m, out);
     } else {
       out.push_back(points[first]);
     }
@@ -287,7 +301,7 @@ class OutlineFitter {
     }
     if (run.ends.size() < 2) return;
     std::vector<Eigen::Vector2d> simple;
-    simplify(run.ends, 0, run.ends.size() - 1, simple);
+    simplify(run.ends, 0, run.ends.size() - 1, 1.3 * resolution_m_, simple);
     simple.push_back(run.ends.back());
     for (const Eigen::Vector2d& point : simple) turns.push_back({point, -1});
   }
@@ -395,14 +409,12 @@ PlanRoom outline_room(const FloorParts& parts, int part, std::span<const PlanSeg
     const double cell_area = signed_area(cells);
     const bool is_hole = cell_area < 0.0;
     if (is_hole && -cell_area < 0.25) continue;
+    const auto is_faulty = [&](const PlanOutline& outline) {
+      return signed_area(outline.polygon.corners) * cell_area <= 0.0 || fault_of(outline.polygon);
+    };
     auto fitted = fitter.fit(border);
-    auto& corners = fitted.outline.polygon.corners;
-    if (corners.size() < 3 || signed_area(corners) * cell_area <= 0.0) {
-      fitted = {.outline = {{cells}, std::vector<PlanSide>(cells.size(), PlanSide::kOpen)},
-                .open_m = resolution_m * static_cast<double>(cells.size())};
-      fitted.length_m = fitted.open_m;
-      fitted.variance_m4 = std::pow(resolution_m * fitted.length_m, 2);
-    }
+    if (is_faulty(fitted.outline)) fitted = fitter.along_cells(border, 1.3 * resolution_m);
+    if (is_faulty(fitted.outline)) fitted = fitter.along_cells(border, 0.01 * resolution_m);
     room.area_m2 += signed_area(fitted.outline.polygon.corners);
     room.open_m += fitted.open_m;
     room.hidden_m += fitted.hidden_m;

@@ -299,8 +299,8 @@ class SheetDrawer {
     title.texts.push_back({.at = {left, top - 17.5},
                            .size_mm = 2.5,
                            .colour = kInk,
-                           .words = fmt::format("{} rooms, {:.1f} m², {} doors", plan_.rooms.size(),
-                                                area_m2, plan_.doors.size())});
+                           .words = fmt::format("rooms: {}, {:.1f} m²   doors: {}",
+                                                plan_.rooms.size(), area_m2, plan_.doors.size())});
     title.texts.push_back(
         {.at = {left, top - 21.5},
          .size_mm = 2.0,

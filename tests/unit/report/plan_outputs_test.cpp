@@ -198,7 +198,7 @@ TEST(PlanPdf, HasObjectsWhereItsTableSays) {
     const std::string expected = std::to_string(i) + " 0 obj";
     EXPECT_EQ(pdf.substr(offset, expected.size()), expected);
   }
-  EXPECT_THAT(pdf, HasSubstr("(B\\374ro \\(1\\))"));
+  EXPECT_THAT(pdf, HasSubstr("(B\\374ro \\0501\\051)"));
   const std::size_t stream = pdf.find("stream\n") + 7;
   const std::size_t length = std::stoul(pdf.substr(pdf.find("/Length ") + 8));
   EXPECT_EQ(pdf.substr(stream + length, 9), "endstream");
