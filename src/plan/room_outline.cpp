@@ -349,7 +349,11 @@ class OutlineFitter {
                              : 1.0;
       const bool lies_between = (turns[i].at - before.at).dot(next.at - turns[i].at) >= 0.0;
       const bool is_needless = off < kSameM && lies_between && side_of(before) == side_of(turns[i]);
-      if ((next.at - turns[i].at).norm() < kSameM || is_needless)
+      const Eigen::Vector2d come = turns[i].at - before.at;
+      const Eigen::Vector2d go = next.at - turns[i].at;
+      const bool is_spike =
+          come.dot(go) < 0.0 && std::abs(cross(come, go)) < 0.1 * come.norm() * go.norm();
+      if (go.norm() < kSameM || is_needless || is_spike)
         turns.erase(turns.begin() + static_cast<std::ptrdiff_t>(i));
       else
         ++i;
