@@ -78,14 +78,10 @@ class Truth:
 def aligned(estimate, reference):
     """The motion that puts the estimated path onto the true one, as x, y, yaw (Umeyama 1991)."""
 
-    def read(path):
-        rows = np.loadtxt(path, usecols=(0, 1, 2))
-        return {round(row[0], 6): row[1:] for row in rows}
-
-    ours, true = read(estimate), read(reference)
-    stamps = sorted(ours.keys() & true.keys())
-    a = np.array([ours[s] for s in stamps])
-    b = np.array([true[s] for s in stamps])
+    ours, true = (np.loadtxt(path, usecols=(0, 1, 2)) for path in (estimate, reference))
+    known = (ours[:, 0] >= true[0, 0]) & (ours[:, 0] <= true[-1, 0])
+    a = ours[known, 1:]
+    b = np.stack([np.interp(ours[known, 0], true[:, 0], true[:, k]) for k in (1, 2)], axis=1)
     ma, mb = a.mean(0), b.mean(0)
     h = (a - ma).T @ (b - mb)
     yaw = math.atan2(h[0, 1] - h[1, 0], h[0, 0] + h[1, 1])
@@ -169,7 +165,9 @@ def wall_figures(truth, plan, move, map_folder):
         drawn += line.length
         far += weight * sum(d > FAR_M for d in off)
         if line.length >= 0.5 and max(off) < FAR_M:
-            zs.append(border.distance(line.interpolate(0.5, normalized=True)) / about["sigma_across_m"])
+            zs.append(
+                border.distance(line.interpolate(0.5, normalized=True)) / about["sigma_across_m"]
+            )
     return {
         "seen_m": seen,
         "within": near / seen,
@@ -215,9 +213,7 @@ def door_figures(truth, plan, move):
     for width, middle in truth.doors:
         if not area.contains(Point(middle)):
             continue
-        near = [
-            (math.dist(at, middle), i) for i, (at, _, _) in enumerate(found) if i not in taken
-        ]
+        near = [(math.dist(at, middle), i) for i, (at, _, _) in enumerate(found) if i not in taken]
         distance, i = min(near, default=(1.0, -1))
         if distance > 0.25:
             missed += 1

@@ -109,13 +109,14 @@ VectorPlan extract_plan(const Grid<std::int8_t>& cells, const WallSamples& sampl
   if (samples.samples.empty())
     throw UsageError("there is no wall on this map that is seen from free space");
   VectorPlan plan{.from_scans = samples.from_scans};
-  std::vector<WallLine> lines = grow_lines(samples);
+  auto [lines, across_m] = grow_lines(samples);
   plan.axes = find_axes(lines);
   square_lines(plan.axes, lines);
   const double resolution_m = cells.frame().resolution;
   JoinedSegments joined =
       join_corners(lines, samples.from_scans ? kPlan.corner_m : kPlan.corner_m + resolution_m,
                    samples.from_scans ? 0.02 : resolution_m);
+  joined.plane_m = 0.3 * across_m;
   find_structure(cells, joined);
   add_hidden_walls(cells, joined);
   complete_structure(joined);

@@ -306,21 +306,37 @@ class GrowingLine {
   double high_m_ = 0.0;
 };
 
-/// A faint line beside a strong one that faces the same way: stray samples of the same wall.
-bool is_ghost(const WallLine& faint, const WallLine& strong) {
+/// A line beside a stronger one that faces the same way: samples of the same wall, which would hide
+/// one behind it.
+bool is_ghost(const WallLine& faint, const WallLine& strong, double ghost_m) {
   if (faint.along.dot(strong.along) < 0.98) return false;
-  if (std::abs(strong.across_of(faint.centre)) > kPlan.ghost_m) return false;
-  if (faint.samples / faint.length_m() > kPlan.ghost_share * strong.samples / strong.length_m())
-    return false;
+  if (std::abs(strong.across_of(faint.centre)) > ghost_m) return false;
+  if (faint.samples >= strong.samples) return false;
   const double from = strong.along_of(faint.at(faint.low_m));
   const double to = strong.along_of(faint.at(faint.high_m));
   const double overlap = std::min(to, strong.high_m) - std::max(from, strong.low_m);
   return overlap >= 0.7 * faint.length_m();
 }
 
+/// How far from a line its pieces lie: by how samples spread about the pieces themselves, which a
+/// laser's noise, and what its ranges are wrong by from afar, make wide.
+double line_reach_m(const WallSamples& samples, const std::vector<Piece>& pieces) {
+  if (!samples.from_scans) return std::max(kPlan.across_m, 2.8 * samples.common_sigma_m);
+  std::vector<double> spreads;
+  for (const Piece& piece : pieces) {
+    if (piece.used || piece.moments.count < 10.0) continue;
+    const Eigen::Vector2d normal = piece.normal();
+    spreads.push_back(std::sqrt(std::max(0.0, normal.dot(piece.moments.covariance() * normal))));
+  }
+  if (spreads.empty()) return kPlan.across_m;
+  const auto middle = spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() / 2);
+  std::nth_element(spreads.begin(), middle, spreads.end());
+  return std::clamp(kPlan.across_spreads * *middle, kPlan.across_m, kPlan.across_most_m);
+}
+
 }  // namespace
 
-std::vector<WallLine> grow_lines(const WallSamples& samples) {
+FoundLines grow_lines(const WallSamples& samples) {
   PieceMap map(samples);
   std::vector<Piece>& pieces = map.pieces();
   std::vector<std::size_t> order(pieces.size());
@@ -330,8 +346,7 @@ std::vector<WallLine> grow_lines(const WallSamples& samples) {
     const double nb = pieces[b].moments.count;
     return na != nb ? na > nb : a < b;
   });
-  const double across_m =
-      samples.from_scans ? kPlan.across_m : std::max(kPlan.across_m, 2.8 * samples.common_sigma_m);
+  const double across_m = line_reach_m(samples, pieces);
   std::vector<WallLine> lines;
   for (const std::size_t seed : order) {
     if (pieces[seed].used) continue;
@@ -355,11 +370,11 @@ std::vector<WallLine> grow_lines(const WallSamples& samples) {
   std::vector<WallLine> kept;
   for (const WallLine& line : lines) {
     const auto shadows = [&](const WallLine& other) {
-      return &other != &line && is_ghost(line, other);
+      return &other != &line && is_ghost(line, other, 1.7 * across_m);
     };
     if (std::none_of(lines.begin(), lines.end(), shadows)) kept.push_back(line);
   }
-  return kept;
+  return {std::move(kept), across_m};
 }
 
 }  // namespace loopstone

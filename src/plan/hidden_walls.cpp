@@ -88,13 +88,17 @@ class HiddenWalls {
     if (is_open(to)) ends_.push_back({wall.to, u, number, wall.sigma_across_m, wall.sigma_yaw_rad});
     if (is_open(from))
       begins_.push_back({wall.from, u, number, wall.sigma_across_m, wall.sigma_yaw_rad});
-    // A jamb whose far corner was not seen: the wall goes on from there at a right angle.
+    // A jamb whose far corner was not seen: from there the wall's other face goes back along the
+    // one that was seen.
     if (wall.length_m() > kPlan.jamb_m || wall.length_m() < 0.05) return;
-    constexpr double kSigmaRad = 0.02;
+    const auto back_along = [&](const EndJoint& joint) -> Eigen::Vector2d {
+      return -segment(static_cast<std::size_t>(joint.segment)).direction();
+    };
+    constexpr double kSigmaRad = 0.005;
     if (to.segment < 0 && from.segment >= 0 && from.convex)
-      ends_.push_back({wall.to, {u.y(), -u.x()}, number, wall.sigma_to_m, kSigmaRad, true});
+      ends_.push_back({wall.to, back_along(from), number, wall.sigma_to_m, kSigmaRad, true});
     if (from.segment < 0 && to.segment >= 0 && to.convex)
-      begins_.push_back({wall.from, {-u.y(), u.x()}, number, wall.sigma_from_m, kSigmaRad, true});
+      begins_.push_back({wall.from, back_along(to), number, wall.sigma_from_m, kSigmaRad, true});
   }
 
   /// What is guessed must not be long, nor longer than what was seen.

@@ -81,10 +81,10 @@ class Islands {
 };
 
 /// What is of the same surface, as far as a line tells.
-bool in_one_plane(const PlanSegment& a, const PlanSegment& b) {
+bool in_one_plane(const PlanSegment& a, const PlanSegment& b, double plane_m) {
   if (a.direction().dot(b.direction()) < std::cos(radians(1.5))) return false;
   const double off = std::abs((b.middle() - a.middle()).dot(a.normal()));
-  return off <= 0.01 + 2.0 * hypotenuse(a.sigma_across_m, b.sigma_across_m);
+  return off <= plane_m + 2.0 * hypotenuse(a.sigma_across_m, b.sigma_across_m);
 }
 
 /// Of two faces as far apart as a wall is thick, turned from each other: the length along which
@@ -118,12 +118,13 @@ bool is_crossed(const std::vector<PlanSegment>& segments, const Eigen::Vector2d&
 class PlaneSupport {
  public:
   PlaneSupport(const Grid<std::int8_t>& cells, const std::vector<PlanSegment>& segments,
-               const std::vector<bool>& left_out)
+               const std::vector<bool>& left_out, double plane_m)
       : parents_(segments.size()), length_m_(segments.size(), 0.0) {
     std::iota(parents_.begin(), parents_.end(), 0);
     for (std::size_t a = 0; a < segments.size(); ++a) {
       for (std::size_t b = 0; b < segments.size(); ++b) {
-        if (a == b || left_out[a] || left_out[b] || !in_one_plane(segments[a], segments[b]))
+        if (a == b || left_out[a] || left_out[b] ||
+            !in_one_plane(segments[a], segments[b], plane_m))
           continue;
         const double gap_m = (segments[b].from - segments[a].to).dot(segments[a].direction());
         if (gap_m > kPlan.hidden_most_m || gap_m < -0.1) continue;
@@ -199,7 +200,8 @@ bool backs_wall(const JoinedSegments& joined, std::size_t i) {
 bool continues_wall(const JoinedSegments& joined, std::size_t i) {
   const PlanSegment& segment = joined.segments[i];
   return std::any_of(joined.segments.begin(), joined.segments.end(), [&](const PlanSegment& wall) {
-    if (wall.layer == PlanLayer::kMovable || !in_one_plane(segment, wall)) return false;
+    if (wall.layer == PlanLayer::kMovable || !in_one_plane(segment, wall, joined.plane_m))
+      return false;
     const double ahead_m = (wall.from - segment.to).dot(segment.direction());
     const double behind_m = (segment.from - wall.to).dot(segment.direction());
     if (std::max(ahead_m, behind_m) > kPlan.opening_most_m) return false;
@@ -216,22 +218,23 @@ bool is_corner_of_room(const EndJoint& joint) { return joint.segment >= 0 && !jo
 void find_structure(const Grid<std::int8_t>& cells, JoinedSegments& joined) {
   const Islands islands(cells);
   std::vector<PlanSegment>& segments = joined.segments;
-  std::vector<bool> free_standing;
   std::vector<bool> left_out;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    free_standing.push_back(islands.is_island(segments[i]));
-    left_out.push_back(free_standing[i] ||
-                       (segments[i].length_m() < kPlan.support_length_m && is_front(joined, i)));
-  }
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    left_out.push_back(segments[i].length_m() < kPlan.support_length_m && is_front(joined, i));
+  PlaneSupport support(cells, segments, left_out, joined.plane_m);
   joined.stands_free = left_out;
-  PlaneSupport support(cells, segments, left_out);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     segments[i].layer = PlanLayer::kMovable;
     if (left_out[i]) continue;
+    // Walls between doors may stand free on a map, too: then others stand in their plane.
+    const bool is_island = islands.is_island(segments[i]);
     const bool between_corners =
-        is_corner_of_room(joined.at_from[i]) && is_corner_of_room(joined.at_to[i]);
-    if (support.of(i) >= kPlan.support_length_m || between_corners)
+        !is_island && is_corner_of_room(joined.at_from[i]) && is_corner_of_room(joined.at_to[i]);
+    const double needed_m = kPlan.support_length_m * (is_island ? 2.0 : 1.0);
+    if (support.of(i) >= needed_m || between_corners)
       segments[i].layer = PlanLayer::kStructure;
+    else
+      joined.stands_free[i] = is_island;
   }
   complete_structure(joined);
 }

@@ -22,14 +22,15 @@ struct PlanNumbers {
   double facing_deg = 22.0;
   double least_length_m = 0.08;
   double correlated_m = 0.3;
-  double ghost_m = 0.06;
-  double ghost_share = 0.15;
+  double across_spreads = 3.0;
+  double across_most_m = 0.08;
   double axis_sigmas = 2.5;
   double axis_most_deg = 1.0;
   double axis_least_share = 0.12;
   double corner_m = 0.12;
   double corner_deg = 20.0;
   double support_length_m = 2.4;
+
   double jamb_m = 0.6;
   double island_m = 3.0;
   double hidden_most_m = 4.5;
@@ -74,8 +75,12 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
   visit("least_length_m", n.least_length_m, "chosen: a jamb is longer");
   visit("correlated_m", n.correlated_m,
         "chosen: pieces of a wall nearer to each other err together: plaster, skirting boards");
-  visit("ghost_m", n.ghost_m, "chosen: a faint line this near to a strong one is its shadow");
-  visit("ghost_share", n.ghost_share, "chosen: samples a metre that make a line faint beside one");
+  visit("across_spreads", n.across_spreads,
+        "derived: of a normal distribution all but a few in a thousand lie within three standard "
+        "deviations");
+  visit("across_most_m", n.across_most_m,
+        "chosen: however wide samples spread, the two faces of a wall stay apart");
+
   visit("axis_sigmas", n.axis_sigmas,
         "derived: a wall that runs along an axis is turned from it by more in 1 of 80 cases");
   visit("axis_most_deg", n.axis_most_deg, "chosen: however uncertain, no line is turned by more");
@@ -85,6 +90,7 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
   visit("corner_deg", n.corner_deg, "chosen: lines at a smaller angle meet nowhere in particular");
   visit("support_length_m", n.support_length_m,
         "chosen: what has this much surface in one plane is a wall; cupboards have less");
+
   visit("jamb_m", n.jamb_m, "chosen: thickness of a wall at the most");
   visit("island_m", n.island_m, "chosen: what stands free and is no larger is no structure");
   visit("hidden_most_m", n.hidden_most_m, "chosen: wall that furniture may hide in one piece");

@@ -414,7 +414,10 @@ PlanRoom outline_room(const FloorParts& parts, int part, std::span<const PlanSeg
     const bool is_hole = cell_area < 0.0;
     if (is_hole && -cell_area < 0.25) continue;
     const auto is_faulty = [&](const PlanOutline& outline) {
-      return signed_area(outline.polygon.corners) * cell_area <= 0.0 || fault_of(outline.polygon);
+      // To look for sides that cross takes the square of the corners.
+      constexpr std::size_t kMost = 4000;
+      return signed_area(outline.polygon.corners) * cell_area <= 0.0 ||
+             outline.polygon.corners.size() > kMost || fault_of(outline.polygon);
     };
     auto fitted = fitter.fit(border);
     if (is_faulty(fitted.outline)) fitted = fitter.along_cells(border, 1.3 * resolution_m);

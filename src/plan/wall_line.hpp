@@ -32,10 +32,15 @@ struct WallLine {
   }
 };
 
+struct FoundLines {
+  std::vector<WallLine> lines{};
+  double across_m = 0.0;  ///< samples of a wall lie within this of its line
+};
+
 /// Lines through the samples, longest seeds first: regions grow from a piece of wall along its
 /// direction, with a least-squares fit after every step, for as long as pieces lie on the line and
 /// face as it does. Deterministic.
-[[nodiscard]] std::vector<WallLine> grow_lines(const WallSamples& samples);
+[[nodiscard]] FoundLines grow_lines(const WallSamples& samples);
 
 /// The directions that walls share.
 [[nodiscard]] std::vector<PlanAxis> find_axes(const std::vector<WallLine>& lines);
@@ -54,6 +59,7 @@ struct JoinedSegments {
   std::vector<PlanSegment> segments{};
   std::vector<EndJoint> at_from{};  ///< of each segment
   std::vector<EndJoint> at_to{};
+  double plane_m = 0.01;  ///< lines of one wall may be apart by this, but for their own uncertainty
   std::vector<bool> stands_free{};  ///< and is no wall therefore, or stands before one
 };
 

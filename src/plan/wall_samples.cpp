@@ -42,7 +42,7 @@ Tangent2 velocity_in(const MappedScan& mapped) {
 
 WallSamples samples_of_scans(std::span<const MappedScan* const> scans,
                              const Trajectory& map_T_robot, const Grid<std::int8_t>& cells,
-                             Threads threads) {
+                             Threads threads, const Pose2& robot_T_told) {
   WallSamples found{
       .origin = cells.frame().origin, .common_sigma_m = kPlan.scans_common_m, .from_scans = true};
   const SurfaceOptions options{.support_m = kPlan.support_m,
@@ -52,14 +52,15 @@ WallSamples samples_of_scans(std::span<const MappedScan* const> scans,
   std::vector<std::vector<WallSample>> of_scan(scans.size());
   parallel_for(scans.size(), threads, [&](std::size_t i) {
     const MappedScan& mapped = *scans[i];
-    const auto pose = map_T_robot.nearest(mapped.scan.stamp, Duration::from_seconds(1e-6));
-    if (!pose || !pose->vector().allFinite()) return;
+    const auto robot = map_T_robot.nearest(mapped.scan.stamp, Duration::from_seconds(1e-6));
+    if (!robot || !robot->vector().allFinite()) return;
+    const Pose2 map_T_told = *robot * robot_T_told;
     BeamTable beams;
-    const Eigen::Matrix2d rotation = pose->rotation();
+    const Eigen::Matrix2d rotation = map_T_told.rotation();
     for (const SurfacePoint& surface :
          surface_points(mapped.scan, mapped.robot_T_lidar, velocity_in(mapped), options, beams)) {
       if (!(surface.weight >= 1.0F)) continue;
-      const Eigen::Vector2d point = *pose * Eigen::Vector2d(surface.position.cast<double>());
+      const Eigen::Vector2d point = map_T_told * Eigen::Vector2d(surface.position.cast<double>());
       if (!near_wall(cells, point)) continue;
       of_scan[i].push_back({.point = (point - found.origin).cast<float>(),
                             .normal = (rotation * surface.normal.cast<double>()).cast<float>(),

@@ -1,7 +1,9 @@
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <system_error>
 #include <vector>
 
+#include "formats/atomic_file.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/session_file.hpp"
@@ -28,6 +30,34 @@ std::vector<const MappedScan*> scans_of(const Session& session) {
   return scans;
 }
 
+/// Where the mount was corrected after the last scan, the trajectory is of another centre than the
+/// state's scans (correct_mount() of the mapper). Identity where summary.json tells of none.
+Pose2 robot_T_told(const fs::path& folder, const MemoryBudget& budget) {
+  std::error_code ignored;
+  const fs::path path = folder / "summary.json";
+  if (!fs::is_regular_file(path, ignored)) return {};
+  const nlohmann::json summary = nlohmann::json::parse(
+      read_whole_file(path.string(), budget.most_text_bytes()), nullptr, false);
+  try {
+    const nlohmann::json& found = summary.at("calibration");
+    if (!found.at("mount_corrected").get<bool>()) return {};
+    const nlohmann::json& lidar = found.at("lidar");
+    const auto value = [&](const char* key, const char* which) {
+      return lidar.at(key).at(which).get<double>();
+    };
+    const Pose2 given{value("x_m", "given"), value("y_m", "given"), value("yaw_rad", "given")};
+    Pose2 corrected = given;
+    if (lidar.at("yaw_is_off").get<bool>()) corrected.yaw = value("yaw_rad", "value");
+    if (lidar.at("place_is_off").get<bool>()) {
+      corrected.x = value("x_m", "value");
+      corrected.y = value("y_m", "value");
+    }
+    return corrected * given.inverse();
+  } catch (const nlohmann::json::exception&) {
+    return {};
+  }
+}
+
 /// Nothing where the folder has no state, or its trajectory is of another run.
 WallSamples measured_samples(const fs::path& folder, const CellStates& cells,
                              const MemoryBudget& budget, Threads threads) {
@@ -36,7 +66,8 @@ WallSamples measured_samples(const fs::path& folder, const CellStates& cells,
   if (!fs::exists(kept_state_path(folder.string()), ignored) || !fs::exists(trajectory, ignored))
     return {};
   const Session session = read_kept_state(folder.string(), "draw a plan from", budget);
-  return samples_of_scans(scans_of(session), read_tum(trajectory.string(), budget), cells, threads);
+  return samples_of_scans(scans_of(session), read_tum(trajectory.string(), budget), cells, threads,
+                          robot_T_told(folder, budget));
 }
 
 }  // namespace
