@@ -5,11 +5,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "commands.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/text_file.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/plan/extract_plan.hpp"
 #include "loopstone/report/plan_outputs.hpp"
 #include "output_path.hpp"
 #include "parse_pose.hpp"
@@ -112,7 +114,11 @@ nlohmann::ordered_json json_of(const VectorPlan& plan) {
   for (const PlanAxis& axis : plan.axes)
     axes.push_back(
         {{"yaw_rad", axis.yaw_rad}, {"sigma_rad", axis.sigma_rad}, {"share", axis.share}});
-  return {{"rooms", rooms}, {"doors", doors}, {"axes", axes}};
+  auto numbers = nlohmann::ordered_json::object();
+  for (const NumberGroup& group : plan_numbers())
+    for (const DecisionNumber& told : group.numbers)
+      std::visit([&](auto value) { numbers[group.name][told.name] = value; }, told.value);
+  return {{"rooms", rooms}, {"doors", doors}, {"axes", axes}, {"numbers", numbers}};
 }
 
 void print(const VectorPlan& plan, double seconds, const AppContext& context) {

@@ -50,13 +50,13 @@ class FaceFinder {
   [[nodiscard]] bool is_thin(const EndJoint& joint) const {
     return juts_out(joint) &&
            (joint.segment < 0 ||
-            segment(static_cast<std::size_t>(joint.segment)).length_m() <= kPlan.wall_most_m);
+            segment(static_cast<std::size_t>(joint.segment)).length_m() <= kPlanRooms.wall_most_m);
   }
   /// One can go through.
   [[nodiscard]] bool is_passable(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                                  double most_m) const {
     const double length_m = (to - from).norm();
-    if (length_m < kPlan.door_least_m || length_m > most_m) return false;
+    if (length_m < kPlanRooms.door_least_m || length_m > most_m) return false;
     const Eigen::Vector2d inset = 1.6 * cells_.frame().resolution / length_m * (to - from);
     const double needed = length_m > PlanDoor::kWidestDoorM ? 0.9 : 0.75;
     return free_share(cells_, from + inset, to - inset) >= needed;
@@ -76,7 +76,7 @@ class FaceFinder {
     const bool both_thin = is_thin(at_a) && is_thin(at_b);
     add({ends.to, begins.from, hypotenuse(ends.sigma_across_m, begins.sigma_across_m),
          hypotenuse(ends.sigma_to_m, begins.sigma_from_m)},
-        both_thin ? kPlan.opening_most_m : PlanDoor::kWidestDoorM);
+        both_thin ? kPlanRooms.opening_most_m : PlanDoor::kWidestDoorM);
   }
 
   /// The wall's other side of the gap is one that it runs against.

@@ -22,7 +22,7 @@ namespace {
 int opposite_of(const std::vector<DoorFace>& faces, std::size_t i) {
   const DoorFace& face = faces[i];
   int best = -1;
-  double least = kPlan.wall_most_m;
+  double least = kPlanRooms.wall_most_m;
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const DoorFace& other = faces[k];
     if (k == i || face.normal().dot(other.normal()) > -0.95) continue;
@@ -104,6 +104,10 @@ void number_rooms(VectorPlan& plan, std::vector<PlanRoom> rooms) {
 }
 
 }  // namespace
+
+std::vector<NumberGroup> plan_numbers() {
+  return {number_group("plan_lines", kPlan), number_group("plan_rooms", kPlanRooms)};
+}
 
 VectorPlan extract_plan(const Grid<std::int8_t>& cells, const WallSamples& samples) {
   if (samples.samples.empty())

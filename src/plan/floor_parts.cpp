@@ -31,7 +31,7 @@ void draw_barrier(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
 void draw_wall(const PlanSegment& wall, const Grid<std::int8_t>& cells,
                Grid<std::uint8_t>& barriers) {
   draw_barrier(wall.from, wall.to, barriers, [](Cell) { return true; });
-  for (double behind = 0.7; behind * cells.frame().resolution <= kPlan.core_m; behind += 0.7) {
+  for (double behind = 0.7; behind * cells.frame().resolution <= kPlanRooms.core_m; behind += 0.7) {
     const Eigen::Vector2d off = behind * cells.frame().resolution * wall.normal();
     draw_barrier(wall.from - off, wall.to - off, barriers,
                  [&](Cell cell) { return !is_free_cell(cells, cell); });
@@ -85,7 +85,7 @@ class FloorFlood {
     for_each_cell([&](Cell seed) {
       if (seen[seed] != 0 || !is_floor(seed)) return;
       const std::vector<Cell> found = flood(seed, seen, is_floor);
-      if (area_of(found.size()) < kPlan.room_least_m2) return;
+      if (area_of(found.size()) < kPlanRooms.room_least_m2) return;
       const int part = static_cast<int>(parts_.areas_m2.size());
       for (const Cell cell : found) parts_.part_of[cell] = part;
       parts_.areas_m2.push_back(area_of(found.size()));
@@ -102,7 +102,7 @@ class FloorFlood {
     for_each_cell([&](Cell seed) {
       if (seen[seed] != 0 || !is_pocket(seed)) return;
       std::vector<Cell> found = flood(seed, seen, is_pocket);
-      if (area_of(found.size()) > kPlan.pocket_most_m2) return;
+      if (area_of(found.size()) > kPlanRooms.pocket_most_m2) return;
       std::map<int, int> around;
       for (const Cell cell : found) {
         for (const Cell side : kSides) {

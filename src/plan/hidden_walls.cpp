@@ -90,7 +90,7 @@ class HiddenWalls {
       begins_.push_back({wall.from, u, number, wall.sigma_across_m, wall.sigma_yaw_rad});
     // A jamb whose far corner was not seen: from there the wall's other face goes back along the
     // one that was seen.
-    if (wall.length_m() > kPlan.jamb_m || wall.length_m() < 0.05) return;
+    if (wall.length_m() > kPlanRooms.jamb_m || wall.length_m() < 0.05) return;
     const auto back_along = [&](const EndJoint& joint) -> Eigen::Vector2d {
       return -segment(static_cast<std::size_t>(joint.segment)).direction();
     };
@@ -111,7 +111,7 @@ class HiddenWalls {
     const OpenEnd& end = ends_[a];
     const OpenEnd& begin = begins_[b];
     const Eigen::Vector2d gap = begin.at - end.at;
-    if (gap.norm() > 1.5 * kPlan.hidden_most_m) return std::nullopt;
+    if (gap.norm() > 1.5 * kPlanRooms.hidden_most_m) return std::nullopt;
     const double sine = cross(end.way, begin.way);
     Bridge bridge{.ends = a, .begins = b};
     if (std::abs(sine) < std::sin(radians(5.0)) && end.way.dot(begin.way) > 0.0) {
@@ -171,7 +171,7 @@ class HiddenWalls {
   /// floor right before it.
   [[nodiscard]] bool is_hidden(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
     const double length_m = (to - from).norm();
-    if (length_m > kPlan.hidden_most_m) return false;
+    if (length_m > kPlanRooms.hidden_most_m) return false;
     if (length_m < 0.05) return true;
     const double cell_m = cells_.frame().resolution;
     const Eigen::Vector2d u = (to - from) / length_m;

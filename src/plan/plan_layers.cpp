@@ -72,7 +72,7 @@ class Islands {
                            high.row == frame.rows - 1;
     const double size_m = frame.resolution * std::sqrt(std::pow(high.column - low.column + 1, 2) +
                                                        std::pow(high.row - low.row + 1, 2));
-    small_.push_back(!at_border && size_m <= kPlan.island_m);
+    small_.push_back(!at_border && size_m <= kPlanRooms.island_m);
   }
 
   const Grid<std::int8_t>& cells_;
@@ -92,7 +92,7 @@ bool in_one_plane(const PlanSegment& a, const PlanSegment& b, double plane_m) {
 double back_to_back_m(const PlanSegment& a, const PlanSegment& b) {
   if (a.direction().dot(b.direction()) > -0.998) return 0.0;
   const double depth_m = -(b.middle() - a.middle()).dot(a.normal());
-  if (depth_m < 0.06 || depth_m > kPlan.wall_usual_m) return 0.0;
+  if (depth_m < 0.06 || depth_m > kPlanRooms.wall_usual_m) return 0.0;
   const double from = (b.to - a.from).dot(a.direction());
   const double to = (b.from - a.from).dot(a.direction());
   return std::max(0.0, std::min(to, a.length_m()) - std::max(from, 0.0));
@@ -127,7 +127,7 @@ class PlaneSupport {
             !in_one_plane(segments[a], segments[b], plane_m))
           continue;
         const double gap_m = (segments[b].from - segments[a].to).dot(segments[a].direction());
-        if (gap_m > kPlan.hidden_most_m || gap_m < -0.1) continue;
+        if (gap_m > kPlanRooms.hidden_most_m || gap_m < -0.1) continue;
         if (gap_m > kPlan.gap_m) {
           const double free = free_share(cells, segments[a].to, segments[b].from);
           if ((free > 0.15 && free < 0.6) || is_crossed(segments, segments[a].to, segments[b].from))
@@ -184,7 +184,7 @@ bool completes_walls(const JoinedSegments& joined, std::size_t i) {
       ((at_from && !from.convex && !to.convex) || (at_to && !to.convex && !from.convex))) {
     return true;
   }
-  if (joined.segments[i].length_m() > kPlan.wall_usual_m) return false;
+  if (joined.segments[i].length_m() > kPlanRooms.wall_usual_m) return false;
   return (at_from && from.convex) || (at_to && to.convex);
 }
 
@@ -204,7 +204,7 @@ bool continues_wall(const JoinedSegments& joined, std::size_t i) {
       return false;
     const double ahead_m = (wall.from - segment.to).dot(segment.direction());
     const double behind_m = (segment.from - wall.to).dot(segment.direction());
-    if (std::max(ahead_m, behind_m) > kPlan.opening_most_m) return false;
+    if (std::max(ahead_m, behind_m) > kPlanRooms.opening_most_m) return false;
     if (ahead_m > 0.1) return !is_crossed(joined.segments, segment.to, wall.from);
     if (behind_m > 0.1) return !is_crossed(joined.segments, wall.to, segment.from);
     return true;
@@ -220,7 +220,7 @@ void find_structure(const Grid<std::int8_t>& cells, JoinedSegments& joined) {
   std::vector<PlanSegment>& segments = joined.segments;
   std::vector<bool> left_out;
   for (std::size_t i = 0; i < segments.size(); ++i)
-    left_out.push_back(segments[i].length_m() < kPlan.support_length_m && is_front(joined, i));
+    left_out.push_back(segments[i].length_m() < kPlanRooms.support_length_m && is_front(joined, i));
   PlaneSupport support(cells, segments, left_out, joined.plane_m);
   joined.stands_free = left_out;
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -230,7 +230,7 @@ void find_structure(const Grid<std::int8_t>& cells, JoinedSegments& joined) {
     const bool is_island = islands.is_island(segments[i]);
     const bool between_corners =
         !is_island && is_corner_of_room(joined.at_from[i]) && is_corner_of_room(joined.at_to[i]);
-    const double needed_m = kPlan.support_length_m * (is_island ? 2.0 : 1.0);
+    const double needed_m = kPlanRooms.support_length_m * (is_island ? 2.0 : 1.0);
     if (support.of(i) >= needed_m || between_corners)
       segments[i].layer = PlanLayer::kStructure;
     else

@@ -2,8 +2,8 @@
 
 namespace loopstone {
 
-/// What lines, rooms and doors are found by.
-struct PlanNumbers {
+/// What lines and their corners are found by.
+struct PlanLineNumbers {
   double occupied_percent = 65.0;
   double support_m = 0.08;
   double spacing_m = 0.03;
@@ -29,27 +29,12 @@ struct PlanNumbers {
   double axis_least_share = 0.12;
   double corner_m = 0.12;
   double corner_deg = 20.0;
-  double support_length_m = 2.4;
-
-  double jamb_m = 0.6;
-  double island_m = 3.0;
-  double hidden_most_m = 4.5;
-
-  double door_least_m = 0.55;
-  double opening_most_m = 3.2;
-  double wall_most_m = 0.6;
-  double wall_usual_m = 0.32;
-  double room_least_m2 = 1.2;
-  double pocket_most_m2 = 8.0;
-  double core_m = 0.12;
-  double outline_m = 0.13;
-  double thing_deep_m = 0.7;
 };
-inline constexpr PlanNumbers kPlan{};
+inline constexpr PlanLineNumbers kPlan{};
 
 template <typename Visitor>
-void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
-  visit("occupied_percent", n.occupied_percent, "published: map_server's threshold");
+void visit_numbers(const PlanLineNumbers& n, Visitor&& visit) {
+  visit("occupied_percent", n.occupied_percent, "derived: map_server's threshold");
   visit("support_m", n.support_m,
         "chosen: neighbours that make a return's normal; less than a door's jamb is deep");
   visit("spacing_m", n.spacing_m, "chosen: between samples of one scan");
@@ -80,7 +65,6 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
         "deviations");
   visit("across_most_m", n.across_most_m,
         "chosen: however wide samples spread, the two faces of a wall stay apart");
-
   visit("axis_sigmas", n.axis_sigmas,
         "derived: a wall that runs along an axis is turned from it by more in 1 of 80 cases");
   visit("axis_most_deg", n.axis_most_deg, "chosen: however uncertain, no line is turned by more");
@@ -88,13 +72,33 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
         "chosen: a direction with less of the walls' length is no axis");
   visit("corner_m", n.corner_m, "chosen: ends this near to where their lines meet are a corner");
   visit("corner_deg", n.corner_deg, "chosen: lines at a smaller angle meet nowhere in particular");
+}
+
+/// What walls, rooms and doors are told from other things by.
+struct PlanRoomNumbers {
+  double support_length_m = 2.4;
+  double jamb_m = 0.6;
+  double island_m = 3.0;
+  double hidden_most_m = 4.5;
+  double door_least_m = 0.55;
+  double opening_most_m = 3.2;
+  double wall_most_m = 0.6;
+  double wall_usual_m = 0.32;
+  double room_least_m2 = 1.2;
+  double pocket_most_m2 = 8.0;
+  double core_m = 0.12;
+  double outline_m = 0.13;
+  double thing_deep_m = 0.7;
+};
+inline constexpr PlanRoomNumbers kPlanRooms{};
+
+template <typename Visitor>
+void visit_numbers(const PlanRoomNumbers& n, Visitor&& visit) {
   visit("support_length_m", n.support_length_m,
         "chosen: what has this much surface in one plane is a wall; cupboards have less");
-
   visit("jamb_m", n.jamb_m, "chosen: thickness of a wall at the most");
   visit("island_m", n.island_m, "chosen: what stands free and is no larger is no structure");
   visit("hidden_most_m", n.hidden_most_m, "chosen: wall that furniture may hide in one piece");
-
   visit("door_least_m", n.door_least_m, "chosen: a narrower gap lets nobody through");
   visit("opening_most_m", n.opening_most_m,
         "chosen: where a wider one is left in a wall, there is one room on both sides");
@@ -107,10 +111,10 @@ void visit_numbers(const PlanNumbers& n, Visitor&& visit) {
         "chosen: floor that furniture hides, which belongs to the room around it");
   visit("core_m", n.core_m,
         "chosen: what nobody saw this near behind a wall's face belongs to the wall");
-  visit("thing_deep_m", n.thing_deep_m,
-        "chosen: where a floor ends this near to a wall's line, a thing stands before the wall");
   visit("outline_m", n.outline_m,
         "derived: a wall lies at most two cells and a half from where the floor ends");
+  visit("thing_deep_m", n.thing_deep_m,
+        "chosen: where a floor ends this near to a wall's line, a thing stands before the wall");
 }
 
 }  // namespace loopstone

@@ -182,10 +182,10 @@ class OutlineFitter {
 
   [[nodiscard]] int nearest(const Side& side) const {
     int best = -1;
-    double least = kPlan.outline_m;
+    double least = kPlanRooms.outline_m;
     for (std::size_t i = 0; i < bounds_.size(); ++i) {
       const Bound& b = bounds_[i];
-      const double reach = kPlan.outline_m + resolution_m_;
+      const double reach = kPlanRooms.outline_m + resolution_m_;
       if (side.middle.x() < std::min(b.from.x(), b.to.x()) - reach ||
           side.middle.x() > std::max(b.from.x(), b.to.x()) + reach ||
           side.middle.y() < std::min(b.from.y(), b.to.y()) - reach ||
@@ -268,7 +268,7 @@ class OutlineFitter {
     const double sine = cross(a.along(), b.along());
     std::vector<Eigen::Vector2d> line{start};
     if (std::abs(sine) > 0.5)
-      line.push_back(a.from + cross(b.from - a.from, b.along()) / sine * a.along());
+      line.emplace_back(a.from + cross(b.from - a.from, b.along()) / sine * a.along());
     else if (std::abs((end - start).dot(a.normal())) > 0.06)
       return std::nullopt;
     line.push_back(end);
@@ -277,12 +277,12 @@ class OutlineFitter {
       if (before.bound == after.bound && line.size() > 2) return std::nullopt;
       length += (line[i] - line[i - 1]).norm();
     }
-    if (length > kPlan.hidden_most_m) return std::nullopt;
+    if (length > kPlanRooms.hidden_most_m) return std::nullopt;
     const auto is_far = [&](const Eigen::Vector2d& point) {
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t i = 1; i < line.size(); ++i)
         least = std::min(least, distance_to(Segment2{line[i - 1], line[i]}, point));
-      return least > kPlan.thing_deep_m;
+      return least > kPlanRooms.thing_deep_m;
     };
     if (std::any_of(run.ends.begin(), run.ends.end(), is_far)) return std::nullopt;
     std::vector<Turn> turns{{start, before.bound, true}};
@@ -326,7 +326,7 @@ class OutlineFitter {
     if (run.bound >= 0) {
       const Eigen::Vector2d foot = bound(run.bound).foot(at);
       const bool is_small =
-          is_step && (foot - bound(next.bound).foot(at)).norm() <= 2.0 * kPlan.outline_m;
+          is_step && (foot - bound(next.bound).foot(at)).norm() <= 2.0 * kPlanRooms.outline_m;
       turns.push_back({foot, is_small ? run.bound : -1});
     }
     if (next.bound >= 0) turns.push_back({bound(next.bound).foot(at), next.bound});

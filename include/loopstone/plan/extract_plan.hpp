@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "loopstone/grid/grid.hpp"
 #include "loopstone/plan/vector_plan.hpp"
 #include "loopstone/plan/wall_samples.hpp"
+#include "loopstone/slam/decision_numbers.hpp"
 
 namespace loopstone {
 
@@ -15,5 +17,8 @@ namespace loopstone {
 /// Cost: O(samples + cells). The same bytes however many threads there are.
 /// Throws UsageError when the map has no occupied cell that is seen from free space.
 [[nodiscard]] VectorPlan extract_plan(const Grid<std::int8_t>& cells, const WallSamples& samples);
+
+/// The numbers that plans are drawn by, for the record.
+[[nodiscard]] std::vector<NumberGroup> plan_numbers();
 
 }  // namespace loopstone
