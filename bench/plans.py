@@ -6,7 +6,7 @@ the rows of the seeds called "checked on" are the ones that count. Needs shapely
 (scripts/install_oracles.sh) and measure_plan_truth (a build with LOOPSTONE_BENCH=ON).
 
   bench/plans.py                     everything, some minutes
-  bench/plans.py --quick             one seed of each world; prints the table, docs/ stay as they are
+  bench/plans.py --quick             one seed of each world; prints the table, writes nothing
   bench/plans.py --worlds office     some worlds
 """
 import json

@@ -1,4 +1,4 @@
-"""Plans of simulated worlds against what stands in them. Needs shapely (scripts/install_oracles.sh).
+"""Plans of simulated worlds against what stands in them. Needs shapely.
 
 What is true is taken from the world itself (measure_plan_truth): walls are the union of its walls'
 boxes. A room is what they enclose once every gap of a door's width between two of them in one line

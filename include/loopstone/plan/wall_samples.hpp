@@ -31,8 +31,8 @@ struct WallSamples {
 /// not have, and returns where the map has no occupied cell near, are left out: what a map has lost
 /// by its filters and edits is no wall.
 /// \param cells  100 occupied, 0 free, -1 unknown; as read_ros_map() gives them
-/// \param robot_T_told  where the robot's frame lies that the scans' mounts are told in: a map whose
-///                      mount was corrected is of the robot's true centre
+/// \param robot_T_told  where the frame lies that the scans' mounts are told in: a map whose mount
+///                      was corrected is of the robot's true centre
 /// Cost: O(returns). The same for any number of threads.
 [[nodiscard]] WallSamples samples_of_scans(std::span<const MappedScan* const> scans,
                                            const Trajectory& map_T_robot,

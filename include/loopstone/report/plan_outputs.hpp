@@ -37,13 +37,14 @@ struct PlanTitle {
 /// The same sheet as one page of PDF 1.4, lines as lines and text as text.
 [[nodiscard]] std::string format_plan_pdf(const VectorPlan& plan, const PlanTitle& title);
 
-/// Drawing exchange format, release 12 (AC1009), ASCII, in metres. Layers: STRUCTURE, HIDDEN (dashed),
-/// MOVABLE as LINE; ROOMS as closed POLYLINE; DOORS as LINE from jamb to jamb; AREAS as TEXT.
+/// Drawing exchange format, release 12 (AC1009), ASCII, in metres. Layers: STRUCTURE, HIDDEN
+/// (dashed), MOVABLE as LINE; ROOMS as closed POLYLINE; DOORS as LINE from jamb to jamb; AREAS as
+/// TEXT.
 /// Source: Autodesk, "DXF Reference", release 12.
 [[nodiscard]] std::string format_plan_dxf(const VectorPlan& plan);
 
-/// A FeatureCollection: LineString for segments and doors, Polygon for rooms; property "layer" tells
-/// them apart, others carry units in their names. Nine digits: 0.1 mm.
+/// A FeatureCollection: LineString for segments and doors, Polygon for rooms; "layer" tells them
+/// apart, others carry units in their names. Nine digits: 0.1 mm.
 /// \param plan  in the frame of the map
 /// Source: RFC 7946; the local plane is the tangent one of the WGS 84 ellipsoid at the anchor.
 [[nodiscard]] std::string format_plan_geojson(const VectorPlan& plan, const GeoAnchor& anchor);
