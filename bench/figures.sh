@@ -53,6 +53,11 @@ else
 fi
 measure bench/session.py $quick
 measure bench/continued.py $quick
+if [[ -x build/oracles/venv/bin/python ]]; then
+  measure bench/plans.py $quick
+else
+  echo "bench/plans.py: skipped, it needs scripts/install_oracles.sh" >&2
+fi
 measure bench/editing.py $quick
 measure bench/live.py $quick
 measure bench/localization.py $quick

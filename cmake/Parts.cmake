@@ -14,6 +14,7 @@ set(LOOPSTONE_PARTS
     slam
     localization
     evaluation
+    plan
     simulation
     messages
     formats

@@ -15,6 +15,7 @@ SUMMARY_PARTS = {
     "slam": "Front end, loop closing, the mapper, its result and verdict.",
     "localization": "Particle filters, reflectors, relocalisation on a known map.",
     "evaluation": "Errors against the truth.",
+    "plan": "Floor plans: a map as lines, rooms and doors.",
     "simulation": "Worlds, sensors and what makes them unkind.",
     "messages": "Messages of ROS 1 and ROS 2, without ROS.",
     "formats": "Logs, maps, graphs and clouds: readers and writers.",

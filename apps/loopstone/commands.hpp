@@ -12,6 +12,7 @@ void add_config_command(CLI::App& app, AppContext& context);
 void add_convert_command(CLI::App& app, AppContext& context);
 void add_edit_command(CLI::App& app, AppContext& context);
 void add_evaluate_command(CLI::App& app, AppContext& context);
+void add_export_command(CLI::App& app, AppContext& context);
 void add_info_command(CLI::App& app, AppContext& context);
 void add_live_command(CLI::App& app, AppContext& context);
 void add_localize_command(CLI::App& app, AppContext& context);

@@ -39,6 +39,7 @@ void add_commands(CLI::App& app, AppContext& context) {
   add_view_command(app, context);
   add_edit_command(app, context);
   add_site_command(app, context);
+  add_export_command(app, context);
   add_calibrate_command(app, context);
   add_texture_command(app, context);
   add_localize_command(app, context);

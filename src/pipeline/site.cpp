@@ -217,6 +217,11 @@ void Site::store(Kept& kept) {
 
 /// The oldest first, as long as newer ones show all that they saw and hold together without them.
 void Site::retire(Kept& kept) {
+  const std::vector<SiteSession> all = file_.sessions();
+  const auto newer_than = [&](const SiteSession& session) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        all, [&](const SiteSession& other) { return comes_before(session, other); }));
+  };
   for (std::size_t i = 0; i < kept.sessions.size();) {
     std::vector<Squares> squares;
     for (std::size_t k = 0; k < kept.sessions.size(); ++k) {
@@ -227,7 +232,10 @@ void Site::retire(Kept& kept) {
     const auto joined = [](const JoinedDrives& drives) {
       return std::ranges::count_if(drives.placements(), &DrivePlacement::is_joined);
     };
-    if (!kept.drives.is_joined(i) || !is_worn_out(i, squares)) {
+    const std::size_t enough = static_cast<std::size_t>(
+        kept.drives.shows_something_alone(i) ? kSite.keep_shown_alone : kSite.keep_visits);
+    if (!kept.drives.is_joined(i) || newer_than(kept.sessions[i]) < enough ||
+        !is_worn_out(i, squares)) {
       ++i;
       continue;
     }
@@ -239,7 +247,7 @@ void Site::retire(Kept& kept) {
     }
     SiteSession session = kept.sessions[i];
     session.status = SessionStatus::kRetired;
-    session.reason = fmt::format("{} newer ones show all that it saw", kSite.keep_visits);
+    session.reason = fmt::format("{} newer ones came by wherever it drove", kSite.keep_visits);
     file_.update(session);
     file_.drop_record(session.id);
     kept.sessions.erase(kept.sessions.begin() + static_cast<std::ptrdiff_t>(i));

@@ -281,7 +281,15 @@ void JoinedDrives::add(std::shared_ptr<const DriveRecord> drive,
   take_apart(back_end.state());
 }
 
+bool JoinedDrives::shows_something_alone(std::size_t drive) const {
+  const std::vector<SubmapRecord>& submaps = drives_[drive]->back_end.chain.submaps;
+  for (std::size_t i = 0; i < submaps.size(); ++i)
+    if (submaps[i].state == SubmapState::kFrozen && !placements_[drive].covered[i]) return true;
+  return false;
+}
+
 void JoinedDrives::remove(std::size_t drive) {
+  const bool showed_alone = shows_something_alone(drive);
   const auto place = static_cast<std::ptrdiff_t>(drive);
   std::vector<bool> kept(drives_.size(), true);
   kept[drive] = false;
@@ -289,17 +297,19 @@ void JoinedDrives::remove(std::size_t drive) {
   drives_.erase(drives_.begin() + place);
   placements_.erase(placements_.begin() + place);
   if (drives_.empty()) return;
-  // Whom it covered shows what nobody else does, perhaps; and it may have been all that tied two.
-  for (DrivePlacement& placement : placements_)
-    placement.covered.assign(placement.covered.size(), false);
+  // Whom it covered shows what nobody else does, perhaps.
+  if (showed_alone) {
+    for (DrivePlacement& placement : placements_)
+      placement.covered.assign(placement.covered.size(), false);
+  }
   BackEnd::State all = assemble();
   for (const LoopClosure& closure : all.closures)
     if (closure.stands()) all.loops.newly_closed.insert(closure.to_submap);
   BackEnd back_end(options_, threads_);
   back_end.restore(std::move(all));
   back_end.drop_covered();
-  // Those that it showed each by itself are compared with one another, until they show each other.
-  back_end.search_drive({0});
+  // Those that it tied are compared with one another, until they show each other.
+  if (showed_alone) back_end.search_drive({0});
   take_apart(back_end.state());
 }
 

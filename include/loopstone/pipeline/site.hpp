@@ -24,6 +24,7 @@ namespace loopstone {
 /// What a site keeps, and for how long.
 struct SiteNumbers {
   int keep_visits = 10;
+  int keep_shown_alone = 50;
   double visit_cell_m = 2.0;
 };
 inline constexpr SiteNumbers kSite{};
@@ -32,6 +33,9 @@ template <typename Visitor>
 void visit_numbers(const SiteNumbers& n, Visitor&& visit) {
   visit("keep_visits", n.keep_visits,
         "chosen: a session is kept until so many newer ones came by wherever it drove");
+  visit("keep_shown_alone", n.keep_shown_alone,
+        "chosen: a session that newer ones were compared with stays until there are so many, since "
+        "to do without it they are compared with one another");
   visit("visit_cell_m", n.visit_cell_m, "chosen: who drove through one square of this side came by");
 }
 

@@ -89,7 +89,11 @@ class JoinedDrives {
   [[nodiscard]] const DriveRecord& record(std::size_t drive) const { return *drives_[drive]; }
   [[nodiscard]] bool is_joined(std::size_t drive) const { return placements_[drive].is_joined; }
 
-  /// Forgets a drive and all that rests on it. What it covered of others is compared again.
+  /// Whether there is something of a drive that none before it shows: others are compared with it.
+  [[nodiscard]] bool shows_something_alone(std::size_t drive) const;
+
+  /// Forgets a drive and all that rests on it. What it showed alone is compared again among the
+  /// others; else that costs next to nothing.
   void remove(std::size_t drive);
 
   /// The map of those drives that are joined, finished as Mapper::finish() does. Scans are counted
