@@ -77,6 +77,7 @@ measure bench/calibration.py $quick
 measure bench/residuals.py $quick
 measure bench/covariances.py $quick
 measure bench/quality.py $quick
+measure bench/sites.py $quick
 # Alone more than an hour: a day at 20 times its pace.
 measure bench/soak.py $quick
 if [[ -z $quick ]]; then

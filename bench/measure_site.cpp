@@ -90,7 +90,8 @@ double share_there(const OccupancyMap& map, const Box& partition) {
   int there = 0;
   for (int i = 0; i < kSteps; ++i) {
     const double along_m = partition.length_m * ((i + 0.5) / kSteps - 0.5);
-    const Cell at = map.log_odds.frame().cell_of(partition.map_T_box * Eigen::Vector2d(along_m, 0.0));
+    const Cell at =
+        map.log_odds.frame().cell_of(partition.map_T_box * Eigen::Vector2d(along_m, 0.0));
     bool found = false;
     for (int row = at.row - kReach; row <= at.row + kReach; ++row) {
       for (int column = at.column - kReach; column <= at.column + kReach; ++column) {
@@ -149,7 +150,8 @@ int main(int argc, char** argv) {
       (void)site.add(mapped);
     }
     join_s.push_back(seconds_since(start));
-    if (day == 10 || day == days || day % 100 == 0) checkpoints.push_back(checkpoint(path, day, join_s));
+    if (day == 10 || day == days || day % 100 == 0)
+      checkpoints.push_back(checkpoint(path, day, join_s));
     if (day % 50 == 0) std::fprintf(stderr, "  day %d\n", day);
   }
   const Site site(path, SiteAccess::kRead, {2});

@@ -181,7 +181,7 @@ void add_export_command(CLI::App& app, AppContext& context) {
       app.add_subcommand("export", "Draw a map as a floor plan: walls, rooms, doors");
   command
       ->add_option("MAP", arguments->map,
-                   "a folder that `loopstone map` made, or a map_server map.yaml")
+                   "a folder that `loopstone map` made, a map_server map.yaml, or a site")
       ->required();
   command->add_option("--svg", arguments->svg, "write the plan as SVG")->type_name("FILE");
   command->add_option("--pdf", arguments->pdf, "write the plan as PDF")->type_name("FILE");

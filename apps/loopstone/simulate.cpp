@@ -238,8 +238,8 @@ World started(World world, const Arguments& arguments) {
   if (!arguments.start_place) return world;
   const std::size_t place = *arguments.start_place;
   if (place == 0 || place > world.places.size()) {
-    throw UsageError(fmt::format("--start-place: this world has the places 1 to {}",
-                                 world.places.size()));
+    throw UsageError(
+        fmt::format("--start-place: this world has the places 1 to {}", world.places.size()));
   }
   const Eigen::Vector2d& from = world.places[place - 1];
   world.map_T_start = {from.x(), from.y(), world.map_T_start.yaw};

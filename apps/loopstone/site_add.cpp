@@ -53,7 +53,8 @@ std::optional<Stamp> date_of(const Arguments& arguments) {
   if (arguments.date.empty()) return {};
   const auto date = parse_utc(arguments.date);
   if (!date)
-    throw UsageError("--date: " + arguments.date + " is no date; write 2026-11-26 or 2026-11-26T14:03");
+    throw UsageError("--date: " + arguments.date +
+                     " is no date; write 2026-11-26 or 2026-11-26T14:03");
   if (arguments.logs.size() > 1)
     throw UsageError("--date is of one log; add the others by commands of their own");
   return date;
@@ -61,8 +62,7 @@ std::optional<Stamp> date_of(const Arguments& arguments) {
 
 void make_site(const std::string& path, const AppContext& context) {
   MapOptions options = context.load_options(MapOptions{});
-  if (!fs::exists(path))
-    SiteFile::create(path, options_to_toml(list_options(options)));
+  if (!fs::exists(path)) SiteFile::create(path, options_to_toml(list_options(options)));
 }
 
 struct Added {
@@ -85,11 +85,13 @@ Added add_log(Site& site, const std::string& log, const Arguments& arguments,
   tell_choices(*reader, context);
   ProgressDisplay display(context);
   const auto start = std::chrono::steady_clock::now();
-  const MappedSession mapped = map_session(source, *reader, arguments.cut, site.options(), context.threads(),
-                                           date_of(arguments), watch_by(display));
+  MappedSession mapped = map_session(source, *reader, arguments.cut, site.options(),
+                                     context.threads(), date_of(arguments), watch_by(display));
   ProgressDisplay::clear_line();
   Added added{.map_s = seconds_since(start)};
-  if (!mapped.complete || interrupted()) throw UsageError(log + ": was called off; the site stays as it was");
+  if (!mapped.complete || interrupted())
+    throw UsageError(log + ": was called off; the site stays as it was");
+  mapped.session.log = fs::absolute(log).string();
   const auto mapped_at = std::chrono::steady_clock::now();
   added.session = site.add(mapped, site_watch(context));
   added.join_s = seconds_since(mapped_at);
@@ -98,14 +100,13 @@ Added add_log(Site& site, const std::string& log, const Arguments& arguments,
 
 void add_row(const Added& added, Result& result) {
   const SiteSession& session = added.session;
-  result.add_row(
-      session.log,
-      fmt::format("{}{}; its own map is {}; mapped in {:.1f} s, looked for in {:.1f} s",
-                  to_string(session.status),
-                  session.status == SessionStatus::kJoined
-                      ? fmt::format(", tied by {} closures", session.closures)
-                      : ": " + session.reason,
-                  session.verdict, added.map_s, added.join_s));
+  result.add_row(session.log,
+                 fmt::format("{}{}; its own map is {}; mapped in {:.1f} s, looked for in {:.1f} s",
+                             to_string(session.status),
+                             session.status == SessionStatus::kJoined
+                                 ? fmt::format(", tied by {} closures", session.closures)
+                                 : ": " + session.reason,
+                             session.verdict, added.map_s, added.join_s));
 }
 
 bool has_log(const Site& site, const std::string& log) {

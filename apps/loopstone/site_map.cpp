@@ -41,7 +41,8 @@ struct Arguments {
 
 Stamp date_of(const std::string& flag, const std::string& text) {
   auto date = parse_utc(text);
-  if (!date) throw UsageError(flag + ": " + text + " is no date; write 2026-11-26 or 2026-11-26T14:03");
+  if (!date)
+    throw UsageError(flag + ": " + text + " is no date; write 2026-11-26 or 2026-11-26T14:03");
   // A day is whole.
   constexpr std::size_t kDayAlone = 10;
   if (text.size() == kDayAlone) *date = *date + Duration::from_seconds(86'400.0 - 1e-9);
@@ -83,7 +84,8 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
 
 ExitCode run_changes(const Arguments& arguments, const AppContext& context) {
   const Stamp from = date_of("--from", arguments.from);
-  const Stamp to = arguments.date.empty() ? Stamp{std::int64_t{1} << 61} : date_of("--to", arguments.date);
+  const Stamp to =
+      arguments.date.empty() ? Stamp{std::int64_t{1} << 61} : date_of("--to", arguments.date);
   if (to < from) throw UsageError("--to lies before --from");
   const Outputs outputs = outputs_of(arguments, context);
   const Site site(arguments.site, SiteAccess::kRead, context.threads());
@@ -130,7 +132,8 @@ void add_site_map_commands(CLI::App& site, AppContext& context) {
   auto dates = std::make_shared<Arguments>();
   command = site.add_subcommand("changes", "What appeared in a building, and what is gone");
   command->add_option("SITE", dates->site, "its file")->required();
-  command->add_option("-o,--out", dates->out, "folder for the pictures; made, or empty unless --force")
+  command
+      ->add_option("-o,--out", dates->out, "folder for the pictures; made, or empty unless --force")
       ->required();
   command->add_option("--from", dates->from, "since this date, UTC")->type_name("DATE")->required();
   command->add_option("--to", dates->date, "until this one (default: today)")->type_name("DATE");

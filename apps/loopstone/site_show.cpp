@@ -60,13 +60,11 @@ ExitCode show(const Arguments& arguments, const AppContext& context) {
     rows.push_back(json_of(session));
     joined += session.status == SessionStatus::kJoined ? 1 : 0;
     path_m += session.path_m;
-    result.add_row(
-        "", fmt::format("{:>4}  {:<20}  {:<8}  {:>8}  {:>9.1f}  {:<9}  {}", session.id,
-                        utc_text(session.begins), to_string(session.status), session.closures,
-                        session.path_m, session.verdict,
-                        std::filesystem::path(session.log).filename().string()));
-    if (!session.reason.empty())
-      result.add_row("", fmt::format("{:>4}  {}", "", session.reason));
+    result.add_row("", fmt::format("{:>4}  {:<20}  {:<8}  {:>8}  {:>9.1f}  {:<9}  {}", session.id,
+                                   utc_text(session.begins), to_string(session.status),
+                                   session.closures, session.path_m, session.verdict,
+                                   std::filesystem::path(session.log).filename().string()));
+    if (!session.reason.empty()) result.add_row("", fmt::format("{:>4}  {}", "", session.reason));
   }
   if (arguments.ties) add_ties(site.file(), result);
   result.add("joined", "sessions joined", joined)
@@ -123,8 +121,8 @@ std::shared_ptr<Arguments> add_command(CLI::App& site, AppContext& context, cons
 }  // namespace
 
 void add_site_show_commands(CLI::App& site, AppContext& context) {
-  const auto arguments = add_command(
-      site, context, "show", "The sessions of a site, and what became of each", show);
+  const auto arguments =
+      add_command(site, context, "show", "The sessions of a site, and what became of each", show);
   site.get_subcommand("show")->add_flag("--ties", arguments->ties,
                                         "also what was found between each two of them");
   add_command(site, context, "history", "What was done to a site, and when", history);

@@ -83,7 +83,8 @@ struct SiteFile::State {
   bool changes = false;
 
   State(std::string file, SqliteAccess access)
-      : path(std::move(file)), database(path, {.access = access, .most_value_bytes = 1'000'000'000}) {}
+      : path(std::move(file)),
+        database(path, {.access = access, .most_value_bytes = 1'000'000'000}) {}
 
   [[noreturn]] void fail(const std::string& reason) const { throw DataError({path}, reason); }
   [[noreturn]] void fail(const SqliteError& error) const {
@@ -175,9 +176,10 @@ SiteFile::SiteFile(const std::string& path, SiteAccess access) {
       state.fail("this is no site of loopstone");
     const auto version = state.number("PRAGMA user_version");
     if (version > kSchema) {
-      state.fail(fmt::format("this site was written by a newer loopstone (schema {}, this program "
-                             "knows {}); update loopstone",
-                             version, kSchema));
+      state.fail(
+          fmt::format("this site was written by a newer loopstone (schema {}, this program "
+                      "knows {}); update loopstone",
+                      version, kSchema));
     }
     if (access == SiteAccess::kWrite) state.migrate();
     SqliteStatement options(state.database, "SELECT value FROM site WHERE key = 'options'");
@@ -232,7 +234,8 @@ std::vector<SiteSession> SiteFile::sessions() const {
 
 std::vector<SiteEvent> SiteFile::events() const {
   return state_->told([&] {
-    SqliteStatement rows(state_->database, "SELECT at, what, session, text FROM events ORDER BY id");
+    SqliteStatement rows(state_->database,
+                         "SELECT at, what, session, text FROM events ORDER BY id");
     std::vector<SiteEvent> events;
     while (rows.step()) {
       events.push_back({std::string(rows.text(0)), std::string(rows.text(1)),
@@ -246,21 +249,22 @@ std::shared_ptr<const DriveRecord> SiteFile::record(const SiteSession& session) 
   return state_->told([&] {
     SqliteStatement rows(state_->database, "SELECT version, record FROM records WHERE session = ?");
     rows.bind(1, session.id);
-    if (!rows.step())
-      state_->fail(fmt::format("of {} nothing is kept", name_of(session)));
+    if (!rows.step()) state_->fail(fmt::format("of {} nothing is kept", name_of(session)));
     if (rows.integer(0) != DriveRecord::kVersion) {
-      state_->fail(fmt::format("{} is kept in version {} of its form, and this program reads {}; "
-                               "make the site anew from its logs",
-                               name_of(session), rows.integer(0), DriveRecord::kVersion));
+      state_->fail(
+          fmt::format("{} is kept in version {} of its form, and this program reads {}; "
+                      "make the site anew from its logs",
+                      name_of(session), rows.integer(0), DriveRecord::kVersion));
     }
     std::shared_ptr<const DriveRecord> record;
     try {
-      record = std::make_shared<const DriveRecord>(
-          unpacked<DriveRecord>(rows.blob(1), {state_->path}));
+      record =
+          std::make_shared<const DriveRecord>(unpacked<DriveRecord>(rows.blob(1), {state_->path}));
     } catch (const std::runtime_error& error) {
-      state_->fail(fmt::format("{} is damaged: {}; `loopstone site prune --session {}` removes it, "
-                               "and its log can be added again",
-                               name_of(session), error.what(), session.id));
+      state_->fail(
+          fmt::format("{} is damaged: {}; `loopstone site prune --session {}` removes it, "
+                      "and its log can be added again",
+                      name_of(session), error.what(), session.id));
     }
     constexpr double kReachM = 1e4;
     if (!is_sound(*record, kReachM))
@@ -279,9 +283,10 @@ std::vector<SitePair> SiteFile::pairs() const {
       try {
         pair.pair = unpacked<DrivePair>(rows.blob(2), {state_->path});
       } catch (const std::runtime_error& error) {
-        state_->fail(fmt::format("what ties sessions {} and {} is damaged: {}; `loopstone site "
-                                 "rebuild` finds it again",
-                                 pair.older, pair.newer, error.what()));
+        state_->fail(
+            fmt::format("what ties sessions {} and {} is damaged: {}; `loopstone site "
+                        "rebuild` finds it again",
+                        pair.older, pair.newer, error.what()));
       }
       pairs.push_back(std::move(pair));
     }
@@ -298,9 +303,10 @@ std::vector<SitePlacement> SiteFile::placements() const {
       try {
         placement.placement = unpacked<DrivePlacement>(rows.blob(1), {state_->path});
       } catch (const std::runtime_error& error) {
-        state_->fail(fmt::format("where session {} lies is damaged: {}; `loopstone site rebuild` "
-                                 "finds it again",
-                                 placement.session, error.what()));
+        state_->fail(
+            fmt::format("where session {} lies is damaged: {}; `loopstone site rebuild` "
+                        "finds it again",
+                        placement.session, error.what()));
       }
       placements.push_back(std::move(placement));
     }
@@ -375,17 +381,17 @@ void SiteFile::update(const SiteSession& session) {
 
 void SiteFile::drop_record(std::int64_t session) {
   state_->told([&] {
-    state_->database.run(fmt::format("DELETE FROM records WHERE session = {0};"
-                                     "DELETE FROM placements WHERE session = {0};"
-                                     "DELETE FROM pairs WHERE older = {0} OR newer = {0};",
-                                     session));
+    state_->database.run(
+        fmt::format("DELETE FROM records WHERE session = {0};"
+                    "DELETE FROM placements WHERE session = {0};"
+                    "DELETE FROM pairs WHERE older = {0} OR newer = {0};",
+                    session));
   });
 }
 
 void SiteFile::remove(std::int64_t session) {
-  state_->told([&] {
-    state_->database.run(fmt::format("DELETE FROM sessions WHERE id = {}", session));
-  });
+  state_->told(
+      [&] { state_->database.run(fmt::format("DELETE FROM sessions WHERE id = {}", session)); });
 }
 
 void SiteFile::set_joins(const std::vector<SitePair>& pairs,
@@ -444,8 +450,8 @@ std::vector<std::string> SiteFile::check() const {
     if (row.text(0) != "ok") problems.emplace_back(row.text(0));
   });
   ask("PRAGMA foreign_key_check", [&](const SqliteStatement& row) {
-    problems.push_back(fmt::format("table {} speaks of a row of {} that is not there", row.text(0),
-                                   row.text(2)));
+    problems.push_back(
+        fmt::format("table {} speaks of a row of {} that is not there", row.text(0), row.text(2)));
   });
   const auto try_out = [&](const auto& read) {
     try {

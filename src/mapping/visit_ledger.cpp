@@ -194,8 +194,7 @@ OccupancyMap VisitLedger::map() const {
     if (cell.seen == 0) return;
     map.observed[place] = 1;
     // As many as agree with what is believed since somebody did not; one is enough for a map.
-    const double agreeing =
-        cell.newest_is_occupied == cell.is_occupied ? 1.0 + cell.in_a_row : 1.0;
+    const double agreeing = cell.newest_is_occupied == cell.is_occupied ? 1.0 + cell.in_a_row : 1.0;
     const double log_odds = std::min(1.0 + 0.5 * agreeing, 3.5);
     map.log_odds[place] = static_cast<float>(cell.is_occupied ? log_odds : -log_odds);
   });
@@ -205,7 +204,8 @@ OccupancyMap VisitLedger::map() const {
 Grid<float> VisitLedger::movable() const {
   Grid<float> probability(cells_.frame());
   // Walls tremble by a cell or two from visit to visit.
-  const int reach = static_cast<int>(std::ceil(kVisitLedger.trembles_m / cells_.frame().resolution));
+  const int reach =
+      static_cast<int>(std::ceil(kVisitLedger.trembles_m / cells_.frame().resolution));
   const auto is_near_fixed = [&](Cell place) {
     for (int row = place.row - reach; row <= place.row + reach; ++row) {
       for (int column = place.column - reach; column <= place.column + reach; ++column) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
@@ -134,11 +133,11 @@ MappedSession map_session(const LogSource& source, LogReader& reader, const LogC
   const MapResult& result = made.result;
   MappedSession mapped{.complete = result.complete, .warnings = result.warnings};
   SiteSession& session = mapped.session;
-  session.log = std::filesystem::absolute(source.path).string();
+  session.log = source.path;
   session.digest = keeper.digest().text();
   session.robot = robot_to_toml(made.robot);
-  session.begins = begins ? *begins
-                          : (result.trajectory.empty() ? Stamp{} : result.trajectory.front().stamp);
+  session.begins =
+      begins ? *begins : (result.trajectory.empty() ? Stamp{} : result.trajectory.front().stamp);
   session.added = utc_text(now());
   session.scans = result.statistics.scans;
   session.path_m = result.statistics.path_length_m;
@@ -183,7 +182,8 @@ Site::Kept Site::load(std::optional<std::int64_t> without) const {
     pair.pair.newer = places[pair.newer];
     pairs.push_back(std::move(pair.pair));
   }
-  std::ranges::stable_sort(pairs, {}, [](const DrivePair& p) { return std::pair(p.newer, p.older); });
+  std::ranges::stable_sort(pairs, {},
+                           [](const DrivePair& p) { return std::pair(p.newer, p.older); });
   kept.drives.restore(std::move(records), std::move(pairs), std::move(placements));
   return kept;
 }
@@ -318,7 +318,7 @@ void Site::rebuild(const SiteWatch& watch) {
   file_.commit();
 }
 
-SiteMap Site::map(std::optional<Stamp> until) const {
+SiteMap Site::map(std::optional<Stamp> until, bool with_scans) const {
   const Kept kept = load();
   SiteMap map;
   for (std::size_t i = 0; i < kept.sessions.size(); ++i)
@@ -330,10 +330,11 @@ SiteMap Site::map(std::optional<Stamp> until) const {
     if (!until || !(*until < map.sessions[drive].begins)) ledger.add(visit);
   });
   if (ledger.visits() == 0)
-    throw DataError({file_.path()}, fmt::format("no session in this site is as old as {}",
-                                                utc_text(*until)));
+    throw DataError({file_.path()},
+                    fmt::format("no session in this site is as old as {}", utc_text(*until)));
   map.result.map = ledger.map();
   map.movable = ledger.movable();
+  if (with_scans) map.scans = kept.drives.scans();
   return map;
 }
 
@@ -353,8 +354,8 @@ Site::Difference Site::difference(Stamp from, Stamp to) const {
     if (!(to < begins)) ledger.add(visit);
   });
   if (before.visits() == 0)
-    throw DataError({file_.path()}, fmt::format("of {} no session is kept any more, or none yet",
-                                                utc_text(from)));
+    throw DataError({file_.path()},
+                    fmt::format("of {} no session is kept any more, or none yet", utc_text(from)));
   map.result.map = ledger.map();
   map.movable = ledger.movable();
   difference.before = before.map();
@@ -401,7 +402,8 @@ std::optional<Stamp> parse_utc(const std::string& text) {
     return {};
   const auto time = std::chrono::sys_days(date) + std::chrono::hours(hour) +
                     std::chrono::minutes(minute) + std::chrono::seconds(second);
-  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count()};
+  return Stamp{
+      std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count()};
 }
 
 }  // namespace loopstone

@@ -8,6 +8,7 @@
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/formats/session_file.hpp"
 #include "loopstone/formats/tum.hpp"
+#include "loopstone/pipeline/site.hpp"
 #include "loopstone/plan/extract_plan.hpp"
 #include "loopstone/report/plan_outputs.hpp"
 
@@ -70,9 +71,22 @@ WallSamples measured_samples(const fs::path& folder, const CellStates& cells,
                           robot_T_told(folder, budget));
 }
 
+VectorPlan plan_of_site(const std::string& path, Threads threads) {
+  const SiteMap site = Site(path, SiteAccess::kRead, threads).map({}, true);
+  const CellStates cells = cell_states(site.result.map);
+  std::vector<const MappedScan*> scans;
+  for (const auto& scan : site.scans) scans.push_back(scan.get());
+  try {
+    return extract_plan(cells, samples_of_scans(scans, site.result.trajectory, cells, threads));
+  } catch (const UsageError& error) {
+    throw DataError({path}, error.what());
+  }
+}
+
 }  // namespace
 
 VectorPlan read_plan(const std::string& path, const MemoryBudget& budget, Threads threads) {
+  if (is_site(path)) return plan_of_site(path, threads);
   std::error_code ignored;
   const bool is_folder = fs::is_directory(path, ignored);
   const std::string yaml = is_folder ? (fs::path(path) / "map.yaml").string() : path;

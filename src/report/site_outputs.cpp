@@ -36,7 +36,8 @@ Image paled(Image image) {
 class Sheet {
  public:
   explicit Sheet(const OccupancyMap& map)
-      : view_(view_of(map, {}, MapPictureOptions{}.target_side_px, MapPictureOptions{}.most_side_px)),
+      : view_(
+            view_of(map, {}, MapPictureOptions{}.target_side_px, MapPictureOptions{}.most_side_px)),
         sizes_(std::max(view_.width_px, view_.height_px)),
         width_(std::max(view_.width_px, static_cast<int>(16.0 * sizes_.text))),
         footer_(sizes_, width_),
@@ -167,9 +168,9 @@ void write_movable(const Grid<float>& movable, const OccupancyMap& map, const st
     for (int column = 0; column < frame.columns; ++column) {
       const Cell cell{column, row};
       const bool is_known = map.observed.value_or(cell, 0) != 0;
-      const auto index = static_cast<std::size_t>(frame.rows - 1 - row) *
-                             static_cast<std::size_t>(frame.columns) +
-                         static_cast<std::size_t>(column);
+      const auto index =
+          static_cast<std::size_t>(frame.rows - 1 - row) * static_cast<std::size_t>(frame.columns) +
+          static_cast<std::size_t>(column);
       image.bytes[index] = is_known ? static_cast<std::uint8_t>(std::lround(100.0F * movable[cell]))
                                     : std::uint8_t{255};
     }
@@ -177,9 +178,10 @@ void write_movable(const Grid<float>& movable, const OccupancyMap& map, const st
   AtomicFile picture(folder + "/movable.pgm");
   picture.write(encode_pgm(image));
   AtomicFile yaml(folder + "/movable.yaml");
-  yaml.write(fmt::format("image: movable.pgm\nmode: raw\nresolution: {}\norigin: [{}, {}, 0.0]\n"
-                         "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                         frame.resolution, frame.origin.x(), frame.origin.y()));
+  yaml.write(
+      fmt::format("image: movable.pgm\nmode: raw\nresolution: {}\norigin: [{}, {}, 0.0]\n"
+                  "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+                  frame.resolution, frame.origin.x(), frame.origin.y()));
   picture.commit();
   yaml.commit();
 }

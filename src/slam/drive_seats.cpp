@@ -30,8 +30,7 @@ MappedScan seated(MappedScan mapped, const DriveSeat& seat) {
 /// What is known of where a drive begins that follows others, as Mapper::begin_drive() has it.
 PathBreak break_before(const DriveRecord& drive, const DriveSeat& seat, Stamp from,
                        double reach_m) {
-  const KeyScan first =
-      seated(drive.back_end.chain.submaps.front().keys.front(), seat);
+  const KeyScan first = seated(drive.back_end.chain.submaps.front().keys.front(), seat);
   return {.from = from,
           .to = first.stamp,
           .to_scan = first.scan,

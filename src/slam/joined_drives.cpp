@@ -162,12 +162,11 @@ DriveRecord record_of(MapperState state, const MapOptions& options) {
 bool is_sound(const DriveRecord& drive, double reach_m) {
   const auto& submaps = drive.back_end.chain.submaps;
   return !submaps.empty() && !drive.track.empty() &&
-         std::ranges::none_of(submaps,
-                              [](const SubmapRecord& s) { return s.state == SubmapState::kOpen; }) &&
+         std::ranges::none_of(
+             submaps, [](const SubmapRecord& s) { return s.state == SubmapState::kOpen; }) &&
          is_sound(drive.back_end, drive.track.size(), reach_m) && drive.gyro_scans >= 0 &&
-         std::ranges::all_of(drive.breaks, [&](const PathBreak& gap) {
-           return gap.to_scan < drive.track.size();
-         });
+         std::ranges::all_of(
+             drive.breaks, [&](const PathBreak& gap) { return gap.to_scan < drive.track.size(); });
 }
 
 int DrivePair::standing() const {
@@ -197,10 +196,9 @@ void JoinedDrives::restore(std::vector<std::shared_ptr<const DriveRecord>> drive
     fits = fits && pair.older <= pair.newer && pair.newer < drives.size();
     const auto is_there = [&](const SubmapPair& of) { return exists(pair, of.older, of.newer); };
     fits = fits &&
-           std::ranges::all_of(pair.closures,
-                               [&](const LoopClosure& c) {
-                                 return exists(pair, c.from_submap, c.to_submap);
-                               }) &&
+           std::ranges::all_of(
+               pair.closures,
+               [&](const LoopClosure& c) { return exists(pair, c.from_submap, c.to_submap); }) &&
            std::ranges::all_of(pair.tried, [&](const auto& one) { return is_there(one.first); }) &&
            std::ranges::all_of(pair.tried_by_appearance, is_there) &&
            std::ranges::all_of(pair.seen, [&](const auto& one) { return is_there(one.first); });
@@ -327,8 +325,7 @@ void JoinedDrives::draw_visits(std::span<const PosedScan> scans, std::span<const
   }
 }
 
-MapResult JoinedDrives::finish(const RobotModel& robot,
-                               const TakeVisit& take_visit) const {
+JoinedDrives JoinedDrives::joined_alone() const {
   JoinedDrives joined(options_, threads_);
   std::vector<bool> kept;
   for (std::size_t i = 0; i < drives_.size(); ++i) {
@@ -339,11 +336,23 @@ MapResult JoinedDrives::finish(const RobotModel& robot,
   }
   joined.pairs_ = pairs_;
   renumber(joined.pairs_, kept);
-  return joined.finish_all(robot, take_visit);
+  return joined;
 }
 
-MapResult JoinedDrives::finish_all(const RobotModel& robot,
-                                   const TakeVisit& take_visit) const {
+MappedScans JoinedDrives::scans() const {
+  MappedScans scans;
+  for (const SubmapRecord& submap : joined_alone().assemble().chain.submaps) {
+    if (const auto shared = submap.scans.share())
+      scans.insert(scans.end(), shared->begin(), shared->end());
+  }
+  return scans;
+}
+
+MapResult JoinedDrives::finish(const RobotModel& robot, const TakeVisit& take_visit) const {
+  return joined_alone().finish_all(robot, take_visit);
+}
+
+MapResult JoinedDrives::finish_all(const RobotModel& robot, const TakeVisit& take_visit) const {
   BackEnd back_end(options_, threads_);
   back_end.restore(assemble());
   back_end.finish([] { return false; });  // everything was looked for

@@ -115,11 +115,10 @@ std::optional<VerifiedClosure> verify(const LoopCandidate& candidate, const Froz
                                       const SubmapOptions& submap_options,
                                       const GridMatchOptions& match_options) {
   auto found = verify_one_way(candidate, older, newer, options, submap_options, match_options);
-  const bool may_be_larger =
-      !found || found->closure.reason == ClosureReason::kTooLittleOverlap;
+  const bool may_be_larger = !found || found->closure.reason == ClosureReason::kTooLittleOverlap;
   if (!may_be_larger || !candidate.either_way) return found;
-  auto other = verify_one_way(turned_round(candidate), newer, older, options, submap_options,
-                              match_options);
+  auto other =
+      verify_one_way(turned_round(candidate), newer, older, options, submap_options, match_options);
   if (!other || other->closure.state != ClosureState::kWaiting) return found;
   turn_round(older, newer, submap_options, *other);
   return other;

@@ -24,12 +24,12 @@ class SiteCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TempDir;
-    for (const auto& [name, world, seed, place] :
-         {std::tuple{"monday", "office", "3", "1"}, {"tuesday", "office", "4", "2"},
-          {"elsewhere", "warehouse", "5", "1"}}) {
-      const ProgramResult made = run_program(
-          {"simulate", world, "-o", *folder_ / name, "--seed", "3", "--drive-seed", seed,
-           "--start-place", place, "--duration", "45", "--beams", "361", "--quiet"});
+    for (const auto& [name, world, seed, place] : {std::tuple{"monday", "office", "3", "1"},
+                                                   {"tuesday", "office", "4", "2"},
+                                                   {"elsewhere", "warehouse", "5", "1"}}) {
+      const ProgramResult made = run_program({"simulate", world, "-o", *folder_ / name, "--seed",
+                                              "3", "--drive-seed", seed, "--start-place", place,
+                                              "--duration", "45", "--beams", "361", "--quiet"});
       ASSERT_EQ(made.exit_code, 0) << made.error;
     }
   }
@@ -74,8 +74,7 @@ TEST_F(SiteCommand, SessionsAreJoinedAndDrawnAsOneMap) {
   EXPECT_EQ(json_of(site({"check", *folder_ / "a.site", "--json"}))["sound"], true);
   EXPECT_EQ(json_of(site({"history", *folder_ / "a.site", "--json"}))["events"].size(), 3U);
 
-  const ProgramResult mapped =
-      site({"map", *folder_ / "a.site", "-o", *folder_ / "map", "--json"});
+  const ProgramResult mapped = site({"map", *folder_ / "a.site", "-o", *folder_ / "map", "--json"});
   EXPECT_EQ(json_of(mapped)["drives"].size(), 1U);
   for (const char* name : {"map.yaml", "map.pgm", "movable.yaml", "movable.pgm", "movable.png",
                            "trajectory_drive_1.tum", "trajectory_drive_2.tum", "report.html"})
@@ -118,12 +117,12 @@ TEST_F(SiteCommand, ErrorsSayWhatToDo) {
 TEST_F(SiteCommand, OfAWatchedFolderEachLogIsAddedOnce) {
   const std::string inbox = *folder_ / "inbox";
   fs::create_directories(inbox);
-  const ProgramResult converted = run_program({"convert", *folder_ / "monday",
-                                               inbox + "/monday.mcap", "--quiet"});
+  const ProgramResult converted =
+      run_program({"convert", *folder_ / "monday", inbox + "/monday.mcap", "--quiet"});
   ASSERT_EQ(converted.exit_code, 0) << converted.error;
   folder_->write("inbox/notes.txt", "no log\n");
-  const std::vector<std::string> words{"watch",   *folder_ / "watched.site", inbox, "--once",
-                                       "--settled", "0"};
+  const std::vector<std::string> words{
+      "watch", *folder_ / "watched.site", inbox, "--once", "--settled", "0"};
   const ProgramResult once = site(words);
   EXPECT_EQ(once.exit_code, 0) << once.error;
   EXPECT_THAT(once.error, HasSubstr("notes.txt"));

@@ -133,7 +133,8 @@ TEST_F(JoinedDrivesOfAnOffice, SameBytesOnAnotherDay) {
     pairs.back().newer = pair.newer;
   }
   std::vector<DrivePlacement> placements;
-  for (const DrivePlacement& placement : before.placements()) placements.push_back(again(placement));
+  for (const DrivePlacement& placement : before.placements())
+    placements.push_back(again(placement));
   JoinedDrives after(MapOptions{}, {2});
   after.restore(std::move(records), std::move(pairs), std::move(placements));
   after.add((*records_)[3]);
@@ -152,12 +153,13 @@ TEST_F(JoinedDrivesOfAnOffice, OneThatIsRemovedLeavesTheOthersAsTheyHoldTogether
 TEST_F(JoinedDrivesOfAnOffice, EachVisitIsDrawnByItself) {
   const JoinedDrives joined = join({0, 1});
   std::vector<std::size_t> seen;
-  const MapResult result = joined.finish(RobotModel{}, [&](std::size_t drive, const OccupancyMap& map) {
-    std::size_t cells = 0;
-    for (const std::uint8_t observed : map.observed.cells()) cells += observed;
-    EXPECT_GT(cells, 10000U);
-    seen.push_back(drive);
-  });
+  const MapResult result =
+      joined.finish(RobotModel{}, [&](std::size_t drive, const OccupancyMap& map) {
+        std::size_t cells = 0;
+        for (const std::uint8_t observed : map.observed.cells()) cells += observed;
+        EXPECT_GT(cells, 10000U);
+        seen.push_back(drive);
+      });
   EXPECT_THAT(seen, testing::ElementsAre(0U, 1U));
   EXPECT_TRUE(result.map.log_odds.empty());
 }

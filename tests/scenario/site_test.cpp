@@ -21,8 +21,8 @@
 namespace loopstone {
 namespace {
 
-using test::TempDir;
 using test::drive_in;
+using test::TempDir;
 using test::WorldDrive;
 using testing::HasSubstr;
 
@@ -160,18 +160,18 @@ TEST(Site, WhatWasMovedIsToldAndTheMapIsThatOfToday) {
   World before = make_world("office", 2);
   World after = before;
   const Eigen::Vector2d at = before.map_T_start.translation() + Eigen::Vector2d(1.5, 0.4);
-  before.plan.boxes.push_back({.map_T_box = {at.x(), at.y(), 0.0}, .length_m = 0.6, .width_m = 0.6});
+  before.plan.boxes.push_back(
+      {.map_T_box = {at.x(), at.y(), 0.0}, .length_m = 0.6, .width_m = 0.6});
   const TempDir folder;
   Site site(new_site(folder, "a"), SiteAccess::kWrite, {2});
   for (int day = 1; day <= 5; ++day) {
     const World& world = day <= 3 ? before : after;
-    const auto session = site.add(mapped(drive_in(world, static_cast<std::uint64_t>(day), 40.0, 0, 0.0),
-                                         std::to_string(day), day));
+    const auto session = site.add(mapped(
+        drive_in(world, static_cast<std::uint64_t>(day), 40.0, 0, 0.0), std::to_string(day), day));
     EXPECT_EQ(session.status, SessionStatus::kJoined) << day;
   }
-  const Site::Difference difference =
-      site.difference(Stamp::from_seconds((20'000.0 + 3.5) * kDayS),
-                      Stamp::from_seconds((20'000.0 + 5.5) * kDayS));
+  const Site::Difference difference = site.difference(
+      Stamp::from_seconds((20'000.0 + 3.5) * kDayS), Stamp::from_seconds((20'000.0 + 5.5) * kDayS));
   ASSERT_EQ(difference.changes.size(), 1U);
   const MapChange& change = difference.changes.front();
   EXPECT_FALSE(change.appeared);
@@ -179,9 +179,8 @@ TEST(Site, WhatWasMovedIsToldAndTheMapIsThatOfToday) {
   const Eigen::Vector2d centre = before.map_T_start.inverse() * at;
   EXPECT_LT((0.5 * (change.low + change.high) - centre).norm(), 0.35);
   // One visit after it was moved, it may have been somebody who stood in the way.
-  const Site::Difference early =
-      site.difference(Stamp::from_seconds((20'000.0 + 3.5) * kDayS),
-                      Stamp::from_seconds((20'000.0 + 4.5) * kDayS));
+  const Site::Difference early = site.difference(Stamp::from_seconds((20'000.0 + 3.5) * kDayS),
+                                                 Stamp::from_seconds((20'000.0 + 4.5) * kDayS));
   EXPECT_TRUE(early.changes.empty());
 }
 
@@ -215,7 +214,8 @@ TEST(SiteDates, AreReadAsTheyAreWritten) {
   EXPECT_EQ(utc_text(Stamp::from_seconds(1764165780.0)), "2025-11-26T14:03:00Z");
   EXPECT_EQ(parse_utc("2025-11-26"), Stamp::from_seconds(1764115200.0));
   EXPECT_EQ(parse_utc("2025-11-26T14:03"), Stamp::from_seconds(1764165780.0));
-  for (const char* wrong : {"", "today", "2025-13-01", "2025-02-30", "2025-11-26T25:00", "2025-11-26 1"})
+  for (const char* wrong :
+       {"", "today", "2025-13-01", "2025-02-30", "2025-11-26T25:00", "2025-11-26 1"})
     EXPECT_FALSE(parse_utc(wrong)) << wrong;
 }
 

@@ -34,15 +34,15 @@ constexpr auto words_of(SessionStatus /*any*/) {
 
 /// One drive of a robot in the building.
 struct SiteSession {
-  std::int64_t id = 0;    ///< given by the file
-  std::string log{};      ///< where its log was
-  std::string digest{};   ///< of its messages (LogDigest); no two sessions have the same
-  Stamp begins{};         ///< when, of the Unix epoch; what orders the sessions
-  std::string added{};    ///< when it came into the site, ISO 8601, UTC
-  std::string robot{};    ///< as TOML
+  std::int64_t id = 0;   ///< given by the file
+  std::string log{};     ///< where its log was
+  std::string digest{};  ///< of its messages (LogDigest); no two sessions have the same
+  Stamp begins{};        ///< when, of the Unix epoch; what orders the sessions
+  std::string added{};   ///< when it came into the site, ISO 8601, UTC
+  std::string robot{};   ///< as TOML
   SessionStatus status = SessionStatus::kPending;
-  std::string reason{};   ///< why it is not joined
-  int closures = 0;       ///< that stand and tie it to others
+  std::string reason{};  ///< why it is not joined
+  int closures = 0;      ///< that stand and tie it to others
   std::int64_t scans = 0;
   double path_m = 0.0;
   double duration_s = 0.0;

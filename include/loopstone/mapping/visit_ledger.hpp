@@ -51,8 +51,8 @@ struct CellVisits {
 
 /// A place where two maps of one building differ.
 struct MapChange {
-  bool appeared = false;  ///< else it is gone
-  Eigen::Vector2d low = Eigen::Vector2d::Zero();   ///< bounds [m], map frame
+  bool appeared = false;                          ///< else it is gone
+  Eigen::Vector2d low = Eigen::Vector2d::Zero();  ///< bounds [m], map frame
   Eigen::Vector2d high = Eigen::Vector2d::Zero();
   double area_m2 = 0.0;  ///< of its cells
 };

@@ -36,7 +36,8 @@ void visit_numbers(const SiteNumbers& n, Visitor&& visit) {
   visit("keep_shown_alone", n.keep_shown_alone,
         "chosen: a session that newer ones were compared with stays until there are so many, since "
         "to do without it they are compared with one another");
-  visit("visit_cell_m", n.visit_cell_m, "chosen: who drove through one square of this side came by");
+  visit("visit_cell_m", n.visit_cell_m,
+        "chosen: who drove through one square of this side came by");
 }
 
 /// A log that was mapped by itself, on its way into a site.
@@ -56,9 +57,10 @@ struct MappedSession {
 
 /// The map of a site at a time.
 struct SiteMap {
-  MapResult result{};                     ///< its map is what the visits agree on
-  Grid<float> movable{};                  ///< VisitLedger::movable(), of the same cells
-  std::vector<SiteSession> sessions{};    ///< that are joined, in order: the result's drives
+  MapResult result{};                   ///< its map is what the visits agree on
+  Grid<float> movable{};                ///< VisitLedger::movable(), of the same cells
+  std::vector<SiteSession> sessions{};  ///< that are joined, in order: the result's drives
+  MappedScans scans{};                  ///< where asked for; stamped as the result's trajectory
 };
 
 /// Who waits while a site is changed.
@@ -88,7 +90,7 @@ class Site {
   void rebuild(const SiteWatch& watch = {});
 
   /// \param until  of sessions that began until then; all of them hold the map together
-  [[nodiscard]] SiteMap map(std::optional<Stamp> until = {}) const;
+  [[nodiscard]] SiteMap map(std::optional<Stamp> until = {}, bool with_scans = false) const;
   /// Where the building at one time differs from what it was at another one, on the map of the
   /// later.
   struct Difference {
@@ -104,7 +106,8 @@ class Site {
     JoinedDrives drives;
   };
   [[nodiscard]] Kept load(std::optional<std::int64_t> without = {}) const;
-  [[nodiscard]] Kept join_all(const std::vector<SiteSession>& sessions, const SiteWatch& watch) const;
+  [[nodiscard]] Kept join_all(const std::vector<SiteSession>& sessions,
+                              const SiteWatch& watch) const;
   void store(Kept& kept);
   void retire(Kept& kept);
   void note(const std::string& what, const std::string& session, const std::string& text);

@@ -25,7 +25,7 @@ struct PlanTitle {
 
 /// The plan of a map, as extract_plan() finds it: through what the laser measured where the folder
 /// has a state (map --keep-state) and a trajectory, else through the cells of the map.
-/// \param path  a folder of `loopstone map`, or a map_server YAML file
+/// \param path  a folder of `loopstone map`, a map_server YAML file, or a site
 /// Throws DataError with the file at fault.
 [[nodiscard]] VectorPlan read_plan(const std::string& path, const MemoryBudget& budget = {},
                                    Threads threads = {});

@@ -96,18 +96,21 @@ class JoinedDrives {
   /// others; else that costs next to nothing.
   void remove(std::size_t drive);
 
+  /// What maps are drawn from, of the drives that are joined, counted and stamped as finish() has
+  /// it. Cost: that of copying the scans.
+  [[nodiscard]] MappedScans scans() const;
+
   /// The map of those drives that are joined, finished as Mapper::finish() does. Scans are counted
   /// and stamped one drive after the other: MapResult::drives.
   /// \param robot  whose footprint frees the cells that it crosses
   /// \param take_visit  is given each drive's own map, in order; then the result has none. Empty:
   ///                    the map is that of all scans
-  [[nodiscard]] MapResult finish(const RobotModel& robot,
-                                 const TakeVisit& take_visit = {}) const;
+  [[nodiscard]] MapResult finish(const RobotModel& robot, const TakeVisit& take_visit = {}) const;
 
  private:
   [[nodiscard]] BackEnd::State assemble() const;
-  [[nodiscard]] MapResult finish_all(const RobotModel& robot,
-                                     const TakeVisit& take_visit) const;
+  [[nodiscard]] JoinedDrives joined_alone() const;
+  [[nodiscard]] MapResult finish_all(const RobotModel& robot, const TakeVisit& take_visit) const;
   void take_apart(BackEnd::State state);
   void draw_visits(std::span<const PosedScan> scans, std::span<const DriveSeat> seats,
                    double footprint_m, const TakeVisit& take_visit) const;

@@ -161,8 +161,9 @@ TEST(SiteFile, WhatIsNoSiteIsSaid) {
     return refusal([&] { const SiteFile file(folder / name, SiteAccess::kRead); });
   };
   EXPECT_THAT(open("none"), HasSubstr("there is no such site"));
-  folder.write("text", "a robot's log, and a long one, so that it is longer than a head of SQLite "
-                       "and yet no database of any kind whatever\n");
+  folder.write("text",
+               "a robot's log, and a long one, so that it is longer than a head of SQLite "
+               "and yet no database of any kind whatever\n");
   EXPECT_THAT(open("text"), HasSubstr("no site of loopstone"));
   EXPECT_FALSE(is_site(folder / "text"));
   EXPECT_FALSE(is_site(folder / "none"));

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kCellM = 0.05;
 
-/// What a visit saw: free wherever it looked, but for the occupied cells. Cells are counted from the
-/// origin of the map.
+/// What a visit saw: free wherever it looked, but for the occupied cells. Cells are counted from
+/// the origin of the map.
 OccupancyMap visit(Cell low, Cell high, const std::vector<Cell>& occupied) {
   const GridFrame frame{.origin = {low.column * kCellM, low.row * kCellM},
                         .resolution = kCellM,
@@ -125,8 +125,7 @@ TEST(Changes, TellWhatAppearedAndWhatIsGoneWithItsPlace) {
   const std::vector<Cell> stays = wall(80, 5, 90);
   before.insert(before.end(), stays.begin(), stays.end());
   now.insert(now.end(), stays.begin(), stays.end());
-  const auto changes =
-      changes_between(visit(kLow, kHigh, before), visit(kLow, {120, 99}, now));
+  const auto changes = changes_between(visit(kLow, kHigh, before), visit(kLow, {120, 99}, now));
   ASSERT_EQ(changes.size(), 2U);
   for (const MapChange& change : changes) {
     const int column = change.appeared ? 50 : 20;
@@ -140,14 +139,15 @@ TEST(Changes, TellWhatAppearedAndWhatIsGoneWithItsPlace) {
 }
 
 TEST(Changes, AWallThatTremblesAndWhatWasNotSeenBeforeAreNone) {
-  EXPECT_TRUE(changes_between(visit(kLow, kHigh, wall(20, 10, 60)),
-                              visit(kLow, kHigh, wall(22, 10, 60)))
-                  .empty());
+  EXPECT_TRUE(
+      changes_between(visit(kLow, kHigh, wall(20, 10, 60)), visit(kLow, kHigh, wall(22, 10, 60)))
+          .empty());
   // A part that nobody had been to.
-  EXPECT_TRUE(changes_between(visit(kLow, {40, 99}, {}), visit(kLow, kHigh, wall(70, 10, 60)))
-                  .empty());
+  EXPECT_TRUE(
+      changes_between(visit(kLow, {40, 99}, {}), visit(kLow, kHigh, wall(70, 10, 60))).empty());
   // Less than noise.
-  EXPECT_TRUE(changes_between(visit(kLow, kHigh, {}), visit(kLow, kHigh, wall(70, 10, 14))).empty());
+  EXPECT_TRUE(
+      changes_between(visit(kLow, kHigh, {}), visit(kLow, kHigh, wall(70, 10, 14))).empty());
 }
 
 }  // namespace
