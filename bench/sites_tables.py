@@ -169,8 +169,9 @@ def days_table(section):
                 ["day>", "file [MB]>", "sessions kept>", "retired>", "to join a day [s]>"], cells
             ),
             "",
-            f"On day {figures['days']} {100.0 * judged['precision']:.1f} % of the occupied cells are "
-            f"true, {1000.0 * judged['mean_distance_m']:.1f} mm from the truth on average.",
+            f"On day {figures['days']} {100.0 * judged['precision']:.1f} % of the occupied "
+            f"cells are true, {1000.0 * judged['mean_distance_m']:.1f} mm from the truth on "
+            "average.",
             "",
             tables.targets_table(days_targets(figures)),
         ]

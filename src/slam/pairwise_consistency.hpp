@@ -79,9 +79,9 @@ void visit_numbers(const PairwiseConsistencyNumbers& n, Visitor&& visit) {
 [[nodiscard]] std::vector<std::size_t> consistent_ones(std::span<const LoopClosure> closures,
                                                        std::span<const SubmapRecord> submaps);
 
-/// Of consistent closures those that are to be settled first: of such as tie two drives that nothing
-/// ties yet the best two that agree, since to settle one asks every place of the map. Where they
-/// stand, the others have but to fit.
+/// Of consistent closures those that are to be settled first: of such as tie two drives that
+/// nothing ties yet the best two that agree, since to settle one asks every place of the map. Where
+/// they stand, the others have but to fit.
 [[nodiscard]] std::vector<std::size_t> first_ties(std::span<const LoopClosure> closures,
                                                   std::vector<std::size_t> consistent,
                                                   std::span<const SubmapRecord> submaps);

@@ -32,8 +32,8 @@ Record record_of_drive(const WorldDrive& drive, Threads threads = {2}) {
   return std::make_shared<const DriveRecord>(record_of(mapper.save_state().get(), MapOptions{}));
 }
 
-/// Rms of all positions of all drives, in one frame of which nothing is taken out but where the first
-/// drive of the map lies [m].
+/// Rms of all positions of all drives, in one frame of which nothing is taken out but where the
+/// first drive of the map lies [m].
 double error_m(const MapResult& result, const std::vector<const WorldDrive*>& drives) {
   const std::vector<Trajectory> mapped = result.trajectories();
   EXPECT_EQ(mapped.size(), drives.size());

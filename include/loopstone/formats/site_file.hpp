@@ -14,9 +14,10 @@
 
 namespace loopstone {
 
-// The file of a site: one SQLite database, which docs/sites.md describes. It keeps what each session
-// of one building has led to, and what was found between them. What is one change for its user is
-// one transaction: whatever ends a program, and when, the site is as it was before or after.
+// The file of a site: one SQLite database, which docs/sites.md describes. It keeps what each
+// session of one building has led to, and what was found between them. What is one change for its
+// user is one transaction: whatever ends a program, and when, the site is as it was before or
+// after.
 
 /// What became of a session.
 enum class SessionStatus {

@@ -59,8 +59,8 @@ struct MapChange {
 
 /// One building, seen again and again: what is seen again confirms, what is contradicted fades. A
 /// cell is what several visits in a row say it is, not what most visits ever said: a wall that was
-/// moved is gone after two visits that looked through it, however often it was seen before. What one
-/// visit alone says counts only where none before it was of another mind.
+/// moved is gone after two visits that looked through it, however often it was seen before. What
+/// one visit alone says counts only where none before it was of another mind.
 class VisitLedger {
  public:
   /// Of the next visit, drawn from its scans alone. Its cells must be as wide as those before, and

@@ -31,8 +31,8 @@ struct DriveRecord {
   }
 };
 
-/// What a mapper of one drive has come to once its robot was judged (Mapper::judge_robot()), without
-/// what only more scans would need. Throws UsageError for a state of several drives.
+/// What a mapper of one drive has come to once its robot was judged (Mapper::judge_robot()),
+/// without what only more scans would need. Throws UsageError for a state of several drives.
 /// \param options  of the mapper
 [[nodiscard]] DriveRecord record_of(MapperState state, const MapOptions& options);
 

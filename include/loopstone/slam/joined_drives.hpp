@@ -61,9 +61,9 @@ using TakeVisit = std::function<void(std::size_t drive, const OccupancyMap& visi
 /// the others saw, without a guess, as Mapper::begin_drive() has it. What is known of them is plain
 /// data, so that it can be kept, and a drive be added another day.
 ///
-/// A drive is recognised where one place of it fits one place of the map and no other one, the place
-/// is like no other one of its own map, the places around bear it out, and a second closure asks for
-/// the same. Until then it waits beside the map; a later drive may tie it.
+/// A drive is recognised where one place of it fits one place of the map and no other one, the
+/// place is like no other one of its own map, the places around bear it out, and a second closure
+/// asks for the same. Until then it waits beside the map; a later drive may tie it.
 ///
 /// The result depends on the drives and their order alone. Not thread-safe.
 class JoinedDrives {
