@@ -30,8 +30,17 @@ class Command:
     usage: str
     positionals: list
     options: list
-    commands: dict  # name to summary; of the program alone
+    commands: dict  # name to summary; of the program, and of a command that has its own
     footer: str
+    inner: list = dataclasses.field(default_factory=list)  # Command, of a command's own
+
+    def all_options(self):
+        """Its own and those of its commands, each name once."""
+        known = {}
+        for one in [self, *self.inner]:
+            for option in one.options:
+                known.setdefault(tuple(option.names), option)
+        return list(known.values())
 
 
 def output_of(program, *arguments):
@@ -43,9 +52,13 @@ def read_help(program):
     whole = parse_help("", output_of(program, "--help"))
     if not whole.commands:
         raise SystemExit("`loopstone --help` lists no subcommands")
-    return [whole] + [
-        parse_help(name, output_of(program, name, "--help")) for name in whole.commands
-    ]
+    return [whole] + [read_command(program, name) for name in whole.commands]
+
+
+def read_command(program, *words):
+    command = parse_help(" ".join(words), output_of(program, *words, "--help"))
+    command.inner = [read_command(program, *words, name) for name in command.commands]
+    return command
 
 
 def parse_help(name, text):

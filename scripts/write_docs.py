@@ -32,8 +32,17 @@ def command_help(program):
     general = output_of(program, "--help")
     parts = [help_block("loopstone", general)]
     for command in parse_help("", general).commands:
-        parts.append(help_block(f"loopstone {command}", output_of(program, command, "--help")))
+        parts += command_blocks(program, command)
     return "\n".join(parts)
+
+
+def command_blocks(program, *words):
+    """Of a command, and of those that it has itself."""
+    text = output_of(program, *words, "--help")
+    parts = [help_block("loopstone " + " ".join(words), text)]
+    for inner in parse_help(" ".join(words), text).commands:
+        parts += command_blocks(program, *words, inner)
+    return parts
 
 
 def options_table(program, command, only=""):

@@ -38,17 +38,33 @@ def option_roff(option):
     return f".TP\n{names}{value}\n{roff(option.text)}\n"
 
 
+def arguments_roff(command):
+    return "".join(
+        f".TP\n\\fI{roff(one.names[0])}\\fR\n{roff(one.text)}\n" for one in command.positionals
+    )
+
+
+def inner_roff(command):
+    """A command of a command: on the page of that."""
+    parts = [f".SS {roff(command.name)}\n{roff(command.summary)}\n"]
+    parts.append(f".PP\n.nf\n{roff(command.usage)}\n.fi\n" + arguments_roff(command))
+    parts += map(option_roff, command.options)
+    if command.footer:
+        parts.append(f".PP\n.nf\n{roff(command.footer)}\n.fi\n")
+    return "".join(parts)
+
+
 def man_page(command, program_page, version):
     name = "loopstone" + (f"-{command.name}" if command.name else "")
     parts = [f'.TH {name.upper()} 1 "" "loopstone {version}" "Loopstone"\n']
     parts.append(f".SH NAME\n{roff(name)} \\- {roff(command.summary)}\n")
     parts.append(f".SH SYNOPSIS\n.nf\n{roff(command.usage)}\n.fi\n")
     if command.positionals:
-        parts.append(".SH ARGUMENTS\n")
-        for one in command.positionals:
-            parts.append(f".TP\n\\fI{roff(one.names[0])}\\fR\n{roff(one.text)}\n")
+        parts.append(".SH ARGUMENTS\n" + arguments_roff(command))
     parts.append(".SH OPTIONS\n" + "".join(map(option_roff, command.options)))
-    if command.commands:
+    if command.inner:
+        parts.append(".SH COMMANDS\n" + "".join(map(inner_roff, command.inner)))
+    elif command.commands:
         parts.append(".SH COMMANDS\n")
         for one, summary in command.commands.items():
             parts.append(f".TP\n.BR loopstone\\-{roff(one)} (1)\n{roff(summary)}\n")
@@ -117,9 +133,13 @@ def bash_completion(commands, keys):
         lines += bash_values(command, keys)
     lines += ["  esac", "  if [[ -z $words && $current == -* ]]; then", "    case $command in"]
     for command in rest:
-        flags = [name for option in command.options for name in option.names]
+        flags = [name for option in command.all_options() for name in option.names]
         lines.append(f"      {command.name}) words='{' '.join(flags)}' ;;")
     lines += ["    esac", "  fi"]
+    for command in rest:
+        if command.inner:
+            lines.append(f"  [[ -z $words && $command == {command.name} && $COMP_CWORD -eq 2 ]] &&")
+            lines.append(f"    words='{' '.join(command.commands)}'")
     for command in rest:
         for one in command.positionals:
             if one.words:
@@ -165,7 +185,9 @@ def zsh_completion(commands):
     for command in rest:
         lines.append(f"    {command.name})")
         lines.append("      _arguments \\")
-        for option in command.options:
+        if command.inner:
+            lines.append(f"        '1:command:({' '.join(command.commands)})' '*:file:_files' \\")
+        for option in command.all_options():
             for name in option.names:
                 lines.append(f"        '*{name}[{zsh_quoted(option.text)}]{zsh_value(option)}' \\")
         for one in command.positionals:
@@ -190,7 +212,9 @@ def fish_completion(commands):
         )
     for command in rest:
         where = f"complete -c loopstone -n '__fish_seen_subcommand_from {command.name}'"
-        for option in command.options:
+        for name, text in command.commands.items():
+            lines.append(f"{where} -a {name} -d {fish_quoted(text)}")
+        for option in command.all_options():
             parts = [where]
             for name in option.names:
                 parts.append(f"-l {name[2:]}" if name.startswith("--") else f"-s {name[1:]}")

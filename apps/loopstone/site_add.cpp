@@ -32,8 +32,8 @@ Each LOG is mapped by itself, as `loopstone map` does it, and looked for on the 
   joined    it was recognised, and is part of the map
   pending   it was not, or in more than one place; it waits beside the map until a later session ties it
   refused   its own map is bad; only that is noted
-In which order sessions are added changes nothing: they are joined in the order in which they were driven. What is in the site
-already is left out. A new site keeps the options of -c and --set for all its maps. Ctrl-C leaves out the session in the making.
+In which order sessions are added changes nothing: they are joined in the order in which they were driven. A log that is in the
+site already is refused. A new site keeps the options of -c and --set for all its maps. Ctrl-C leaves out the session in the making.
 
 Examples:
   loopstone site add office.site monday.mcap tuesday.mcap

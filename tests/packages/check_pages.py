@@ -73,7 +73,7 @@ def check_contents(commands, folder):
     for command in commands:
         name = "loopstone" + (f"-{command.name}" if command.name else "")
         page = plain((folder / f"man1/{name}.1").read_text())
-        for option in command.options:
+        for option in command.all_options():
             for one in option.names:
                 expect(
                     re.search(rf"^(.*, )?{re.escape(one)}\b", page, re.M), f"{name}.1 lacks {one}"
@@ -116,6 +116,8 @@ def check_bash(commands, folder):
         "loop.min_score=" in completed(folder, "map", "--set", "loop."), "bash knows option keys"
     )
     expect(completed(folder, "map", "lo") == [], "bash leaves files to the shell")
+    expect(completed(folder, "site", "ch") == ["changes", "check"], "bash offers inner commands")
+    expect(completed(folder, "site", "map", "o") == [], "bash leaves a site to the shell")
 
 
 def check_by_others(folder):
