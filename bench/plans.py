@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 try:
     import plans_measure as plans  # noqa: E402
 except ImportError as missing:
-    sys.exit(f"{missing}: run scripts/install_oracles.sh first")
+    sys.exit(f"needs numpy and shapely ({missing}): run scripts/install_oracles.sh first")
 from doc_blocks import table, write_block  # noqa: E402
 from measure import data_folder  # noqa: E402
 from program import Failed, Loopstone, log_of, run, say  # noqa: E402

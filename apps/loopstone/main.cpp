@@ -19,11 +19,9 @@ Examples:
   loopstone map LOG -o out                         map, trajectory, report: open out/report.html
   loopstone live --source tcp://robot:9000 -o out  a map of what the sensors tell now, in the browser while it grows
   loopstone view out                               the same in the browser, with a robot that drives on it
-  loopstone localize LOG --map out -o where.tum --global
-                                                   where a robot was on that map, and how sure that is
+  loopstone localize LOG --map out -o w.tum --global  where a robot was on that map, and how sure that is
   loopstone simulate office -o sim --seed 1        a log whose truth is known
-  loopstone map sim -o out && \
-  loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum
+  loopstone map sim -o out && loopstone evaluate --estimate out/trajectory.tum --reference sim/truth.tum
 
 A LOG is {}.
 Exit codes: 0 done, 1 bad data, 2 bad usage or options, 3 a --require bound was missed, 130 interrupted.

@@ -77,23 +77,23 @@ class WholePages {
   static constexpr const char* kName = "loopstone-whole-pages";
 
   WholePages() {
-    original_ = sqlite3_vfs_find(nullptr);
-    if (original_ == nullptr) return;
-    own_ = *original_;
-    own_.zName = kName;
-    own_.pNext = nullptr;
-    own_.xOpen = open;
-    is_registered_ = sqlite3_vfs_register(&own_, 0) == SQLITE_OK;
+    original_files = sqlite3_vfs_find(nullptr);
+    if (original_files == nullptr) return;
+    own_files = *original_files;
+    own_files.zName = kName;
+    own_files.pNext = nullptr;
+    own_files.xOpen = open;
+    is_registered_ = sqlite3_vfs_register(&own_files, 0) == SQLITE_OK;
   }
 
   static int open(sqlite3_vfs* own, sqlite3_filename name, sqlite3_file* file, int flags,
                   int* opened_flags) {
-    const int code = original_->xOpen(own, name, file, flags, opened_flags);
+    const int code = original_files->xOpen(own, name, file, flags, opened_flags);
     if (code != SQLITE_OK || (flags & SQLITE_OPEN_MAIN_DB) == 0) return code;
     // Of files that are not locked there is one table of functions.
     static const sqlite3_io_methods* const plain = file->pMethods;
     static const sqlite3_io_methods changed = [] {
-      plain_ = plain;
+      plain_methods = plain;
       sqlite3_io_methods methods = *plain;
       methods.xFileSize = size_of;
       return methods;
@@ -103,7 +103,7 @@ class WholePages {
   }
 
   static int size_of(sqlite3_file* file, sqlite3_int64* size) {
-    const sqlite3_io_methods& plain = *plain_;
+    const sqlite3_io_methods& plain = *plain_methods;
     const int code = plain.xFileSize(file, size);
     unsigned char head[2] = {};
     if (code != SQLITE_OK || *size < 512 ||
@@ -115,9 +115,9 @@ class WholePages {
     return code;
   }
 
-  static inline sqlite3_vfs* original_ = nullptr;
-  static inline sqlite3_vfs own_{};
-  static inline const sqlite3_io_methods* plain_ = nullptr;
+  static inline sqlite3_vfs* original_files = nullptr;
+  static inline sqlite3_vfs own_files{};
+  static inline const sqlite3_io_methods* plain_methods = nullptr;
   bool is_registered_ = false;
 };
 

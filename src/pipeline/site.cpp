@@ -125,6 +125,10 @@ bool comes_before(const SiteSession& a, const SiteSession& b) {
 
 }  // namespace
 
+std::vector<NumberGroup> site_numbers() {
+  return {number_group("visit_ledger", kVisitLedger), number_group("site", kSite)};
+}
+
 MappedSession map_session(const LogSource& source, LogReader& reader, const LogCut& cut,
                           const MapOptions& options, Threads threads, std::optional<Stamp> begins,
                           const ReadingWatch& watch) {

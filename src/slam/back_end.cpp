@@ -212,7 +212,7 @@ std::vector<std::size_t> BackEnd::settle() {
   const auto submaps = chain_.submaps();
   std::set<std::size_t> passed;
   while (true) {
-    const std::vector<std::size_t> consistent =
+    std::vector<std::size_t> consistent =
         first_ties(closures_, consistent_ones(closures_, submaps), submaps);
     const Drives drives(submaps);
     const auto needs_asking = [&](const LoopClosure& closure) {

@@ -229,7 +229,7 @@ BackEnd::State JoinedDrives::assemble() const {
   return all;
 }
 
-void JoinedDrives::take_apart(BackEnd::State state) {
+void JoinedDrives::take_apart(const BackEnd::State& state) {
   const std::vector<DriveSeat> seat_list = seats_of(drives_);
   const Seats seats(seat_list);
   PairTable table;

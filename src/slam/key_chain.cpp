@@ -33,7 +33,7 @@ PoseWithCovariance2 motion_between(const KeyScan& previous, const KeyScan& next)
 /// The newest stretch reaches to this key scan; what is uncertain on the way counts. Returns the
 /// motion.
 PoseWithCovariance2 KeyChain::lead_to(const KeyScan& key) {
-  const PoseWithCovariance2 motion = motion_between(state_.newest, key);
+  PoseWithCovariance2 motion = motion_between(state_.newest, key);
   state_.submaps.back().across = compound(state_.submaps.back().across, motion);
   if (key.across) {
     double sigma_m = std::sqrt(std::max((*key.across)(0, 0), (*key.across)(1, 1)));

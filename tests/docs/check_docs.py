@@ -29,9 +29,15 @@ def output_of(*command):
 def help_texts(program):
     general = output_of(program, "--help")
     listed = re.search(r"^Subcommands:\n((?:  .*\n)+)", general, re.M).group(1)
-    return {
-        name: output_of(program, name, "--help") for name in re.findall(r"^  (\w+)", listed, re.M)
-    }
+    return {name: whole_help(program, name) for name in re.findall(r"^  (\w+)", listed, re.M)}
+
+
+def whole_help(program, name):
+    """Of a command, and of those that it has itself."""
+    text = output_of(program, name, "--help")
+    inner = re.search(r"^Subcommands:\n((?:  .*\n)+)", text, re.M)
+    names = re.findall(r"^  (\w+)", inner.group(1), re.M) if inner else []
+    return text + "".join(output_of(program, name, one, "--help") for one in names)
 
 
 def wrong_calls(text, helps):

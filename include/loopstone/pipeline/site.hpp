@@ -12,6 +12,7 @@
 #include "loopstone/mapping/visit_ledger.hpp"
 #include "loopstone/pipeline/cut_log.hpp"
 #include "loopstone/pipeline/log_source.hpp"
+#include "loopstone/slam/decision_numbers.hpp"
 #include "loopstone/slam/drive_record.hpp"
 #include "loopstone/slam/joined_drives.hpp"
 #include "loopstone/slam/map_options.hpp"
@@ -39,6 +40,9 @@ void visit_numbers(const SiteNumbers& n, Visitor&& visit) {
   visit("visit_cell_m", n.visit_cell_m,
         "chosen: who drove through one square of this side came by");
 }
+
+/// What sites decide by, as decision_numbers() has it for maps.
+[[nodiscard]] std::vector<NumberGroup> site_numbers();
 
 /// A log that was mapped by itself, on its way into a site.
 struct MappedSession {

@@ -111,7 +111,7 @@ class JoinedDrives {
   [[nodiscard]] BackEnd::State assemble() const;
   [[nodiscard]] JoinedDrives joined_alone() const;
   [[nodiscard]] MapResult finish_all(const RobotModel& robot, const TakeVisit& take_visit) const;
-  void take_apart(BackEnd::State state);
+  void take_apart(const BackEnd::State& state);
   void draw_visits(std::span<const PosedScan> scans, std::span<const DriveSeat> seats,
                    double footprint_m, const TakeVisit& take_visit) const;
 

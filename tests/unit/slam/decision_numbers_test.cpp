@@ -10,6 +10,7 @@
 #include <string>
 #include <variant>
 
+#include "loopstone/pipeline/site.hpp"
 #include "loopstone/plan/extract_plan.hpp"
 #include "loopstone/slam/map_editor.hpp"
 
@@ -69,8 +70,11 @@ TEST(DecisionNumbers, AreAllOnTheList) {
     }
   }
   // Those of landmarks are on record where landmarks are mapped, landmark_numbers(), and those of
-  // edits where a map was edited; those of plans in what `export --json` tells.
-  EXPECT_EQ(decision_numbers().size() + edit_numbers().size() + plan_numbers().size() + 1, structs)
+  // edits where a map was edited; those of plans in what `export --json` tells, and those of sites
+  // in what `site show --json` does.
+  EXPECT_EQ(decision_numbers().size() + edit_numbers().size() + plan_numbers().size() +
+                site_numbers().size() + 1,
+            structs)
       << "see decision_numbers.cpp";
 }
 
