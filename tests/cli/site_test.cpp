@@ -135,7 +135,7 @@ TEST_F(SiteCommand, OfAWatchedFolderEachLogIsAddedOnce) {
 TEST_F(SiteCommand, KilledAtAnyMomentItLosesNothingThatWasThere) {
   const std::string path = *folder_ / "killed.site";
   ASSERT_EQ(add("killed.site", "monday").exit_code, 0);
-  for (int tenths = 1; tenths <= 12; ++tenths) {
+  for (int tenths = 1; tenths <= 11; tenths += 2) {
     (void)kill_program(std::chrono::milliseconds(100 * tenths),
                        {"site", "add", path, *folder_ / "tuesday", "--quiet"});
     const Json checked = json_of(site({"check", path, "--json"}));
