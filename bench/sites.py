@@ -33,8 +33,8 @@ LOGS = [("Intel", "intel"), ("ACES", "aces")]
 
 # World, seed, sessions, places where they begin, seconds of each.
 BUILDINGS = [
-    ("office", 41, 12, [1, 4, 9, 14, 20, 25], 150),
-    ("office", 42, 12, [1, 4, 9, 14, 20, 25], 150),
+    ("office", 41, 12, [1, 4, 8, 12, 16, 19], 150),
+    ("office", 42, 12, [1, 4, 8, 12, 16, 19], 150),
     ("campus", 41, 10, [1, 8, 15, 22, 29], 240),
     ("warehouse", 41, 8, [1, 4, 7, 10], 150),
     ("wings", 41, 8, [1, 5, 9, 13], 180),
