@@ -166,6 +166,8 @@ bool is_sound(const DriveRecord& drive, double reach_m) {
              submaps, [](const SubmapRecord& s) { return s.state == SubmapState::kOpen; }) &&
          is_sound(drive.back_end, drive.track.size(), reach_m) && drive.gyro_scans >= 0 &&
          std::ranges::all_of(
+             drive.track, [](const TrackedPose& pose) { return is_sound(pose.local_T_robot); }) &&
+         std::ranges::all_of(
              drive.breaks, [&](const PathBreak& gap) { return gap.to_scan < drive.track.size(); });
 }
 
@@ -186,7 +188,9 @@ void JoinedDrives::restore(std::vector<std::shared_ptr<const DriveRecord>> drive
   bool fits = placements.size() == drives.size();
   for (std::size_t i = 0; fits && i < drives.size(); ++i) {
     fits = placements[i].map_T_submaps.size() == submaps(i) &&
-           placements[i].covered.size() == submaps(i);
+           placements[i].covered.size() == submaps(i) &&
+           std::ranges::all_of(placements[i].map_T_submaps,
+                               [](const Pose2& pose) { return is_sound(pose); });
   }
   const auto exists = [&](const DrivePair& pair, SubmapId older, SubmapId newer) {
     return older.index < submaps(pair.older) && newer.index < submaps(pair.newer) &&

@@ -73,7 +73,18 @@ bool waiting_fit(std::span<const WaitingScan> waiting, std::span<const SubmapRec
          });
 }
 
+bool poses_are_sound(const SubmapRecord& submap) {
+  return is_sound(submap.map_T_submap) && is_sound(submap.across.pose) &&
+         std::ranges::all_of(submap.keys,
+                             [](const KeyScan& key) { return is_sound(key.local_T_robot); });
+}
+
 }  // namespace
+
+bool is_sound(const Pose2& pose) {
+  constexpr double kMostRad = 100.0;
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::abs(pose.yaw) <= kMostRad;
+}
 
 bool is_sound(const BackEnd::State& state, std::size_t scans, double reach_m) {
   const std::span<const SubmapRecord> submaps = state.chain.submaps;
@@ -82,8 +93,10 @@ bool is_sound(const BackEnd::State& state, std::size_t scans, double reach_m) {
   return std::isfinite(state.chain.length_m + state.chain.breaks_m) && only_grow(submaps) &&
          are_in_order(submaps, full, reach_m) && scans_fit(submaps, scans) &&
          is_sound(state.loops, submaps.first(full)) &&
+         std::ranges::all_of(submaps, poses_are_sound) &&
          std::ranges::all_of(state.closures, [&](const LoopClosure& closure) {
-           return closure.from_submap.index < full && closure.to_submap.index < full;
+           return closure.from_submap.index < full && closure.to_submap.index < full &&
+                  is_sound(closure.from_T_to);
          });
 }
 
@@ -95,6 +108,8 @@ bool is_sound(const MapperState& state, double reach_m) {
          so_far.gyro_scans >= 0 && so_far.submaps_frozen <= so_far.submaps_opened &&
          so_far.submaps_opened <= scans && so_far.lost_scans >= 0 &&
          static_cast<std::size_t>(so_far.lost_scans) <= scans &&
+         std::ranges::all_of(
+             so_far.track, [](const TrackedPose& pose) { return is_sound(pose.local_T_robot); }) &&
          std::ranges::all_of(so_far.breaks,
                              [&](const PathBreak& found) { return found.to_scan < scans; });
 }

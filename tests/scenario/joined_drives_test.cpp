@@ -174,6 +174,13 @@ TEST_F(JoinedDrivesOfAnOffice, WhatContradictsItselfIsRefused) {
   std::vector<DrivePair> pairs = good.pairs();
   pairs.back().closures.front().to_submap.index = 10000;
   EXPECT_THROW(joined.restore(records, pairs, good.placements()), UsageError);
+  pairs = good.pairs();
+  pairs.back().closures.front().from_T_to.yaw = 1e300;  // solvers would wrap it for ever
+  EXPECT_THROW(joined.restore(records, pairs, good.placements()), UsageError);
+  DriveRecord far = *records.front();
+  EXPECT_TRUE(is_sound(far, 1e4));
+  far.back_end.chain.submaps.front().keys.front().local_T_robot.yaw = 1e300;
+  EXPECT_FALSE(is_sound(far, 1e4));
 }
 
 TEST(JoinedDrives, TwoDrivesFromTheSameDockAreJoinedThoughTheyLieAlike) {

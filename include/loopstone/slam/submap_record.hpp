@@ -62,6 +62,10 @@ struct SubmapRecord {
   }
 };
 
+/// Whether something may be there; for what comes from a file. Angles are wrapped wherever poses
+/// come from: far from that, solvers would wrap for ever.
+[[nodiscard]] bool is_sound(const Pose2& pose);
+
 /// Of each, in order.
 [[nodiscard]] std::vector<Pose2> poses_of(std::span<const SubmapRecord> submaps);
 
