@@ -200,9 +200,11 @@ void JoinedDrives::restore(std::vector<std::shared_ptr<const DriveRecord>> drive
     fits = fits && pair.older <= pair.newer && pair.newer < drives.size();
     const auto is_there = [&](const SubmapPair& of) { return exists(pair, of.older, of.newer); };
     fits = fits &&
-           std::ranges::all_of(
-               pair.closures,
-               [&](const LoopClosure& c) { return exists(pair, c.from_submap, c.to_submap); }) &&
+           std::ranges::all_of(pair.closures,
+                               [&](const LoopClosure& c) {
+                                 return exists(pair, c.from_submap, c.to_submap) &&
+                                        is_sound(c.from_T_to);
+                               }) &&
            std::ranges::all_of(pair.tried, [&](const auto& one) { return is_there(one.first); }) &&
            std::ranges::all_of(pair.tried_by_appearance, is_there) &&
            std::ranges::all_of(pair.seen, [&](const auto& one) { return is_there(one.first); });
