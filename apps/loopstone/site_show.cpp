@@ -109,7 +109,10 @@ ExitCode check(const Arguments& arguments, const AppContext& context) {
   }
   result.add_json("problems", std::move(rows));
   result.print(context);
-  return problems.empty() ? kExitDone : kExitBadData;
+  if (!problems.empty()) {
+    throw DataError({arguments.site}, fmt::format("this site is damaged: {}", problems.front()));
+  }
+  return kExitDone;
 }
 
 using Action = ExitCode (*)(const Arguments&, const AppContext&);

@@ -374,6 +374,14 @@ FORMATS = [
         place=in_an_output,
     ),
     Format(
+        "site",
+        "site",
+        ["site/*"],
+        ".site",
+        None,
+        ["site check {in}", "site show {in} --ties", "site history {in}"],
+    ),
+    Format(
         "texture_yaml",
         "texture_yaml",
         ["texture_yaml/*"],
