@@ -237,7 +237,8 @@ def long_drive(loopstone, world, seed):
 
 def joining(loopstone, arguments):
     rows = []
-    for world, seed, count, places, seconds in BUILDINGS[: 1 if arguments.quick else None]:
+    chosen = [b for b in BUILDINGS if not arguments.worlds or b[0] in arguments.worlds]
+    for world, seed, count, places, seconds in chosen[: 1 if arguments.quick else None]:
         count = 3 if arguments.quick else count
         rows.append(building(loopstone, world, seed, count, places, seconds))
         row = rows[-1]
@@ -307,6 +308,7 @@ def days(loopstone, arguments):
 
 def main():
     parser = section_parser(__doc__, SECTIONS, ROOT, ROOT.parent / "shared/data")
+    parser.add_argument("--worlds", nargs="*", help="buildings of these alone")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)

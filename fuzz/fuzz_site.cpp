@@ -14,7 +14,20 @@
 
 namespace {
 
-using namespace loopstone;
+using loopstone::ByteReader;
+using loopstone::ByteWriter;
+using loopstone::DriveRecord;
+using loopstone::is_sound;
+using loopstone::JoinedDrives;
+using loopstone::Mapper;
+using loopstone::record_of;
+using loopstone::SessionStatus;
+using loopstone::SiteAccess;
+using loopstone::SiteFile;
+using loopstone::SiteSession;
+using loopstone::Threads;
+namespace fuzz = loopstone::fuzz;
+namespace test = loopstone::test;
 
 std::string good_record() {
   Mapper mapper({}, test::short_submaps(), Threads{1});
