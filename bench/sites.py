@@ -23,6 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import sites_tables  # noqa: E402
+from continued import joined_trajectory  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from program import Loopstone, run, say  # noqa: E402
 from sections import measure_sections, section_parser, verdicts  # noqa: E402
@@ -267,15 +268,10 @@ def halves(loopstone, arguments):
         second = add(loopstone, site, log, 1, ["--start", half])
         out = loopstone.work / f"sites-map-{name}"
         run([loopstone.program, "site", "map", site, "-o", out, "--force", "--quiet"])
-        both = out / "both.tum"
-        lines = []
-        for part in sorted(out.glob("trajectory_drive_*.tum")):
-            lines += [x for x in part.read_text().splitlines() if x[:1] != "#"]
-        both.write_text("\n".join(lines) + "\n", encoding="utf-8")
         at_once = loopstone.evaluate(
             "--estimate", whole / "trajectory.tum", "--relations", relations
         )
-        joined = loopstone.evaluate("--estimate", both, "--relations", relations)
+        joined = loopstone.evaluate("--estimate", joined_trajectory(out), "--relations", relations)
         rows.append(
             {
                 "title": title,

@@ -3,6 +3,10 @@ import tables
 from doc_blocks import table
 
 
+def with_targets(section, text, targets):
+    return "\n".join([tables.provenance(section), "", text, "", tables.targets_table(targets)])
+
+
 def joining_targets(rows):
     usable = sum(row["usable"] for row in rows)
     joined = sum(row["joined"] for row in rows)
@@ -60,15 +64,7 @@ def joining_table(section):
         ]
         for row in rows
     ]
-    return "\n".join(
-        [
-            tables.provenance(section),
-            "",
-            table(header, cells),
-            "",
-            tables.targets_table(joining_targets(rows)),
-        ]
-    )
+    return with_targets(section, table(header, cells), joining_targets(rows))
 
 
 def halves_targets(rows):
@@ -106,15 +102,7 @@ def halves_table(section):
         ]
         for row in rows
     ]
-    return "\n".join(
-        [
-            tables.provenance(section),
-            "",
-            table(header, cells),
-            "",
-            tables.targets_table(halves_targets(rows)),
-        ]
-    )
+    return with_targets(section, table(header, cells), halves_targets(rows))
 
 
 def days_targets(figures):
@@ -161,21 +149,11 @@ def days_table(section):
     ]
     judged = figures["map"]
     header = ["day>", "file [MB]>", "sessions kept>", "retired>", "to join a day [s]>"]
-    return "\n".join(
-        [
-            tables.provenance(section),
-            "",
-            table(
-                ["day>", "file [MB]>", "sessions kept>", "retired>", "to join a day [s]>"], cells
-            ),
-            "",
-            f"On day {figures['days']} {100.0 * judged['precision']:.1f} % of the occupied "
-            f"cells are true, {1000.0 * judged['mean_distance_m']:.1f} mm from the truth on "
-            "average.",
-            "",
-            tables.targets_table(days_targets(figures)),
-        ]
+    told = (
+        f"On day {figures['days']} {100.0 * judged['precision']:.1f} % of the occupied cells are "
+        f"true, {1000.0 * judged['mean_distance_m']:.1f} mm from the truth on average."
     )
+    return with_targets(section, f"{table(header, cells)}\n\n{told}", days_targets(figures))
 
 
 TABLES = {"joining": joining_table, "halves": halves_table, "days": days_table}

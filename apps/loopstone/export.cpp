@@ -114,11 +114,10 @@ nlohmann::ordered_json json_of(const VectorPlan& plan) {
   for (const PlanAxis& axis : plan.axes)
     axes.push_back(
         {{"yaw_rad", axis.yaw_rad}, {"sigma_rad", axis.sigma_rad}, {"share", axis.share}});
-  auto numbers = nlohmann::ordered_json::object();
-  for (const NumberGroup& group : plan_numbers())
-    for (const DecisionNumber& told : group.numbers)
-      std::visit([&](auto value) { numbers[group.name][told.name] = value; }, told.value);
-  return {{"rooms", rooms}, {"doors", doors}, {"axes", axes}, {"numbers", numbers}};
+  return {{"rooms", rooms},
+          {"doors", doors},
+          {"axes", axes},
+          {"numbers", numbers_json(plan_numbers())}};
 }
 
 void print(const VectorPlan& plan, double seconds, const AppContext& context) {

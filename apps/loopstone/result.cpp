@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <variant>
 
 #include "loopstone/base/error.hpp"
 #include "terminal_text.hpp"
@@ -92,6 +93,14 @@ void Result::print(const AppContext& context) const {
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
   print_to_stdout(context.json() ? json_.dump(2, ' ', false, kReplace) + "\n"
                                  : terminal_text(table()));
+}
+
+nlohmann::ordered_json numbers_json(std::span<const NumberGroup> groups) {
+  auto numbers = nlohmann::ordered_json::object();
+  for (const NumberGroup& group : groups)
+    for (const DecisionNumber& told : group.numbers)
+      std::visit([&](auto value) { numbers[group.name][told.name] = value; }, told.value);
+  return numbers;
 }
 
 void print_to_stdout(std::string_view document) {

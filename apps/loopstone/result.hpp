@@ -1,12 +1,14 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "app.hpp"
 #include "loopstone/report/summary_figure.hpp"
+#include "loopstone/slam/decision_numbers.hpp"
 
 namespace loopstone::app {
 
@@ -59,6 +61,9 @@ class Result {
   std::vector<Row> rows_{};
   nlohmann::ordered_json json_ = nlohmann::ordered_json::object();
 };
+
+/// What was decided by, for scripts: groups of names and values.
+[[nodiscard]] nlohmann::ordered_json numbers_json(std::span<const NumberGroup> groups);
 
 /// Writes to stdout, with_escaped_controls(), and makes sure that it arrived. Throws DataError when
 /// it did not (disk full, closed pipe).

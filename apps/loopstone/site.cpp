@@ -4,6 +4,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "loopstone/base/error.hpp"
 
 namespace loopstone::app {
 
@@ -30,6 +31,11 @@ SiteWatch site_watch(const AppContext& context) {
                 told = true;
                 return !interrupted();
               }};
+}
+
+Stamp read_date(const std::string& flag, const std::string& text) {
+  if (const auto date = parse_utc(text)) return *date;
+  throw UsageError(flag + ": " + text + " is no date; write 2026-11-26 or 2026-11-26T14:03");
 }
 
 nlohmann::ordered_json json_of(const SiteSession& session) {

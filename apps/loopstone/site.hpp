@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 #include "app.hpp"
 #include "loopstone/pipeline/site.hpp"
@@ -17,6 +18,9 @@ void add_site_care_commands(CLI::App& site, AppContext& context);
 
 /// Says once that another program writes the site; Ctrl-C ends the waiting and the search.
 [[nodiscard]] SiteWatch site_watch(const AppContext& context);
+
+/// What a flag says of a day or a moment. Throws UsageError when it is none.
+[[nodiscard]] Stamp read_date(const std::string& flag, const std::string& text);
 
 [[nodiscard]] nlohmann::ordered_json json_of(const SiteSession& session);
 

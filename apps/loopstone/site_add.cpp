@@ -51,10 +51,7 @@ struct Arguments {
 
 std::optional<Stamp> date_of(const Arguments& arguments) {
   if (arguments.date.empty()) return {};
-  const auto date = parse_utc(arguments.date);
-  if (!date)
-    throw UsageError("--date: " + arguments.date +
-                     " is no date; write 2026-11-26 or 2026-11-26T14:03");
+  const Stamp date = read_date("--date", arguments.date);
   if (arguments.logs.size() > 1)
     throw UsageError("--date is of one log; add the others by commands of their own");
   return date;

@@ -39,14 +39,11 @@ struct Arguments {
   bool force = false;
 };
 
+/// The end of a day, where no time is told.
 Stamp date_of(const std::string& flag, const std::string& text) {
-  auto date = parse_utc(text);
-  if (!date)
-    throw UsageError(flag + ": " + text + " is no date; write 2026-11-26 or 2026-11-26T14:03");
-  // A day is whole.
+  const Stamp date = read_date(flag, text);
   constexpr std::size_t kDayAlone = 10;
-  if (text.size() == kDayAlone) *date = *date + Duration::from_seconds(86'400.0 - 1e-9);
-  return *date;
+  return text.size() == kDayAlone ? date + Duration::from_seconds(86'400.0 - 1e-9) : date;
 }
 
 Outputs outputs_of(const Arguments& arguments, const AppContext& context) {

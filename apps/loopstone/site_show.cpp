@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <variant>
 
 #include "loopstone/base/error.hpp"
 #include "result.hpp"
@@ -72,11 +71,7 @@ ExitCode show(const Arguments& arguments, const AppContext& context) {
       .add("path_m", "driven, all sessions", path_m, "m", 1)
       .add("bytes", "size of the site", site.file().bytes(), "bytes")
       .add_json("sessions", std::move(rows));
-  auto numbers = nlohmann::ordered_json::object();
-  for (const NumberGroup& group : site_numbers())
-    for (const DecisionNumber& told : group.numbers)
-      std::visit([&](auto value) { numbers[group.name][told.name] = value; }, told.value);
-  result.add_json("numbers", std::move(numbers));
+  result.add_json("numbers", numbers_json(site_numbers()));
   result.print(context);
   return kExitDone;
 }

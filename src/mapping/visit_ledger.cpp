@@ -58,7 +58,7 @@ std::optional<bool> seen_occupied(const OccupancyMap& visit, Cell cell) {
   return {};
 }
 
-void note(bool occupied, std::size_t visit, CellVisits& cell) {
+void note(bool occupied, CellVisits& cell) {
   const bool agrees = cell.seen > 0 && cell.newest_is_occupied == occupied;
   cell.in_a_row = agrees ? static_cast<std::uint8_t>(std::min(cell.in_a_row + 1, 255)) : 1;
   cell.newest_is_occupied = occupied;
@@ -66,11 +66,7 @@ void note(bool occupied, std::size_t visit, CellVisits& cell) {
   const bool lone = cell.seen <= 1;
   constexpr int kMost = std::numeric_limits<std::uint16_t>::max();
   cell.seen = static_cast<std::uint16_t>(std::min(cell.seen + 1, kMost));
-  cell.last_seen = static_cast<std::uint16_t>(visit + 1);
-  if (occupied) {
-    cell.occupied = static_cast<std::uint16_t>(std::min(cell.occupied + 1, kMost));
-    cell.last_occupied = cell.last_seen;
-  }
+  if (occupied) cell.occupied = static_cast<std::uint16_t>(std::min(cell.occupied + 1, kMost));
   if (lone || cell.in_a_row >= kVisitLedger.believed_after) cell.is_occupied = occupied;
 }
 
@@ -182,7 +178,7 @@ void VisitLedger::add(const OccupancyMap& visit) {
   const Cell shift = shift_between(frame, cells_.frame());
   for_each_cell(frame, [&](Cell cell) {
     if (const auto occupied = seen_occupied(visit, cell))
-      note(*occupied, visits_, cells_[{cell.column + shift.column, cell.row + shift.row}]);
+      note(*occupied, cells_[{cell.column + shift.column, cell.row + shift.row}]);
   });
   ++visits_;
 }

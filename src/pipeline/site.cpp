@@ -97,6 +97,15 @@ Squares squares_of(const DriveRecord& drive, const DrivePlacement& placement) {
   return squares;
 }
 
+/// Of each drive; nothing of those that are not joined.
+std::vector<Squares> squares_of(const JoinedDrives& drives) {
+  std::vector<Squares> squares(drives.size());
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    if (drives.is_joined(i)) squares[i] = squares_of(drives.record(i), drives.placements()[i]);
+  }
+  return squares;
+}
+
 bool was_there(const Squares& squares, const std::pair<int, int>& square) {
   for (int x = square.first - 1; x <= square.first + 1; ++x) {
     for (int y = square.second - 1; y <= square.second + 1; ++y)
@@ -135,7 +144,7 @@ MappedSession map_session(const LogSource& source, LogReader& reader, const LogC
   RecordKeeper keeper;
   const LogMap made = map_log(source, reader, cut, options, threads, watch, &keeper);
   const MapResult& result = made.result;
-  MappedSession mapped{.complete = result.complete, .warnings = result.warnings};
+  MappedSession mapped{.complete = result.complete};
   SiteSession& session = mapped.session;
   session.log = source.path;
   session.digest = keeper.digest().text();
@@ -226,20 +235,14 @@ void Site::retire(Kept& kept) {
     return static_cast<std::size_t>(std::ranges::count_if(
         all, [&](const SiteSession& other) { return comes_before(session, other); }));
   };
+  const auto joined = [](const JoinedDrives& drives) {
+    return std::ranges::count_if(drives.placements(), &DrivePlacement::is_joined);
+  };
   for (std::size_t i = 0; i < kept.sessions.size();) {
-    std::vector<Squares> squares;
-    for (std::size_t k = 0; k < kept.sessions.size(); ++k) {
-      squares.emplace_back();
-      if (kept.drives.is_joined(k))
-        squares.back() = squares_of(kept.drives.record(k), kept.drives.placements()[k]);
-    }
-    const auto joined = [](const JoinedDrives& drives) {
-      return std::ranges::count_if(drives.placements(), &DrivePlacement::is_joined);
-    };
     const std::size_t enough = static_cast<std::size_t>(
         kept.drives.shows_something_alone(i) ? kSite.keep_shown_alone : kSite.keep_visits);
     if (!kept.drives.is_joined(i) || newer_than(kept.sessions[i]) < enough ||
-        !is_worn_out(i, squares)) {
+        !is_worn_out(i, squares_of(kept.drives))) {
       ++i;
       continue;
     }
@@ -252,6 +255,7 @@ void Site::retire(Kept& kept) {
     SiteSession session = kept.sessions[i];
     session.status = SessionStatus::kRetired;
     session.reason = fmt::format("{} newer ones came by wherever it drove", kSite.keep_visits);
+    session.closures = closures_with_others(kept.drives, i);
     file_.update(session);
     file_.drop_record(session.id);
     kept.sessions.erase(kept.sessions.begin() + static_cast<std::ptrdiff_t>(i));
@@ -284,7 +288,6 @@ SiteSession Site::add(const MappedSession& mapped, const SiteWatch& watch) {
       kept.sessions.push_back(session);
     }
     if (watch.goes_on && !watch.goes_on()) throw UsageError(file_.path() + ": stays as it was");
-    store(kept);
     retire(kept);
     store(kept);
     session = *std::ranges::find(kept.sessions, session.id, &SiteSession::id);
@@ -322,16 +325,26 @@ void Site::rebuild(const SiteWatch& watch) {
   file_.commit();
 }
 
-SiteMap Site::map(std::optional<Stamp> until, bool with_scans) const {
-  const Kept kept = load();
+/// The map that the sessions hold together which are joined; what each of them saw goes to `take`,
+/// in order, and to nothing else.
+SiteMap Site::draw(const Kept& kept,
+                   const std::function<void(Stamp begins, const OccupancyMap& visit)>& take) const {
   SiteMap map;
   for (std::size_t i = 0; i < kept.sessions.size(); ++i)
     if (kept.drives.is_joined(i)) map.sessions.push_back(kept.sessions[i]);
   if (map.sessions.empty()) throw DataError({file_.path()}, "there is no session in this site yet");
-  VisitLedger ledger;
   const RobotModel robot = parse_robot(map.sessions.back().robot, file_.path());
   map.result = kept.drives.finish(robot, [&](std::size_t drive, const OccupancyMap& visit) {
-    if (!until || !(*until < map.sessions[drive].begins)) ledger.add(visit);
+    take(map.sessions[drive].begins, visit);
+  });
+  return map;
+}
+
+SiteMap Site::map(std::optional<Stamp> until, bool with_scans) const {
+  const Kept kept = load();
+  VisitLedger ledger;
+  SiteMap map = draw(kept, [&](Stamp begins, const OccupancyMap& visit) {
+    if (!until || !(*until < begins)) ledger.add(visit);
   });
   if (ledger.visits() == 0)
     throw DataError({file_.path()},
@@ -343,27 +356,19 @@ SiteMap Site::map(std::optional<Stamp> until, bool with_scans) const {
 }
 
 Site::Difference Site::difference(Stamp from, Stamp to) const {
-  const Kept kept = load();
-  Difference difference;
-  SiteMap& map = difference.now;
-  for (std::size_t i = 0; i < kept.sessions.size(); ++i)
-    if (kept.drives.is_joined(i)) map.sessions.push_back(kept.sessions[i]);
-  if (map.sessions.empty()) throw DataError({file_.path()}, "there is no session in this site yet");
-  VisitLedger ledger;
   VisitLedger before;
-  const RobotModel robot = parse_robot(map.sessions.back().robot, file_.path());
-  map.result = kept.drives.finish(robot, [&](std::size_t drive, const OccupancyMap& visit) {
-    const Stamp begins = map.sessions[drive].begins;
-    if (!(from < begins)) before.add(visit);
-    if (!(to < begins)) ledger.add(visit);
-  });
+  VisitLedger ledger;
+  Difference difference{.now = draw(load(), [&](Stamp begins, const OccupancyMap& visit) {
+                          if (!(from < begins)) before.add(visit);
+                          if (!(to < begins)) ledger.add(visit);
+                        })};
   if (before.visits() == 0)
     throw DataError({file_.path()},
                     fmt::format("of {} no session is kept any more, or none yet", utc_text(from)));
-  map.result.map = ledger.map();
-  map.movable = ledger.movable();
+  difference.now.result.map = ledger.map();
+  difference.now.movable = ledger.movable();
   difference.before = before.map();
-  difference.changes = changes_between(difference.before, map.result.map);
+  difference.changes = changes_between(difference.before, difference.now.result.map);
   return difference;
 }
 

@@ -207,4 +207,11 @@ Image shade_map(const CellStates& map, const MapView& view) {
   });
 }
 
+Image paled(Image image) {
+  for (std::uint8_t& channel : image.bytes) {
+    channel = static_cast<std::uint8_t>(255 - (255 - channel) * 3 / 5);
+  }
+  return image;
+}
+
 }  // namespace loopstone

@@ -45,5 +45,7 @@ struct MapView {
 /// Where several cells share a pixel the most occupied one shows, so that walls stay.
 [[nodiscard]] Image shade_map(const OccupancyMap& map, const MapView& view);
 [[nodiscard]] Image shade_map(const CellStates& map, const MapView& view);
+/// The map with its contrast taken back, so that what lies over it is read first.
+[[nodiscard]] Image paled(Image image);
 
 }  // namespace loopstone

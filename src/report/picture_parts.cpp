@@ -103,6 +103,13 @@ void Footer::add_axes() {
   });
 }
 
+void Footer::add_swatch(const Colour& colour, const std::string& words) {
+  const double side = 0.9 * sizes_.text;
+  add("", side, words, [=](Canvas& canvas, Point at) {
+    canvas.fill_rectangle({at.x, at.y - 0.5 * side}, side, side, colour);
+  });
+}
+
 void Footer::add(const std::string& before, double symbol_width, const std::string& after,
                  std::function<void(Canvas&, Point)> draw) {
   const double text = sizes_.text;

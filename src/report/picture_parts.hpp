@@ -37,6 +37,8 @@ class Footer {
 
   void add_scale_bar(double pixels_per_metre);
   void add_axes();
+  /// What a colour means.
+  void add_swatch(const Colour& colour, const std::string& words);
   /// Words, a symbol, words; both words may be empty. `draw` gets the left end of the symbol, at
   /// half its height.
   void add(const std::string& before, double symbol_width, const std::string& after,

@@ -22,14 +22,6 @@ const Colour kApart = hex_colour(0xb0004e, 0.66);
 const Colour kCrossed = hex_colour(0xb0004e);
 const Colour kSeenOnce = hex_colour(0x6b7280, 0.22);
 
-/// The map with its contrast taken back, so that what lies over it is read first.
-Image paled(Image image) {
-  for (std::uint8_t& channel : image.bytes) {
-    channel = static_cast<std::uint8_t>(255 - (255 - channel) * 3 / 5);
-  }
-  return image;
-}
-
 Colour colour_of(const QualityPlace& place) {
   if (place.is_doubled() || place.is_crossed()) return kApart;
   if (place.compared == 0 && place.beams == 0) return kSeenOnce;
@@ -51,18 +43,13 @@ void draw_frame(const MapView& view, const VisitContradiction& region, double wi
 
 void add_legend(const PictureSizes& sizes, Footer& footer) {
   const double side = 0.9 * sizes.text;
-  const auto swatch = [&](const Colour& colour, const std::string& words) {
-    footer.add("", side, words, [=](Canvas& canvas, Point at) {
-      canvas.fill_rectangle({at.x, at.y - 0.5 * side}, side, side, colour);
-    });
-  };
-  swatch(kTogether, "visits agree");
-  swatch(kBeside, "5 to 10 cm apart");
-  swatch(kApart, "more, or crossed");
+  footer.add_swatch(kTogether, "visits agree");
+  footer.add_swatch(kBeside, "5 to 10 cm apart");
+  footer.add_swatch(kApart, "more, or crossed");
   footer.add("", side, "beams went through", [=](Canvas& canvas, Point at) {
     draw_cross({at.x, at.y - 0.5 * side}, side, 0.3 * sizes.path, canvas);
   });
-  swatch(kSeenOnce, "seen once");
+  footer.add_swatch(kSeenOnce, "seen once");
 }
 
 }  // namespace

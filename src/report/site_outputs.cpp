@@ -9,6 +9,7 @@
 
 #include "formats/atomic_file.hpp"
 #include "loopstone/base/error.hpp"
+#include "loopstone/formats/filter_mask_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/report/map_picture.hpp"
 #include "report/canvas.hpp"
@@ -24,13 +25,6 @@ namespace {
 const Colour kAppeared = hex_colour(0x0072b2);
 const Colour kGone = hex_colour(0xd55e00);
 const Colour kMovable = hex_colour(0xb0004e);
-
-/// The map with its contrast taken back, so that what lies over it is read first.
-Image paled(Image image) {
-  for (std::uint8_t& channel : image.bytes)
-    channel = static_cast<std::uint8_t>(255 - (255 - channel) * 3 / 5);
-  return image;
-}
 
 /// A map with things on it, and below it what they mean.
 class Sheet {
@@ -49,10 +43,7 @@ class Sheet {
   [[nodiscard]] const MapView& view() const { return view_; }
   [[nodiscard]] const PictureSizes& sizes() const { return sizes_; }
   void add_swatch(const Colour& colour, const std::string& words) {
-    const double side = 0.9 * sizes_.text;
-    footer_.add("", side, words, [=](Canvas& canvas, Point at) {
-      canvas.fill_rectangle({at.x, at.y - 0.5 * side}, side, side, colour);
-    });
+    footer_.add_swatch(colour, words);
   }
   template <typename Draw>
   [[nodiscard]] Image draw(Draw&& draw) {
@@ -163,25 +154,18 @@ void write_movable(const Grid<float>& movable, const OccupancyMap& map, const st
   make_folder(folder);
   write_png(folder + "/movable.png", draw_movable_picture(movable, map), kPngCompression);
   const GridFrame& frame = movable.frame();
-  Image image = make_image(frame.columns, frame.rows, 1);
+  FilterMask percent{.values = Grid<std::int8_t>(frame, kUnknownCell)};
   for (int row = 0; row < frame.rows; ++row) {
     for (int column = 0; column < frame.columns; ++column) {
       const Cell cell{column, row};
-      const bool is_known = map.observed.value_or(cell, 0) != 0;
-      const auto index =
-          static_cast<std::size_t>(frame.rows - 1 - row) * static_cast<std::size_t>(frame.columns) +
-          static_cast<std::size_t>(column);
-      image.bytes[index] = is_known ? static_cast<std::uint8_t>(std::lround(100.0F * movable[cell]))
-                                    : std::uint8_t{255};
+      if (map.observed.value_or(cell, 0) != 0)
+        percent.values[cell] = static_cast<std::int8_t>(std::lround(100.0F * movable[cell]));
     }
   }
   AtomicFile picture(folder + "/movable.pgm");
-  picture.write(encode_pgm(image));
+  picture.write(encode_pgm(mask_image(percent)));
   AtomicFile yaml(folder + "/movable.yaml");
-  yaml.write(
-      fmt::format("image: movable.pgm\nmode: raw\nresolution: {}\norigin: [{}, {}, 0.0]\n"
-                  "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                  frame.resolution, frame.origin.x(), frame.origin.y()));
+  yaml.write(format_mask_yaml(frame, "movable.pgm"));
   picture.commit();
   yaml.commit();
 }

@@ -159,18 +159,6 @@ DriveRecord record_of(MapperState state, const MapOptions& options) {
   return record;
 }
 
-bool is_sound(const DriveRecord& drive, double reach_m) {
-  const auto& submaps = drive.back_end.chain.submaps;
-  return !submaps.empty() && !drive.track.empty() &&
-         std::ranges::none_of(
-             submaps, [](const SubmapRecord& s) { return s.state == SubmapState::kOpen; }) &&
-         is_sound(drive.back_end, drive.track.size(), reach_m) && drive.gyro_scans >= 0 &&
-         std::ranges::all_of(
-             drive.track, [](const TrackedPose& pose) { return is_sound(pose.local_T_robot); }) &&
-         std::ranges::all_of(
-             drive.breaks, [&](const PathBreak& gap) { return gap.to_scan < drive.track.size(); });
-}
-
 int DrivePair::standing() const {
   return static_cast<int>(std::ranges::count_if(closures, &LoopClosure::stands));
 }

@@ -150,6 +150,7 @@ std::vector<std::size_t> consistent_ones(std::span<const LoopClosure> closures, 
 std::vector<std::size_t> first_ties(std::span<const LoopClosure> closures,
                                     std::vector<std::size_t> consistent, Submaps submaps) {
   const Drives drives(submaps);
+  if (!drives.any_adrift()) return consistent;
   const auto is_adrift = [&](std::size_t i) {
     return drives.are_adrift(closures[i].from_submap, closures[i].to_submap);
   };

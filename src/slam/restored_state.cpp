@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <deque>
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "loopstone/slam/back_end.hpp"
+#include "loopstone/slam/drive_record.hpp"
 #include "loopstone/slam/front_end.hpp"
 #include "loopstone/slam/mapper_state.hpp"
 
@@ -79,6 +82,13 @@ bool poses_are_sound(const SubmapRecord& submap) {
                              [](const KeyScan& key) { return is_sound(key.local_T_robot); });
 }
 
+bool track_is_sound(const std::deque<TrackedPose>& track, std::span<const PathBreak> breaks) {
+  return std::ranges::all_of(
+             track, [](const TrackedPose& pose) { return is_sound(pose.local_T_robot); }) &&
+         std::ranges::all_of(breaks,
+                             [&](const PathBreak& found) { return found.to_scan < track.size(); });
+}
+
 }  // namespace
 
 bool is_sound(const Pose2& pose) {
@@ -108,10 +118,16 @@ bool is_sound(const MapperState& state, double reach_m) {
          so_far.gyro_scans >= 0 && so_far.submaps_frozen <= so_far.submaps_opened &&
          so_far.submaps_opened <= scans && so_far.lost_scans >= 0 &&
          static_cast<std::size_t>(so_far.lost_scans) <= scans &&
-         std::ranges::all_of(
-             so_far.track, [](const TrackedPose& pose) { return is_sound(pose.local_T_robot); }) &&
-         std::ranges::all_of(so_far.breaks,
-                             [&](const PathBreak& found) { return found.to_scan < scans; });
+         track_is_sound(so_far.track, so_far.breaks);
+}
+
+bool is_sound(const DriveRecord& drive, double reach_m) {
+  const std::vector<SubmapRecord>& submaps = drive.back_end.chain.submaps;
+  return !submaps.empty() && !drive.track.empty() &&
+         std::ranges::none_of(
+             submaps, [](const SubmapRecord& s) { return s.state == SubmapState::kOpen; }) &&
+         is_sound(drive.back_end, drive.track.size(), reach_m) && drive.gyro_scans >= 0 &&
+         track_is_sound(drive.track, drive.breaks);
 }
 
 bool FrontEnd::submaps_lie_within(double reach_m) const {

@@ -41,10 +41,8 @@ void visit_numbers(const VisitLedgerNumbers& n, Visitor&& visit) {
 /// What one cell was at each visit that saw it, in order.
 struct CellVisits {
   std::uint16_t seen = 0;
-  std::uint16_t occupied = 0;       ///< of those
-  std::uint16_t last_occupied = 0;  ///< 1 + the visit; 0: never
-  std::uint16_t last_seen = 0;      ///< 1 + the visit
-  std::uint8_t in_a_row = 0;        ///< newest visits that agree with each other
+  std::uint16_t occupied = 0;  ///< of those
+  std::uint8_t in_a_row = 0;   ///< newest visits that agree with each other
   bool newest_is_occupied = false;
   bool is_occupied = false;  ///< what is believed
 };
@@ -69,7 +67,6 @@ class VisitLedger {
   void add(const OccupancyMap& visit);
 
   [[nodiscard]] std::size_t visits() const { return visits_; }
-  [[nodiscard]] const Grid<CellVisits>& cells() const { return cells_; }
   /// What is believed: certain where visits agree, less so where they do not.
   [[nodiscard]] OccupancyMap map() const;
   /// Probability that something stands there on a visit, of cells where visits are not of one mind:

@@ -49,7 +49,6 @@ struct MappedSession {
   SiteSession session{};
   std::shared_ptr<const DriveRecord> record{};  ///< none: its map is bad, or was broken off
   bool complete = true;                         ///< false: it was called off
-  std::vector<std::string> warnings{};          ///< of its map
 };
 
 /// Maps a log for a site. Cost: of map_log(). Throws as that does.
@@ -112,6 +111,9 @@ class Site {
   [[nodiscard]] Kept load(std::optional<std::int64_t> without = {}) const;
   [[nodiscard]] Kept join_all(const std::vector<SiteSession>& sessions,
                               const SiteWatch& watch) const;
+  [[nodiscard]] SiteMap draw(
+      const Kept& kept,
+      const std::function<void(Stamp begins, const OccupancyMap& visit)>& take) const;
   void store(Kept& kept);
   void retire(Kept& kept);
   void note(const std::string& what, const std::string& session, const std::string& text);
