@@ -41,10 +41,12 @@ if(support_sources)
   loopstone_test_target(loopstone_test_support)
 endif()
 
-# With LOOPSTONE_TEST_SUITES, takes out of a list of test sources those without a suite that has one of its words.
 set(LOOPSTONE_TEST_SUITES "" CACHE STRING "Words as Thread|Mapper: build only test sources with such a word in a suite's name")
+set(LOOPSTONE_TEST_SUITES_LEFT_OUT "" CACHE STRING "Words as Realism|World: build no test source whose suites all have such a word")
+
+# Takes out of a list of test sources those without a suite that is wanted.
 function(loopstone_keep_suites list)
-  if(NOT LOOPSTONE_TEST_SUITES)
+  if(NOT LOOPSTONE_TEST_SUITES AND NOT LOOPSTONE_TEST_SUITES_LEFT_OUT)
     return()
   endif()
   set(kept)
@@ -52,9 +54,17 @@ function(loopstone_keep_suites list)
     # A suite that is added to a source, or renamed, counts at once.
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${source}")
     file(READ "${source}" text)
+    string(REGEX MATCHALL "(TEST|TEST_F|TEST_P|_PROP)\\([A-Za-z0-9_]+" suites "${text}")
+    set(wanted "${suites}")
+    list(TRANSFORM wanted REPLACE ".*\\(" "")
+    if(LOOPSTONE_TEST_SUITES)
+      list(FILTER wanted INCLUDE REGEX "${LOOPSTONE_TEST_SUITES}")
+    endif()
+    if(LOOPSTONE_TEST_SUITES_LEFT_OUT)
+      list(FILTER wanted EXCLUDE REGEX "${LOOPSTONE_TEST_SUITES_LEFT_OUT}")
+    endif()
     # One without a suite helps the others.
-    if(text MATCHES "(TEST|TEST_F|TEST_P|_PROP)\\([A-Za-z0-9_]*(${LOOPSTONE_TEST_SUITES})"
-       OR NOT text MATCHES "(TEST|TEST_F|TEST_P|_PROP)\\(")
+    if(wanted OR NOT suites)
       list(APPEND kept "${source}")
     endif()
   endforeach()
