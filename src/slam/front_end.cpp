@@ -353,9 +353,7 @@ void FrontEnd::straighten(Sighting& sighting, const Tangent2& velocity) {
 Tangent2 FrontEnd::velocity_to(const Pose2& local_T_robot, const LaserScan& scan) const {
   const auto& last = predictor_.last_stamp();
   if (!last || scan.stamp <= *last) return Tangent2::Zero();
-  // No scanner begins its next sweep before the last one is over; stamps that say so are wrong.
-  const double seconds = std::max((scan.stamp - *last).seconds(), std::abs(sweep_seconds(scan)));
-  return log(predictor_.last_pose().inverse() * local_T_robot) / seconds;
+  return log(predictor_.last_pose().inverse() * local_T_robot) / seconds_between_scans(*last, scan);
 }
 
 std::vector<SurfacePoint> FrontEnd::surfaces_of(const LaserScan& scan, const Pose2& robot_T_lidar,

@@ -317,10 +317,9 @@ Pose2 Mapper::Impl::end_of_sweep(const LaserScan& scan, const Pose2& local_T_rob
       !so_far_.drives.empty() && so_far_.track.size() == so_far_.drives.back().first_scan + 1;
   if (so_far_.track.size() < 2 || is_first_of_drive || sweep_s == 0.0) return local_T_robot;
   const TrackedPose& before = so_far_.track[so_far_.track.size() - 2];
-  const double seconds = (scan.stamp - before.stamp).seconds();
-  if (!(seconds > 0.0)) return local_T_robot;
+  const double share = sweep_s / seconds_between_scans(before.stamp, scan);
   const Pose2 motion = before.local_T_robot.inverse() * local_T_robot;
-  return local_T_robot * exp(Tangent2(log(motion) * (sweep_s / seconds)));
+  return local_T_robot * exp(Tangent2(log(motion) * share));
 }
 
 std::future<MapperState> Mapper::Impl::save_state() {

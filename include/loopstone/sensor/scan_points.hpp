@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "loopstone/base/stamp.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/sensor/laser_scan.hpp"
 
@@ -23,6 +26,12 @@ class BeamTable {
 /// From the first beam to the last; 0: unknown, or all at once; negative: the last beam came first.
 [[nodiscard]] inline double sweep_seconds(const LaserScan& scan) {
   return scan.time_increment_s * static_cast<double>(scan.ranges_m.size());
+}
+
+/// From the scan before to this one, for velocities. No scanner begins its next sweep before the
+/// last one is over: stamps that say so, of scans that came in a burst, are wrong.
+[[nodiscard]] inline double seconds_between_scans(Stamp before, const LaserScan& scan) {
+  return std::max((scan.stamp - before).seconds(), std::abs(sweep_seconds(scan)));
 }
 
 /// A piece of surface: where it is, where it faces, and how much it can be relied on.
