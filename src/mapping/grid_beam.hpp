@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "loopstone/grid/ray_walk.hpp"
@@ -12,8 +13,9 @@ namespace loopstone {
 
 struct GridBeam {
   GridPoint start;
-  GridPoint end;
-  bool hit = false;
+  GridPoint end;  ///< of what is free
+  /// Where it ended, if it met something.
+  std::optional<Cell> hit{};
   /// Where the walk begins, coming from the start: in the rows before, other beams cross the same
   /// cells.
   int walked_from_row = 0;

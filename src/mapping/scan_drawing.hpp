@@ -11,6 +11,7 @@
 
 #include "loopstone/grid/ray_walk.hpp"
 #include "loopstone/mapping/occupancy.hpp"
+#include "mapping/grazing_beams.hpp"
 #include "mapping/grid_beam.hpp"
 #include "mapping/scan_beams.hpp"
 #include "mapping/scan_raster.hpp"
@@ -63,23 +64,33 @@ struct ScanBeams {
   }
 };
 
+/// So near to a surface that a beam grazes, it says nothing of cells being free.
+inline constexpr double kNearSurfaceCells = 1.0;
+
 [[nodiscard]] inline ScanBeams beams_on_grid(const PosedScan& posed, const GridFrame& frame,
                                              const OccupancyOptions& options, BeamTable& table) {
   ScanBeams result;
   if (!usable(posed)) return result;
-  result.beams.reserve(posed.scan->ranges_m.size());
-  for_each_beam(posed, options, table, [&](const Beam& beam) {
-    const GridBeam segment{grid_point_of(frame, beam.start), grid_point_of(frame, beam.end),
-                           beam.hit};
+  std::vector<Beam> beams;
+  beams.reserve(posed.scan->ranges_m.size());
+  for_each_beam(posed, options, table, [&](const Beam& beam) { beams.push_back(beam); });
+  result.beams.reserve(beams.size());
+  Cell before{};
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const Beam& beam = beams[i];
+    const Cell end = cell_of(grid_point_of(frame, beam.end));
     // Neighbours that end in one cell cross the same cells.
-    if (!result.beams.empty() && result.beams.back().hit == segment.hit &&
-        cell_of(result.beams.back().end) == cell_of(segment.end)) {
-      return;
-    }
+    if (!result.beams.empty() && result.beams.back().hit.has_value() == beam.hit && before == end)
+      continue;
+    before = end;
+    GridBeam segment{
+        grid_point_of(frame, beam.start),
+        grid_point_of(frame, free_end(beams, i, kNearSurfaceCells * frame.resolution))};
+    if (beam.hit) segment.hit = end;
     result.include(cell_of(segment.start));
-    result.include(cell_of(segment.end));
+    result.include(end);
     result.beams.push_back(segment);
-  });
+  }
   skip_shared_rows(result.beams);
   return result;
 }
@@ -94,8 +105,8 @@ void raster_scan(const ScanBeams& scan, int first_row, int end_row, ScanRaster& 
   raster.start({scan.low.column, std::max(scan.low.row, first_row)},
                {scan.high.column, std::min(scan.high.row, end_row - 1)});
   for (const GridBeam& beam : scan.beams) {
-    const Cell end = cell_of(beam.end);
-    if (beam.hit && end.row >= first_row && end.row < end_row) raster.mark_hit(end);
+    if (beam.hit && beam.hit->row >= first_row && beam.hit->row < end_row)
+      raster.mark_hit(*beam.hit);
     const bool up = beam.end.y >= beam.start.y;
     walk_ray_rows(beam.start, beam.end, up ? std::max(first_row, beam.walked_from_row) : first_row,
                   up ? end_row : std::min(end_row, beam.walked_from_row + 1),

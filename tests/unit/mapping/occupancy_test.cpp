@@ -15,6 +15,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/rng.hpp"
 #include "loopstone/grid/ray_walk.hpp"
+#include "mapping/grazing_beams.hpp"
 
 namespace loopstone {
 namespace {
@@ -149,6 +150,25 @@ TEST(OccupancyMap, SweepIsUndone) {
   EXPECT_NEAR(probability_at(build_occupancy_map(scans, 0.0), hit.x(), hit.y()), 0.7, 1e-6);
 }
 
+TEST(OccupancyMap, FarBeamsThatGrazeAWallDontWearAwayWhatNearOnesDrew) {
+  // A wall whose face lies deep in its cells, seen once from beside it and fifty times from afar.
+  constexpr double kWallY = 1.04;
+  const auto from = [](double x) {
+    std::vector<float> ranges;
+    for (int i = 1; i < 180; ++i)
+      ranges.push_back(static_cast<float>(kWallY / std::sin(i * kPi / 180.0)));
+    return std::pair(scan_of(std::move(ranges), kPi / 180.0, kPi / 180.0), Pose2{x, 0.0, 0.0});
+  };
+  const auto near = from(0.0);
+  const auto far = from(10.0);
+  std::vector<PosedScan> scans{at(near.first, near.second)};
+  scans.insert(scans.end(), 50, at(far.first, far.second));
+  const OccupancyMap map = build_occupancy_map(scans, 0.0);
+  for (double x = -0.5; x < 0.5; x += 0.05) EXPECT_GT(probability_at(map, x, kWallY), 0.5) << x;
+  for (double x = -0.5; x < 9.0; x += 0.05)
+    EXPECT_LE(probability_at(map, x, 0.5), 0.5) << "floor at " << x;
+}
+
 TEST(OccupancyMap, NothingSeenIsOneUnknownCell) {
   const OccupancyMap map = build_occupancy_map({}, 0.25);
   EXPECT_EQ(map.log_odds.cells().size(), 1U);
@@ -193,6 +213,7 @@ OccupancyMap naive_map(const std::vector<PosedScan>& scans, const GridFrame& fra
     std::set<std::pair<int, int>> ends;
     std::set<std::pair<int, int>> passed;
     std::optional<std::pair<Cell, bool>> before;
+    std::vector<Beam> beams;
     for (std::size_t i = 0; i < posed.scan->ranges_m.size(); ++i) {
       double range = posed.scan->ranges_m[i];
       if (std::isnan(range)) continue;
@@ -200,17 +221,19 @@ OccupancyMap naive_map(const std::vector<PosedScan>& scans, const GridFrame& fra
       if (!hit) range = options.no_return_carve_m;
       const double angle = posed.scan->angle_rad(i);
       const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-      const Eigen::Vector2d end =
-          posed.map_T_lidar.translation() + range * (posed.map_T_lidar.rotation() * direction);
-      const std::pair ends_as(frame.cell_of(end), hit);
+      const Eigen::Vector2d start = posed.map_T_lidar.translation();
+      beams.push_back({start, start + range * (posed.map_T_lidar.rotation() * direction), hit});
+    }
+    for (std::size_t i = 0; i < beams.size(); ++i) {
+      const Cell last = frame.cell_of(beams[i].end);
+      const std::pair ends_as(last, beams[i].hit);
       if (before == ends_as) continue;  // as its neighbour did
       before = ends_as;
-      walk_ray(grid_point_of(frame, posed.map_T_lidar.translation()), grid_point_of(frame, end),
-               [&](Cell cell) {
+      walk_ray(grid_point_of(frame, beams[i].start),
+               grid_point_of(frame, free_end(beams, i, frame.resolution)), [&](Cell cell) {
                  passed.insert({cell.column, cell.row});
                });
-      const Cell last = frame.cell_of(end);
-      if (hit) ends.insert({last.column, last.row});
+      if (beams[i].hit) ends.insert({last.column, last.row});
     }
     for (const auto& [column, row] : ends) {
       float& value = map.log_odds[{column, row}];
