@@ -16,7 +16,7 @@ DURATION_S = 60
 COLUMNS = [
     *"right error_m error_rad tracking lost probability".split(),
     *"explained violations unexpected mass precision spread_m spread_rad innovation".split(),
-    *"travelled_m followed_m known silent".split(),
+    *"travelled_m followed_m known silent unproven".split(),
     *[
         f"{way}_{share}"
         for way in ("lately", "along")

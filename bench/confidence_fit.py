@@ -27,6 +27,7 @@ FEATURES = [
     ("spread_rad", -1),
     ("innovation", -1),
     ("followed and explained", 1),
+    ("unproven", -1),
 ]
 # Standard deviation of a weight before any drive was seen: between no evidence and all of it lie
 # some e^10 in odds.
@@ -60,6 +61,7 @@ def features(row):
         min(row["spread_rad"], 0.5) / 0.5,
         min(math.log1p(row["innovation"]), 3.0) / 3.0,
         along * min(row["followed_m"], 10.0) / 10.0,
+        row["unproven"],
     ]
 
 

@@ -169,7 +169,7 @@ int measure(const Arguments& arguments) {
                            estimate.state == LocalizationState::kLost ? 1 : 0, estimate.probability,
                            e.explained, e.violations, e.unexpected, e.mass, e.precision, e.spread_m,
                            e.spread_rad, e.innovation, estimate.travelled_m);
-      trace << fmt::format(" {} {} {}", e.followed_m, e.known, e.silent);
+      trace << fmt::format(" {} {} {} {}", e.followed_m, e.known, e.silent, e.unproven);
       for (const FitOverWay& fit : {e.lately, e.along}) {
         trace << fmt::format(" {} {} {} {} {}", fit.explained, fit.violations, fit.unexpected,
                              fit.known, fit.silent);

@@ -55,6 +55,7 @@ void visit_numbers_after_state(Estimate& e, Visitor&& visit) {
   visit("followed_m", e.evidence.followed_m, false);
   visit("known", e.evidence.known, false);
   visit("silent", e.evidence.silent, false);
+  visit("unproven", e.evidence.unproven, false);
   visit("lately_explained", e.evidence.lately.explained, false);
   visit("lately_violations", e.evidence.lately.violations, false);
   visit("lately_unexpected", e.evidence.lately.unexpected, false);

@@ -33,14 +33,19 @@ std::array<double, kConfidenceFeatures> confidence_features(const PoseEvidence& 
           std::min(evidence.spread_m, 1.0),
           std::min(evidence.spread_rad, 0.5) / 0.5,
           std::min(std::log1p(evidence.innovation), 3.0) / 3.0,
-          explained_along * std::min(evidence.followed_m, kFollowedM) / kFollowedM};
+          explained_along * std::min(evidence.followed_m, kFollowedM) / kFollowedM,
+          evidence.unproven};
 }
 
-double pose_probability(const PoseEvidence& evidence) {
+double fit_probability(const PoseEvidence& evidence) {
   const auto features = confidence_features(evidence);
   double sum = 0.0;
   for (std::size_t i = 0; i < features.size(); ++i) sum += kConfidenceWeights[i] * features[i];
-  return evidence.mass * evidence.precision / (1.0 + std::exp(-sum));
+  return 1.0 / (1.0 + std::exp(-sum));
+}
+
+double pose_probability(const PoseEvidence& evidence) {
+  return evidence.mass * evidence.precision * fit_probability(evidence);
 }
 
 }  // namespace loopstone

@@ -14,9 +14,12 @@ namespace loopstone {
 /// The evidence as the probability is computed from it: each in [0, 1], capped, so that no single
 /// one decides alone; the first is 1. The first few beams through a wall say most, so of their
 /// share the root is taken.
-inline constexpr std::size_t kConfidenceFeatures = 17;
+inline constexpr std::size_t kConfidenceFeatures = 18;
 [[nodiscard]] std::array<double, kConfidenceFeatures> confidence_features(
     const PoseEvidence& evidence);
+
+/// Probability that scans fit so from a right pose: the last factor of pose_probability().
+[[nodiscard]] double fit_probability(const PoseEvidence& evidence);
 
 /// Probability that a pose with that evidence is within 0.2 m and 5 deg of the truth:
 ///   the belief in its place

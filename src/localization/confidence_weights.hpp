@@ -6,26 +6,27 @@
 
 namespace loopstone {
 
-// Written by `bench/confidence.py fit`: the most likely weights of 186 drives, 289460
+// Written by `bench/confidence.py fit`: the most likely weights of 286 drives, 357744
 // scans.
 inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{
-    -6.7514,  // 1
-    4.6449,   // explained of the rest
-    -6.0688,  // violations
-    -1.0642,  // unexpected
-    3.1669,   // lately explained of the rest
-    -5.8579,  // lately violations
+    -2.4734,  // 1
+    4.8795,   // explained of the rest
+    -5.5507,  // violations
+    -0.8444,  // unexpected
+    1.8351,   // lately explained of the rest
+    -3.7723,  // lately violations
     0.0000,   // lately unexpected
-    0.0000,   // lately known
-    3.7938,   // along explained of the rest
-    -6.6085,  // along violations
+    0.7035,   // lately known
+    0.3992,   // along explained of the rest
+    -2.9312,  // along violations
     0.0000,   // along unexpected
-    0.0000,   // along known
-    -1.8427,  // along silent
-    -2.5174,  // spread_m
-    -1.4534,  // spread_rad
-    -5.7258,  // innovation
-    2.1977,   // followed and explained
+    0.5276,   // along known
+    -0.7435,  // along silent
+    -1.4555,  // spread_m
+    -0.5663,  // spread_rad
+    -6.4857,  // innovation
+    0.9581,   // followed and explained
+    -6.3491,  // unproven
 };
 
 }  // namespace loopstone

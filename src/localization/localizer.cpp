@@ -10,6 +10,7 @@
 
 #include "localization/belief_snapshots.hpp"
 #include "localization/confidence.hpp"
+#include "localization/map_proof.hpp"
 #include "localization/map_tables.hpp"
 #include "localization/near_search.hpp"
 #include "localization/place_search.hpp"
@@ -57,6 +58,8 @@ constexpr double kWorse = 0.12;
 constexpr double kMuchWorse = 0.17;
 /// Where odometry may have missed so much, the robot is looked for before scans contradict.
 constexpr double kUntoldM = 0.15;
+/// Scans fit the map that fit so well from more right poses than wrong ones.
+constexpr double kFits = 0.5;
 /// Returns used for registration.
 constexpr std::size_t kRefinePoints = 240;
 
@@ -110,6 +113,7 @@ class Localizer::Impl {
     lately_.reset();
     along_.reset();
     state_.begin_anew();
+    proof_.begin_anew();
     doubted_scans_ = 0;
     jumped_ = false;
     rest_share_ = 0.0;
@@ -480,6 +484,9 @@ class Localizer::Impl {
         .silent = fit.silent,
         .lately = lately_.mean(),
         .along = along_.mean()};
+    const bool fits = fit_probability(estimate.evidence) >= kFits;
+    estimate.evidence.unproven =
+        proof_.doubt_at(motion_.travelled_m(), fits, estimate.evidence.followed_m);
     estimate.probability = pose_probability(estimate.evidence);
     // A pose that is imprecise along a corridor is not lost: it is in the right place.
     const double place_probability =
@@ -492,7 +499,6 @@ class Localizer::Impl {
   /// when it found something.
   bool recover(const LocalizationScan& view, const LocalizationEstimate& estimate) {
     constexpr int kDoubtedScans = 3;
-    constexpr double kDoesNotFit = 0.5;
     if (estimate.state == LocalizationState::kTracking && !jumped_) {
       doubted_scans_ = 0;
       pace_.calm();
@@ -502,7 +508,7 @@ class Localizer::Impl {
     // scans that don't fit, or places that were too many to follow, are worth another look.
     const PoseEvidence& evidence = estimate.evidence;
     const double fits = estimate.probability / std::max(evidence.mass * evidence.precision, 1e-9);
-    const bool worthwhile = fits < kDoesNotFit || rest_share_ > 0.0 || state_.fits_worse_for_long();
+    const bool worthwhile = fits < kFits || rest_share_ > 0.0 || state_.fits_worse_for_long();
     doubted_scans_ = worthwhile ? doubted_scans_ + 1 : 0;
     const bool due = doubted_scans_ >= kDoubtedScans && pace_.due(motion_.travelled_m());
     if (!due && !jumped_) return false;
@@ -658,6 +664,7 @@ class Localizer::Impl {
   FitAlongWay lately_{1.5};
   FitAlongWay along_{8.0};
   StateJudge state_;
+  MapProof proof_{};
   Pose2 odom_at_fit_{};
   NearSearchPace near_pace_{};
   PoseWithCovariance2 foretold_{};       ///< at this scan, before it was looked at

@@ -69,8 +69,13 @@ TEST(LocalizationHonesty, AMapOfAnotherBuildingIsNotTrusted) {
       {.place = "office", .seed = 1, .duration_s = small_scale() ? 3.0 : 6.0, .beams = 361});
   for (const char* building : {"rooms", "warehouse"}) {
     const LocalizationMap other(true_map(make_world(building, 1)));
-    EXPECT_EQ(judge(localize(other, drive), drive).tracking, 0) << building;
+    const LocalizationResult result = localize(other, drive);
+    EXPECT_EQ(judge(result, drive).tracking, 0) << building;
+    ASSERT_FALSE(result.estimates.empty()) << building;
+    EXPECT_GT(result.estimates.back().evidence.unproven, 0.1) << "the map itself is doubted";
   }
+  for (const LocalizationEstimate& estimate : localize(drive).estimates)
+    EXPECT_EQ(estimate.evidence.unproven, 0.0);
 }
 
 TEST(LocalizationHonesty, AMapOfABuildingLikeItIsDoubtedOnTheWay) {

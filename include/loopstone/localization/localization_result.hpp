@@ -55,8 +55,10 @@ struct PoseEvidence {
   double followed_m = 0.0;  ///< path over which the hypothesis has held
   double known = 0.0;       ///< [0, 1], share of the returns where the map knows what is there
   double silent = 0.0;      ///< [0, 1], share of the beams without a return where a wall is near
-  FitOverWay lately{};      ///< over about the last 1.5 m
-  FitOverWay along{};       ///< over about the last 8 m
+  double unproven =
+      0.0;  ///< [0, 1], how much was driven in vain on a map on which no place has held yet
+  FitOverWay lately{};  ///< over about the last 1.5 m
+  FitOverWay along{};   ///< over about the last 8 m
 };
 
 /// A place where the robot may be.

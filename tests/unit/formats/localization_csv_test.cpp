@@ -91,12 +91,13 @@ TEST(LocalizationCsv, EveryBitSurvives) {
 
 TEST(LocalizationCsv, ColumnsAreNamedWithUnits) {
   const std::string text = format_localization_csv({});
-  EXPECT_EQ(text,
-            "t_s,x_m,y_m,yaw_rad,xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2,state,"
-            "probability,refined,hypotheses,particles,landmarks,travelled_m,explained,violations,"
-            "unexpected,mass,precision,spread_m,spread_rad,innovation,followed_m,known,silent,"
-            "lately_explained,lately_violations,lately_unexpected,lately_known,lately_silent,"
-            "along_explained,along_violations,along_unexpected,along_known,along_silent\n");
+  EXPECT_EQ(
+      text,
+      "t_s,x_m,y_m,yaw_rad,xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2,state,"
+      "probability,refined,hypotheses,particles,landmarks,travelled_m,explained,violations,"
+      "unexpected,mass,precision,spread_m,spread_rad,innovation,followed_m,known,silent,unproven,"
+      "lately_explained,lately_violations,lately_unexpected,lately_known,lately_silent,"
+      "along_explained,along_violations,along_unexpected,along_known,along_silent\n");
   EXPECT_TRUE(parse_localization_csv(text).empty());
 }
 

@@ -54,7 +54,8 @@ const std::vector<Piece>& pieces() {
       {"along explained", [](E& e) -> double& { return e.along.explained; }, 1.0, true},
       {"along violations", [](E& e) -> double& { return e.along.violations; }, 1.0, false},
       {"along known", [](E& e) -> double& { return e.along.known; }, 1.0, true},
-      {"along silent", [](E& e) -> double& { return e.along.silent; }, 1.0, false}};
+      {"along silent", [](E& e) -> double& { return e.along.silent; }, 1.0, false},
+      {"unproven", [](E& e) -> double& { return e.unproven; }, 1.0, false}};
   return all;
 }
 
@@ -141,6 +142,15 @@ TEST(Confidence, APerfectPoseIsTrackedAndOneThatExplainsNothingIsLost) {
   wrong.lately =
       wrong.along = {.explained = 0.15, .violations = 0.4, .unexpected = 0.3, .known = 1.0};
   EXPECT_LT(pose_probability(wrong), 0.1);
+}
+
+TEST(Confidence, WhereAMapHasProvenWrongMuchMoreIsAskedOfAPlaceThatFits) {
+  PoseEvidence evidence = perfect();
+  evidence.explained = evidence.lately.explained = evidence.along.explained = 0.85;
+  evidence.followed_m = 1.0;
+  ASSERT_GE(pose_probability(evidence), 0.9);
+  evidence.unproven = 1.0;
+  EXPECT_LT(pose_probability(evidence), 0.5);
 }
 
 TEST(Confidence, OneOfTwoPlacesThatLookAlikeIsNeverTracked) {
