@@ -19,6 +19,10 @@ constexpr double kOdometryFactor = 2.0;
 constexpr double kJitterM = 0.01;
 constexpr double kJitterRad = 0.005;
 constexpr double kLeastSeconds = 1e-6;
+/// Of the time from scan to scan, the newest one's share in the mean; and what less of it is not
+/// believed: scans that came in a burst have stamps that are nearly the same.
+constexpr double kNewest = 0.1;
+constexpr double kLeastOfUsual = 0.5;
 /// Standard deviation of what lost counts did not tell, by the fastest that the robot has been seen
 /// to move.
 constexpr double kUntold = 0.5;
@@ -67,7 +71,9 @@ PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) 
 
 void RobotMotion::found_at(const Pose2& map_T_robot) {
   if (!had_odometry_ && found_ && *last_stamp_ > found_stamp_) {
-    velocity_ = log(found_->inverse() * map_T_robot) / (*last_stamp_ - found_stamp_).seconds();
+    const double seconds = (*last_stamp_ - found_stamp_).seconds();
+    usual_s_ = usual_s_ ? *usual_s_ + kNewest * (seconds - *usual_s_) : seconds;
+    velocity_ = log(found_->inverse() * map_T_robot) / std::max(seconds, kLeastOfUsual * *usual_s_);
   }
   found_ = map_T_robot;
   found_stamp_ = *last_stamp_;

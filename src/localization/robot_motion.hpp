@@ -71,6 +71,7 @@ class RobotMotion {
   double turned_since_weighing_rad_ = 0.0;
   std::optional<Pose2> found_{};
   Stamp found_stamp_{};
+  std::optional<double> usual_s_{};  ///< from scan to scan, where there is no odometry
 };
 
 }  // namespace loopstone

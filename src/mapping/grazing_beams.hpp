@@ -9,9 +9,9 @@
 
 #include "mapping/scan_beams.hpp"
 
-// A beam that grazes a wall runs along it, within a cell of its face, for a metre and more before it
-// ends. Those cells are the wall's, and a pose that is a little off puts more of the way into them:
-// far beams that graze would wear away what near ones drew.
+// A beam that grazes a wall runs along it, within a cell of its face, for a metre and more before
+// it ends. Those cells are the wall's, and a pose that is a little off puts more of the way into
+// them: far beams that graze would wear away what near ones drew.
 
 namespace loopstone {
 

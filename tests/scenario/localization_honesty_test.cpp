@@ -111,6 +111,20 @@ TEST(LocalizationHonesty, WithoutOdometryItWarnsAndIsNeverWronglySure) {
   }
 }
 
+TEST(LocalizationHonesty, WithoutOdometryScansThatComeInABurstAreFollowed) {
+  Drive drive =
+      laser_alone(make_run({.place = "office", .seed = 2, .duration_s = 15.0, .beams = 361}));
+  // Each fifth is stamped late: 2 ms before the next one.
+  for (std::size_t i = 4; i + 1 < drive.messages.size(); i += 5) {
+    auto& scan = std::get<LaserScan>(drive.messages[i]);
+    scan.stamp = std::get<LaserScan>(drive.messages[i + 1]).stamp - Duration{2'000'000};
+  }
+  const Verdict verdict = judge(localize(drive, guess_of(drive)), drive);
+  EXPECT_EQ(verdict.wrong_tracking, 0);
+  EXPECT_GE(verdict.right, 0.95 * verdict.scans);
+  EXPECT_GE(verdict.tracking, 0.9 * verdict.scans);
+}
+
 TEST(LocalizationHonesty, ScansThatShowNothingAreNoPose) {
   const Drive drive = make_run({.place = "office", .seed = 1, .duration_s = 4.0, .beams = 181});
   const auto all_nan = [](LaserScan& scan) {
