@@ -143,10 +143,9 @@ TEST_F(SiteOfAnOffice, EveryCallCanBeCalledOffAtEveryStep) {
       };
       EXPECT_THROW(calls[i](site, off), UsageError) << i << ", after " << answers;
     }
-    const Site site(path, SiteAccess::kRead, {2});
-    EXPECT_EQ(site.sessions().size(), 3U) << i;
-    EXPECT_EQ(format_tum(site.map().result.trajectory), before) << i;
+    EXPECT_EQ(Site(path, SiteAccess::kRead, {2}).sessions().size(), 3U) << i;
   }
+  EXPECT_EQ(format_tum(Site(path, SiteAccess::kRead, {2}).map().result.trajectory), before);
 }
 
 TEST_F(SiteOfAnOffice, ARemovedSessionIsAsIfItHadNeverBeenThere) {
