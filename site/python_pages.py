@@ -32,6 +32,16 @@ GROUPS = {
         "A finished map put right by hand.",
         "MapEditor EditReport",
     ),
+    "sites": (
+        "Sites",
+        "One map of a building from many drives.",
+        "Site SiteSession SiteMap SiteChanges MapChange SiteTie SiteEvent SitePruning DateLike",
+    ),
+    "plans": (
+        "Floor plans",
+        "Walls, rooms and doors of a map.",
+        "floor_plan FloorPlan PlanSegment PlanRoom PlanDoor PlanAxis",
+    ),
     "maps": (
         "Maps and trajectories",
         "Cells and poses as arrays, and their files.",
@@ -77,7 +87,7 @@ class Package:
 
     def __init__(self, folder):
         self.sources, self.trees = {}, {}
-        for module in ("__init__", "_api", "_errors", "_option_group", "_progress", "options"):
+        for module in ("__init__", "_api", "_errors", "_option_group", "_progress", "_site", "options"):
             self.read(module, folder / "loopstone" / f"{module}.py")
         self.read("_core", folder / "bindings" / "_core.pyi")
         self.names = names_of_all(self.trees["__init__"])

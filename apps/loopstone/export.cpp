@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,12 +61,6 @@ std::optional<GeoAnchor> anchor_of(const Arguments& arguments) {
                      "180, bearing of the map's x axis clockwise from north within 360");
   }
   return GeoAnchor{v[0], v[1], v[2]};
-}
-
-std::string title_of(const Arguments& arguments) {
-  if (!arguments.title.empty()) return arguments.title;
-  const std::filesystem::path path = std::filesystem::path(arguments.map).lexically_normal();
-  return path.filename().empty() ? path.parent_path().filename().string() : path.stem().string();
 }
 
 Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
@@ -159,7 +152,8 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
         "they go through what the laser measured, which is finer");
   const Pose2 plan_T_map = arguments.straighten ? straight_T_map(in_map) : Pose2{};
   const VectorPlan plan = plan_T_map * in_map;
-  PlanTitle title{.name = title_of(arguments), .map_yaw_rad = plan_T_map.yaw};
+  PlanTitle title{.name = arguments.title.empty() ? plan_name(arguments.map) : arguments.title,
+                  .map_yaw_rad = plan_T_map.yaw};
   if (anchor) title.north_rad = wrap_angle(plan_T_map.yaw + radians(anchor->bearing_deg));
   outputs.prepare();
   if (!arguments.svg.empty()) write_text_file(arguments.svg, format_plan_svg(plan, title));

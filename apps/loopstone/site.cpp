@@ -24,7 +24,7 @@ Examples:
 }  // namespace
 
 SiteWatch site_watch(const AppContext& context) {
-  return {.goes_on = [] { return !interrupted(); },
+  return {.progress = [](const Progress&) { return !interrupted(); },
           .waits =
               [&context, told = false]() mutable {
                 if (!told) context.note("another program writes this site; waiting for it");
@@ -33,8 +33,9 @@ SiteWatch site_watch(const AppContext& context) {
               }};
 }
 
-Stamp read_date(const std::string& flag, const std::string& text) {
-  if (const auto date = parse_utc(text)) return *date;
+Stamp read_date(const std::string& flag, const std::string& text,
+                std::optional<Stamp> (*parse)(const std::string&)) {
+  if (const auto date = parse(text)) return *date;
   throw UsageError(flag + ": " + text + " is no date; write 2026-11-26 or 2026-11-26T14:03");
 }
 

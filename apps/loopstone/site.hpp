@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
 #include "app.hpp"
@@ -20,7 +21,9 @@ void add_site_care_commands(CLI::App& site, AppContext& context);
 [[nodiscard]] SiteWatch site_watch(const AppContext& context);
 
 /// What a flag says of a day or a moment. Throws UsageError when it is none.
-[[nodiscard]] Stamp read_date(const std::string& flag, const std::string& text);
+/// \param parse  or parse_utc_end
+[[nodiscard]] Stamp read_date(const std::string& flag, const std::string& text,
+                              std::optional<Stamp> (*parse)(const std::string&) = parse_utc);
 
 [[nodiscard]] nlohmann::ordered_json json_of(const SiteSession& session);
 

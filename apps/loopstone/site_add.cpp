@@ -59,7 +59,7 @@ std::optional<Stamp> date_of(const Arguments& arguments) {
 
 void make_site(const std::string& path, const AppContext& context) {
   MapOptions options = context.load_options(MapOptions{});
-  if (!fs::exists(path)) SiteFile::create(path, options_to_toml(list_options(options)));
+  SiteFile::create_where_missing(path, options_to_toml(list_options(options)));
 }
 
 struct Added {

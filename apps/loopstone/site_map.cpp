@@ -39,11 +39,8 @@ struct Arguments {
   bool force = false;
 };
 
-/// The end of a day, where no time is told.
 Stamp date_of(const std::string& flag, const std::string& text) {
-  const Stamp date = read_date(flag, text);
-  constexpr std::size_t kDayAlone = 10;
-  return text.size() == kDayAlone ? date + Duration::from_seconds(86'400.0 - 1e-9) : date;
+  return read_date(flag, text, parse_utc_end);
 }
 
 Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
@@ -88,7 +85,8 @@ ExitCode run_changes(const Arguments& arguments, const AppContext& context) {
   const Site site(arguments.site, SiteAccess::kRead, context.threads());
   const Site::Difference difference = site.difference(from, to);
   outputs.prepare();
-  write_changes(difference.changes, difference.before, difference.now.result.map, arguments.out);
+  write_changes(difference.changes, difference.before, difference.now.result.map, arguments.out,
+                arguments.force);
   Result result;
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   int appeared = 0;

@@ -7,8 +7,9 @@ from collections.abc import (
     Mapping,
     Sequence
 )
+import datetime
 import os
-from typing import Annotated, Any, overload
+from typing import Annotated, Any, Literal, overload
 
 import matplotlib.axes
 import networkx
@@ -1483,6 +1484,499 @@ class MapEditor:
     def __repr__(self) -> str: ...
 
 def add_edit(editor: MapEditor, toml: str) -> EditReport: ...
+
+class SiteSession:
+    """One drive of a robot in the building, and what became of it."""
+
+    @property
+    def id(self) -> int:
+        """By which the site knows it."""
+
+    @property
+    def log(self) -> str:
+        """Where its log was."""
+
+    @property
+    def digest(self) -> str:
+        """Checksum of its messages: no two sessions of a site have the same."""
+
+    @property
+    def begins(self) -> datetime.datetime:
+        """
+        When it was driven, UTC, by the log's stamps or as ``add`` was told; sessions are joined
+        in this order.
+        """
+
+    @property
+    def begins_ns(self) -> int:
+        """The same in nanoseconds since 1970, exact."""
+
+    @property
+    def added(self) -> datetime.datetime:
+        """When it came into the site, UTC."""
+
+    @property
+    def robot(self) -> Robot:
+        """That drove: mounts and wheels, as its own map was made with."""
+
+    @property
+    def scans(self) -> int:
+        """How many it has."""
+
+    @property
+    def path_m(self) -> float:
+        """How far it drove [m]."""
+
+    @property
+    def duration_s(self) -> float:
+        """How long [s]."""
+
+    @property
+    def status(self) -> str:
+        """``joined``, ``pending``, ``refused`` or ``retired``."""
+
+    @property
+    def reason(self) -> str:
+        """Why it is not joined; empty when it is."""
+
+    @property
+    def closures(self) -> int:
+        """That stand and tie it to others."""
+
+    @property
+    def verdict(self) -> str:
+        """On its own map: ``unknown``, ``good``, ``doubtful`` or ``bad``."""
+
+    @property
+    def sentence(self) -> str:
+        """What that means, in words."""
+
+    def __repr__(self) -> str: ...
+
+class SiteEvent:
+    """Something that was done to a site."""
+
+    @property
+    def at(self) -> datetime.datetime:
+        """When, UTC."""
+
+    @property
+    def what(self) -> str:
+        """``add``, ``remove`` or ``rebuild``."""
+
+    @property
+    def log(self) -> str:
+        """The session's log; empty: of the site as a whole."""
+
+    @property
+    def text(self) -> str:
+        """What came of it, in words."""
+
+    def __repr__(self) -> str: ...
+
+class SiteTie:
+    """What was found between two sessions of a site."""
+
+    @property
+    def older(self) -> int:
+        """The id of a session."""
+
+    @property
+    def newer(self) -> int:
+        """The id of a later one."""
+
+    @property
+    def closures(self) -> list[LoopClosure]:
+        """
+        Places that were recognised, or looked like it; those that do not stand included. Submaps
+        and nodes are counted within their sessions, ``from`` is of the older one.
+        """
+
+    def __repr__(self) -> str: ...
+
+class MapChange:
+    """A place where a building differs from what it was."""
+
+    @property
+    def appeared(self) -> bool:
+        """Something stands there now; False: it is gone."""
+
+    @property
+    def low(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) lowest x, y of the box around it [m], map frame."""
+
+    @property
+    def high(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) highest x, y of that box."""
+
+    @property
+    def area_m2(self) -> float:
+        """Of its cells alone."""
+
+    def __repr__(self) -> str: ...
+
+class SiteMap(MapResult):
+    """
+    The map of a site: what the last visits agree on, with all that a MapResult of one drive has.
+    Scans of the trajectory follow one another, session by session.
+    """
+
+    @property
+    def sessions(self) -> list[SiteSession]:
+        """
+        That are joined, in the order in which they were driven; later ones than the map's date
+        hold it together, too, and are not drawn on it.
+        """
+
+    @property
+    def trajectories(self) -> list[Trajectory]:
+        """map_T_robot of each session, by the stamps of its own log."""
+
+    @property
+    def movable(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, None), writable=False)]:
+        """
+        (rows, columns) float32 in [0, 1], a read-only view, of the cells of ``map``: on what share
+        of visits something stands there, where they are not of one mind: doors, chairs, what is
+        moved; 0 elsewhere.
+        """
+
+    @property
+    def has_scans(self) -> bool:
+        """
+        A floor plan is drawn through what the lasers measured: made with ``keep_scans=True``.
+        """
+
+    def save(self, folder: str | os.PathLike[str], *, force: bool = False) -> None:
+        """
+        Writes the files that ``loopstone site map`` writes. Raises UsageError when the folder
+        holds something, unless forced.
+        """
+
+    def __repr__(self) -> str: ...
+
+class SiteChanges:
+    """
+    What appeared in a building and what is gone, as a sequence of MapChange, largest first.
+    """
+
+    @property
+    def boxes(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (C, 4) lowest x, lowest y, highest x, highest y of each [m], map frame.
+        """
+
+    @property
+    def areas_m2(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(C,) of the cells of each."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int) -> MapChange: ...
+
+    def __iter__(self) -> Iterator[MapChange]: ...
+
+    @property
+    def now(self) -> SiteMap:
+        """The map of the later date, in whose frame the changes are."""
+
+    @property
+    def before(self) -> OccupancyMap:
+        """What the building was before."""
+
+    def save(self, folder: str | os.PathLike[str], *, force: bool = False) -> None:
+        """
+        Writes changes.png and changes.csv, as ``loopstone site changes`` does. Raises
+        UsageError when the folder holds something, unless forced.
+        """
+
+    def __repr__(self) -> str: ...
+
+def site_map(path: str | os.PathLike[str], until_ns: int | None, keep_scans: bool, threads: int, progress: object | None) -> SiteMap: ...
+
+def site_changes(path: str | os.PathLike[str], from_ns: int, to_ns: int | None, threads: int, progress: object | None) -> SiteChanges: ...
+
+def site_cells(path: str | os.PathLike[str], threads: int) -> GridMap: ...
+
+def is_site(path: str | os.PathLike[str]) -> bool: ...
+
+def site_sessions(path: str | os.PathLike[str]) -> list[SiteSession]: ...
+
+def site_events(path: str | os.PathLike[str]) -> list[SiteEvent]: ...
+
+def site_ties(path: str | os.PathLike[str]) -> list[SiteTie]: ...
+
+def site_problems(path: str | os.PathLike[str]) -> list[str]: ...
+
+def site_options_toml(path: str | os.PathLike[str]) -> str: ...
+
+def site_bytes(path: str | os.PathLike[str]) -> int: ...
+
+def parse_utc(text: str, until: bool) -> int | None: ...
+
+def open_site(path: str | os.PathLike[str], options: OptionValues | None, create: bool) -> None: ...
+
+def add_to_site(path: str | os.PathLike[str], log: Log, name: str | os.PathLike[str], begins_ns: int | None, start_s: float, duration_s: float, max_scans: int, threads: int, progress: object | None) -> SiteSession: ...
+
+def prune_site(path: str | os.PathLike[str], sessions: Sequence[int], pending: bool, threads: int, progress: object | None) -> tuple[int, int, int]: ...
+
+def rebuild_site(path: str | os.PathLike[str], threads: int, progress: object | None) -> list[SiteSession]: ...
+
+class PlanSegment:
+    """
+    A straight piece of surface as it is seen from one side: a wall that is seen from both has
+    two. Who goes from its start to its end has free space on his left. Standard deviations are
+    about the map, not about the world.
+    """
+
+    @property
+    def start(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) x, y [m]."""
+
+    @property
+    def end(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) x, y [m]."""
+
+    @property
+    def normal(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) of length 1, towards the free side."""
+
+    @property
+    def length_m(self) -> float:
+        """From start to end."""
+
+    @property
+    def layer(self) -> str:
+        """
+        ``structure``: walls and pillars; ``hidden``: wall that furniture hides, drawn through;
+        ``movable``: furniture and other things that stand about.
+        """
+
+    @property
+    def sigma_across_m(self) -> float:
+        """Standard deviation of the line, at its middle."""
+
+    @property
+    def sigma_yaw_rad(self) -> float:
+        """Of its direction."""
+
+    @property
+    def sigma_start_m(self) -> float:
+        """Of its start, along the line."""
+
+    @property
+    def sigma_end_m(self) -> float:
+        """Of its end, along the line."""
+
+    @property
+    def squared(self) -> bool:
+        """Its direction is that of an axis, from which it could not be told."""
+
+    def __repr__(self) -> str: ...
+
+class PlanRoom:
+    """A piece of floor that walls and doors go round."""
+
+    @property
+    def polygon(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None, None))]:
+        """
+        (V, 2) its corners [m], counter-clockwise along the faces of its walls; the floor under
+        furniture belongs to it.
+        """
+
+    @property
+    def sides(self) -> list[str]:
+        """
+        What the outline runs along from each corner to the next: ``wall``, ``hidden``, ``door`` or
+        ``open``, where nothing is known.
+        """
+
+    @property
+    def holes(self) -> list[numpy.typing.NDArray[numpy.float64]]:
+        """(V, 2) each, clockwise: walls and rooms that it goes round."""
+
+    @property
+    def area_m2(self) -> float:
+        """Without its holes."""
+
+    @property
+    def area_sigma_m2(self) -> float:
+        """Standard deviation of that."""
+
+    @property
+    def closed(self) -> bool:
+        """There are walls and doors all around."""
+
+    @property
+    def perimeter_m(self) -> float:
+        """Of the outline and of holes."""
+
+    @property
+    def open_m(self) -> float:
+        """Of that, where no wall was seen."""
+
+    @property
+    def hidden_m(self) -> float:
+        """Of that, where a wall was drawn through."""
+
+    @property
+    def doors(self) -> list[int]:
+        """Its doors: places in the plan's ``doors``."""
+
+    @property
+    def label(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) where its name stands best [m]: farthest from its walls."""
+
+    def __repr__(self) -> str: ...
+
+class PlanDoor:
+    """An opening between two jambs: a door, or what is wider than one."""
+
+    @property
+    def kind(self) -> str:
+        """``door``, or ``opening`` where it is wider than 1.4 m."""
+
+    @property
+    def start(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) one of its jambs, in the middle of the wall [m]."""
+
+    @property
+    def end(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(2,) the other one."""
+
+    @property
+    def width_m(self) -> float:
+        """Clear, between the jambs."""
+
+    @property
+    def width_sigma_m(self) -> float:
+        """Standard deviation of that."""
+
+    @property
+    def depth_m(self) -> float:
+        """Of the wall; 0: only one of its faces was seen."""
+
+    @property
+    def room(self) -> int | None:
+        """
+        Of which room it is a door: a place in the plan's ``rooms``; None: outside, or unexplored.
+        """
+
+    @property
+    def other_room(self) -> int | None:
+        """Likewise, on its other side."""
+
+    def __repr__(self) -> str: ...
+
+class PlanAxis:
+    """A direction along which walls run, and at right angles to it."""
+
+    @property
+    def yaw_rad(self) -> float:
+        """[-pi/4, pi/4), frame of the plan."""
+
+    @property
+    def sigma_rad(self) -> float:
+        """Standard deviation of that."""
+
+    @property
+    def share(self) -> float:
+        """Of the length of all segments, those that run along it."""
+
+    def __repr__(self) -> str: ...
+
+class FloorPlan:
+    """
+    A map as lines, rooms and doors; in the frame of the map unless it was straightened.
+    """
+
+    @property
+    def segments(self) -> list[PlanSegment]:
+        """All straight pieces of surface, of all layers."""
+
+    @property
+    def walls(self) -> list[PlanSegment]:
+        """Those of the layer ``structure``."""
+
+    @property
+    def rooms(self) -> list[PlanRoom]:
+        """Largest first."""
+
+    @property
+    def doors(self) -> list[PlanDoor]:
+        """Doors and openings."""
+
+    @property
+    def axes(self) -> list[PlanAxis]:
+        """Greatest share first; none: walls run anyhow."""
+
+    def lines(self, layer: Literal['structure', 'hidden', 'movable'] | None = None) -> numpy.typing.NDArray[numpy.float64]:
+        """(N, 2, 2) start and end of each segment [m], of one layer or of all."""
+
+    def length_m(self, layer: Literal['structure', 'hidden', 'movable'] = 'structure') -> float:
+        """Of all segments of a layer."""
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """(left, right, bottom, top) [m]."""
+
+    @property
+    def from_scans(self) -> bool:
+        """
+        Its lines go through what the laser measured; else through the cells of the map, which is
+        coarser.
+        """
+
+    @property
+    def plan_T_map(self) -> Annotated[NDArray[numpy.float64], dict(shape=(None,))]:
+        """(3,) x, y [m], yaw [rad]: 0 unless it was straightened."""
+
+    def straightened(self) -> FloorPlan:
+        """The same plan, turned so that most walls run along x and y."""
+
+    def write_svg(self, path: str | os.PathLike[str], *, title: str | None = None, anchor: tuple[float, float, float] | None = None, force: bool = False) -> None:
+        """
+        A sheet of paper, A4 to A0, with areas and dimensions, as ``loopstone export`` writes it.
+        ``title``: instead of the name of the map. ``anchor``: (latitude, longitude, bearing of the
+        map's x axis clockwise from north) [deg]; there is an arrow to the north then. Raises
+        UsageError where there is a file already, unless forced.
+        """
+
+    def write_pdf(self, path: str | os.PathLike[str], *, title: str | None = None, anchor: tuple[float, float, float] | None = None, force: bool = False) -> None:
+        """
+        A sheet of paper, A4 to A0, with areas and dimensions, as ``loopstone export`` writes it.
+        ``title``: instead of the name of the map. ``anchor``: (latitude, longitude, bearing of the
+        map's x axis clockwise from north) [deg]; there is an arrow to the north then. Raises
+        UsageError where there is a file already, unless forced.
+        """
+
+    def write_dxf(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """
+        For CAD: DXF release 12, metres, layers STRUCTURE, HIDDEN, MOVABLE, ROOMS, DOORS, AREAS.
+        """
+
+    def write_geojson(self, path: str | os.PathLike[str], anchor: tuple[float, float, float], *, force: bool = False) -> None:
+        """
+        On the earth: ``anchor`` is (latitude, longitude) of the map's origin and the bearing of
+        its x axis, clockwise from true north [deg]. Straightened or not, it is the same.
+        """
+
+    def to_geojson(self, anchor: tuple[float, float, float]) -> dict[str, Any]:
+        """What write_geojson() writes: a FeatureCollection."""
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """
+        Draws rooms, walls and doors, metres on the axes. Needs loopstone[plot].
+        """
+
+    def __repr__(self) -> str: ...
+
+def read_floor_plan(path: str | os.PathLike[str], threads: int) -> FloorPlan: ...
+
+def floor_plan_of_result(map: MapResult, threads: int) -> FloorPlan: ...
+
+def floor_plan_of_site_map(map: SiteMap, threads: int) -> FloorPlan: ...
+
+def floor_plan_of_cells(map: GridMap) -> FloorPlan: ...
 
 class MapEvent:
     """What happened since the scan before."""

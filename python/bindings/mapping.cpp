@@ -1,12 +1,11 @@
 #include "mapping.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "cost.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/release_memory.hpp"
 #include "loopstone/formats/machine_memory.hpp"
@@ -14,32 +13,12 @@
 #include "loopstone/formats/rgbd_files.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/pipeline/log_mapping.hpp"
-#include "loopstone/report/peak_memory.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/version.hpp"
 
 namespace loopstone::python {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-/// Of this process, all threads.
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-/// What a run took so far.
-class Cost {
- public:
-  void note(RunInfo& info) const {
-    info.wall_time_s = std::chrono::duration<double>(Clock::now() - start_).count();
-    info.cpu_time_s = cpu_seconds() - cpu_s_;
-    info.peak_memory_bytes = peak_memory_bytes();
-  }
-
- private:
-  Clock::time_point start_ = Clock::now();
-  double cpu_s_ = cpu_seconds();
-};
 
 /// Tells how far a mapping is, and collects what the camera took; goes on with a map, and keeps
 /// what it can be gone on from.

@@ -22,6 +22,10 @@ NB_MODULE(_core, m) {
   bind_map_result(m);
   bind_map_calls(m);
   bind_editor(m);
+  bind_site_records(m);
+  bind_site_maps(m);
+  bind_site_calls(m);
+  bind_plans(m);
   bind_mapper(m);
   bind_localization(m);
   bind_relocalization(m);

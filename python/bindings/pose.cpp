@@ -134,7 +134,7 @@ void bind_pose(nb::module_& m) {
       nb::arg("x") = 0.0, nb::arg("y") = 0.0, nb::arg("yaw") = 0.0,
       "x, y [m], yaw [rad]. Raises ValueError for what is not finite.");
   pose.def_static(
-      "of", [](const ArrayLike& pose) { return pose_of(pose, "pose"); }, nb::arg("pose"),
+      "of", [](const ArrayLike& given) { return pose_of(given, "pose"); }, nb::arg("pose"),
       "Of an array (3,): x, y, yaw. Raises ValueError.");
   pose.def_ro("x", &Pose2::x, "[m]");
   pose.def_ro("y", &Pose2::y, "[m]");

@@ -28,7 +28,8 @@ StrPath = str | os.PathLike[str]
 Message = (
     _core.LaserScan | _core.OdometryPose | _core.WheelTicks | _core.ImuSample | _core.RgbdFrame
 )
-#: A map in any of its forms; a path is of a YAML file as ROS map_server reads it, or a folder.
+#: A map in any of its forms; a path is of a YAML file as ROS map_server reads it, of a folder with
+#: one, or of a site, whose map is that of today.
 MapLike = _core.GridMap | _core.OccupancyMap | _core.MapResult | _core.LocalizationMap | StrPath
 
 #: Landmarks of known places: a CSV file with ``id,x_m,y_m`` or a folder that holds landmarks.csv,
@@ -280,6 +281,29 @@ def localize(
             threads,
             tell,
         )
+
+
+def floor_plan(
+    map: _core.GridMap | _core.OccupancyMap | _core.MapResult | StrPath,  # noqa: A002
+    *,
+    threads: int = 0,
+) -> _core.FloorPlan:
+    """Draws a map as lines, rooms and doors: what ``loopstone export`` draws, to the byte.
+
+    :param map: a folder that ``loopstone map`` or ``save`` left, a YAML file of map_server, a
+        :class:`Site` or its path, or a map in memory. Lines go through what the laser measured
+        where that was kept: of a folder or result with its state (``keep_state=True``), of a site,
+        of a :class:`SiteMap` with ``keep_scans=True``; else through the cells, which are coarser
+    :raises DataError: nothing can be made of the file
+    :raises UsageError: a map without walls
+    """
+    if isinstance(map, (str, os.PathLike)):
+        return _core.read_floor_plan(map, threads)
+    if isinstance(map, _core.SiteMap) and map.has_scans:
+        return _core.floor_plan_of_site_map(map, threads)
+    if isinstance(map, _core.MapResult):
+        return _core.floor_plan_of_result(map, threads)
+    return _core.floor_plan_of_cells(grid_map(map))
 
 
 def relocalize(

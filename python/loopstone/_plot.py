@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ._convert import needed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ._core import GridMap, MapResult, OccupancyMap
+    from ._core import FloorPlan, GridMap, MapResult, OccupancyMap
 
 
 def _axes(ax: Axes | None) -> Axes:
@@ -77,5 +77,27 @@ def plot_result(result: MapResult, ax: Axes | None = None) -> Axes:
             ax.plot(ends[:, 0], ends[:, 1], color="tab:red", linewidth=1.0, label=label)
             label = None
     ax.set_title(f"verdict: {result.verdict.overall}")
+    _legend_below(ax)
+    return ax
+
+
+def plot_plan(plan: FloorPlan, ax: Axes | None = None) -> Axes:
+    ax = _axes(ax)
+    from matplotlib.collections import LineCollection
+
+    for room in plan.rooms:
+        ax.fill(*room.polygon.T, color="tab:blue", alpha=0.1, linewidth=0.0)
+        for hole in room.holes:
+            ax.fill(*hole.T, color="white", linewidth=0.0)
+        ax.annotate(f"{room.area_m2:.1f} m²", (room.label[0], room.label[1]), ha="center")
+    kinds: dict[str, tuple[Any, str, str]] = {
+        "things": (plan.lines("movable"), "tab:brown", "solid"),
+        "hidden walls": (plan.lines("hidden"), "0.5", "dashed"),
+        "walls": (plan.lines("structure"), "black", "solid"),
+        "doors": ([(door.start, door.end) for door in plan.doors], "tab:red", "solid"),
+    }
+    for name, (lines, color, style) in kinds.items():
+        ax.add_collection(LineCollection(list(lines), colors=color, linestyles=style, label=name))
+    ax.autoscale_view()
     _legend_below(ax)
     return ax

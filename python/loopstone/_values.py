@@ -94,11 +94,13 @@ def grid_map(given: Any) -> _core.GridMap:
         return given.map.to_grid()
     if isinstance(given, (str, os.PathLike)):
         path = os.fspath(given)
+        if _core.is_site(path):
+            return _core.site_cells(path, 0)
         inside = os.path.join(path, "map.yaml")
         return _core.read_map(inside if os.path.isdir(path) else path)
     raise TypeError(
-        "map: expected a GridMap, an OccupancyMap, a MapResult, a LocalizationMap or a path, "
-        f"not {type(given).__name__}"
+        "map: expected a GridMap, an OccupancyMap, a MapResult, a LocalizationMap, a Site or a "
+        f"path, not {type(given).__name__}"
     )
 
 

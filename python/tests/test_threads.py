@@ -85,6 +85,7 @@ CALLS = {
     "optimize": "ls.optimize(chain, certify=False, initial='file', solver__relative_tolerance=0.0)",
     "optimize_gnc": "ls.optimize(chain, robust='gnc', initial='file')",
     "certify": "ls.optimize(chain, initial='file')",
+    "site_add": "ls.Site(path + '.site').add(path)",
     "simulate": "ls.simulate('campus', laser__rate_hz=100.0)",
 }
 

@@ -11,6 +11,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/log_files.hpp"
 #include "loopstone/formats/log_summary.hpp"
+#include "loopstone/formats/output_place.hpp"
 #include "loopstone/odometry/odometer.hpp"
 
 namespace loopstone {
@@ -146,8 +147,7 @@ void require_free_place(const LogTarget& target, const std::string& source, bool
       if (std::filesystem::equivalent(path, other, ignored))
         throw UsageError(path + ": this is the log that is read; name another file");
     }
-    if (!may_overwrite && std::filesystem::exists(path, ignored))
-      throw UsageError(path + ": is there already; it is overwritten when that is asked for");
+    if (!may_overwrite) require_free_name(path);
   }
 }
 

@@ -42,6 +42,12 @@ void require_room(const std::string& path, std::int64_t least_bytes) {
                               " or more");
 }
 
+void require_free_name(const std::string& path) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored))
+    throw UsageError(path + ": is there already; it is overwritten when that is asked for");
+}
+
 void remove_partial_files(const std::string& folder, const std::string& name) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {

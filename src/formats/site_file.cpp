@@ -154,8 +154,16 @@ void SiteFile::create(const std::string& path, const std::string& options_toml) 
   if (error) throw DataError({path}, "can't be written: " + error.message());
 }
 
+bool SiteFile::create_where_missing(const std::string& path, const std::string& options_toml) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) return false;
+  create(path, options_toml);
+  return true;
+}
+
 bool is_site(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) return false;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
   try {
     SqliteDatabase database(path, {.access = SqliteAccess::kUntouched});
     SqliteStatement statement(database, "PRAGMA application_id");

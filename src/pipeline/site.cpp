@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -124,6 +125,16 @@ bool is_worn_out(std::size_t drive, std::span<const Squares> squares) {
   });
 }
 
+/// Tells how far it is. Throws UsageError when it is called off.
+void tell(const ProgressCallback& progress, const Progress& news, const SiteFile& file) {
+  if (progress && !progress(news)) throw UsageError(file.path() + ": was called off");
+}
+
+std::function<bool()> as_question(const ProgressCallback& progress, const Progress& news) {
+  if (!progress) return {};
+  return [&progress, news] { return progress(news); };
+}
+
 bool is_kept(const SiteSession& session) {
   return session.status == SessionStatus::kJoined || session.status == SessionStatus::kPending;
 }
@@ -173,15 +184,16 @@ Site::Site(const std::string& path, SiteAccess access, Threads threads)
   if (!problems.empty()) throw OptionsError(problems);
 }
 
-Site::Kept Site::load(std::optional<std::int64_t> without) const {
-  Kept kept{.drives = JoinedDrives(options_, threads_)};
+Site::Kept Site::load(std::optional<std::int64_t> without, const ProgressCallback& progress) const {
+  Kept kept{.sessions = file_.sessions(), .drives = JoinedDrives(options_, threads_)};
+  std::erase_if(kept.sessions,
+                [&](const SiteSession& s) { return !is_kept(s) || s.id == without; });
   std::map<std::int64_t, std::size_t> places;
   std::vector<std::shared_ptr<const DriveRecord>> records;
-  for (SiteSession& session : file_.sessions()) {
-    if (!is_kept(session) || session.id == without) continue;
-    places[session.id] = kept.sessions.size();
+  for (const SiteSession& session : kept.sessions) {
+    tell(progress, {"reading", std::ssize(records), std::ssize(kept.sessions)}, file_);
+    places[session.id] = records.size();
     records.push_back(file_.record(session));
-    kept.sessions.push_back(std::move(session));
   }
   std::vector<DrivePlacement> placements(records.size());
   for (SitePlacement& placement : file_.placements()) {
@@ -202,11 +214,12 @@ Site::Kept Site::load(std::optional<std::int64_t> without) const {
 }
 
 Site::Kept Site::join_all(const std::vector<SiteSession>& sessions, const SiteWatch& watch) const {
-  Kept kept{.drives = JoinedDrives(options_, threads_)};
-  for (const SiteSession& session : sessions) {
-    if (!is_kept(session)) continue;
-    kept.drives.add(file_.record(session), watch.goes_on);
-    kept.sessions.push_back(session);
+  Kept kept{.sessions = sessions, .drives = JoinedDrives(options_, threads_)};
+  std::erase_if(kept.sessions, [](const SiteSession& session) { return !is_kept(session); });
+  for (const SiteSession& session : kept.sessions) {
+    const Progress news{"joining", std::ssize(kept.drives), std::ssize(kept.sessions)};
+    kept.drives.add(file_.record(session), as_question(watch.progress, news));
+    tell(watch.progress, news, file_);
   }
   return kept;
 }
@@ -282,12 +295,13 @@ SiteSession Site::add(const MappedSession& mapped, const SiteWatch& watch) {
     const bool is_newest = std::ranges::all_of(before, [&](const SiteSession& other) {
       return !is_kept(other) || comes_before(other, session);
     });
-    Kept kept = is_newest ? load(session.id) : join_all(file_.sessions(), watch);
+    Kept kept = is_newest ? load(session.id, watch.progress) : join_all(file_.sessions(), watch);
     if (is_newest) {
-      kept.drives.add(mapped.record, watch.goes_on);
+      const Progress news{"joining", std::ssize(kept.sessions), std::ssize(kept.sessions) + 1};
+      kept.drives.add(mapped.record, as_question(watch.progress, news));
       kept.sessions.push_back(session);
+      tell(watch.progress, news, file_);
     }
-    if (watch.goes_on && !watch.goes_on()) throw UsageError(file_.path() + ": stays as it was");
     retire(kept);
     store(kept);
     session = *std::ranges::find(kept.sessions, session.id, &SiteSession::id);
@@ -319,7 +333,6 @@ void Site::remove(const std::vector<std::int64_t>& sessions, const SiteWatch& wa
 void Site::rebuild(const SiteWatch& watch) {
   file_.begin_change(watch.waits);
   Kept kept = join_all(file_.sessions(), watch);
-  if (watch.goes_on && !watch.goes_on()) throw UsageError(file_.path() + ": stays as it was");
   store(kept);
   note("rebuild", "", fmt::format("{} sessions", kept.sessions.size()));
   file_.commit();
@@ -327,23 +340,29 @@ void Site::rebuild(const SiteWatch& watch) {
 
 /// The map that the sessions hold together which are joined; what each of them saw goes to `take`,
 /// in order, and to nothing else.
-SiteMap Site::draw(const Kept& kept,
+SiteMap Site::draw(const Kept& kept, const ProgressCallback& progress,
                    const std::function<void(Stamp begins, const OccupancyMap& visit)>& take) const {
   SiteMap map;
   for (std::size_t i = 0; i < kept.sessions.size(); ++i)
     if (kept.drives.is_joined(i)) map.sessions.push_back(kept.sessions[i]);
   if (map.sessions.empty()) throw DataError({file_.path()}, "there is no session in this site yet");
   const RobotModel robot = parse_robot(map.sessions.back().robot, file_.path());
-  map.result = kept.drives.finish(robot, [&](std::size_t drive, const OccupancyMap& visit) {
-    take(map.sessions[drive].begins, visit);
-  });
+  map.result = kept.drives.finish(
+      robot,
+      [&](std::size_t drive, const OccupancyMap& visit) {
+        take(map.sessions[drive].begins, visit);
+      },
+      progress);
+  if (!map.result.complete) throw UsageError(file_.path() + ": was called off");
+  if (!map.result.map_failure.empty()) throw DataError({file_.path()}, map.result.map_failure);
   return map;
 }
 
-SiteMap Site::map(std::optional<Stamp> until, bool with_scans) const {
-  const Kept kept = load();
+SiteMap Site::map(std::optional<Stamp> until, bool with_scans,
+                  const ProgressCallback& progress) const {
+  const Kept kept = load({}, progress);
   VisitLedger ledger;
-  SiteMap map = draw(kept, [&](Stamp begins, const OccupancyMap& visit) {
+  SiteMap map = draw(kept, progress, [&](Stamp begins, const OccupancyMap& visit) {
     if (!until || !(*until < begins)) ledger.add(visit);
   });
   if (ledger.visits() == 0)
@@ -355,13 +374,14 @@ SiteMap Site::map(std::optional<Stamp> until, bool with_scans) const {
   return map;
 }
 
-Site::Difference Site::difference(Stamp from, Stamp to) const {
+Site::Difference Site::difference(Stamp from, Stamp to, const ProgressCallback& progress) const {
   VisitLedger before;
   VisitLedger ledger;
-  Difference difference{.now = draw(load(), [&](Stamp begins, const OccupancyMap& visit) {
-                          if (!(from < begins)) before.add(visit);
-                          if (!(to < begins)) ledger.add(visit);
-                        })};
+  Difference difference{
+      .now = draw(load({}, progress), progress, [&](Stamp begins, const OccupancyMap& visit) {
+        if (!(from < begins)) before.add(visit);
+        if (!(to < begins)) ledger.add(visit);
+      })};
   if (before.visits() == 0)
     throw DataError({file_.path()},
                     fmt::format("of {} no session is kept any more, or none yet", utc_text(from)));
@@ -413,6 +433,13 @@ std::optional<Stamp> parse_utc(const std::string& text) {
                     std::chrono::minutes(minute) + std::chrono::seconds(second);
   return Stamp{
       std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count()};
+}
+
+std::optional<Stamp> parse_utc_end(const std::string& text) {
+  const std::optional<Stamp> begins = parse_utc(text);
+  constexpr std::size_t kDayAlone = 10;
+  if (!begins || text.size() != kDayAlone) return begins;
+  return *begins + Duration::from_seconds(86'400.0 - 1e-9);
 }
 
 }  // namespace loopstone

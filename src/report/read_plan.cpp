@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "formats/atomic_file.hpp"
@@ -73,14 +74,22 @@ WallSamples measured_samples(const fs::path& folder, const CellStates& cells,
 
 VectorPlan plan_of_site(const std::string& path, Threads threads) {
   const SiteMap site = Site(path, SiteAccess::kRead, threads).map({}, true);
-  const CellStates cells = cell_states(site.result.map);
-  std::vector<const MappedScan*> scans;
-  for (const auto& scan : site.scans) scans.push_back(scan.get());
   try {
-    return extract_plan(cells, samples_of_scans(scans, site.result.trajectory, cells, threads));
+    return plan_of(site.result, site.scans, threads);
   } catch (const UsageError& error) {
     throw DataError({path}, error.what());
   }
+}
+
+/// Through the cells, where there is nothing better.
+VectorPlan plan_through(WallSamples samples, const CellStates& cells) {
+  if (samples.samples.empty()) samples = samples_of_cells(cells);
+  return extract_plan(cells, samples);
+}
+
+CellStates cells_of(const MapResult& map) {
+  if (!map.map_failure.empty()) throw UsageError(map.map_failure);
+  return cell_states(map.map);
 }
 
 }  // namespace
@@ -98,12 +107,37 @@ VectorPlan read_plan(const std::string& path, const MemoryBudget& budget, Thread
   const CellStates cells = read_ros_map(yaml, budget, kBytesPerCell);
   WallSamples samples;
   if (is_folder) samples = measured_samples(path, cells, budget, threads);
-  if (samples.samples.empty()) samples = samples_of_cells(cells);
   try {
-    return extract_plan(cells, samples);
+    return plan_through(std::move(samples), cells);
   } catch (const UsageError& error) {
     throw DataError({yaml}, error.what());
   }
+}
+
+VectorPlan plan_of(const MapResult& map, const Session* state, Threads threads) {
+  const CellStates cells = cells_of(map);
+  WallSamples samples;
+  if (state != nullptr && !map.trajectory.empty()) {
+    const Calibration& found = map.calibration;
+    const Pose2 robot_T_told =
+        found.is_corrected ? found.robot_T_lidar() * found.robot_T_lidar_given.inverse() : Pose2{};
+    // As the file has it, to nine digits: the same bytes.
+    samples = samples_of_scans(scans_of(*state), parse_tum(format_tum(map.trajectory)), cells,
+                               threads, robot_T_told);
+  }
+  return plan_through(std::move(samples), cells);
+}
+
+VectorPlan plan_of(const MapResult& map, const MappedScans& scans, Threads threads) {
+  const CellStates cells = cells_of(map);
+  std::vector<const MappedScan*> all;
+  for (const auto& scan : scans) all.push_back(scan.get());
+  return plan_through(samples_of_scans(all, map.trajectory, cells, threads), cells);
+}
+
+std::string plan_name(const std::string& path) {
+  const fs::path plain = fs::path(path).lexically_normal();
+  return plain.filename().empty() ? plain.parent_path().filename().string() : plain.stem().string();
 }
 
 }  // namespace loopstone

@@ -142,12 +142,13 @@ Image draw_movable_picture(const Grid<float>& movable, const OccupancyMap& map) 
 }
 
 void write_changes(std::span<const MapChange> changes, const OccupancyMap& before,
-                   const OccupancyMap& now, const std::string& folder) {
-  make_folder(folder);
-  AtomicFile table(folder + "/changes.csv");
+                   const OccupancyMap& now, const std::string& folder, bool force) {
+  OutputFolder made(folder, force);
+  AtomicFile table(made.file("changes.csv"));
   table.write(changes_csv(changes));
   table.commit();
-  write_png(folder + "/changes.png", draw_changes_picture(changes, before, now), kPngCompression);
+  write_png(made.file("changes.png"), draw_changes_picture(changes, before, now), kPngCompression);
+  made.keep();
 }
 
 void write_movable(const Grid<float>& movable, const OccupancyMap& map, const std::string& folder) {

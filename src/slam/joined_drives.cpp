@@ -1,6 +1,7 @@
 #include "loopstone/slam/joined_drives.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -305,11 +306,13 @@ void JoinedDrives::remove(std::size_t drive) {
   take_apart(back_end.state());
 }
 
-/// Drive by drive, as many as were joined.
+/// Drive by drive, as many as were joined; as long as it goes on.
 void JoinedDrives::draw_visits(std::span<const PosedScan> scans, std::span<const DriveSeat> seats,
-                               double footprint_m, const TakeVisit& take_visit) const {
+                               double footprint_m, const TakeVisit& take_visit,
+                               const ProgressCallback& goes_on) const {
   std::size_t first = 0;
   for (std::size_t drive = 0; drive < seats.size(); ++drive) {
+    if (!goes_on({"drawing", static_cast<std::int64_t>(drive), std::ssize(seats)})) return;
     const Stamp ends = drives_[drive]->track.back().stamp + seats[drive].clock_shift;
     std::size_t end = first;
     while (end < scans.size() && !(ends < scans[end].scan->stamp)) ++end;
@@ -342,11 +345,13 @@ MappedScans JoinedDrives::scans() const {
   return scans;
 }
 
-MapResult JoinedDrives::finish(const RobotModel& robot, const TakeVisit& take_visit) const {
-  return joined_alone().finish_all(robot, take_visit);
+MapResult JoinedDrives::finish(const RobotModel& robot, const TakeVisit& take_visit,
+                               const ProgressCallback& progress) const {
+  return joined_alone().finish_all(robot, take_visit, progress);
 }
 
-MapResult JoinedDrives::finish_all(const RobotModel& robot, const TakeVisit& take_visit) const {
+MapResult JoinedDrives::finish_all(const RobotModel& robot, const TakeVisit& take_visit,
+                                   const ProgressCallback& progress) const {
   BackEnd back_end(options_, threads_);
   back_end.restore(assemble());
   back_end.finish([] { return false; });  // everything was looked for
@@ -374,10 +379,15 @@ MapResult JoinedDrives::finish_all(const RobotModel& robot, const TakeVisit& tak
   counted.statistics.submaps = static_cast<std::int64_t>(back_end.submap_count());
   map.chain = back_end.chain();
 
+  bool complete = true;
+  const auto goes_on = [&](const Progress& news) {
+    return complete = complete && (!progress || progress(news));
+  };
   FinishCalls calls;
+  calls.goes_on_to = [&](int stage) { return goes_on({"finishing", stage, kFinishStages}); };
   if (take_visit) {
     calls.draw = [&](std::span<const PosedScan> scans) {
-      draw_visits(scans, seats, robot.footprint_radius_m, take_visit);
+      draw_visits(scans, seats, robot.footprint_radius_m, take_visit, goes_on);
       return OccupancyMap{};
     };
   }

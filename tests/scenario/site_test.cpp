@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -111,11 +112,40 @@ TEST_F(SiteOfAnOffice, WhatIsCalledOffLeavesTheSiteAsItWas) {
   const std::string path = site_of(folder, "a", {0});
   {
     Site site(path, SiteAccess::kWrite, {2});
-    EXPECT_THROW((void)site.add((*sessions_)[1], {.goes_on = [] { return false; }}), UsageError);
+    EXPECT_THROW(
+        (void)site.add((*sessions_)[1], {.progress = [](const Progress&) { return false; }}),
+        UsageError);
   }
   EXPECT_EQ(Site(path, SiteAccess::kRead, {2}).sessions().size(), 1U);
   Site site(path, SiteAccess::kWrite, {2});
   EXPECT_EQ(site.add((*sessions_)[1]).status, SessionStatus::kJoined);
+}
+
+TEST_F(SiteOfAnOffice, EveryCallCanBeCalledOffAtEveryStep) {
+  const TempDir folder;
+  const std::string path = site_of(folder, "a", {0, 1, 2});
+  const std::string before = format_tum(Site(path, SiteAccess::kRead, {2}).map().result.trajectory);
+  const std::vector<std::function<void(Site&, const ProgressCallback&)>> calls{
+      [](Site& site, const ProgressCallback& progress) {
+        site.remove({3}, {.progress = progress});
+      },
+      [](Site& site, const ProgressCallback& progress) { site.rebuild({.progress = progress}); },
+      [](Site& site, const ProgressCallback& progress) { (void)site.map({}, false, progress); },
+      [](Site& site, const ProgressCallback& progress) {
+        (void)site.difference(Stamp::from_seconds(20'001.5 * kDayS),
+                              Stamp::from_seconds(20'009.0 * kDayS), progress);
+      }};
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    for (const int answers : {0, 2, 4}) {
+      Site site(path, SiteAccess::kWrite, {2});
+      const auto off = [told = 0, answers](const Progress& /*news*/) mutable {
+        return told++ < answers;
+      };
+      EXPECT_THROW(calls[i](site, off), UsageError) << i << ", after " << answers;
+    }
+    EXPECT_EQ(Site(path, SiteAccess::kRead, {2}).sessions().size(), 3U) << i;
+  }
+  EXPECT_EQ(format_tum(Site(path, SiteAccess::kRead, {2}).map().result.trajectory), before);
 }
 
 TEST_F(SiteOfAnOffice, ARemovedSessionIsAsIfItHadNeverBeenThere) {
@@ -214,6 +244,10 @@ TEST(SiteDates, AreReadAsTheyAreWritten) {
   EXPECT_EQ(utc_text(Stamp::from_seconds(1764165780.0)), "2025-11-26T14:03:00Z");
   EXPECT_EQ(parse_utc("2025-11-26"), Stamp::from_seconds(1764115200.0));
   EXPECT_EQ(parse_utc("2025-11-26T14:03"), Stamp::from_seconds(1764165780.0));
+  EXPECT_EQ(parse_utc_end("2025-11-26"),
+            Stamp::from_seconds(1764115200.0) + Duration::from_seconds(86'400.0 - 1e-9));
+  EXPECT_EQ(parse_utc_end("2025-11-26T14:03"), Stamp::from_seconds(1764165780.0));
+  EXPECT_FALSE(parse_utc_end("today"));
   for (const char* wrong :
        {"", "today", "2025-13-01", "2025-02-30", "2025-11-26T25:00", "2025-11-26 1"})
     EXPECT_FALSE(parse_utc(wrong)) << wrong;

@@ -10,6 +10,9 @@ namespace loopstone {
 /// naming the file.
 void require_room(const std::string& path, std::int64_t least_bytes);
 
+/// Throws UsageError where there is something under the name of a file that is to be made.
+void require_free_name(const std::string& path);
+
 /// Removes the hidden files and folders that a run leaves when it is killed before they are
 /// complete (".map.png.1234-0.partial"): those of processes that are gone, and of this one, so that
 /// it is for before the first file is begun, or after the last.

@@ -77,6 +77,8 @@ class SiteFile {
  public:
   /// Of a site that is new: there must be no file. Its options are those of all its maps.
   static void create(const std::string& path, const std::string& options_toml);
+  /// The same, unless there is a file. \return whether there was none
+  static bool create_where_missing(const std::string& path, const std::string& options_toml);
 
   SiteFile(const std::string& path, SiteAccess access);
   ~SiteFile();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
+#include "loopstone/base/progress.hpp"
 #include "loopstone/formats/site_file.hpp"
 #include "loopstone/mapping/visit_ledger.hpp"
 #include "loopstone/pipeline/cut_log.hpp"
@@ -68,8 +69,8 @@ struct SiteMap {
 
 /// Who waits while a site is changed.
 struct SiteWatch {
-  std::function<bool()> goes_on{};  ///< false: leaves the site as it was, and throws UsageError
-  std::function<bool()> waits{};    ///< somebody else writes; false: gives up
+  ProgressCallback progress{};    ///< false: leaves the site as it was, and throws UsageError
+  std::function<bool()> waits{};  ///< somebody else writes; false: gives up
 };
 
 /// A site: its file, and what is done to it. Each change is one transaction of the file.
@@ -92,8 +93,10 @@ class Site {
   /// Finds all that ties sessions anew.
   void rebuild(const SiteWatch& watch = {});
 
-  /// \param until  of sessions that began until then; all of them hold the map together
-  [[nodiscard]] SiteMap map(std::optional<Stamp> until = {}, bool with_scans = false) const;
+  /// \param until     of sessions that began until then; all of them hold the map together
+  /// \param progress  false: throws UsageError
+  [[nodiscard]] SiteMap map(std::optional<Stamp> until = {}, bool with_scans = false,
+                            const ProgressCallback& progress = {}) const;
   /// Where the building at one time differs from what it was at another one, on the map of the
   /// later.
   struct Difference {
@@ -101,18 +104,21 @@ class Site {
     OccupancyMap before{};
     std::vector<MapChange> changes{};
   };
-  [[nodiscard]] Difference difference(Stamp from, Stamp to) const;
+  /// \param progress  false: throws UsageError
+  [[nodiscard]] Difference difference(Stamp from, Stamp to,
+                                      const ProgressCallback& progress = {}) const;
 
  private:
   struct Kept {
     std::vector<SiteSession> sessions{};
     JoinedDrives drives;
   };
-  [[nodiscard]] Kept load(std::optional<std::int64_t> without = {}) const;
+  [[nodiscard]] Kept load(std::optional<std::int64_t> without = {},
+                          const ProgressCallback& progress = {}) const;
   [[nodiscard]] Kept join_all(const std::vector<SiteSession>& sessions,
                               const SiteWatch& watch) const;
   [[nodiscard]] SiteMap draw(
-      const Kept& kept,
+      const Kept& kept, const ProgressCallback& progress,
       const std::function<void(Stamp begins, const OccupancyMap& visit)>& take) const;
   void store(Kept& kept);
   void retire(Kept& kept);
@@ -128,5 +134,7 @@ class Site {
 /// Reads "2026-11-26", with "T14:03" or "T14:03:00" behind it, with or without Z; UTC. Nothing for
 /// what is none.
 [[nodiscard]] std::optional<Stamp> parse_utc(const std::string& text);
+/// The same of what lasts until then: of a day without a time its end.
+[[nodiscard]] std::optional<Stamp> parse_utc_end(const std::string& text);
 
 }  // namespace loopstone

@@ -6,6 +6,9 @@
 #include "loopstone/base/memory_budget.hpp"
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/plan/vector_plan.hpp"
+#include "loopstone/slam/map_result.hpp"
+#include "loopstone/slam/mapped_scan.hpp"
+#include "loopstone/slam/session.hpp"
 
 namespace loopstone {
 
@@ -29,6 +32,18 @@ struct PlanTitle {
 /// Throws DataError with the file at fault.
 [[nodiscard]] VectorPlan read_plan(const std::string& path, const MemoryBudget& budget = {},
                                    Threads threads = {});
+
+/// The same of a map in memory: what read_plan() makes of the folder that write_map_outputs() would
+/// leave of it.
+/// \param state  that it was kept with; null: none, and lines go through the cells
+/// Throws UsageError where there is nothing to draw.
+[[nodiscard]] VectorPlan plan_of(const MapResult& map, const Session* state, Threads threads = {});
+/// The same through scans that the map was drawn from, stamped as its trajectory is: a site's.
+[[nodiscard]] VectorPlan plan_of(const MapResult& map, const MappedScans& scans,
+                                 Threads threads = {});
+
+/// What a plan is called where nobody says so: the name of the map's file or folder.
+[[nodiscard]] std::string plan_name(const std::string& path);
 
 /// A sheet of paper, ISO A4 to A0, with the plan at a round scale, rooms with their areas and
 /// dimensions, a scale bar and what the lines mean. In millimetres; layers are groups whose ids are

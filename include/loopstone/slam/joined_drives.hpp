@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
+#include "loopstone/base/progress.hpp"
 #include "loopstone/mapping/occupancy.hpp"
 #include "loopstone/sensor/robot_model.hpp"
 #include "loopstone/slam/drive_record.hpp"
@@ -105,15 +106,19 @@ class JoinedDrives {
   /// \param robot  whose footprint frees the cells that it crosses
   /// \param take_visit  is given each drive's own map, in order; then the result has none. Empty:
   ///                    the map is that of all scans
-  [[nodiscard]] MapResult finish(const RobotModel& robot, const TakeVisit& take_visit = {}) const;
+  /// \param progress    told of each step; false: the result is not complete
+  [[nodiscard]] MapResult finish(const RobotModel& robot, const TakeVisit& take_visit = {},
+                                 const ProgressCallback& progress = {}) const;
 
  private:
   [[nodiscard]] BackEnd::State assemble() const;
   [[nodiscard]] JoinedDrives joined_alone() const;
-  [[nodiscard]] MapResult finish_all(const RobotModel& robot, const TakeVisit& take_visit) const;
+  [[nodiscard]] MapResult finish_all(const RobotModel& robot, const TakeVisit& take_visit,
+                                     const ProgressCallback& progress) const;
   void take_apart(const BackEnd::State& state);
   void draw_visits(std::span<const PosedScan> scans, std::span<const DriveSeat> seats,
-                   double footprint_m, const TakeVisit& take_visit) const;
+                   double footprint_m, const TakeVisit& take_visit,
+                   const ProgressCallback& goes_on) const;
 
   MapOptions options_;
   Threads threads_;

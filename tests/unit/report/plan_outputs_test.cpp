@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/base/error.hpp"
+
 namespace loopstone {
 namespace {
 
@@ -208,6 +210,40 @@ TEST(PlanOutputs, AreTheSameBytesEachTime) {
   EXPECT_EQ(format_plan_svg(small_plan(), {}), format_plan_svg(small_plan(), {}));
   EXPECT_EQ(format_plan_pdf(small_plan(), {}), format_plan_pdf(small_plan(), {}));
   EXPECT_EQ(format_plan_dxf(small_plan()), format_plan_dxf(small_plan()));
+}
+
+TEST(PlanOutputs, AreCalledAsTheirMapIs) {
+  for (const char* path : {"office", "out/office", "out/office/", "./office.yaml", "a/office.site"})
+    EXPECT_EQ(plan_name(path), "office") << path;
+}
+
+/// A wall along x, seen from below, in a map in memory.
+MapResult map_with_a_wall() {
+  const GridFrame frame{.resolution = 0.05, .columns = 120, .rows = 60};
+  MapResult map;
+  map.map.log_odds = Grid<float>(frame, -3.0F);
+  map.map.observed = Grid<std::uint8_t>(frame, 1);
+  for (int column = 10; column < 110; ++column) map.map.log_odds[{column, 40}] = 3.0F;
+  return map;
+}
+
+TEST(PlanOfAMapInMemory, GoesThroughItsCells) {
+  const VectorPlan plan = plan_of(map_with_a_wall(), nullptr);
+  EXPECT_FALSE(plan.from_scans);
+  ASSERT_FALSE(plan.segments.empty());
+  EXPECT_NEAR(plan.segments.front().middle().y(), 2.02, 0.05);
+  EXPECT_EQ(plan_of(map_with_a_wall(), MappedScans{}).segments.size(), plan.segments.size());
+}
+
+TEST(PlanOfAMapInMemory, ThereIsNoneOfAMapThatCouldNotBeDrawn) {
+  MapResult map = map_with_a_wall();
+  map.map_failure = "the map is too large";
+  try {
+    (void)plan_of(map, nullptr);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_STREQ(error.what(), "the map is too large");
+  }
 }
 
 TEST(PlanOutputs, APlanOfNothingIsASheet) {
