@@ -6,27 +6,27 @@
 
 namespace loopstone {
 
-// Written by `bench/confidence.py fit`: the most likely weights of 286 drives, 357744
+// Written by `bench/confidence.py fit`: the most likely weights of 286 drives, 357709
 // scans.
 inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{
-    -2.4734,  // 1
-    4.8795,   // explained of the rest
-    -5.5507,  // violations
-    -0.8444,  // unexpected
-    1.8351,   // lately explained of the rest
-    -3.7723,  // lately violations
+    -2.8264,  // 1
+    4.0490,   // explained of the rest
+    -6.0761,  // violations
+    -1.1887,  // unexpected
+    1.4128,   // lately explained of the rest
+    -4.5755,  // lately violations
     0.0000,   // lately unexpected
-    0.7035,   // lately known
-    0.3992,   // along explained of the rest
-    -2.9312,  // along violations
+    1.4854,   // lately known
+    0.9570,   // along explained of the rest
+    -3.7155,  // along violations
     0.0000,   // along unexpected
-    0.5276,   // along known
-    -0.7435,  // along silent
-    -1.4555,  // spread_m
-    -0.5663,  // spread_rad
-    -6.4857,  // innovation
-    0.9581,   // followed and explained
-    -6.3491,  // unproven
+    0.6320,   // along known
+    -0.8235,  // along silent
+    -1.5714,  // spread_m
+    -0.7375,  // spread_rad
+    -6.2843,  // innovation
+    1.1886,   // followed and explained
+    -5.7598,  // unproven
 };
 
 }  // namespace loopstone
