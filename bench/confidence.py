@@ -13,6 +13,7 @@ is kept in build/bench/confidence-*.json.
   ... --seeds N                  drives of each kind in each place (default 4)
   ... --quick                    one of each; to look at, writes nothing
   ... --again                    no drives: from what was kept
+  fit --only FEATURE...          the other weights stay as they are
 """
 import argparse
 import json
@@ -80,7 +81,7 @@ def fit(arguments):
     weights = {**{kind: what.weight for kind, what in KINDS.items()}, **OWN_MAPS_WEIGHTS}
     samples = model.samples_of(drives, SCANS_OF_A_DRIVE, lambda drive: weights[drive.kind])
     before = model.read_weights(ROOT)
-    weights, likelihood = model.fit(samples, before)
+    weights, likelihood = model.fit(samples, before, arguments.only)
     say(
         "log-likelihood of a drive:"
         f" {model.log_likelihood(before, samples) / len(drives):.4f} before,"
@@ -89,7 +90,8 @@ def fit(arguments):
     for weight, (name, _) in zip(weights, model.FEATURES):
         print(f"{name:12} {weight:9.4f}")
     if not arguments.quick:
-        model.write_weights(ROOT, weights, len(drives), sum(len(drive.rows) for drive in drives))
+        scans = sum(len(drive.rows) for drive in drives)
+        model.write_weights(ROOT, weights, len(drives), scans, arguments.only)
 
 
 def measure(arguments):
@@ -115,6 +117,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=SEEDS)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--again", action="store_true")
+    parser.add_argument("--only", nargs="+", default=(), choices=[n for n, _ in model.FEATURES])
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     return fit(arguments) if arguments.what == "fit" else measure(arguments)

@@ -146,9 +146,9 @@ def allowed(weights):
     return [w if sign == 0 or w * sign > 0.0 else 0.0 for w, (_, sign) in zip(weights, FEATURES)]
 
 
-def fit(samples, start):
+def fit(samples, start, only=()):
     """Fisher's scoring with steps cut short where they don't help; weights that would get the wrong
-    sign stay at 0."""
+    sign stay at 0, and all but those named in `only`, if any are, as they were."""
     weights = allowed(start)
     value = log_likelihood(weights, samples)
     for _ in range(ITERATIONS_MOST):
@@ -156,7 +156,8 @@ def fit(samples, start):
         free = [
             i
             for i, (w, (_, sign)) in enumerate(zip(weights, FEATURES))
-            if w != 0.0 or sign == 0 or slope[i] * sign > 0.0
+            if (w != 0.0 or sign == 0 or slope[i] * sign > 0.0)
+            and (not only or FEATURES[i][0] in only)
         ]
         step = [0.0] * len(weights)
         for i, part in zip(
@@ -183,9 +184,10 @@ def read_weights(root):
     return [float(number) for number in re.sub("//.*", "", numbers).split(",") if number.strip()]
 
 
-def write_weights(root, weights, drives, scans):
+def write_weights(root, weights, drives, scans, only=()):
     numbers = [f"{weight:.4f}," for weight in weights]
     width = max(map(len, numbers))  # as clang-format aligns comments
+    kept = f"; of {', '.join(only)} alone, the others as they were" if only else ""
     lines = "\n".join(
         f"    {number:{width}}  // {name}" for number, (name, _) in zip(numbers, FEATURES)
     )
@@ -199,7 +201,7 @@ def write_weights(root, weights, drives, scans):
 namespace loopstone {{
 
 // Written by `bench/confidence.py fit`: the most likely weights of {drives} drives, {scans}
-// scans.
+// scans{kept}.
 inline constexpr std::array<double, kConfidenceFeatures> kConfidenceWeights{{
 {lines}
 }};

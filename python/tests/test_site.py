@@ -6,6 +6,8 @@ import datetime
 import json
 import shutil
 import sqlite3
+import subprocess
+import sys
 import threading
 from collections import Counter
 from pathlib import Path
@@ -327,9 +329,24 @@ def test_progress_is_told_and_may_end_the_call(
         site.map(progress=stop)
 
 
-def test_who_writes_waits_for_who_does(copy: ls.Site, logs: list[Path]) -> None:
-    other = sqlite3.connect(copy, isolation_level=None)
-    other.execute("BEGIN IMMEDIATE")
+# Locks of files are a process's: another SQLite in this one would not see them.
+WRITER = """
+import sqlite3, sys
+site = sqlite3.connect(sys.argv[1], isolation_level=None)
+site.execute("BEGIN IMMEDIATE")
+print("writes", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_who_writes_waits_for_who_does(copy: ls.Site) -> None:
+    other = subprocess.Popen(
+        [sys.executable, "-c", WRITER, copy],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert other.stdout is not None and other.stdout.readline() == "writes\n"
     waits = threading.Event()
 
     def note(progress: ls.Progress) -> None:
@@ -338,9 +355,8 @@ def test_who_writes_waits_for_who_does(copy: ls.Site, logs: list[Path]) -> None:
 
     thread = threading.Thread(target=lambda: copy.prune([5], progress=note))
     thread.start()
-    assert waits.wait(timeout=20.0)
+    assert waits.wait(timeout=60.0)
     assert len(copy.sessions) == 5  # readers don't wait
-    other.execute("ROLLBACK")
-    other.close()
+    other.communicate()
     thread.join()
     assert len(copy.sessions) == 4
