@@ -7,8 +7,10 @@ include(SuiteTests)
 # What every test program is compiled with and linked to.
 loopstone_outer_flags(loopstone_test_flags "${LOOPSTONE_TEST_FLAGS}")
 add_library(loopstone_test_base INTERFACE)
-target_include_directories(loopstone_test_base INTERFACE "${PROJECT_SOURCE_DIR}/tests")
-target_compile_definitions(loopstone_test_base INTERFACE LOOPSTONE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+# Where this is, as a header of those tests that ask: what does not ask is the same in every checkout, and ccache knows it.
+file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/test_headers/source_folder.hpp"
+     CONTENT "#pragma once\n\n#define LOOPSTONE_SOURCE_DIR \"@PROJECT_SOURCE_DIR@\"\n" @ONLY)
+target_include_directories(loopstone_test_base INTERFACE "${PROJECT_SOURCE_DIR}/tests" "${PROJECT_BINARY_DIR}/test_headers")
 target_link_libraries(
   loopstone_test_base
   INTERFACE loopstone_build
@@ -75,7 +77,7 @@ set(LOOPSTONE_TESTS_LEFT_OUT "" CACHE STRING "Test programs that are not built, 
 
 # loopstone_add_tests(NAME test_grid FOLDER unit/grid LABEL unit TIMEOUT 120)
 function(loopstone_add_tests)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;FOLDER;LABEL;TIMEOUT;COST" "DEFINITIONS")
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;FOLDER;LABEL;TIMEOUT;COST" "")
   if(arg_NAME IN_LIST LOOPSTONE_TESTS_LEFT_OUT)
     return()
   endif()
@@ -89,7 +91,6 @@ function(loopstone_add_tests)
   if(TARGET loopstone_test_support)
     target_link_libraries(${arg_NAME} PUBLIC loopstone_test_support)
   endif()
-  target_compile_definitions(${arg_NAME} PRIVATE ${arg_DEFINITIONS})
   loopstone_discover_suites(TARGET ${arg_NAME} LABEL ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} COST "${arg_COST}")
 endfunction()
 
@@ -106,9 +107,10 @@ loopstone_add_tests(NAME test_scenario FOLDER scenario LABEL scenario TIMEOUT 90
 add_executable(emulated_scanner "${PROJECT_SOURCE_DIR}/tests/support/programs/emulated_scanner.cpp")
 target_link_libraries(emulated_scanner PRIVATE loopstone_test_base loopstone_test_support)
 if(TARGET loopstone_program)
-  loopstone_add_tests(NAME test_cli FOLDER cli LABEL cli TIMEOUT 900 COST 500
-                      DEFINITIONS LOOPSTONE_PROGRAM="$<TARGET_FILE:loopstone_program>"
-                                  LOOPSTONE_EMULATED_SCANNER="$<TARGET_FILE:emulated_scanner>")
+  file(GENERATE OUTPUT "${PROJECT_BINARY_DIR}/test_headers/program_paths.hpp"
+       CONTENT "#pragma once\n\n#define LOOPSTONE_PROGRAM \"$<TARGET_FILE:loopstone_program>\"\n\
+#define LOOPSTONE_EMULATED_SCANNER \"$<TARGET_FILE:emulated_scanner>\"\n")
+  loopstone_add_tests(NAME test_cli FOLDER cli LABEL cli TIMEOUT 900 COST 500)
   if(TARGET test_cli)
     add_dependencies(test_cli loopstone_program emulated_scanner)
   endif()

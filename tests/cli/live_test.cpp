@@ -19,6 +19,7 @@
 
 #include "loopstone/formats/tum.hpp"
 #include "office_command.hpp"
+#include "program_paths.hpp"
 #include "run_program.hpp"
 #include "support/temp_dir.hpp"
 

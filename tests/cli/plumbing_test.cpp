@@ -8,6 +8,7 @@
 
 #include "loopstone/version.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "support/temp_dir.hpp"
 
 namespace loopstone::test {

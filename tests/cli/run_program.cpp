@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "program_paths.hpp"
 #include "support/temp_dir.hpp"
 
 namespace loopstone::test {

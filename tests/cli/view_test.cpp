@@ -24,6 +24,7 @@
 #include "loopstone/formats/tum.hpp"
 #include "loopstone/messages/message_codec.hpp"
 #include "run_program.hpp"
+#include "source_folder.hpp"
 #include "support/seen_list.hpp"
 #include "support/temp_dir.hpp"
 #include "support/web_client.hpp"

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "source_folder.hpp"
+
 namespace loopstone::test {
 
 /// Where a file of the recorded data lies: under LOOPSTONE_DATA, else ../shared/data beside the

@@ -8,6 +8,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/rng.hpp"
+#include "source_folder.hpp"
 #include "support/temp_dir.hpp"
 
 namespace loopstone {

@@ -11,6 +11,7 @@
 #include "loopstone/formats/log_format.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/log_summary.hpp"
+#include "source_folder.hpp"
 #include "support/pose_near.hpp"
 #include "support/read_log.hpp"
 #include "support/temp_dir.hpp"

@@ -14,6 +14,7 @@
 #include "formats/mat_file.hpp"
 #include "formats/npy.hpp"
 #include "loopstone/base/error.hpp"
+#include "source_folder.hpp"
 #include "support/recorded_data.hpp"
 #include "support/temp_dir.hpp"
 

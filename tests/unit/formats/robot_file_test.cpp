@@ -7,6 +7,7 @@
 
 #include "loopstone/base/error.hpp"
 #include "loopstone/formats/options_file.hpp"
+#include "source_folder.hpp"
 
 namespace loopstone {
 namespace {

@@ -15,6 +15,7 @@
 #include "loopstone/sensor/log_digest.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/version.hpp"
+#include "source_folder.hpp"
 #include "support/passage_drive.hpp"
 #include "support/pose_near.hpp"
 #include "support/temp_dir.hpp"

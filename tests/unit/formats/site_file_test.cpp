@@ -11,6 +11,7 @@
 
 #include "loopstone/base/byte_archive.hpp"
 #include "loopstone/base/error.hpp"
+#include "source_folder.hpp"
 #include "support/passage_drive.hpp"
 #include "support/temp_dir.hpp"
 

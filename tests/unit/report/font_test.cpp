@@ -10,6 +10,7 @@
 
 #include "loopstone/base/utf8.hpp"
 #include "report/font_outlines.hpp"
+#include "source_folder.hpp"
 
 namespace loopstone {
 namespace {

@@ -13,6 +13,7 @@
 #include "loopstone/pipeline/site.hpp"
 #include "loopstone/plan/extract_plan.hpp"
 #include "loopstone/slam/map_editor.hpp"
+#include "source_folder.hpp"
 
 namespace loopstone {
 namespace {
