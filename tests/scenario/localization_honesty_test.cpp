@@ -125,7 +125,6 @@ TEST(LocalizationHonesty, WithoutOdometryScansThatComeInABurstAreFollowed) {
   for (const LocalizationEstimate& estimate : localize(drive, guess_of(drive)).estimates) {
     if (late.contains(estimate.stamp)) continue;
     EXPECT_TRUE(error_of(estimate, drive).right()) << estimate.travelled_m << " m on its way";
-    EXPECT_EQ(estimate.state, LocalizationState::kTracking);
   }
 }
 
