@@ -72,7 +72,7 @@ WallSamples measured_samples(const fs::path& folder, const CellStates& cells,
 }
 
 VectorPlan plan_of_site(const std::string& path, Threads threads) {
-  const SiteMap site = Site(path, SiteAccess::kRead, threads).map({}, true);
+  const SiteMap site = Site(path, SiteAccess::kRead, threads).map({}, {.scans = true});
   const CellStates cells = cell_states(site.result.map);
   std::vector<const MappedScan*> scans;
   for (const auto& scan : site.scans) scans.push_back(scan.get());
