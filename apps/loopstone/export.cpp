@@ -55,7 +55,7 @@ std::optional<GeoAnchor> anchor_of(const Arguments& arguments) {
     return std::nullopt;
   }
   const std::vector<double> v = parse_numbers("--anchor", arguments.anchor);
-  if (v.size() != 3 || std::abs(v[0]) > 89.9 || std::abs(v[1]) > 180.0 || std::abs(v[2]) > 360.0) {
+  if (v.size() != 3 || !is_on_earth({v[0], v[1], v[2]})) {
     throw UsageError("--anchor " + arguments.anchor +
                      ": must be LAT,LON,BEARING in degrees: latitude within 89.9, longitude within "
                      "180, bearing of the map's x axis clockwise from north within 360");
@@ -152,9 +152,8 @@ ExitCode run(const Arguments& arguments, const AppContext& context) {
         "they go through what the laser measured, which is finer");
   const Pose2 plan_T_map = arguments.straighten ? straight_T_map(in_map) : Pose2{};
   const VectorPlan plan = plan_T_map * in_map;
-  PlanTitle title{.name = arguments.title.empty() ? plan_name(arguments.map) : arguments.title,
-                  .map_yaw_rad = plan_T_map.yaw};
-  if (anchor) title.north_rad = wrap_angle(plan_T_map.yaw + radians(anchor->bearing_deg));
+  const PlanTitle title = plan_title(
+      arguments.title.empty() ? plan_name(arguments.map) : arguments.title, plan_T_map, anchor);
   outputs.prepare();
   if (!arguments.svg.empty()) write_text_file(arguments.svg, format_plan_svg(plan, title));
   if (!arguments.pdf.empty()) write_text_file(arguments.pdf, format_plan_pdf(plan, title));

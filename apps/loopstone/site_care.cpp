@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "interrupt.hpp"
-#include "loopstone/base/error.hpp"
 #include "result.hpp"
 #include "site.hpp"
 
@@ -21,25 +20,12 @@ struct Arguments {
 
 ExitCode prune(const Arguments& arguments, const AppContext& context) {
   const HeldInterrupt held("interrupted: the site stays as it is; once more ends it at once");
-  std::vector<std::int64_t> sessions = arguments.sessions;
-  std::int64_t before = 0;
-  std::int64_t after = 0;
-  {
-    Site site(arguments.site, SiteAccess::kWrite, context.threads());
-    before = site.file().bytes();
-    if (arguments.pending) {
-      for (const SiteSession& session : site.sessions())
-        if (session.status == SessionStatus::kPending) sessions.push_back(session.id);
-    }
-    if (!sessions.empty()) site.remove(sessions, site_watch(context));
-  }
-  SiteFile file(arguments.site, SiteAccess::kWrite);
-  file.compact();
-  after = file.bytes();
+  const SitePruning pruning = prune_site(arguments.site, arguments.sessions, arguments.pending,
+                                         context.threads(), site_watch(context));
   Result result;
-  result.add("removed", "sessions removed", sessions.size())
-      .add("bytes_before", "size before", before, "bytes")
-      .add("bytes", "size now", after, "bytes");
+  result.add("removed", "sessions removed", pruning.removed)
+      .add("bytes_before", "size before", pruning.bytes_before, "bytes")
+      .add("bytes", "size now", pruning.bytes, "bytes");
   result.print(context);
   return kExitDone;
 }

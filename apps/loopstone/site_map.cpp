@@ -78,9 +78,9 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
 
 ExitCode run_changes(const Arguments& arguments, const AppContext& context) {
   const Stamp from = date_of("--from", arguments.from);
-  const Stamp to =
-      arguments.date.empty() ? Stamp{std::int64_t{1} << 61} : date_of("--to", arguments.date);
-  if (to < from) throw UsageError("--to lies before --from");
+  std::optional<Stamp> to;
+  if (!arguments.date.empty()) to = date_of("--to", arguments.date);
+  if (to && *to < from) throw UsageError("--to lies before --from");
   const Outputs outputs = outputs_of(arguments, context);
   const Site site(arguments.site, SiteAccess::kRead, context.threads());
   const Site::Difference difference = site.difference(from, to);

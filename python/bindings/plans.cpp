@@ -5,7 +5,6 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <cmath>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -50,25 +49,22 @@ std::string word(Enum value) {
 
 GeoAnchor anchor_of(const Anchor& given) {
   const auto& [latitude, longitude, bearing] = given;
-  const bool is_on_earth =
-      std::abs(latitude) <= 89.9 && std::abs(longitude) <= 180.0 && std::abs(bearing) <= 360.0;
-  if (!is_on_earth) {
+  const GeoAnchor anchor{latitude, longitude, bearing};
+  if (!is_on_earth(anchor)) {
     throw UsageError(
         fmt::format("anchor ({}, {}, {}): must be (latitude, longitude, bearing) in degrees: "
                     "latitude within 89.9, longitude within 180, bearing of the map's x axis "
                     "clockwise from north within 360",
                     latitude, longitude, bearing));
   }
-  return {latitude, longitude, bearing};
+  return anchor;
 }
 
 PlanTitle title_of(const FloorPlan& self, const std::optional<std::string>& title,
                    const std::optional<Anchor>& anchor) {
-  PlanTitle on_sheet{.name = title.value_or(self.name), .map_yaw_rad = self.plan_T_map.yaw};
-  if (anchor) {
-    on_sheet.north_rad = wrap_angle(self.plan_T_map.yaw + radians(anchor_of(*anchor).bearing_deg));
-  }
-  return on_sheet;
+  std::optional<GeoAnchor> on_earth;
+  if (anchor) on_earth = anchor_of(*anchor);
+  return plan_title(title.value_or(self.name), self.plan_T_map, on_earth);
 }
 
 /// \param format  makes the file's content

@@ -4,7 +4,6 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -60,27 +59,6 @@ SiteSession add_log(const std::string& path, const Log& log, const std::string& 
   if (!mapped.complete || !work.goes_on()) throw CalledOff{};
   mapped.session.log = name;
   return site.add(mapped, site_watch(work));
-}
-
-/// Sessions removed, bytes before and after.
-std::tuple<std::size_t, std::int64_t, std::int64_t> prune(const std::string& path,
-                                                          std::vector<std::int64_t> sessions,
-                                                          bool pending, Threads threads,
-                                                          Work& work) {
-  std::int64_t before = 0;
-  {
-    Site site(path, SiteAccess::kWrite, threads);
-    before = site.file().bytes();
-    for (const SiteSession& session : site.sessions()) {
-      const bool is_named = std::ranges::find(sessions, session.id) != sessions.end();
-      if (pending && !is_named && session.status == SessionStatus::kPending)
-        sessions.push_back(session.id);
-    }
-    if (!sessions.empty()) site.remove(sessions, site_watch(work));
-  }
-  SiteFile file(path, SiteAccess::kWrite);
-  file.compact();
-  return {sessions.size(), before, file.bytes()};
 }
 
 std::vector<SitePair> ties_of(const std::string& path) {
@@ -156,7 +134,9 @@ void bind_site_calls(nb::module_& m) {
       [](const PathLike& path, std::vector<std::int64_t> sessions, bool pending, int threads,
          const nb::object& progress) {
         return work(progress, [&](Work& own) {
-          return prune(path.value, std::move(sessions), pending, Threads{threads}, own);
+          const SitePruning done = prune_site(path.value, std::move(sessions), pending,
+                                              Threads{threads}, site_watch(own));
+          return std::tuple(done.removed, done.bytes_before, done.bytes);
         });
       },
       nb::arg("path"), nb::arg("sessions"), nb::arg("pending"), nb::arg("threads"),

@@ -61,8 +61,8 @@ Shared mapped_of(SiteMap map, const Site& site, Threads threads, const Cost& cos
   return mapped;
 }
 
-SharedChanges changes_of(const std::string& path, Stamp from, Stamp to, Threads threads,
-                         Work& work) {
+SharedChanges changes_of(const std::string& path, Stamp from, std::optional<Stamp> to,
+                         Threads threads, Work& work) {
   const Cost cost;
   const Site site(path, SiteAccess::kRead, threads);
   Site::Difference difference = site.difference(from, to, work.callback());
@@ -203,9 +203,8 @@ void bind_site_maps(nb::module_& m) {
       "site_changes",
       [](const PathLike& path, std::int64_t from_ns, const std::optional<std::int64_t>& to_ns,
          int threads, const nb::object& progress) {
-        const Stamp to = stamp_of(to_ns).value_or(Stamp{std::int64_t{1} << 61});
         return work(progress, [&](Work& own) {
-          return changes_of(path.value, Stamp{from_ns}, to, Threads{threads}, own);
+          return changes_of(path.value, Stamp{from_ns}, stamp_of(to_ns), Threads{threads}, own);
         });
       },
       nb::arg("path"), nb::arg("from_ns"), nb::arg("to_ns").none(), nb::arg("threads"),

@@ -374,13 +374,14 @@ SiteMap Site::map(std::optional<Stamp> until, bool with_scans,
   return map;
 }
 
-Site::Difference Site::difference(Stamp from, Stamp to, const ProgressCallback& progress) const {
+Site::Difference Site::difference(Stamp from, std::optional<Stamp> to,
+                                  const ProgressCallback& progress) const {
   VisitLedger before;
   VisitLedger ledger;
   Difference difference{
       .now = draw(load({}, progress), progress, [&](Stamp begins, const OccupancyMap& visit) {
         if (!(from < begins)) before.add(visit);
-        if (!(to < begins)) ledger.add(visit);
+        if (!to || !(*to < begins)) ledger.add(visit);
       })};
   if (before.visits() == 0)
     throw DataError({file_.path()},
@@ -401,6 +402,26 @@ std::string utc_text(Stamp stamp) {
   return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", static_cast<int>(date.year()),
                      static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
                      clock.hours().count(), clock.minutes().count(), clock.seconds().count());
+}
+
+SitePruning prune_site(const std::string& path, std::vector<std::int64_t> sessions, bool pending,
+                       Threads threads, const SiteWatch& watch) {
+  SitePruning pruning;
+  {
+    Site site(path, SiteAccess::kWrite, threads);
+    pruning.bytes_before = site.file().bytes();
+    for (const SiteSession& session : site.sessions()) {
+      const bool is_named = std::ranges::find(sessions, session.id) != sessions.end();
+      if (pending && !is_named && session.status == SessionStatus::kPending)
+        sessions.push_back(session.id);
+    }
+    if (!sessions.empty()) site.remove(sessions, watch);
+  }
+  pruning.removed = sessions.size();
+  SiteFile file(path, SiteAccess::kWrite);
+  file.compact();
+  pruning.bytes = file.bytes();
+  return pruning;
 }
 
 std::optional<Stamp> parse_utc(const std::string& text) {

@@ -86,6 +86,11 @@ Json room_feature(const GeoAnchor& anchor, const PlanRoom& room, int number) {
 
 }  // namespace
 
+bool is_on_earth(const GeoAnchor& anchor) {
+  return std::abs(anchor.latitude_deg) <= 89.9 && std::abs(anchor.longitude_deg) <= 180.0 &&
+         std::abs(anchor.bearing_deg) <= 360.0;
+}
+
 Eigen::Vector2d longitude_latitude(const GeoAnchor& anchor, const Eigen::Vector2d& in_map) {
   const double turn = radians(anchor.bearing_deg);  // of x, from north to east
   const double north = std::cos(turn) * in_map.x() + std::sin(turn) * in_map.y();

@@ -388,4 +388,11 @@ PlanSheet draw_plan_sheet(const VectorPlan& plan, const PlanTitle& title) {
   return SheetDrawer(plan, title).draw();
 }
 
+PlanTitle plan_title(std::string name, const Pose2& plan_T_map,
+                     const std::optional<GeoAnchor>& anchor) {
+  PlanTitle title{.name = std::move(name), .map_yaw_rad = plan_T_map.yaw};
+  if (anchor) title.north_rad = wrap_angle(plan_T_map.yaw + radians(anchor->bearing_deg));
+  return title;
+}
+
 }  // namespace loopstone

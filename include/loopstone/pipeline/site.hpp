@@ -104,8 +104,9 @@ class Site {
     OccupancyMap before{};
     std::vector<MapChange> changes{};
   };
+  /// \param to        nothing: today
   /// \param progress  false: throws UsageError
-  [[nodiscard]] Difference difference(Stamp from, Stamp to,
+  [[nodiscard]] Difference difference(Stamp from, std::optional<Stamp> to = {},
                                       const ProgressCallback& progress = {}) const;
 
  private:
@@ -128,6 +129,19 @@ class Site {
   MapOptions options_{};
   Threads threads_;
 };
+
+/// What prune_site() removed, and the size of the file before and after.
+struct SitePruning {
+  std::size_t removed = 0;  ///< sessions
+  std::int64_t bytes_before = 0;
+  std::int64_t bytes = 0;
+};
+
+/// Removes sessions as if they had never been there, and gives back their room.
+/// \param pending  those that are pending, too
+/// Throws UsageError when there is no such session.
+[[nodiscard]] SitePruning prune_site(const std::string& path, std::vector<std::int64_t> sessions,
+                                     bool pending, Threads threads, const SiteWatch& watch = {});
 
 /// "2026-11-26T14:03:00Z".
 [[nodiscard]] std::string utc_text(Stamp stamp);

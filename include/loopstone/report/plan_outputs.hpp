@@ -19,12 +19,19 @@ struct GeoAnchor {
   double bearing_deg = 0.0;    ///< of the map's x axis, clockwise from true north
 };
 
+/// Latitude within 89.9, longitude within 180, bearing within 360 degrees.
+[[nodiscard]] bool is_on_earth(const GeoAnchor& anchor);
+
 /// What stands on the sheet beside the plan.
 struct PlanTitle {
   std::string name{};                 ///< what it is a plan of
   double map_yaw_rad = 0.0;           ///< of the map's x axis in the plan's frame
   std::optional<double> north_rad{};  ///< of true north in the plan's frame
 };
+
+/// Of a map that lies in its plan by `plan_T_map`, and on the earth by an anchor, if it is known.
+[[nodiscard]] PlanTitle plan_title(std::string name, const Pose2& plan_T_map,
+                                   const std::optional<GeoAnchor>& anchor);
 
 /// The plan of a map, as extract_plan() finds it: through what the laser measured where the folder
 /// has a state (map --keep-state) and a trajectory, else through the cells of the map.
