@@ -20,6 +20,7 @@ struct BeamEcho {
 /// of the place, the same at every visit.
 class BeamPath {
  public:
+  /// \param seed  of the world: all drives in it meet the same panes
   BeamPath(const FloorPlan& plan, const Realism& realism, std::uint64_t seed);
 
   /// \param direction  of unit length

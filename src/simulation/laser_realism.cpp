@@ -25,7 +25,7 @@ LaserRealism::LaserRealism(const World& world, const Drive& drive, const Surface
       realism_(realism),
       robot_T_lidar_(true_mount(mount.robot_T_lidar, realism.mount, realism_stream(seed, "mount"))),
       height_m_(mount.height_m),
-      path_(world.plan, realism, seed),
+      path_(world.plan, realism, world.seed),
       company_(drive, surfaces, realism, seed) {
   const auto stream = [&](std::string_view effect) { return realism_stream(seed, effect); };
   if (realism.walkers.on) {
