@@ -6,23 +6,12 @@
 #include <optional>
 
 #include "loopstone/base/error.hpp"
+#include "mapping/cell_pieces.hpp"
+#include "mapping/shared_grid.hpp"
 
 namespace loopstone {
 
 namespace {
-
-/// Of a frame's lower left cell on the grid that all of this width share.
-Cell corner_of(const GridFrame& frame) {
-  return {static_cast<int>(std::lround(frame.origin.x() / frame.resolution)),
-          static_cast<int>(std::lround(frame.origin.y() / frame.resolution))};
-}
-
-bool lies_on_grid(const GridFrame& frame) {
-  const Cell corner = corner_of(frame);
-  const Eigen::Vector2d off =
-      frame.origin / frame.resolution - Eigen::Vector2d(corner.column, corner.row);
-  return off.cwiseAbs().maxCoeff() < 1e-3;
-}
 
 /// From cells of one frame to those of another.
 Cell shift_between(const GridFrame& from, const GridFrame& to) {
@@ -43,12 +32,6 @@ GridFrame joined(const GridFrame& a, const GridFrame& b) {
           .rows = high.row - low.row};
 }
 
-template <typename Visit>
-void for_each_cell(const GridFrame& frame, Visit&& visit) {
-  for (int row = 0; row < frame.rows; ++row)
-    for (int column = 0; column < frame.columns; ++column) visit(Cell{column, row});
-}
-
 /// Whether a visit saw a cell occupied or free; nothing when it did not see it well enough.
 std::optional<bool> seen_occupied(const OccupancyMap& visit, Cell cell) {
   if (visit.observed[cell] == 0) return {};
@@ -58,49 +41,19 @@ std::optional<bool> seen_occupied(const OccupancyMap& visit, Cell cell) {
   return {};
 }
 
-void note(bool occupied, CellVisits& cell) {
+/// \param visit  counted from 1
+void note(bool occupied, std::size_t visit, CellVisits& cell) {
   const bool agrees = cell.seen > 0 && cell.newest_is_occupied == occupied;
   cell.in_a_row = agrees ? static_cast<std::uint8_t>(std::min(cell.in_a_row + 1, 255)) : 1;
   cell.newest_is_occupied = occupied;
   // One mind so far, of one visit alone: the newer one is as good.
   const bool lone = cell.seen <= 1;
   constexpr int kMost = std::numeric_limits<std::uint16_t>::max();
+  cell.newest = static_cast<std::uint16_t>(std::min<std::size_t>(visit, kMost));
   cell.seen = static_cast<std::uint16_t>(std::min(cell.seen + 1, kMost));
   if (occupied) cell.occupied = static_cast<std::uint16_t>(std::min(cell.occupied + 1, kMost));
   if (lone || cell.in_a_row >= kVisitLedger.believed_after) cell.is_occupied = occupied;
 }
-
-/// Cells that are near to each other, as one piece.
-class Pieces {
- public:
-  Pieces(const Grid<std::uint8_t>& marked, int reach) : marked_(marked), reach_(reach) {}
-
-  template <typename Take>
-  void for_each(Take&& take) {
-    for_each_cell(marked_.frame(), [&](Cell start) {
-      if (marked_[start] == 0) return;
-      std::vector<Cell> piece{start};
-      marked_[start] = 0;
-      for (std::size_t i = 0; i < piece.size(); ++i) gather(piece[i], piece);
-      take(piece);
-    });
-  }
-
- private:
-  void gather(Cell from, std::vector<Cell>& piece) {
-    for (int row = from.row - reach_; row <= from.row + reach_; ++row) {
-      for (int column = from.column - reach_; column <= from.column + reach_; ++column) {
-        const Cell cell{column, row};
-        if (marked_.value_or(cell, 0) == 0) continue;
-        marked_[cell] = 0;
-        piece.push_back(cell);
-      }
-    }
-  }
-
-  Grid<std::uint8_t> marked_;
-  int reach_;
-};
 
 bool is_occupied(const OccupancyMap& map, Cell cell) {
   return map.observed.value_or(cell, 0) != 0 && map.probability(cell) > kVisitLedger.occupied;
@@ -130,7 +83,8 @@ void add_pieces(const OccupancyMap& there, const OccupancyMap& not_there, bool a
     if (!is_occupied(there, cell) || !not_there.observed.frame().contains(other)) return;
     if (is_free(not_there, other) && !is_near_occupied(not_there, other, reach)) marked[cell] = 1;
   });
-  Pieces pieces(marked, static_cast<int>(std::ceil(kVisitLedger.changed_gap_m / frame.resolution)));
+  CellPieces pieces(marked,
+                    static_cast<int>(std::ceil(kVisitLedger.changed_gap_m / frame.resolution)));
   pieces.for_each([&](const std::vector<Cell>& piece) {
     if (piece.size() < static_cast<std::size_t>(kVisitLedger.changed_cells)) return;
     MapChange change{.appeared = appeared};
@@ -176,11 +130,11 @@ void VisitLedger::add(const OccupancyMap& visit) {
     throw UsageError("VisitLedger: the maps of all visits must share one grid");
   cover(frame);
   const Cell shift = shift_between(frame, cells_.frame());
+  ++visits_;
   for_each_cell(frame, [&](Cell cell) {
     if (const auto occupied = seen_occupied(visit, cell))
-      note(*occupied, cells_[{cell.column + shift.column, cell.row + shift.row}]);
+      note(*occupied, visits_, cells_[{cell.column + shift.column, cell.row + shift.row}]);
   });
-  ++visits_;
 }
 
 OccupancyMap VisitLedger::map() const {

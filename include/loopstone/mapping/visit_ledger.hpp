@@ -42,6 +42,7 @@ void visit_numbers(const VisitLedgerNumbers& n, Visitor&& visit) {
 struct CellVisits {
   std::uint16_t seen = 0;
   std::uint16_t occupied = 0;  ///< of those
+  std::uint16_t newest = 0;    ///< visit that saw it last, counted from 1; 0: none did
   std::uint8_t in_a_row = 0;   ///< newest visits that agree with each other
   bool newest_is_occupied = false;
   bool is_occupied = false;  ///< what is believed
@@ -67,6 +68,8 @@ class VisitLedger {
   void add(const OccupancyMap& visit);
 
   [[nodiscard]] std::size_t visits() const { return visits_; }
+  /// On the frame of map(). Counts stop at 65535.
+  [[nodiscard]] const Grid<CellVisits>& cells() const { return cells_; }
   /// What is believed: certain where visits agree, less so where they do not.
   [[nodiscard]] OccupancyMap map() const;
   /// Probability that something stands there on a visit, of cells where visits are not of one mind:
