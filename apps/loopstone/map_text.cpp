@@ -13,6 +13,19 @@ namespace loopstone::app {
 
 namespace {
 
+void add_site_rows(const SiteFigures& site, Result& table) {
+  const CoverageFigures& floor = site.floor;
+  const double percent = floor.free_m2 > 0.0 ? 100.0 / floor.free_m2 : 0.0;
+  table.add_row("seen by the newest session",
+                fmt::format("{:.0f} % of the free area", percent * floor.free_seen_by_newest_m2));
+  const double never_m2 = floor.free_m2 - floor.free_driven_m2;
+  table.add_row("never driven", fmt::format("{:.0f} %, {:.1f} m2", percent * never_m2, never_m2));
+  if (site.speed_m_s) table.add_row("speed", fmt::format("{:.2f}", *site.speed_m_s), "m/s");
+  double glass_m = 0.0;
+  for (const GlassPane& pane : site.panes) glass_m += pane.length_m();
+  table.add_row("glass suspected", fmt::format("{} panes, {:.1f} m", site.panes.size(), glass_m));
+}
+
 void print_result(const MapResult& result, const MapExtras& extras, const RunInfo& info,
                   const MapPlaces& places, const AppContext& context) {
   if (context.json()) {
@@ -29,6 +42,7 @@ void print_result(const MapResult& result, const MapExtras& extras, const RunInf
   table.add("duration_s", "recording", s.duration_s, "s", 1);
   table.add("path_length_m", "path", s.path_length_m, "m", 1);
   table.add("map_free_area_m2", "free area mapped", figures_of(result.map).free_area_m2, "m2", 1);
+  if (extras.site != nullptr) add_site_rows(*extras.site, table);
   table.add("submaps", "submaps", s.submaps);
   table.add_row("loop closures", fmt::format("{} accepted, {} rejected", s.loop_closures_accepted,
                                              s.loop_closures_rejected));

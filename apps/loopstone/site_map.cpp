@@ -11,6 +11,7 @@
 #include "loopstone/report/map_figures.hpp"
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/report/peak_memory.hpp"
+#include "loopstone/report/site_grids.hpp"
 #include "loopstone/report/site_outputs.hpp"
 #include "loopstone/version.hpp"
 #include "map_text.hpp"
@@ -25,7 +26,9 @@ namespace {
 constexpr const char* kMapFooter = R"(
 OUT then holds what `loopstone map` writes, of all sessions that are joined, drawn as they agree now: a wall that was moved is gone
 once two visits in a row saw through it. Beside it movable.png and movable.pgm: where visits are not of one mind, such as doors and
-chairs, and how often something stood there. `loopstone localize LOG --map OUT` uses it.)";
+chairs, and how often something stood there. coverage.png (sessions that saw the floor, and how long ago), travel.png (where robots
+drove, how often and how fast) and glass.png (surfaces that are suspected to be glass), each with grids as map_server reads them.
+`loopstone localize LOG --map OUT` uses the map.)";
 
 constexpr const char* kChangesFooter = R"(
 OUT then holds changes.png and changes.csv (metres of the map). Dates are those of the sessions: what the last ones
@@ -68,12 +71,14 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   if (!arguments.date.empty()) until = date_of("--date", arguments.date);
   const Outputs outputs = outputs_of(arguments, context);
   const Site site(arguments.site, SiteAccess::kRead, context.threads());
-  const SiteMap map = site.map(until);
+  const SiteMap map = site.map(until, {.grids = true});
   outputs.prepare();
   const RunInfo info = info_of(site, arguments, start, context);
-  write_map_outputs(map.result, info, arguments.out, {});
-  write_movable(map.movable, map.result.map, arguments.out);
-  return tell_map(map.result, {}, info, {.out = arguments.out}, context);
+  const SiteFigures figures = figures_of(*map.grids, map.result.map);
+  const MapExtras extras{.site = &figures};
+  write_map_outputs(map.result, info, arguments.out, extras);
+  write_site_grids(*map.grids, map.movable, map.result.map, arguments.out, context.threads());
+  return tell_map(map.result, extras, info, {.out = arguments.out}, context);
 }
 
 ExitCode run_changes(const Arguments& arguments, const AppContext& context) {

@@ -32,7 +32,8 @@ using Shared = std::shared_ptr<Mapped>;
 MapExtras extras_of(const Mapped& mapped) {
   return {.texture = mapped.texture ? &*mapped.texture : nullptr,
           .landmarks = mapped.landmarks ? &*mapped.landmarks : nullptr,
-          .edits = mapped.edits ? &*mapped.edits : nullptr};
+          .edits = mapped.edits ? &*mapped.edits : nullptr,
+          .site = mapped.site ? &*mapped.site : nullptr};
 }
 
 /// A part of a result; it keeps all of it.

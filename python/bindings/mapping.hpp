@@ -15,6 +15,7 @@
 #include "loopstone/pipeline/log_landmarks.hpp"
 #include "loopstone/report/edit_outputs.hpp"
 #include "loopstone/report/run_info.hpp"
+#include "loopstone/report/site_figures.hpp"
 #include "loopstone/sensor/messages.hpp"
 #include "loopstone/slam/map_options.hpp"
 #include "loopstone/slam/map_result.hpp"
@@ -34,6 +35,7 @@ struct Mapped {
   /// What the map can be gone on from, or edited: where it was to be kept.
   std::shared_ptr<const Session> state{};
   std::optional<EditOutputs> edits{};  ///< of a map that somebody edited
+  std::optional<SiteFigures> site{};   ///< of the map of a site, with its grids
 
   // What is worked out when it is asked for; behind `mutex`.
   std::mutex mutex{};

@@ -22,6 +22,7 @@
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
 #include "loopstone/report/map_outputs.hpp"
+#include "loopstone/report/site_grids.hpp"
 #include "loopstone/report/site_outputs.hpp"
 #include "maps.hpp"
 #include "path_like.hpp"
@@ -55,6 +56,8 @@ Shared mapped_of(SiteMap map, const Site& site, Threads threads, const Cost& cos
   mapped->robot = parse_robot(map.sessions.back().robot, site.file().path());
   mapped->result = std::move(map.result);
   mapped->movable = std::move(map.movable);
+  mapped->grids = std::move(map.grids);
+  if (mapped->grids) mapped->site = figures_of(*mapped->grids, mapped->result.map);
   mapped->sessions = std::move(map.sessions);
   mapped->scans = std::move(map.scans);
   cost.note(mapped->info);
@@ -78,8 +81,14 @@ void save_map(const Shared& self, const PathLike& folder, bool force) {
   const std::lock_guard lock(self->mutex);
   RunInfo info = self->info;
   info.force = force;
-  write_map_outputs(self->result, info, folder.value, {});
-  write_movable(self->movable, self->result.map, folder.value);
+  write_map_outputs(self->result, info, folder.value,
+                    {.site = self->site ? &*self->site : nullptr});
+  if (self->grids) {
+    write_site_grids(*self->grids, self->movable, self->result.map, folder.value,
+                     Threads{info.threads});
+  } else {
+    write_movable(self->movable, self->result.map, folder.value);
+  }
 }
 
 void save_changes(const SiteChanges& self, const PathLike& folder, bool force) {
@@ -193,8 +202,9 @@ void bind_site_maps(nb::module_& m) {
         return work(progress, [&](Work& own) {
           const Cost cost;
           const Site site(path.value, SiteAccess::kRead, Threads{threads});
-          return mapped_of(site.map(stamp_of(until_ns), keep_scans, own.callback()), site,
-                           Threads{threads}, cost);
+          return mapped_of(
+              site.map(stamp_of(until_ns), {.scans = keep_scans, .grids = true}, own.callback()),
+              site, Threads{threads}, cost);
         });
       },
       nb::arg("path"), nb::arg("until_ns").none(), nb::arg("keep_scans"), nb::arg("threads"),
@@ -215,7 +225,7 @@ void bind_site_maps(nb::module_& m) {
         return work(nb::none(), [&](Work& own) {
           const Site site(path.value, SiteAccess::kRead, Threads{threads});
           return GridMap{std::make_shared<const CellStates>(
-              cell_states(site.map({}, false, own.callback()).result.map))};
+              cell_states(site.map({}, {}, own.callback()).result.map))};
         });
       },
       nb::arg("path"), nb::arg("threads"));

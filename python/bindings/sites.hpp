@@ -2,6 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <optional>
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
@@ -13,6 +14,7 @@ namespace loopstone::python {
 /// The map of a site: a result of all its sessions, and what only sites have.
 struct SiteMapped : Mapped {
   Grid<float> movable{};
+  std::optional<SiteGrids> grids{};  ///< not of changes
   std::vector<SiteSession> sessions{};
   MappedScans scans{};  ///< where they were to be kept
 };

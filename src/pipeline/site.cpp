@@ -14,8 +14,10 @@
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/robot_file.hpp"
+#include "loopstone/mapping/glass_survey.hpp"
 #include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/sensor/log_digest.hpp"
+#include "mapping/glass_evidence.hpp"
 
 namespace loopstone {
 
@@ -139,6 +141,26 @@ bool is_kept(const SiteSession& session) {
   return session.status == SessionStatus::kJoined || session.status == SessionStatus::kPending;
 }
 
+double footprint_m(const SiteSession& session) {
+  return parse_robot(session.robot, session.log).footprint_radius_m;
+}
+
+/// Of the oldest sessions of a map, as many as the ledger has visits.
+SiteGrids grids_of(const VisitLedger& ledger, const GlassSurvey& glass, const SiteMap& map) {
+  const GridFrame& frame = ledger.cells().frame();
+  const std::vector<Trajectory> paths = map.result.trajectories();
+  std::vector<Stamp> begins;
+  Travel travel(frame);
+  for (std::size_t i = 0; i < ledger.visits(); ++i) {
+    const SiteSession& session = map.sessions[i];
+    begins.push_back(session.begins);
+    travel.add(paths[i], footprint_m(session));
+  }
+  return {.coverage = coverage_of(ledger, std::move(begins)),
+          .travel = travel.cells(),
+          .glass = glass.probability(frame)};
+}
+
 bool comes_before(const SiteSession& a, const SiteSession& b) {
   return std::pair(a.begins, a.digest) < std::pair(b.begins, b.digest);
 }
@@ -146,7 +168,9 @@ bool comes_before(const SiteSession& a, const SiteSession& b) {
 }  // namespace
 
 std::vector<NumberGroup> site_numbers() {
-  return {number_group("visit_ledger", kVisitLedger), number_group("site", kSite)};
+  return {number_group("visit_ledger", kVisitLedger), number_group("travel", kTravel),
+          number_group("glass_survey", kGlassSurvey),
+          number_group("glass_evidence", kGlassEvidence), number_group("site", kSite)};
 }
 
 MappedSession map_session(const LogSource& source, LogReader& reader, const LogCut& cut,
@@ -341,36 +365,36 @@ void Site::rebuild(const SiteWatch& watch) {
 /// The map that the sessions hold together which are joined; what each of them saw goes to `take`,
 /// in order, and to nothing else.
 SiteMap Site::draw(const Kept& kept, const ProgressCallback& progress,
-                   const std::function<void(Stamp begins, const OccupancyMap& visit)>& take) const {
+                   const TakeSession& take) const {
   SiteMap map;
   for (std::size_t i = 0; i < kept.sessions.size(); ++i)
     if (kept.drives.is_joined(i)) map.sessions.push_back(kept.sessions[i]);
   if (map.sessions.empty()) throw DataError({file_.path()}, "there is no session in this site yet");
   const RobotModel robot = parse_robot(map.sessions.back().robot, file_.path());
   map.result = kept.drives.finish(
-      robot,
-      [&](std::size_t drive, const OccupancyMap& visit) {
-        take(map.sessions[drive].begins, visit);
-      },
-      progress);
+      robot, [&](const DriveVisit& visit) { take(map.sessions[visit.drive], visit); }, progress);
   if (!map.result.complete) throw UsageError(file_.path() + ": was called off");
   if (!map.result.map_failure.empty()) throw DataError({file_.path()}, map.result.map_failure);
   return map;
 }
 
-SiteMap Site::map(std::optional<Stamp> until, bool with_scans,
+SiteMap Site::map(std::optional<Stamp> until, const SiteExtras& extras,
                   const ProgressCallback& progress) const {
   const Kept kept = load({}, progress);
   VisitLedger ledger;
-  SiteMap map = draw(kept, progress, [&](Stamp begins, const OccupancyMap& visit) {
-    if (!until || !(*until < begins)) ledger.add(visit);
+  GlassSurvey glass;
+  SiteMap map = draw(kept, progress, [&](const SiteSession& session, const DriveVisit& visit) {
+    if (until && *until < session.begins) return;
+    ledger.add(visit.map);
+    if (extras.grids) glass.add(visit.scans, footprint_m(session), threads_);
   });
   if (ledger.visits() == 0)
     throw DataError({file_.path()},
                     fmt::format("no session in this site is as old as {}", utc_text(*until)));
   map.result.map = ledger.map();
   map.movable = ledger.movable();
-  if (with_scans) map.scans = kept.drives.scans();
+  if (extras.scans) map.scans = kept.drives.scans();
+  if (extras.grids) map.grids = grids_of(ledger, glass, map);
   return map;
 }
 
@@ -378,11 +402,11 @@ Site::Difference Site::difference(Stamp from, std::optional<Stamp> to,
                                   const ProgressCallback& progress) const {
   VisitLedger before;
   VisitLedger ledger;
-  Difference difference{
-      .now = draw(load({}, progress), progress, [&](Stamp begins, const OccupancyMap& visit) {
-        if (!(from < begins)) before.add(visit);
-        if (!to || !(*to < begins)) ledger.add(visit);
-      })};
+  Difference difference{.now = draw(load({}, progress), progress,
+                                    [&](const SiteSession& session, const DriveVisit& visit) {
+                                      if (!(from < session.begins)) before.add(visit.map);
+                                      if (!to || !(*to < session.begins)) ledger.add(visit.map);
+                                    })};
   if (before.visits() == 0)
     throw DataError({file_.path()},
                     fmt::format("of {} no session is kept any more, or none yet", utc_text(from)));

@@ -73,7 +73,7 @@ WallSamples measured_samples(const fs::path& folder, const CellStates& cells,
 }
 
 VectorPlan plan_of_site(const std::string& path, Threads threads) {
-  const SiteMap site = Site(path, SiteAccess::kRead, threads).map({}, true);
+  const SiteMap site = Site(path, SiteAccess::kRead, threads).map({}, {.scans = true});
   try {
     return plan_of(site.result, site.scans, threads);
   } catch (const UsageError& error) {

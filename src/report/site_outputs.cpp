@@ -4,18 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <system_error>
+#include <cstddef>
+#include <cstdint>
 
 #include "formats/atomic_file.hpp"
-#include "loopstone/base/error.hpp"
-#include "loopstone/formats/filter_mask_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
-#include "loopstone/report/map_picture.hpp"
 #include "report/canvas.hpp"
 #include "report/map_view.hpp"
+#include "report/mask_files.hpp"
 #include "report/output_files.hpp"
-#include "report/picture_parts.hpp"
+#include "report/site_sheet.hpp"
 
 namespace loopstone {
 
@@ -25,44 +23,6 @@ namespace {
 const Colour kAppeared = hex_colour(0x0072b2);
 const Colour kGone = hex_colour(0xd55e00);
 const Colour kMovable = hex_colour(0xb0004e);
-
-/// A map with things on it, and below it what they mean.
-class Sheet {
- public:
-  explicit Sheet(const OccupancyMap& map)
-      : view_(
-            view_of(map, {}, MapPictureOptions{}.target_side_px, MapPictureOptions{}.most_side_px)),
-        sizes_(std::max(view_.width_px, view_.height_px)),
-        width_(std::max(view_.width_px, static_cast<int>(16.0 * sizes_.text))),
-        footer_(sizes_, width_),
-        map_(paled(shade_map(map, view_))) {
-    footer_.add_scale_bar(view_.pixels_per_metre());
-    footer_.add_axes();
-  }
-
-  [[nodiscard]] const MapView& view() const { return view_; }
-  [[nodiscard]] const PictureSizes& sizes() const { return sizes_; }
-  void add_swatch(const Colour& colour, const std::string& words) {
-    footer_.add_swatch(colour, words);
-  }
-  template <typename Draw>
-  [[nodiscard]] Image draw(Draw&& draw) {
-    Canvas canvas(width_, view_.height_px + static_cast<int>(footer_.height()), kPaper);
-    canvas.paste(map_, 0, 0);
-    canvas.clip({0.0, 0.0}, view_.width_px, view_.height_px);
-    draw(canvas);
-    canvas.unclip();
-    footer_.draw(canvas, view_.height_px);
-    return canvas.image();
-  }
-
- private:
-  MapView view_;
-  PictureSizes sizes_;
-  int width_;
-  Footer footer_;
-  Image map_;
-};
 
 void fill_cell(const GridFrame& frame, Cell cell, const Colour& colour, const MapView& view,
                Canvas& canvas) {
@@ -98,17 +58,11 @@ std::string changes_csv(std::span<const MapChange> changes) {
   return text;
 }
 
-void make_folder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw DataError({folder}, "can't be made: " + error.message());
-}
-
 }  // namespace
 
 Image draw_changes_picture(std::span<const MapChange> changes, const OccupancyMap& before,
                            const OccupancyMap& now) {
-  Sheet sheet(now);
+  SiteSheet sheet(now);
   sheet.add_swatch(kAppeared, "appeared");
   sheet.add_swatch(kGone, "gone");
   return sheet.draw([&](Canvas& canvas) {
@@ -125,7 +79,7 @@ Image draw_changes_picture(std::span<const MapChange> changes, const OccupancyMa
 }
 
 Image draw_movable_picture(const Grid<float>& movable, const OccupancyMap& map) {
-  Sheet sheet(map);
+  SiteSheet sheet(map);
   sheet.add_swatch(kMovable, "stands there on some visits: the darker, the more often");
   return sheet.draw([&](Canvas& canvas) {
     const GridFrame& frame = movable.frame();
@@ -154,21 +108,12 @@ void write_changes(std::span<const MapChange> changes, const OccupancyMap& befor
 void write_movable(const Grid<float>& movable, const OccupancyMap& map, const std::string& folder) {
   make_folder(folder);
   write_png(folder + "/movable.png", draw_movable_picture(movable, map), kPngCompression);
-  const GridFrame& frame = movable.frame();
-  FilterMask percent{.values = Grid<std::int8_t>(frame, kUnknownCell)};
-  for (int row = 0; row < frame.rows; ++row) {
-    for (int column = 0; column < frame.columns; ++column) {
-      const Cell cell{column, row};
-      if (map.observed.value_or(cell, 0) != 0)
-        percent.values[cell] = static_cast<std::int8_t>(std::lround(100.0F * movable[cell]));
-    }
+  CellStates percent(movable.frame(), kUnknownCell);
+  for (std::size_t i = 0; i < percent.cells().size(); ++i) {
+    if (map.observed.cells()[i] != 0)
+      percent.cells()[i] = static_cast<std::int8_t>(std::lround(100.0F * movable.cells()[i]));
   }
-  AtomicFile picture(folder + "/movable.pgm");
-  picture.write(encode_pgm(mask_image(percent)));
-  AtomicFile yaml(folder + "/movable.yaml");
-  yaml.write(format_mask_yaml(frame, "movable.pgm"));
-  picture.commit();
-  yaml.commit();
+  write_mask(percent, folder, "movable");
 }
 
 }  // namespace loopstone

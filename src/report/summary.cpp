@@ -41,6 +41,33 @@ Json pace_json(const PaceFigures& pace) {
           {"worst_computing_s", pace.computing.worst_s}};
 }
 
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json site_json(const SiteFigures& site) {
+  const CoverageFigures& floor = site.floor;
+  const double never_driven_m2 = floor.free_m2 - floor.free_driven_m2;
+  Json glass = Json::array();
+  for (const GlassPane& pane : site.panes) {
+    glass.push_back(Json{{"x_m", {pane.low.x(), pane.high.x()}},
+                         {"y_m", {pane.low.y(), pane.high.y()}},
+                         {"length_m", pane.length_m()},
+                         {"probability", pane.probability}});
+  }
+  return {
+      {"sessions", site.sessions},
+      {"free_m2", floor.free_m2},
+      {"free_seen_by_newest_m2", floor.free_seen_by_newest_m2},
+      {"free_seen_by_newest_share", ratio_or_zero(floor.free_seen_by_newest_m2, floor.free_m2)},
+      {"free_never_driven_m2", never_driven_m2},
+      {"free_never_driven_share", ratio_or_zero(never_driven_m2, floor.free_m2)},
+      {"most_passes", site.most_passes},
+      {"speed_m_s", number_or_null(site.speed_m_s)},
+      {"speed_low_m_s", number_or_null(site.speed_low_m_s)},
+      {"speed_high_m_s", number_or_null(site.speed_high_m_s)},
+      {"glass", glass},
+  };
+}
+
 /// What every run has.
 Json summary_json(const MapResult& result, const RunInfo& info) {
   const MapStatistics& s = result.statistics;
@@ -111,6 +138,7 @@ std::string format_summary(const MapResult& result, const RunInfo& info, const M
   if (extras.texture != nullptr) summary["texture"] = texture_json(*extras.texture);
   if (extras.landmarks != nullptr) summary["landmarks"] = landmarks_json(*extras.landmarks);
   if (extras.edits != nullptr) summary["edits"] = edits_json(*extras.edits);
+  if (extras.site != nullptr) summary["site"] = site_json(*extras.site);
   // Paths need not be UTF-8; JSON must.
   return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

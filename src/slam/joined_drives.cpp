@@ -316,8 +316,10 @@ void JoinedDrives::draw_visits(std::span<const PosedScan> scans, std::span<const
     const Stamp ends = drives_[drive]->track.back().stamp + seats[drive].clock_shift;
     std::size_t end = first;
     while (end < scans.size() && !(ends < scans[end].scan->stamp)) ++end;
-    take_visit(drive, build_occupancy_map(scans.subspan(first, end - first), footprint_m,
-                                          options_.map, threads_));
+    const std::span<const PosedScan> own = scans.subspan(first, end - first);
+    take_visit({.drive = drive,
+                .scans = own,
+                .map = build_occupancy_map(own, footprint_m, options_.map, threads_)});
     first = end;
   }
 }

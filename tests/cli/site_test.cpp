@@ -75,8 +75,15 @@ TEST_F(SiteCommand, SessionsAreJoinedAndDrawnAsOneMap) {
   EXPECT_EQ(json_of(site({"history", *folder_ / "a.site", "--json"}))["events"].size(), 3U);
 
   const ProgramResult mapped = site({"map", *folder_ / "a.site", "-o", *folder_ / "map", "--json"});
-  EXPECT_EQ(json_of(mapped)["drives"].size(), 1U);
+  const Json summary = json_of(mapped);
+  EXPECT_EQ(summary["drives"].size(), 1U);
+  EXPECT_EQ(summary["site"]["sessions"], 2);
+  EXPECT_GT(summary["site"]["free_seen_by_newest_share"], 0.2);
+  EXPECT_GT(summary["site"]["speed_m_s"], 0.2);
+  EXPECT_TRUE(summary["site"]["glass"].empty());
   for (const char* name : {"map.yaml", "map.pgm", "movable.yaml", "movable.pgm", "movable.png",
+                           "coverage.yaml", "coverage.pgm", "coverage.png", "coverage_days.pgm",
+                           "travel.pgm", "travel.png", "travel.csv", "glass.pgm", "glass.png",
                            "trajectory_drive_1.tum", "trajectory_drive_2.tum", "report.html"})
     EXPECT_TRUE(fs::exists(fs::path(*folder_ / "map") / name)) << name;
   EXPECT_EQ(json_of(site({"changes", *folder_ / "a.site", "--from", "2026-11-02", "-o",

@@ -153,13 +153,12 @@ TEST_F(JoinedDrivesOfAnOffice, OneThatIsRemovedLeavesTheOthersAsTheyHoldTogether
 TEST_F(JoinedDrivesOfAnOffice, EachVisitIsDrawnByItself) {
   const JoinedDrives joined = join({0, 1});
   std::vector<std::size_t> seen;
-  const MapResult result =
-      joined.finish(RobotModel{}, [&](std::size_t drive, const OccupancyMap& map) {
-        std::size_t cells = 0;
-        for (const std::uint8_t observed : map.observed.cells()) cells += observed;
-        EXPECT_GT(cells, 10000U);
-        seen.push_back(drive);
-      });
+  const MapResult result = joined.finish(RobotModel{}, [&](const DriveVisit& visit) {
+    std::size_t cells = 0;
+    for (const std::uint8_t observed : visit.map.observed.cells()) cells += observed;
+    EXPECT_GT(cells, 10000U);
+    seen.push_back(visit.drive);
+  });
   EXPECT_THAT(seen, testing::ElementsAre(0U, 1U));
   EXPECT_TRUE(result.map.log_odds.empty());
 }

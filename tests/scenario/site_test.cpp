@@ -130,7 +130,7 @@ TEST_F(SiteOfAnOffice, EveryCallCanBeCalledOffAtEveryStep) {
         site.remove({3}, {.progress = progress});
       },
       [](Site& site, const ProgressCallback& progress) { site.rebuild({.progress = progress}); },
-      [](Site& site, const ProgressCallback& progress) { (void)site.map({}, false, progress); },
+      [](Site& site, const ProgressCallback& progress) { (void)site.map({}, {}, progress); },
       [](Site& site, const ProgressCallback& progress) {
         (void)site.difference(Stamp::from_seconds(20'001.5 * kDayS),
                               Stamp::from_seconds(20'009.0 * kDayS), progress);

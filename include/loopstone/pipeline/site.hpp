@@ -10,6 +10,8 @@
 #include "loopstone/base/parallel_for.hpp"
 #include "loopstone/base/progress.hpp"
 #include "loopstone/formats/site_file.hpp"
+#include "loopstone/mapping/travel.hpp"
+#include "loopstone/mapping/visit_coverage.hpp"
 #include "loopstone/mapping/visit_ledger.hpp"
 #include "loopstone/pipeline/cut_log.hpp"
 #include "loopstone/pipeline/log_source.hpp"
@@ -59,10 +61,24 @@ struct MappedSession {
                                         Threads threads, std::optional<Stamp> begins = {},
                                         const ReadingWatch& watch = {});
 
+/// What is known of the cells of a site's map beside what stands there.
+struct SiteGrids {
+  VisitCoverage coverage{};
+  Grid<CellTravel> travel{};
+  Grid<float> glass{};  ///< GlassSurvey::probability()
+};
+
+/// What a map of a site is asked for beside the map.
+struct SiteExtras {
+  bool scans = false;
+  bool grids = false;
+};
+
 /// The map of a site at a time.
 struct SiteMap {
   MapResult result{};                   ///< its map is what the visits agree on
   Grid<float> movable{};                ///< VisitLedger::movable(), of the same cells
+  std::optional<SiteGrids> grids{};     ///< likewise, where asked for
   std::vector<SiteSession> sessions{};  ///< that are joined, in order: the result's drives
   MappedScans scans{};                  ///< where asked for; stamped as the result's trajectory
 };
@@ -95,7 +111,7 @@ class Site {
 
   /// \param until     of sessions that began until then; all of them hold the map together
   /// \param progress  false: throws UsageError
-  [[nodiscard]] SiteMap map(std::optional<Stamp> until = {}, bool with_scans = false,
+  [[nodiscard]] SiteMap map(std::optional<Stamp> until = {}, const SiteExtras& extras = {},
                             const ProgressCallback& progress = {}) const;
   /// Where the building at one time differs from what it was at another one, on the map of the
   /// later.
@@ -118,9 +134,9 @@ class Site {
                           const ProgressCallback& progress = {}) const;
   [[nodiscard]] Kept join_all(const std::vector<SiteSession>& sessions,
                               const SiteWatch& watch) const;
-  [[nodiscard]] SiteMap draw(
-      const Kept& kept, const ProgressCallback& progress,
-      const std::function<void(Stamp begins, const OccupancyMap& visit)>& take) const;
+  using TakeSession = std::function<void(const SiteSession& session, const DriveVisit& visit)>;
+  [[nodiscard]] SiteMap draw(const Kept& kept, const ProgressCallback& progress,
+                             const TakeSession& take) const;
   void store(Kept& kept);
   void retire(Kept& kept);
   void note(const std::string& what, const std::string& session, const std::string& text);

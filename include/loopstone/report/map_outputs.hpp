@@ -6,6 +6,7 @@
 #include "loopstone/mapping/floor_texture.hpp"
 #include "loopstone/report/edit_outputs.hpp"
 #include "loopstone/report/run_info.hpp"
+#include "loopstone/report/site_figures.hpp"
 #include "loopstone/slam/map_result.hpp"
 
 namespace loopstone {
@@ -15,6 +16,7 @@ struct MapExtras {
   const FloorTexture* texture = nullptr;
   const LandmarkMapping* landmarks = nullptr;
   const EditOutputs* edits = nullptr;  ///< the map is one that somebody edited
+  const SiteFigures* site = nullptr;   ///< of the grids beside the map of a site
 };
 
 /// Writes trajectory.tum, odometry.tum, graph.g2o, map.pgm, map.yaml, map.png, report.html,
@@ -32,7 +34,8 @@ void write_map_outputs(const MapResult& result, const RunInfo& info, const std::
 
 /// The text of summary.json: one object, every figure of the run, units in the key names, keys in a
 /// fixed order.
-/// \param extras  of each that is given an object with its figures: "texture", "landmarks", "edits"
+/// \param extras  of each that is given an object with its figures: "texture", "landmarks",
+///                "edits", "site"
 [[nodiscard]] std::string format_summary(const MapResult& result, const RunInfo& info,
                                          const MapExtras& extras = {});
 

@@ -55,8 +55,13 @@ struct DrivePlacement {
   }
 };
 
-/// Takes what one drive saw, drawn from its scans alone.
-using TakeVisit = std::function<void(std::size_t drive, const OccupancyMap& visit)>;
+/// What one drive saw: its scans where they lie on the map, and the map that they alone make.
+struct DriveVisit {
+  std::size_t drive = 0;  ///< among those that are joined
+  std::span<const PosedScan> scans{};
+  OccupancyMap map{};
+};
+using TakeVisit = std::function<void(const DriveVisit& visit)>;
 
 /// Drives of one building, each mapped by itself, that become one map: each is recognised on what
 /// the others saw, without a guess, as Mapper::begin_drive() has it. What is known of them is plain
@@ -104,8 +109,8 @@ class JoinedDrives {
   /// The map of those drives that are joined, finished as Mapper::finish() does. Scans are counted
   /// and stamped one drive after the other: MapResult::drives.
   /// \param robot  whose footprint frees the cells that it crosses
-  /// \param take_visit  is given each drive's own map, in order; then the result has none. Empty:
-  ///                    the map is that of all scans
+  /// \param take_visit  is given what each drive saw, in order; then the result has no map. Empty:
+  ///                    it is that of all scans
   /// \param progress    told of each step; false: the result is not complete
   [[nodiscard]] MapResult finish(const RobotModel& robot, const TakeVisit& take_visit = {},
                                  const ProgressCallback& progress = {}) const;

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "loopstone/mapping/glass_survey.hpp"
+#include "loopstone/mapping/visit_coverage.hpp"
+
+namespace loopstone {
+
+/// Figures of a site's grids.
+struct SiteFigures {
+  std::size_t sessions = 0;
+  CoverageFigures floor{};
+  int most_passes = 0;                ///< of one cell
+  std::optional<double> speed_m_s{};  ///< mean of all passes over all cells; nothing: none drove
+  std::optional<double> speed_low_m_s{};   ///< of ten cells one is driven slower
+  std::optional<double> speed_high_m_s{};  ///< and one faster
+  std::vector<GlassPane> panes{};          ///< that are suspected
+};
+
+}  // namespace loopstone
