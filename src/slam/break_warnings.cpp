@@ -76,7 +76,9 @@ std::string what_ties(const PathBreak& gap) {
       gap.bridge == BreakBridge::kOdometry
           ? std::string(": odometry alone carried the path ") + (gap.ends_log ? "on" : "across") +
                 ", within " + readable_metres(gap.bridge_sigma_m())
-          : ": nothing tells how the robot moved, and it was not found where it had been";
+          : std::string(gap.odometry_m > 0.0 ? ", but odometry was silent for a part of it"
+                                             : ": nothing tells how the robot moved") +
+                ", and it was not found where it had been";
   if (gap.ends_log) return bridge;
   if (gap.closures == 0) {
     return bridge + (gap.bridge == BreakBridge::kOdometry

@@ -21,6 +21,7 @@
 #include "loopstone/slam/odom_frame.hpp"
 #include "loopstone/slam/odometry_turns.hpp"
 #include "loopstone/slam/travelling_things.hpp"
+#include "loopstone/slam/untold_reach.hpp"
 #include "mapping/judged_scans.hpp"
 #include "mapping/map_entropy.hpp"
 #include "mapping/visit_agreement.hpp"
@@ -61,6 +62,7 @@ std::vector<NumberGroup> decision_numbers() {
       number_group("motion_predictor", kMotionPredictor),
       number_group("front_end", kFrontEnd),
       number_group("front_end_rejoin", kFrontEndRejoin),
+      number_group("untold_reach", kUntoldReach),
       number_group("pose_search", kPoseSearch),
       number_group("odom_frame", kOdomFrame),
       number_group("scan_edges", kScanEdges),

@@ -32,6 +32,10 @@ PosePrior2 unknown_about(const Pose2& local_T_robot, double sigma_m, double sigm
           false};
 }
 
+PosePrior2 expected_at(const Pose2& local_T_robot, const UntoldReach& reach, double turn_rad) {
+  return {local_T_robot, reach.covariance(local_T_robot, turn_rad).inverse(), false};
+}
+
 /// Half of the window in which something is looked for.
 double window_of(double sigma) { return kFrontEndRejoin.window_sigmas * sigma; }
 
@@ -48,6 +52,7 @@ void FrontEnd::hold(Stamp stamp, const Pose2& local_T_robot,
                 : seconds;
   }
   own_.held = HeldScan{stamp, local_T_robot, odometry, usual};
+  predictor_.forget_unseen();
 }
 
 bool FrontEnd::is_gap(Stamp stamp) const {
@@ -66,31 +71,50 @@ bool FrontEnd::BlindMotion::is_short() const {
 
 FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& guess,
                                              const std::optional<OdometryReading>& odometry) const {
-  double gap_s = std::numeric_limits<double>::infinity();
-  // Without odometry all along the speed is the laser's guess, and as good as none.
-  if (odometry && own_.held && own_.lost_in_a_row == 0) {
-    gap_s = (stamp - own_.held->stamp).seconds();
-  }
-  BlindMotion blind{unknown_about(
-      guess.local_T_robot, predictor_.fastest_m_s() * gap_s / kFrontEndRejoin.window_sigmas,
-      predictor_.fastest_rad_s() * gap_s / kFrontEndRejoin.window_sigmas)};
-  if (std::isfinite(gap_s)) {
-    const double ahead_m = predictor_.fastest_m_s() * gap_s;
-    const double back_m = predictor_.fastest_back_m_s() * gap_s;
-    const Pose2& from = own_.held->local_T_robot;
-    blind.reach = Reach{from * Pose2{0.5 * (ahead_m - back_m), 0.0, 0.0},
-                        0.5 * (ahead_m + back_m) + kFrontEndRejoin.reach_rest_m,
-                        predictor_.fastest_rad_s() * gap_s + kFrontEndRejoin.reach_rest_rad};
-  }
-  if (!own_.held || stamp <= own_.held->stamp || !own_.held->odometry || !odometry) return blind;
-  const auto told = predictor_.told(*own_.held->odometry, own_.held->stamp, *odometry);
-  if (!told) return blind;
-  blind.prior = {own_.held->local_T_robot * told->motion,
-                 planar_covariance(told->sigma_m, told->sigma_rad).inverse(), true};
+  const bool may_be_told =
+      own_.held && stamp > own_.held->stamp && own_.held->odometry.has_value() && odometry;
+  const auto told = may_be_told ? predictor_.told(*own_.held->odometry, own_.held->stamp, *odometry)
+                                : std::optional<ToldMotion>{};
+  if (!told) return untold_motion(stamp, guess, odometry);
+  BlindMotion blind{{own_.held->local_T_robot * told->motion,
+                     planar_covariance(told->sigma_m, told->sigma_rad).inverse(), true}};
   blind.odometry_m = std::max(hypotenuse(told->motion.x, told->motion.y),
                               odometry->path_m - own_.held->odometry->path_m);
   blind.odometry_rad =
       std::max(std::abs(told->motion.yaw), odometry->turned_rad - own_.held->odometry->turned_rad);
+  return blind;
+}
+
+/// No farther than a robot can that is as fast as it has ever been seen to be, from where odometry
+/// fell silent.
+FrontEnd::BlindMotion FrontEnd::untold_motion(
+    Stamp stamp, const MotionGuess& guess, const std::optional<OdometryReading>& odometry) const {
+  // Without odometry all along the speed is the laser's guess, and as good as none.
+  if (!odometry || !own_.held || own_.lost_in_a_row > 0)
+    return {
+        unknown_about(guess.local_T_robot, kFrontEndRejoin.unknown_m, kFrontEndRejoin.unknown_rad)};
+  BlindMotion blind;
+  PartlyToldMotion way{.untold_s = (stamp - own_.held->stamp).seconds()};
+  if (own_.held->odometry) {
+    const auto told =
+        predictor_.partly_told(*own_.held->odometry, own_.held->stamp, *odometry, stamp);
+    if (told) way = *told;
+    if (way.told_m > kFrontEndRejoin.short_m) blind.odometry_m = way.told_m;
+  }
+  const double ahead_m = predictor_.fastest_m_s() * way.untold_s;
+  const double back_m = predictor_.fastest_back_m_s() * way.untold_s;
+  const double turned_rad = predictor_.fastest_rad_s() * way.untold_s;
+  blind.reach = UntoldReach{
+      .frame_T_start = own_.held->local_T_robot * way.before,
+      .ahead_m = 0.5 * (ahead_m - back_m),
+      .half_xy_m = 0.5 * (ahead_m + back_m) + window_of(way.sigma_m) + kFrontEndRejoin.reach_rest_m,
+      .half_yaw_rad = turned_rad + window_of(way.sigma_rad) + kFrontEndRejoin.reach_rest_rad,
+      .sigma_m = std::min(hypotenuse(ahead_m / kFrontEndRejoin.window_sigmas, way.sigma_m),
+                          kFrontEndRejoin.unknown_m),
+      .sigma_rad = std::min(hypotenuse(turned_rad / kFrontEndRejoin.window_sigmas, way.sigma_rad),
+                            kFrontEndRejoin.unknown_rad),
+      .after = way.after};
+  blind.prior = expected_at(guess.local_T_robot, *blind.reach, blind.reach->sigma_rad);
   return blind;
 }
 
@@ -153,25 +177,25 @@ std::optional<MatchResult> FrontEnd::recognise_around(std::span<const SurfacePoi
 /// The best one, the next one elsewhere, the best that a usual turn leads to, and the one that is
 /// expected.
 std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoint> surfaces,
-                                                     const Reach& reach,
+                                                     const UntoldReach& local_reach,
                                                      const PosePrior2& expected) const {
   const ActiveSubmap& target = active_.front();
-  const Pose2 submap_T_centre = target.local_T_submap.inverse() * reach.local_T_centre;
+  const UntoldReach reach = target.local_T_submap.inverse() * local_reach;
   const auto points = search_points(surfaces);
-  const SearchWindow window{submap_T_centre, std::min(reach.half_xy_m, kFrontEndRejoin.around_m),
-                            std::min(reach.half_yaw_rad, kPi)};
-  const MaxPyramid known = target.submap.freeze().search_pyramid(submap_options_, window.half_xy_m);
+  std::vector<SearchWindow> windows = reach.windows();
+  for (SearchWindow& window : windows)
+    window.half_xy_m = std::min(window.half_xy_m, kFrontEndRejoin.around_m);
+  const MaxPyramid known =
+      target.submap.freeze().search_pyramid(submap_options_, windows.front().half_xy_m);
   std::vector<Place> places;
   const auto consider_match = [&](const MatchResult& match, double found_score) {
     const Pose2& pose = match.target_T_source;
-    const Pose2 off = submap_T_centre.inverse() * pose;
     const auto is_there = [&](const Place& place) {
       const Pose2 apart = place.match.target_T_source.inverse() * pose;
       return apart.translation().norm() < kFrontEndRejoin.elsewhere_m &&
              std::abs(apart.yaw) < kFrontEndRejoin.elsewhere_rad;
     };
-    if (!has_supported_pose(match.status) ||
-        std::max(std::abs(off.x), std::abs(off.y)) > window.half_xy_m ||
+    if (!has_supported_pose(match.status) || !reach.holds(pose) ||
         std::ranges::any_of(places, is_there))
       return;
     const double seen = share_of(seen_by(known, pose, surfaces));
@@ -180,7 +204,7 @@ std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoin
          .value =
              match.score + kFrontEndRejoin.new_counts * (1.0 - seen) -
              kFrontEnd.score_per_chi2 * std::min(kFrontEnd.most_chi2, chi2_from(expected, match)),
-         .turn_rad = std::abs(wrap_angle(pose.yaw - submap_T_centre.yaw)),
+         .turn_rad = std::abs(reach.untold(pose).yaw),
          .explains = match.score >= least_score() || (found_score >= kFrontEndRejoin.partly_score &&
                                                       explains(match, surfaces, known))});
   };
@@ -190,16 +214,27 @@ std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoin
                                  match_options_, 0),
                    found.score);
   };
-  const SearchResult best = search_about_robot(points, known, window, kPoseSearch.min_score);
-  consider(best);
-  if (!best.found) return {};
-  const double least = std::max(kPoseSearch.min_score, kFrontEndRejoin.rival * best.score);
-  consider(search_branch_and_bound(points, known, window, least,
-                                   ExcludedPoses{best.target_T_source, kFrontEndRejoin.elsewhere_m,
-                                                 kFrontEndRejoin.elsewhere_rad}));
-  const SearchWindow usual{submap_T_centre, window.half_xy_m,
-                           std::min(window.half_yaw_rad, kFrontEndRejoin.usual_turn_rad)};
-  consider(search_about_robot(points, known, usual, least));
+  std::vector<SearchResult> bests;
+  double best_score = 0.0;
+  for (const SearchWindow& window : windows) {
+    bests.push_back(search_about_robot(points, known, window, kPoseSearch.min_score));
+    if (bests.back().found) best_score = std::max(best_score, bests.back().score);
+    consider(bests.back());
+  }
+  if (best_score == 0.0) return {};
+  const double least = std::max(kPoseSearch.min_score, kFrontEndRejoin.rival * best_score);
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    if (!bests[i].found) continue;
+    consider(
+        search_branch_and_bound(points, known, windows[i], least,
+                                ExcludedPoses{bests[i].target_T_source, kFrontEndRejoin.elsewhere_m,
+                                              kFrontEndRejoin.elsewhere_rad}));
+  }
+  if (windows.size() == 1) {
+    SearchWindow usual = windows.front();
+    usual.half_yaw_rad = std::min(usual.half_yaw_rad, kFrontEndRejoin.usual_turn_rad);
+    consider(search_about_robot(points, known, usual, least));
+  }
   const MatchResult there = match_to_grid(surfaces, target.submap.surfaces(),
                                           expected.target_T_source, expected, match_options_, 1);
   if (there.score >= kFrontEndRejoin.partly_score) consider_match(there, there.score);
@@ -208,8 +243,8 @@ std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoin
 
 /// Among places that are alike the one wins that explains most of what the scan shows of the known,
 /// and of those that do nearly as well one that the robot turned clearly less for.
-FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces, const Reach& reach,
-                                     const PosePrior2& expected) const {
+FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
+                                     const UntoldReach& reach, const PosePrior2& expected) const {
   PosePrior2 nearer = in_submap(expected);
   nearer.information.topLeftCorner<2, 2>() /=
       kFrontEndRejoin.usually_off * kFrontEndRejoin.usually_off;
@@ -254,7 +289,7 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
       if (ahead.is_certain) {
         match = ahead.match;
       } else {
-        turn_to_match(surfaces, ahead, blind.prior);
+        turn_to_match(surfaces, ahead, *blind.reach, blind.prior);
       }
     } else {
       match = recognise_around(surfaces, blind.prior);
@@ -296,17 +331,17 @@ bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMo
 /// expected explains the scan, the robot most likely went on as it came; else it may be where the
 /// scan fits.
 void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,
-                             PosePrior2& prior) const {
+                             const UntoldReach& reach, PosePrior2& prior) const {
   const PosePrior2 there = in_submap(prior);
   const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
                                           there.target_T_source, there, match_options_, 1);
   const bool goes_on = has_supported_pose(match.status) && match.score >= least_score();
   if (!goes_on && !ahead.match) return;
-  const Eigen::Matrix3d covariance = prior.information.inverse();
   const Pose2 likeliest = goes_on ? in_local(match).target_T_source : ahead.match->target_T_source;
-  prior = unknown_about(
-      likeliest, std::sqrt(position_variance_m2(covariance)),
-      goes_on || ahead.explains ? kFrontEndRejoin.turned_rad : std::sqrt(covariance(2, 2)));
+  prior =
+      expected_at(likeliest, reach,
+                  goes_on || ahead.explains ? std::min(kFrontEndRejoin.turned_rad, reach.sigma_rad)
+                                            : reach.sigma_rad);
 }
 
 /// \param odometry_guides  the guess was odometry's

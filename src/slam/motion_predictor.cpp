@@ -206,16 +206,35 @@ std::optional<ToldMotion> MotionPredictor::told(const OdometryReading& from, Sta
   const Pose2 motion = was_followed
                            ? own_.unseen->motion * corrected_motion(*own_.last_odometry, to)
                            : corrected_motion(from, to);
+  return left_over(motion, from, to);
+}
+
+std::optional<PartlyToldMotion> MotionPredictor::partly_told(const OdometryReading& from,
+                                                             Stamp from_stamp,
+                                                             const OdometryReading& to,
+                                                             Stamp to_stamp) const {
+  if (!from.has_translation || !to.has_translation || !own_.last_odometry) return {};
+  if (checks_ && !(check_.trusts_translation() && check_.trusts_rotation())) return {};
+  UnseenMotion way = own_.unseen.value_or(UnseenMotion{*own_.last_stamp});
+  if (way.from != from_stamp) return {};
+  go_on_unseen(to_stamp, to, way);
+  const ToldMotion told = left_over(way.motion * way.after, from, to);
+  return PartlyToldMotion{way.motion, way.untold_s, way.after,
+                          way.told_m, told.sigma_m, told.sigma_rad};
+}
+
+/// How wrong a motion may be without the errors that are known.
+ToldMotion MotionPredictor::left_over(const Pose2& motion, const OdometryReading& from,
+                                      const OdometryReading& to) const {
   const double reach_m = motion.translation().norm();
   const double path_m = std::max(reach_m, to.path_m - from.path_m);
   const double turned = std::max(std::abs(motion.yaw), to.turned_rad - from.turned_rad);
   const auto left = accuracy_.sigma(path_m, reach_m, correction());
   const double always_rad =
       turns_.sigma_rad(way_and_turn(from.odom_T_robot.inverse() * to.odom_T_robot, path_m));
-  return ToldMotion{motion,
-                    kMotionPredictor.wheel_rest_m + hypotenuse(left.m, 0.5 * always_rad * reach_m),
-                    kMotionPredictor.wheel_rest_rad + kMotionPredictor.turn_share * turned +
-                        hypotenuse(left.rad, always_rad)};
+  return {motion, kMotionPredictor.wheel_rest_m + hypotenuse(left.m, 0.5 * always_rad * reach_m),
+          kMotionPredictor.wheel_rest_rad + kMotionPredictor.turn_share * turned +
+              hypotenuse(left.rad, always_rad)};
 }
 
 void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
@@ -223,7 +242,7 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
   if (own_.last_stamp) {
     const Pose2 motion = own_.last_pose.inverse() * local_T_robot;
     const bool goes_on = odometry && !was_silent(*odometry);
-    follow_unseen(local_T_robot, odometry);
+    follow_unseen(stamp, local_T_robot, odometry, seen);
     if (goes_on && comparable(odometry, own_.last_odometry) && checks_) {
       check_odometry(stamp, motion, *odometry, seen);
       learn_turns(motion, *odometry, seen);
@@ -268,20 +287,32 @@ void MotionPredictor::learn_turns(const Pose2& motion, const OdometryReading& od
   turns_.add(way_and_turn(said, odometry.path_m - own_.last_odometry->path_m), motion.yaw);
 }
 
-/// As long as scans stand where odometry alone would have them.
-void MotionPredictor::follow_unseen(const Pose2& local_T_robot,
-                                    const std::optional<OdometryReading>& odometry) {
-  if (!comparable(odometry, own_.last_odometry) || was_silent(*odometry)) {
+/// As long as scans stand where odometry alone would have them, or nothing tells where they do.
+void MotionPredictor::follow_unseen(Stamp stamp, const Pose2& local_T_robot,
+                                    const std::optional<OdometryReading>& odometry, Seen seen) {
+  const auto is_unseen = [&] {
+    if (!comparable(odometry, own_.last_odometry)) return false;
+    if (was_silent(*odometry)) return !seen.translation && !seen.rotation;
+    return local_T_robot == own_.last_pose * corrected_motion(*own_.last_odometry, *odometry);
+  };
+  if (!is_unseen()) {
     own_.unseen.reset();
     return;
   }
-  const Pose2 step = corrected_motion(*own_.last_odometry, *odometry);
-  if (local_T_robot != own_.last_pose * step) {
-    own_.unseen.reset();
+  if (!own_.unseen) own_.unseen = UnseenMotion{*own_.last_stamp};
+  go_on_unseen(stamp, *odometry, *own_.unseen);
+}
+
+/// From the last scan to the next one.
+void MotionPredictor::go_on_unseen(Stamp stamp, const OdometryReading& odometry,
+                                   UnseenMotion& unseen) const {
+  if (was_silent(odometry)) {
+    unseen.untold_s += (stamp - *own_.last_stamp).seconds();
     return;
   }
-  if (!own_.unseen) own_.unseen = UnseenMotion{*own_.last_stamp, Pose2{}};
-  own_.unseen->motion = own_.unseen->motion * step;
+  Pose2& told = unseen.untold_s > 0.0 ? unseen.after : unseen.motion;
+  told = told * corrected_motion(*own_.last_odometry, odometry);
+  unseen.told_m += odometry.path_m - own_.last_odometry->path_m;
 }
 
 /// How wrong a motion that goes on is, from how wrong it was.

@@ -248,6 +248,35 @@ TEST(BrokenRecording, ABlockedLaserIsNamedAndOdometryIsNotAccused) {
   EXPECT_LE(off_across_m(result.trajectory, log, 29.0, 61.0), 1.3 * odometry_m + 0.05);
 }
 
+/// The laser is covered for 15 s, and for 1.5 s of them all messages are lost: the rest of the way is
+/// known, so that it can't have turned round.
+TEST(BrokenRecording, OfABlockedLaserAndLostCountsOnlyTheSilenceIsUnknown) {
+  SimulationOptions options{.duration_s = small_scale() ? 120.0 : 200.0};
+  options.laser.beams = 361;
+  int told = 0;
+  for (const char* world : {"office", "campus"}) {
+    SimulatedLog log = simulate_log(world, 34, options);
+    Rng rng(3);
+    for (SensorMessage& message : log.messages) {
+      auto* scan = std::get_if<LaserScan>(&message);
+      const double time_s = time_in(log, stamp_of(message));
+      if (scan == nullptr || time_s < 30.0 || time_s >= 45.0) continue;
+      for (float& range_m : scan->ranges_m) range_m = static_cast<float>(rng.uniform(0.05, 0.29));
+    }
+    std::erase_if(log.messages, [&](const SensorMessage& message) {
+      const double time_s = time_in(log, stamp_of(message));
+      return time_s > 43.0 && time_s < 44.5;
+    });
+    const MapResult result = map_of(log, {.loop_closure = false});
+    // No faster than half a metre a second, of which the likeliest is taken.
+    EXPECT_LT(off_across_m(result.trajectory, log, 29.5, 45.5), 1.0)
+        << world << all_of(result.warnings);
+    EXPECT_NE(result.verdict.overall, Verdict::kGood) << world << result.verdict.sentence;
+    told += warning_of(result, "but odometry was silent for a part of it").empty() ? 0 : 1;
+  }
+  EXPECT_GT(told, 0) << "none of them was found again at once";
+}
+
 TEST(BrokenRecording, AFrozenLaserIsNamed) {
   std::vector<float> frozen;
   const SimulatedLog log = with_scans([&](double time_s, LaserScan& scan) {

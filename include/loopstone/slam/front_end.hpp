@@ -18,6 +18,7 @@
 #include "loopstone/slam/path_break.hpp"
 #include "loopstone/slam/tracking_status.hpp"
 #include "loopstone/slam/travelling_things.hpp"
+#include "loopstone/slam/untold_reach.hpp"
 
 namespace loopstone {
 
@@ -298,18 +299,12 @@ class FrontEnd {
   [[nodiscard]] Searched search(std::span<const SurfacePoint> surfaces,
                                 std::span<const PosePrior2> priors,
                                 const MatchResult& matched) const;
-  /// Where a robot may be that drove for some time, by what it has shown.
-  struct Reach {
-    Pose2 local_T_centre{};
-    double half_xy_m = 0.0;
-    double half_yaw_rad = 0.0;
-  };
   /// The motion since the laser last held the pose.
   struct BlindMotion {
     PosePrior2 prior{};       ///< local frame
     double odometry_m = 0.0;  ///< path that odometry tells, where it can be trusted
     double odometry_rad = 0.0;
-    std::optional<Reach> reach{};  ///< where odometry was silent
+    std::optional<UntoldReach> reach{};  ///< where odometry was silent; local frame
 
     /// Odometry says that the robot hardly moved: the scan is aligned as any other.
     [[nodiscard]] bool is_short() const;
@@ -322,6 +317,8 @@ class FrontEnd {
   [[nodiscard]] double longest_step_s() const;
   [[nodiscard]] BlindMotion blind_motion(Stamp stamp, const MotionGuess& guess,
                                          const std::optional<OdometryReading>& odometry) const;
+  [[nodiscard]] BlindMotion untold_motion(Stamp stamp, const MotionGuess& guess,
+                                          const std::optional<OdometryReading>& odometry) const;
   /// The scan on the active submap near where odometry says, if that can be told.
   [[nodiscard]] std::optional<MatchResult> recognise_near(std::span<const SurfacePoint> surfaces,
                                                           const PosePrior2& prior) const;
@@ -340,7 +337,7 @@ class FrontEnd {
     bool explains = false;
   };
   [[nodiscard]] std::vector<Place> places_within(std::span<const SurfacePoint> surfaces,
-                                                 const Reach& reach,
+                                                 const UntoldReach& reach,
                                                  const PosePrior2& expected) const;
   /// Where a robot may be that drove on.
   struct Ahead {
@@ -349,7 +346,7 @@ class FrontEnd {
     bool is_certain = false;             ///< and nowhere else
   };
   /// The same where a robot drove on that nothing told of: part of what it sees may be new.
-  [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const Reach& reach,
+  [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const UntoldReach& reach,
                                  const PosePrior2& expected) const;
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
                             TrackedScan& tracked);
@@ -357,7 +354,7 @@ class FrontEnd {
   [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces,
                                  const BlindMotion& blind) const;
   void turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,
-                     PosePrior2& prior) const;
+                     const UntoldReach& reach, PosePrior2& prior) const;
   [[nodiscard]] Seen take_match(const MatchResult& match, bool is_held, TrackedScan& tracked);
   /// The motion goes on as it was: where odometry may be doubted.
   [[nodiscard]] std::vector<MotionGuess> others_than_odometry(Stamp stamp) const;

@@ -133,12 +133,25 @@ struct ToldMotion {
 /// What odometry told from scan to scan since the laser placed the robot last.
 struct UnseenMotion {
   Stamp from{};
-  Pose2 motion{};
+  Pose2 motion{};         ///< until it fell silent for the first time
+  double untold_s = 0.0;  ///< in which it was silent
+  Pose2 after{};          ///< what it told since
+  double told_m = 0.0;    ///< way that it told
 
   template <typename Archive>
   void archive(Archive& a) {
-    a(from, motion);
+    a(from, motion, untold_s, after, told_m);
   }
+};
+
+/// A motion of which odometry told a part: before * any motion of some time * after.
+struct PartlyToldMotion {
+  Pose2 before{};
+  double untold_s = 0.0;
+  Pose2 after{};
+  double told_m = 0.0;   ///< way
+  double sigma_m = 0.0;  ///< of what was told
+  double sigma_rad = 0.0;
 };
 
 /// Guesses the motion to the next scan: odometry's as long as it can be trusted, else the motion
@@ -166,6 +179,15 @@ class MotionPredictor {
   /// Nothing when it can't be trusted with the translation, or was silent in between.
   [[nodiscard]] std::optional<ToldMotion> told(const OdometryReading& from, Stamp from_stamp,
                                                const OdometryReading& to) const;
+  /// The same of a motion during which it was silent, from scan to scan; nothing, too, where scans
+  /// were placed in between.
+  /// \param from, from_stamp  of the last scan that the laser placed
+  [[nodiscard]] std::optional<PartlyToldMotion> partly_told(const OdometryReading& from,
+                                                            Stamp from_stamp,
+                                                            const OdometryReading& to,
+                                                            Stamp to_stamp) const;
+  /// The robot's place at the newest scan is one to go on from, however it was found.
+  void forget_unseen() { own_.unseen.reset(); }
 
   /// What the laser can tell of a scan's pose.
   struct Seen {
@@ -278,7 +300,11 @@ class MotionPredictor {
   /// How far odometry may be wrong from scan to scan.
   [[nodiscard]] ToldMotion step_reach(const Pose2& said, const OdometryReading& to) const;
   void learn_turns(const Pose2& motion, const OdometryReading& odometry, Seen seen);
-  void follow_unseen(const Pose2& local_T_robot, const std::optional<OdometryReading>& odometry);
+  void follow_unseen(Stamp stamp, const Pose2& local_T_robot,
+                     const std::optional<OdometryReading>& odometry, Seen seen);
+  void go_on_unseen(Stamp stamp, const OdometryReading& odometry, UnseenMotion& unseen) const;
+  [[nodiscard]] ToldMotion left_over(const Pose2& motion, const OdometryReading& from,
+                                     const OdometryReading& to) const;
 
   bool checks_;
   OdometryCheck check_{};

@@ -312,6 +312,43 @@ TEST(MotionPredictor, WhatOdometrySaysAcrossASilenceIsNotAsked) {
   EXPECT_EQ(driven.predictor.check().translation().jumps(), 0);
 }
 
+TEST(MotionPredictor, OfAMotionDuringWhichOdometryWasSilentTheRestIsKnown) {
+  Driven driven = drive(true);
+  const Stamp seen = stamp_at(driven.seconds);
+  driven.predictor.forget_unseen();
+  const OdometryReading at_last{driven.local_T_robot};
+  OdometryReading odometry = at_last;
+  Pose2 placed = driven.local_T_robot;
+  double seconds = driven.seconds;
+  // Covered for two seconds, of which nothing is told between the fifth and the sixth scan.
+  for (int i = 0; i < 20; ++i) {
+    const bool silent = i == 5;
+    seconds += silent ? 1.5 : 0.1;
+    odometry.odom_T_robot = odometry.odom_T_robot * kStep;
+    if (silent) odometry.silent_until = stamp_at(seconds - 0.01);
+    if (i == 19) break;
+    placed = driven.predictor.guesses(stamp_at(seconds), odometry).front().local_T_robot;
+    driven.predictor.settle(stamp_at(seconds), placed, odometry, {});
+  }
+  EXPECT_FALSE(driven.predictor.told(at_last, seen, odometry)) << "not all of it";
+  const auto told = driven.predictor.partly_told(at_last, seen, odometry, stamp_at(seconds));
+  ASSERT_TRUE(told);
+  EXPECT_NEAR(told->untold_s, 1.5, 1e-9);
+  const auto steps = [](int count) {
+    Pose2 motion;
+    for (int i = 0; i < count; ++i) motion = motion * kStep;
+    return motion;
+  };
+  EXPECT_TRUE(pose_near(told->before, steps(5), 1e-9, 1e-9));
+  EXPECT_TRUE(pose_near(told->after, steps(14), 1e-9, 1e-9));
+  EXPECT_GT(told->sigma_m, 0.0);
+  // From a scan that the laser placed meanwhile nothing is known.
+  EXPECT_FALSE(
+      driven.predictor.partly_told(odometry, stamp_at(seconds - 0.1), odometry, stamp_at(seconds)));
+  driven.predictor.settle(stamp_at(seconds), placed, odometry, {true, true});
+  EXPECT_FALSE(driven.predictor.partly_told(at_last, seen, odometry, stamp_at(seconds + 0.1)));
+}
+
 TEST(MotionPredictor, AcrossAGapTheRobotMostLikelyWentOn) {
   const Driven driven = drive(false);
   const Stamp later = stamp_at(driven.seconds + 2.0);
