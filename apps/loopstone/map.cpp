@@ -163,12 +163,13 @@ LogSource source_for(const MapArguments& arguments, const AppContext& context,
 /// A map whose beams are bent or mirrored is made anew from the beginning of the log.
 void correct_beams(const MapArguments& arguments, const LogSource& source, MapPipeline& pipeline,
                    ProgressDisplay& display, MapResult& result) {
-  if (!pipeline.is_bent()) return;
-  result = {};  // its memory is needed
-  const auto reader = source.open_again();
-  CutLog log(*reader, arguments.cut, source.mounts_from_log(), "mapping anew", watch_by(display));
-  result = pipeline.map_anew(log);
-  ProgressDisplay::clear_line();
+  while (pipeline.is_bent()) {
+    result = {};  // its memory is needed
+    const auto reader = source.open_again();
+    CutLog log(*reader, arguments.cut, source.mounts_from_log(), "mapping anew", watch_by(display));
+    result = pipeline.map_anew(log);
+    ProgressDisplay::clear_line();
+  }
 }
 
 std::optional<Pace> pace_of(const MapArguments& arguments) {

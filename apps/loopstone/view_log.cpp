@@ -88,6 +88,7 @@ class LogReplay {
         options_(options),
         clock_(clock),
         feed_(feed),
+        given_(robot),
         robot_(robot),
         threads_(context.threads()) {}
 
@@ -108,10 +109,13 @@ class LogReplay {
     auto mapper = std::make_unique<Mapper>(robot_, options_, threads_);
     const Turn turn = feed(*mapper, true);
     if (turn != Turn::kGoOn) return turn;
-    const Calibration found = is_corrected_ ? Calibration{} : mapper->judge_robot();
-    if (found.map_is_bent()) {
+    int may_begin_anew = is_corrected_ ? 0 : kMostMadeAnew;
+    const auto judge = [&] { return may_begin_anew-- > 0 ? mapper->judge_robot() : Calibration{}; };
+    Calibration found;
+    for (Calibration newest = judge(); newest.map_is_bent(); newest = judge()) {
       is_corrected_ = true;
-      robot_ = corrected_robot(robot_, found);
+      found = beside(found, newest);
+      robot_ = corrected_robot(given_, found);
       recording_.rewind("mapping anew", true);
       feed_.begin_anew(robot_);
       mapper = std::make_unique<Mapper>(robot_, options_, threads_);
@@ -151,6 +155,7 @@ class LogReplay {
   const MapOptions& options_;
   ReplayClock& clock_;
   MapFeed& feed_;
+  RobotModel given_;
   RobotModel robot_;
   Threads threads_;
   bool is_corrected_ = false;

@@ -191,7 +191,7 @@ std::shared_ptr<Mapped> map_messages(const std::vector<SensorMessage>& messages,
   Companion companion(work, plan);
   DriveMapping mapping(robot, options, plan.threads, companion);
   mapped->result = mapping.map(from_beginning("mapping"));
-  if (mapping.is_bent()) mapped->result = mapping.map_anew(from_beginning("mapping anew"));
+  while (mapping.is_bent()) mapped->result = mapping.map_anew(from_beginning("mapping anew"));
   if (!work.goes_on()) throw CalledOff{};
   mapped->robot = mapping.robot();
   mapped->info.log_warnings = mapping.corrections();

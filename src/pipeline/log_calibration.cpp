@@ -109,16 +109,18 @@ RobotFindings calibrate_log(const LogSource& source, LogReader& reader, const Ro
   Reading result = read(log, robot, options, threads);
   findings.log = log.judge(source.path);
   findings.interrupted = log.interrupted();
-  const Calibration first = result.map.calibration;
-  if (first.map_is_bent() && !findings.interrupted) {
+  Calibration found;
+  for (int anew = 0; anew < kMostMadeAnew && result.map.calibration.map_is_bent(); ++anew) {
+    if (findings.interrupted) break;
     // Once more with beams as they are. All else follows from them.
-    findings.given = corrected_robot(findings.given, first);
+    found = beside(found, result.map.calibration);
+    findings.given = corrected_robot(robot, found);
     const auto again = source.open_again();
     CutLog second(*again, cut, source.mounts_from_log(), "calibrating anew", watch);
     result = read(second, findings.given, options, threads);
     findings.interrupted = second.interrupted();
-    tell_of_correction(first, result.map);
   }
+  if (found.map_is_bent()) tell_of_correction(found, result.map);
   findings.wheels = judge_wheels(result.by_wheels, result.map, findings.given.wheels);
   findings.map = std::move(result.map);
   findings.corrected = corrected(findings);

@@ -10,36 +10,40 @@ namespace loopstone {
 
 DriveMapping::DriveMapping(const RobotModel& robot, const MapOptions& options, Threads threads,
                            MappingWatch& watch)
-    : robot_(robot), options_(options), threads_(threads), watch_(watch) {}
+    : given_(robot), robot_(robot), options_(options), threads_(threads), watch_(watch) {}
 
 MapResult DriveMapping::map(const NextMessage& next, bool correct) {
+  return map_once(next, correct);
+}
+
+MapResult DriveMapping::map_anew(const NextMessage& next) {
+  ++made_anew_;
+  found_ = beside(found_, newest_);
+  robot_ = corrected_robot(given_, found_);
+  MapResult result = map_once(next, made_anew_ < kMostMadeAnew);
+  if (is_bent()) return result;
+  result.complete = result.complete && !watch_.is_stopped();
+  corrections_ = tell_of_correction(found_, result);
+  return result;
+}
+
+/// \param correct  a map that is bent is not finished
+MapResult DriveMapping::map_once(const NextMessage& next, bool correct) {
   Mapper mapper(robot_, options_, threads_);
-  watch_.begin(mapper, robot_, false);
+  watch_.begin(mapper, robot_, made_anew_ > 0);
   feed(next, mapper);
-  if (correct && !watch_.is_stopped()) found_ = mapper.judge_robot();
+  newest_ = {};
+  if (correct && !watch_.is_stopped()) newest_ = mapper.judge_robot();
   watch_.finishing(mapper);
   // Who stops wants what there is.
-  if (watch_.is_stopped()) found_ = {};
+  if (watch_.is_stopped()) newest_ = {};
   MapResult result;
   if (is_bent()) {
-    result.calibration = found_;
+    result.calibration = newest_;
   } else {
     result = finish(mapper);
   }
   take_updates(mapper);
-  return result;
-}
-
-MapResult DriveMapping::map_anew(const NextMessage& next) {
-  robot_ = corrected_robot(robot_, found_);
-  Mapper mapper(robot_, options_, threads_);
-  watch_.begin(mapper, robot_, true);
-  feed(next, mapper);
-  watch_.finishing(mapper);
-  MapResult result = finish(mapper);
-  take_updates(mapper);
-  result.complete = result.complete && !watch_.is_stopped();
-  corrections_ = tell_of_correction(found_, result);
   return result;
 }
 
@@ -87,7 +91,7 @@ LogMap map_log(const LogSource& source, LogReader& reader, const LogCut& cut,
   made.result = mapping.map([&log] { return log.next(); }, with.may_begin_anew());
   made.log = log.judge(source.path);
   bool interrupted = log.interrupted();
-  if (mapping.is_bent() && !interrupted) {
+  while (mapping.is_bent() && !interrupted) {
     const std::unique_ptr<LogReader> again = source.open_again();
     CutLog second(*again, cut, source.mounts_from_log(), "mapping anew", watch);
     made.result = mapping.map_anew([&second] { return second.next(); });

@@ -42,6 +42,7 @@
 #include "slam/sensor_faults.hpp"
 #include "slam/surface_adjustment_numbers.hpp"
 #include "slam/sweep_fit.hpp"
+#include "slam/turning_beams.hpp"
 
 namespace loopstone {
 
@@ -63,6 +64,7 @@ std::vector<NumberGroup> decision_numbers() {
       number_group("front_end", kFrontEnd),
       number_group("front_end_rejoin", kFrontEndRejoin),
       number_group("untold_reach", kUntoldReach),
+      number_group("turning_beams", kTurningBeams),
       number_group("pose_search", kPoseSearch),
       number_group("odom_frame", kOdomFrame),
       number_group("scan_edges", kScanEdges),

@@ -12,6 +12,7 @@
 #include "slam/run_clock.hpp"
 #include "slam/sensor_faults.hpp"
 #include "slam/sweep_fit.hpp"
+#include "slam/turning_beams.hpp"
 
 namespace loopstone {
 
@@ -145,6 +146,8 @@ void judge_beams(const std::deque<TrackedPose>& track, const AssumedMounts& moun
   if (!mounts.first || mounts.several) return;
   Calibration& calibration = result.calibration;
   calibration.lidar = mounts.lidar;
+  calibration.turns_opposite =
+      calibration.turns_opposite || turn_votes(submaps, track, mounts.lidar).are_opposite();
   // A base that counts its turns backwards can't be driven by anybody; a laser upside down can.
   const std::optional<double>& with_gyro = result.statistics.wheels_with_gyro;
   calibration.laser_is_mirrored =

@@ -50,7 +50,7 @@ class MappingWatch {
   [[nodiscard]] virtual bool is_stopped() const { return false; }
 };
 
-/// One drive, mapped once or twice.
+/// One drive, mapped once, or as often as its robot turns out to be another one.
 class DriveMapping {
  public:
   /// \param watch  lives as long as this does
@@ -60,10 +60,11 @@ class DriveMapping {
   /// All that `next` gives.
   /// \param correct  false: the drive is not judged, or can't be had again
   [[nodiscard]] MapResult map(const NextMessage& next, bool correct = true);
-  /// The map is bent by beams that are not as they were told: what map() gave has nothing but that
-  /// calibration, and the drive is wanted once more.
-  [[nodiscard]] bool is_bent() const { return found_.map_is_bent(); }
-  /// The same drive again, with the beams that the first mapping asks for.
+  /// The map is bent by beams that are not as they were told: what map() or map_anew() gave has
+  /// nothing but that calibration, and the drive is wanted once more.
+  [[nodiscard]] bool is_bent() const { return newest_.map_is_bent(); }
+  /// The same drive again, with the beams that the last mapping asks for. At most kMostMadeAnew
+  /// times: the last of them is the map.
   [[nodiscard]] MapResult map_anew(const NextMessage& next);
 
   /// That the map was made with.
@@ -72,15 +73,19 @@ class DriveMapping {
   [[nodiscard]] const std::vector<std::string>& corrections() const { return corrections_; }
 
  private:
+  [[nodiscard]] MapResult map_once(const NextMessage& next, bool correct);
   void feed(const NextMessage& next, Mapper& mapper);
   void take_updates(Mapper& mapper);
   [[nodiscard]] MapResult finish(Mapper& mapper);
 
-  RobotModel robot_;
+  RobotModel given_;
+  RobotModel robot_;  ///< by what was found so far
   MapOptions options_;
   Threads threads_;
   MappingWatch& watch_;
-  Calibration found_{};
+  int made_anew_ = 0;
+  Calibration newest_{};  ///< of the last mapping, where it is not the map
+  Calibration found_{};   ///< by all of them
   std::vector<std::string> corrections_{};
 };
 
@@ -103,7 +108,7 @@ struct LogMap {
 ///   const LogMap made = map_log({.path = "run.mcap"});
 ///
 /// `loopstone map LOG`, without what that writes; the floor's pictures are left out.
-/// Cost: of Mapper, once or twice. Throws DataError when nothing can be made of the log, and as
+/// Cost: of Mapper, up to three times. Throws DataError when nothing can be made of the log, and as
 /// open_log() does.
 [[nodiscard]] LogMap map_log(const LogSource& source, const MapOptions& options = {},
                              Threads threads = {});
