@@ -60,8 +60,8 @@ struct TurnVotes {
   [[nodiscard]] bool are_opposite() const;
 };
 
-/// Of a whole drive. It needs no map: in halls and outdoors, where scans are few, a laser whose beams
-/// go the other way is never placed by what it sees.
+/// Of a whole drive. It needs no map: in halls and outdoors, where scans are few, a laser whose
+/// beams go the other way is never placed by what it sees.
 /// \param lidar  LaserScan::lidar
 /// Cost: O(scans * beams).
 [[nodiscard]] TurnVotes turn_votes(std::span<const SubmapRecord> submaps,

@@ -248,8 +248,8 @@ TEST(BrokenRecording, ABlockedLaserIsNamedAndOdometryIsNotAccused) {
   EXPECT_LE(off_across_m(result.trajectory, log, 29.0, 61.0), 1.3 * odometry_m + 0.05);
 }
 
-/// The laser is covered for 15 s, and for 1.5 s of them all messages are lost: the rest of the way is
-/// known, so that it can't have turned round.
+/// The laser is covered for 15 s, and for 1.5 s of them all messages are lost: the rest of the way
+/// is known, so that it can't have turned round.
 TEST(BrokenRecording, OfABlockedLaserAndLostCountsOnlyTheSilenceIsUnknown) {
   SimulationOptions options{.duration_s = small_scale() ? 120.0 : 200.0};
   options.laser.beams = 361;
