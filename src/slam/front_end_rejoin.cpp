@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -104,13 +104,15 @@ FrontEnd::BlindMotion FrontEnd::untold_motion(
   const double ahead_m = predictor_.fastest_m_s() * way.untold_s;
   const double back_m = predictor_.fastest_back_m_s() * way.untold_s;
   const double turned_rad = predictor_.fastest_rad_s() * way.untold_s;
+  const double half_xy_m =
+      0.5 * (ahead_m + back_m) + window_of(way.sigma_m) + kFrontEndRejoin.reach_rest_m;
   blind.reach = UntoldReach{
       .frame_T_start = own_.held->local_T_robot * way.before,
       .ahead_m = 0.5 * (ahead_m - back_m),
-      .half_xy_m = 0.5 * (ahead_m + back_m) + window_of(way.sigma_m) + kFrontEndRejoin.reach_rest_m,
+      .half_xy_m = half_xy_m,
       .half_yaw_rad = turned_rad + window_of(way.sigma_rad) + kFrontEndRejoin.reach_rest_rad,
-      .sigma_m = std::min(hypotenuse(ahead_m / kFrontEndRejoin.window_sigmas, way.sigma_m),
-                          kFrontEndRejoin.unknown_m),
+      // Anywhere within.
+      .sigma_m = std::min(half_xy_m / std::numbers::sqrt3, kFrontEndRejoin.unknown_m),
       .sigma_rad = std::min(hypotenuse(turned_rad / kFrontEndRejoin.window_sigmas, way.sigma_rad),
                             kFrontEndRejoin.unknown_rad),
       .after = way.after};
