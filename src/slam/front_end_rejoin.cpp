@@ -111,8 +111,10 @@ FrontEnd::BlindMotion FrontEnd::untold_motion(
       .ahead_m = 0.5 * (ahead_m - back_m),
       .half_xy_m = half_xy_m,
       .half_yaw_rad = turned_rad + window_of(way.sigma_rad) + kFrontEndRejoin.reach_rest_rad,
-      // Anywhere within.
-      .sigma_m = std::min(half_xy_m / std::numbers::sqrt3, kFrontEndRejoin.unknown_m),
+      // Anywhere within, but it more likely went on than back.
+      .sigma_m = std::min({half_xy_m / std::numbers::sqrt3,
+                           hypotenuse(ahead_m / kFrontEndRejoin.window_sigmas, way.sigma_m),
+                           kFrontEndRejoin.unknown_m}),
       .sigma_rad = std::min(hypotenuse(turned_rad / kFrontEndRejoin.window_sigmas, way.sigma_rad),
                             kFrontEndRejoin.unknown_rad),
       .after = way.after};
