@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <optional>
 
-#include "slam/front_end_numbers.hpp"
 #include "slam/run_clock.hpp"
 
 namespace loopstone {
@@ -53,13 +52,10 @@ std::string what_was_seen(const PathBreak& gap, const MapResult& result, const R
   const std::string gone = gap.odometry_m > 0.0
                                ? "; odometry went " + readable_metres(gap.odometry_m) + " meanwhile"
                                : "";
-  // See FrontEnd::may_be_carried().
-  const bool may_be_carried = gap.bridge == BreakBridge::kOdometry &&
-                              gap.odometry_m <= kFrontEndRejoin.short_m &&
-                              gap.bridge_sigma_m() >= kFrontEndRejoin.carried_along_m;
   return "no usable scans " + (gap.ends_log ? clock.to_the_end(gap.from) : when) + " (a gap of " +
          fmt::format("{:.1f}", (gap.to - gap.from).seconds()) + " s" + gone + ")" +
-         (may_be_carried ? ", and along what it sees then the robot may have been carried" : "");
+         (gap.may_be_carried() ? ", and along what it sees then the robot may have been carried"
+                               : "");
 }
 
 std::string what_ties(const PathBreak& gap) {

@@ -7,6 +7,7 @@
 #include <queue>
 #include <utility>
 
+#include "slam/front_end_numbers.hpp"
 #include "slam/pose_search.hpp"
 
 namespace loopstone {
@@ -47,6 +48,13 @@ double variance_between(const PoseGraph& graph, int from, int to) {
 }  // namespace
 
 double PathBreak::bridge_sigma_m() const { return std::sqrt(position_variance_m2(covariance)); }
+
+// See FrontEnd::may_be_carried().
+bool PathBreak::may_be_carried() const {
+  return cause == BreakCause::kNoScans && bridge == BreakBridge::kOdometry &&
+         odometry_m <= kFrontEndRejoin.short_m &&
+         bridge_sigma_m() >= kFrontEndRejoin.carried_along_m;
+}
 
 void find_ties(std::vector<PathBreak>& breaks, const PoseGraph& graph,
                std::span<const std::size_t> node_scans) {

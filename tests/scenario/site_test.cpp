@@ -67,7 +67,7 @@ class SiteOfAnOffice : public testing::Test {
   }
   static std::string site_of(const TempDir& folder, const std::string& name,
                              const std::vector<std::size_t>& order) {
-    const std::string path = new_site(folder, name);
+    std::string path = new_site(folder, name);
     Site site(path, SiteAccess::kWrite, {2});
     for (const std::size_t i : order) (void)site.add((*sessions_)[i]);
     return path;

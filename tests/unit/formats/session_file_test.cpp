@@ -1,5 +1,6 @@
 #include "loopstone/formats/session_file.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -122,7 +123,7 @@ TEST(SessionFile, StoredFilesOfEveryVersionAreReadOrNamed) {
   for (std::uint32_t version = 1; version < Session::kVersion; ++version) {
     const std::string number = std::to_string(version);
     try {
-      (void)read_session(folder + "/version_" + number + ".loopstone");
+      (void)read_session(fmt::format("{}/version_{}.loopstone", folder, number));
       ADD_FAILURE() << "version " << number << " was taken";
     } catch (const DataError& error) {
       EXPECT_THAT(error.what(), HasSubstr("of version " + number + " of the format"));

@@ -120,7 +120,14 @@ TEST(MapVerdict, AMapIsNoBetterThanWhatTiesItsPieces) {
   EXPECT_EQ(judged(BreakBridge::kNothing, 0, 3.0), Verdict::kBad);
   EXPECT_EQ(judged(BreakBridge::kNothing, 4, 0.05), Verdict::kDoubtful) << "a likeness of places";
   possible_m = 0.3;
+  gap.odometry_m = 3.0;
   EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 0.5), Verdict::kGood) << "no place moves by so much";
+  gap.odometry_m = 0.0;
+  gap.covariance.diagonal() << 2.25, 0.01, 0.01;
+  EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 1.5), Verdict::kDoubtful)
+      << "it may have been carried along walls that agree all the same";
+  EXPECT_EQ(judged(BreakBridge::kOdometry, 2, 0.05), Verdict::kGood) << "it was not";
+  gap.covariance.diagonal() << 0.25, 0.25, 0.01;
   EXPECT_EQ(judged(BreakBridge::kNothing, 0, 0.05), Verdict::kDoubtful);
   gap.ends_log = true;
   EXPECT_EQ(judged(BreakBridge::kOdometry, 0, 0.5), Verdict::kDoubtful) << "no key scan follows it";
