@@ -165,8 +165,8 @@ QualityMeasure breaks(const MapResult& result) {
     ++count;
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
     // One closure by itself may be wrong. What the bridge loses is in what the whole map may be off
-    // by, but for what no key scan follows, and for where somebody may have carried the robot: walls
-    // along which that was are seen to agree all the same.
+    // by, but for what no key scan follows, and for where somebody may have carried the robot:
+    // walls along which that was are seen to agree all the same.
     const bool is_harmless = is_map_right && !gap.ends_log &&
                              gap.bridge == BreakBridge::kOdometry && !gap.may_be_carried();
     const bool tied =
