@@ -213,7 +213,8 @@ std::optional<PartlyToldMotion> MotionPredictor::partly_told(const OdometryReadi
                                                              Stamp from_stamp,
                                                              const OdometryReading& to,
                                                              Stamp to_stamp) const {
-  if (!from.has_translation || !to.has_translation || !own_.last_odometry) return {};
+  if (!from.has_translation || !to.has_translation || !own_.last_odometry || !own_.last_stamp)
+    return {};
   if (checks_ && !(check_.trusts_translation() && check_.trusts_rotation())) return {};
   UnseenMotion way = own_.unseen.value_or(UnseenMotion{*own_.last_stamp});
   if (way.from != from_stamp) return {};
@@ -397,6 +398,10 @@ void MotionPredictor::restore(State state) {
   require_sound(own.steps.size() <= kMostSteps, "more motions than are remembered");
   require_sound(own.steps.empty() || own.last_stamp, "motions before the first scan");
   require_sound(!own.unseen || own.last_odometry, "motion that nothing told");
+  require_sound(!own.unseen || (is_amount(own.unseen->untold_s) && is_amount(own.unseen->told_m) &&
+                                own.unseen->motion.vector().allFinite() &&
+                                own.unseen->after.vector().allFinite()),
+                "motion that is no number");
   require_sound(is_amount(own.coast_variance_m2) && own.coast_variance_m2 > 0.0 &&
                     is_amount(own.coast_variance_rad2) && own.coast_variance_rad2 > 0.0,
                 "a variance that can't be");
