@@ -1,12 +1,11 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,10 +16,10 @@ namespace loopstone::test {
 class TempDir {
  public:
   TempDir() {
-    static std::atomic<int> counter{0};
-    path_ = std::filesystem::temp_directory_path() /
-            ("loopstone-test-" + std::to_string(::getpid()) + "-" + std::to_string(counter++));
-    std::filesystem::create_directories(path_);
+    std::string path = std::filesystem::temp_directory_path() / "loopstone-test-XXXXXX";
+    // What a test of the same number left behind when it was killed is none of its business.
+    if (::mkdtemp(path.data()) == nullptr) throw std::runtime_error(path + ": can't be made");
+    path_ = path;
   }
   ~TempDir() {
     std::error_code ignored;
