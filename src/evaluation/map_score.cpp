@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "loopstone/grid/distance_transform.hpp"
+#include "loopstone/grid/grid_cells.hpp"
 
 namespace loopstone {
 
@@ -17,13 +18,6 @@ bool is_surface(const Grid<CellState>& map, Cell cell) {
     }
   }
   return false;
-}
-
-template <typename Visit>
-void for_each_cell(const GridFrame& frame, Visit&& visit) {
-  for (int row = 0; row < frame.rows; ++row) {
-    for (int column = 0; column < frame.columns; ++column) visit(Cell{column, row});
-  }
 }
 
 template <typename Chosen>

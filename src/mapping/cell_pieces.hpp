@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "loopstone/grid/grid.hpp"
-#include "mapping/shared_grid.hpp"
+#include "loopstone/grid/grid_cells.hpp"
 
 namespace loopstone {
 

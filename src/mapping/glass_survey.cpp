@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "loopstone/grid/block_grid.hpp"
+#include "loopstone/grid/grid_cells.hpp"
 #include "mapping/cell_pieces.hpp"
 #include "mapping/glass_evidence.hpp"
 #include "mapping/glass_looks.hpp"

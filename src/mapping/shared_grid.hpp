@@ -23,10 +23,4 @@ namespace loopstone {
   return off.cwiseAbs().maxCoeff() < 1e-3;
 }
 
-template <typename Visit>
-void for_each_cell(const GridFrame& frame, Visit&& visit) {
-  for (int row = 0; row < frame.rows; ++row)
-    for (int column = 0; column < frame.columns; ++column) visit(Cell{column, row});
-}
-
 }  // namespace loopstone

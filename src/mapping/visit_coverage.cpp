@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "loopstone/base/error.hpp"
-#include "mapping/shared_grid.hpp"
+#include "loopstone/grid/grid_cells.hpp"
 
 namespace loopstone {
 

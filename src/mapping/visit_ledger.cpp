@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "loopstone/base/error.hpp"
+#include "loopstone/grid/grid_cells.hpp"
 #include "mapping/cell_pieces.hpp"
 #include "mapping/shared_grid.hpp"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "loopstone/grid/grid_cells.hpp"
 #include "plan/plan_cells.hpp"
 
 namespace loopstone {
@@ -67,12 +68,6 @@ class FloorFlood {
     return found;
   }
 
-  template <typename Visit>
-  void for_each_cell(Visit&& visit) const {
-    for (int row = 0; row < cells_.frame().rows; ++row)
-      for (int column = 0; column < cells_.frame().columns; ++column) visit(Cell{column, row});
-  }
-
   [[nodiscard]] double area_of(std::size_t count) const {
     return static_cast<double>(count) * cells_.frame().resolution * cells_.frame().resolution;
   }
@@ -82,7 +77,7 @@ class FloorFlood {
     const auto is_floor = [&](Cell cell) {
       return barriers_[cell] == 0 && is_free_cell(cells_, cell);
     };
-    for_each_cell([&](Cell seed) {
+    for_each_cell(cells_.frame(), [&](Cell seed) {
       if (seen[seed] != 0 || !is_floor(seed)) return;
       const std::vector<Cell> found = flood(seed, seen, is_floor);
       if (area_of(found.size()) < kPlanRooms.room_least_m2) return;
@@ -99,7 +94,7 @@ class FloorFlood {
       return barriers_[cell] == 0 && parts_.part_of[cell] == FloorParts::kNone;
     };
     std::vector<std::pair<int, std::vector<Cell>>> filled;
-    for_each_cell([&](Cell seed) {
+    for_each_cell(cells_.frame(), [&](Cell seed) {
       if (seen[seed] != 0 || !is_pocket(seed)) return;
       std::vector<Cell> found = flood(seed, seen, is_pocket);
       if (area_of(found.size()) > kPlanRooms.pocket_most_m2) return;

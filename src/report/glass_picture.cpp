@@ -2,6 +2,7 @@
 #include <optional>
 #include <vector>
 
+#include "loopstone/grid/grid_cells.hpp"
 #include "loopstone/mapping/glass_survey.hpp"
 #include "report/site_pictures.hpp"
 
@@ -37,15 +38,12 @@ Image draw_glass_picture(const SiteGrids& grids, const SiteGround& ground) {
   const double radius =
       std::max(0.75 * frame.resolution * sheet.view().pixels_per_metre(), 0.8 * sheet.sizes().path);
   return sheet.draw([&](Canvas& canvas) {
-    for (int row = 0; row < frame.rows; ++row) {
-      for (int column = 0; column < frame.columns; ++column) {
-        const auto probability = static_cast<double>(grids.glass[{column, row}]);
-        if (probability < kGlassSurvey.suspected) continue;
-        const Colour colour = glass_colour(probability);
-        canvas.disc(sheet.view().pixel_of(frame.centre_of({column, row})), radius, colour, 0.0,
-                    colour);
-      }
-    }
+    for_each_cell(frame, [&](Cell cell) {
+      const auto probability = static_cast<double>(grids.glass[cell]);
+      if (probability < kGlassSurvey.suspected) return;
+      const Colour colour = glass_colour(probability);
+      canvas.disc(sheet.view().pixel_of(frame.centre_of(cell)), radius, colour, 0.0, colour);
+    });
   });
 }
 

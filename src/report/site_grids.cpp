@@ -12,6 +12,7 @@
 
 #include "formats/atomic_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
+#include "loopstone/grid/grid_cells.hpp"
 #include "loopstone/report/site_outputs.hpp"
 #include "report/mask_files.hpp"
 #include "report/output_files.hpp"
@@ -29,10 +30,7 @@ std::int8_t capped(double value) {
 template <typename Value>
 CellStates mask_of(const GridFrame& frame, Value&& value) {
   CellStates mask(frame, kUnknownCell);
-  for (int row = 0; row < frame.rows; ++row) {
-    for (int column = 0; column < frame.columns; ++column)
-      mask[{column, row}] = value(Cell{column, row});
-  }
+  for_each_cell(frame, [&](Cell cell) { mask[cell] = value(cell); });
   return mask;
 }
 
@@ -71,16 +69,14 @@ std::string travel_csv(const Grid<CellTravel>& travel) {
   const auto to = std::back_inserter(text);
   fmt::format_to(to, "x_m,y_m,passes,speed_m_s\n");
   const GridFrame& frame = travel.frame();
-  for (int row = 0; row < frame.rows; ++row) {
-    for (int column = 0; column < frame.columns; ++column) {
-      const CellTravel& cell = travel[{column, row}];
-      if (cell.passes == 0) continue;
-      const Eigen::Vector2d at = frame.centre_of({column, row});
-      fmt::format_to(to, "{:.3f},{:.3f},{},", at.x(), at.y(), cell.passes);
-      if (const auto speed = cell.speed_m_s()) fmt::format_to(to, "{:.3f}", *speed);
-      text.push_back('\n');
-    }
-  }
+  for_each_cell(frame, [&](Cell cell) {
+    const CellTravel& driven = travel[cell];
+    if (driven.passes == 0) return;
+    const Eigen::Vector2d at = frame.centre_of(cell);
+    fmt::format_to(to, "{:.3f},{:.3f},{},", at.x(), at.y(), driven.passes);
+    if (const auto speed = driven.speed_m_s()) fmt::format_to(to, "{:.3f}", *speed);
+    text.push_back('\n');
+  });
   return fmt::to_string(text);
 }
 

@@ -9,6 +9,7 @@
 
 #include "formats/atomic_file.hpp"
 #include "loopstone/formats/ros_map.hpp"
+#include "loopstone/grid/grid_cells.hpp"
 #include "report/canvas.hpp"
 #include "report/map_view.hpp"
 #include "report/mask_files.hpp"
@@ -83,15 +84,13 @@ Image draw_movable_picture(const Grid<float>& movable, const OccupancyMap& map) 
   sheet.add_swatch(kMovable, "stands there on some visits: the darker, the more often");
   return sheet.draw([&](Canvas& canvas) {
     const GridFrame& frame = movable.frame();
-    for (int row = 0; row < frame.rows; ++row) {
-      for (int column = 0; column < frame.columns; ++column) {
-        const float share = movable[{column, row}];
-        if (share <= 0.0F) continue;
-        Colour colour = kMovable;
-        colour.alpha = 0.25 + 0.75 * static_cast<double>(share);
-        fill_cell(frame, {column, row}, colour, sheet.view(), canvas);
-      }
-    }
+    for_each_cell(frame, [&](Cell cell) {
+      const float share = movable[cell];
+      if (share <= 0.0F) return;
+      Colour colour = kMovable;
+      colour.alpha = 0.25 + 0.75 * static_cast<double>(share);
+      fill_cell(frame, cell, colour, sheet.view(), canvas);
+    });
   });
 }
 
