@@ -90,8 +90,8 @@ class LookTaker {
  private:
   void look_at(const WallPiece& piece, const JudgedBeam& beam, const Eigen::Vector2f& u,
                std::vector<PieceLook>& looks) const {
-    const float before = piece.normal.dot(beam.start - piece.position);
-    const float behind = -piece.normal.dot(beam.end - piece.position);
+    const float before = across(piece, beam.start);
+    const float behind = -across(piece, beam.end);
     if (!(before > kBehindM && behind > kBehindM)) return;
     const float cosine = -piece.normal.dot(u);
     if (!(cosine > static_cast<float>(kVisitAgreement.least_incidence))) return;
@@ -102,13 +102,9 @@ class LookTaker {
               std::vector<PieceLook>& looks) const {
     const float cosine = -piece.normal.dot(u);
     if (!(cosine > static_cast<float>(kVisitAgreement.least_incidence))) return;
-    const Eigen::Vector2f off = beam.end - piece.position;
-    if (std::abs(piece.normal.dot(off)) <= kOnM && std::abs(along(piece, beam.end)) <= kHalfPieceM)
+    if (std::abs(across(piece, beam.end)) <= kOnM &&
+        std::abs(along(piece, beam.end)) <= kHalfPieceM)
       add(piece, cosine, true, looks);
-  }
-  static float along(const WallPiece& piece, const Eigen::Vector2f& point) {
-    const Eigen::Vector2f off = point - piece.position;
-    return piece.normal.x() * off.y() - piece.normal.y() * off.x();
   }
   void add(const WallPiece& piece, float cosine, bool returned,
            std::vector<PieceLook>& looks) const {
@@ -130,15 +126,14 @@ std::vector<bool> those_that_go_on(const PieceIndex& index) {
     bool left = false;
     bool right = false;
     index.for_each_around(index.cell_of(piece.position), kReach, [&](const WallPiece& other) {
-      const Eigen::Vector2f off = other.position - piece.position;
       if (piece.normal.dot(other.normal) < kSameFacing ||
-          std::abs(piece.normal.dot(off)) > static_cast<float>(kGlassSurvey.off_line_m))
+          std::abs(across(piece, other.position)) > static_cast<float>(kGlassSurvey.off_line_m))
         return;
-      const float along = piece.normal.x() * off.y() - piece.normal.y() * off.x();
-      if (std::abs(along) < kHalfPieceM ||
-          std::abs(along) > static_cast<float>(kGlassSurvey.beside_m))
+      const float to_left = along(piece, other.position);
+      if (std::abs(to_left) < kHalfPieceM ||
+          std::abs(to_left) > static_cast<float>(kGlassSurvey.beside_m))
         return;
-      (along > 0.0F ? left : right) = true;
+      (to_left > 0.0F ? left : right) = true;
     });
     goes_on.push_back(left && right);
   }

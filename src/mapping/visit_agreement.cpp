@@ -22,14 +22,6 @@ constexpr auto kLeastIncidence = static_cast<float>(kVisitAgreement.least_incide
 constexpr auto kMostBeamM = static_cast<float>(kVisitAgreement.most_beam_m);
 constexpr auto kHeldOutEvery = static_cast<std::size_t>(kVisitAgreement.held_out_every);
 
-float across(const WallPiece& piece, const Eigen::Vector2f& point) {
-  return piece.normal.dot(point - piece.position);
-}
-float along(const WallPiece& piece, const Eigen::Vector2f& point) {
-  const Eigen::Vector2f offset = point - piece.position;
-  return std::abs(piece.normal.x() * offset.y() - piece.normal.y() * offset.x());
-}
-
 template <typename Part>
 std::vector<Part> joined(const std::vector<std::vector<Part>>& parts) {
   std::vector<Part> all;
@@ -71,13 +63,14 @@ bool passes(const JudgedBeam& beam, const WallPiece& piece, float margin_m) {
   if (!(before > margin_m && behind < -margin_m)) return false;
   const Eigen::Vector2f way = beam.end - beam.start;
   if (before - behind < kLeastIncidence * way.norm()) return false;
-  return along(piece, beam.start + way * (before / (before - behind))) <= kHalfPieceM;
+  return std::abs(along(piece, beam.start + way * (before / (before - behind)))) <= kHalfPieceM;
 }
 
 bool ends_on(const JudgedBeam& beam, const WallPiece& piece, float margin_m) {
   const Eigen::Vector2f way = beam.end - beam.start;
   return -piece.normal.dot(way) >= kLeastIncidence * way.norm() &&
-         std::abs(across(piece, beam.end)) <= margin_m && along(piece, beam.end) <= kAlongM;
+         std::abs(across(piece, beam.end)) <= margin_m &&
+         std::abs(along(piece, beam.end)) <= kAlongM;
 }
 
 void meet(const JudgedBeam& beam, int stretch, const PieceIndex& index, float margin_m,
@@ -125,7 +118,7 @@ std::vector<WallOffset> wall_offsets(const PieceIndex& index, int stretches, Thr
       index.for_each_around(index.cell_of(piece.position), kReach, [&](const WallPiece& other) {
         if (!are_apart(piece.stretch, other.stretch) ||
             piece.normal.dot(other.normal) < kSameFacing ||
-            along(piece, other.position) > kBesideM) {
+            std::abs(along(piece, other.position)) > kBesideM) {
           return;
         }
         const float distance_m = std::abs(across(piece, other.position));
@@ -169,7 +162,8 @@ HeldOut held_out_agreement(std::span<const JudgedScan> scans, const PieceIndex& 
         constexpr int kReach =
             static_cast<int>(0.5 * kMapQuality.most_offset_m / kWallPieces.piece_m);
         index.for_each_around(index.cell_of(seen.surface), kReach, [&](const WallPiece& piece) {
-          if (piece.normal.dot(seen.normal) < kSameFacing || along(piece, seen.surface) > kAlongM) {
+          if (piece.normal.dot(seen.normal) < kSameFacing ||
+              std::abs(along(piece, seen.surface)) > kAlongM) {
             return;
           }
           const bool here = std::abs(across(piece, seen.surface)) <= tolerance_m;

@@ -42,6 +42,17 @@ struct WallPiece {
   int stretch = 0;
 };
 
+/// How far a point lies before a piece of wall, on the side that it was seen from [m].
+[[nodiscard]] inline float across(const WallPiece& piece, const Eigen::Vector2f& point) {
+  return piece.normal.dot(point - piece.position);
+}
+/// How far along the wall a point lies from the middle of the piece, to the left as seen from the
+/// wall [m].
+[[nodiscard]] inline float along(const WallPiece& piece, const Eigen::Vector2f& point) {
+  const Eigen::Vector2f offset = point - piece.position;
+  return piece.normal.x() * offset.y() - piece.normal.y() * offset.x();
+}
+
 /// Whether two stretches are different visits.
 [[nodiscard]] inline bool are_apart(int a, int b) {
   return std::abs(a - b) >= kMapQuality.stretches_apart;
