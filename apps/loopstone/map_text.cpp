@@ -18,7 +18,7 @@ void add_site_rows(const SiteFigures& site, Result& table) {
   const double percent = floor.free_m2 > 0.0 ? 100.0 / floor.free_m2 : 0.0;
   table.add_row("seen by the newest session",
                 fmt::format("{:.0f} % of the free area", percent * floor.free_seen_by_newest_m2));
-  const double never_m2 = floor.free_m2 - floor.free_driven_m2;
+  const double never_m2 = floor.free_never_driven_m2();
   table.add_row("never driven", fmt::format("{:.0f} %, {:.1f} m2", percent * never_m2, never_m2));
   if (site.speed_m_s) table.add_row("speed", fmt::format("{:.2f}", *site.speed_m_s), "m/s");
   double glass_m = 0.0;

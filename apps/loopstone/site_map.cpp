@@ -77,7 +77,8 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const SiteFigures figures = figures_of(*map.grids, map.result.map);
   const MapExtras extras{.site = &figures};
   write_map_outputs(map.result, info, arguments.out, extras);
-  write_site_grids(*map.grids, map.movable, map.result.map, arguments.out, context.threads());
+  write_site_grids(*map.grids, figures, map.movable, map.result.map, arguments.out,
+                   context.threads());
   return tell_map(map.result, extras, info, {.out = arguments.out}, context);
 }
 

@@ -84,7 +84,7 @@ void save_map(const Shared& self, const PathLike& folder, bool force) {
   write_map_outputs(self->result, info, folder.value,
                     {.site = self->site ? &*self->site : nullptr});
   if (self->grids) {
-    write_site_grids(*self->grids, self->movable, self->result.map, folder.value,
+    write_site_grids(*self->grids, *self->site, self->movable, self->result.map, folder.value,
                      Threads{info.threads});
   } else {
     write_movable(self->movable, self->result.map, folder.value);

@@ -1,5 +1,6 @@
 #include "loopstone/mapping/visit_coverage.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -10,14 +11,20 @@ namespace loopstone {
 
 namespace {
 
-constexpr double kDayS = 86'400.0;
+double days_between(Stamp from, Stamp to) { return (to - from).seconds() / 86'400.0; }
 
 }  // namespace
 
 std::optional<double> VisitCoverage::days_since_seen(Cell cell) const {
   const std::size_t last = newest[cell];
   if (last == 0) return {};
-  return (begins.back() - begins[last - 1]).seconds() / kDayS;
+  return days_between(begins[last - 1], begins.back());
+}
+
+double VisitCoverage::longest_days() const {
+  double days = 0.0;
+  for (const Stamp visit : begins) days = std::max(days, days_between(visit, begins.back()));
+  return days;
 }
 
 VisitCoverage coverage_of(const VisitLedger& ledger, std::vector<Stamp> begins) {

@@ -21,14 +21,6 @@ const Colour kDriven = hex_colour(0xffffff);
 /// Hatching of the floor that was driven [cells].
 constexpr int kHatch = 4;
 
-/// From the oldest visit to the newest one.
-double longest_days(const VisitCoverage& coverage) {
-  double days = 0.0;
-  for (const Stamp begins : coverage.begins)
-    days = std::max(days, (coverage.begins.back() - begins).seconds() / 86'400.0);
-  return days;
-}
-
 std::string days_ago(double days) {
   const double whole = std::max(1.0, std::ceil(days));
   return fmt::format("{:.0f} {}", whole, whole > 1.0 ? "days ago" : "day ago");
@@ -43,7 +35,7 @@ void add_legend(const SiteGrids& grids, SiteSheet& sheet) {
     sheet.add_ramp(
         "not by the newest: last 1 day ago",
         [](double share) { return ramp_colour(kUnseen, share); },
-        days_ago(longest_days(grids.coverage)));
+        days_ago(grids.coverage.longest_days()));
   }
   sheet.add_hatched(ramp_colour(kSeen, 1.0), kDriven, "driven over");
 }
@@ -54,7 +46,7 @@ Image draw_coverage_picture(const SiteGrids& grids, const OccupancyMap& map,
                             const SiteGround& ground) {
   const VisitCoverage& coverage = grids.coverage;
   const auto others = static_cast<double>(coverage.begins.size()) - 1.0;
-  const double longest = longest_days(coverage);
+  const double longest = coverage.longest_days();
   SiteSheet sheet(ground);
   sheet.tint([&](Cell cell) -> std::optional<Colour> {
     if (map.observed[cell] == 0) return {};

@@ -11,6 +11,7 @@
 #include "loopstone/formats/image.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "report/html_parts.hpp"
+#include "report/summary.hpp"
 #include "report/text.hpp"
 
 namespace loopstone {
@@ -38,7 +39,7 @@ Json closure_json(const LoopClosure& closure) {
           {"sigma_x_m", std::sqrt(closure.covariance(0, 0))},
           {"sigma_y_m", std::sqrt(closure.covariance(1, 1))},
           {"sigma_yaw_rad", std::sqrt(closure.covariance(2, 2))},
-          {"chi2", closure.chi2 ? Json(*closure.chi2) : Json()}};
+          {"chi2", optional_number(closure.chi2)}};
 }
 
 Json edit_json(const ToldEdit& told) {

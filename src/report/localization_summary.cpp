@@ -11,8 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
 Json pose_json(const LocalizationEstimate& estimate) {
   return {{"stamp_s", estimate.stamp.seconds()},
           {"x_m", estimate.map_T_robot.x},

@@ -113,10 +113,10 @@ SiteFigures figures_of(const SiteGrids& grids, const OccupancyMap& map) {
   return figures;
 }
 
-void write_site_grids(const SiteGrids& grids, const Grid<float>& movable, const OccupancyMap& map,
+void write_site_grids(const SiteGrids& grids, const SiteFigures& figures,
+                      const Grid<float>& movable, const OccupancyMap& map,
                       const std::string& folder, Threads threads) {
   make_folder(folder);
-  const SiteFigures figures = figures_of(grids, map);
   const SiteGround ground(map);
   const auto write_picture = [&](const char* name, const Image& picture) {
     write_png(folder + "/" + name, picture, kPngCompression);

@@ -41,11 +41,9 @@ Json pace_json(const PaceFigures& pace) {
           {"worst_computing_s", pace.computing.worst_s}};
 }
 
-Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
 Json site_json(const SiteFigures& site) {
   const CoverageFigures& floor = site.floor;
-  const double never_driven_m2 = floor.free_m2 - floor.free_driven_m2;
+  const double never_driven_m2 = floor.free_never_driven_m2();
   Json glass = Json::array();
   for (const GlassPane& pane : site.panes) {
     glass.push_back(Json{{"x_m", {pane.low.x(), pane.high.x()}},
@@ -61,9 +59,9 @@ Json site_json(const SiteFigures& site) {
       {"free_never_driven_m2", never_driven_m2},
       {"free_never_driven_share", ratio_or_zero(never_driven_m2, floor.free_m2)},
       {"most_passes", site.most_passes},
-      {"speed_m_s", number_or_null(site.speed_m_s)},
-      {"speed_low_m_s", number_or_null(site.speed_low_m_s)},
-      {"speed_high_m_s", number_or_null(site.speed_high_m_s)},
+      {"speed_m_s", optional_number(site.speed_m_s)},
+      {"speed_low_m_s", optional_number(site.speed_low_m_s)},
+      {"speed_high_m_s", optional_number(site.speed_high_m_s)},
       {"glass", glass},
   };
 }

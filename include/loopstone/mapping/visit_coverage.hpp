@@ -20,6 +20,8 @@ struct VisitCoverage {
 
   /// From the visit that saw a cell last to the newest visit [days]; nothing: no visit saw it.
   [[nodiscard]] std::optional<double> days_since_seen(Cell cell) const;
+  /// From the oldest visit to the newest one.
+  [[nodiscard]] double longest_days() const;
   [[nodiscard]] bool seen_by_newest(Cell cell) const { return newest[cell] == begins.size(); }
 };
 
@@ -33,6 +35,8 @@ struct CoverageFigures {
   double free_m2 = 0.0;
   double free_seen_by_newest_m2 = 0.0;
   double free_driven_m2 = 0.0;  ///< some robot's footprint came over it
+
+  [[nodiscard]] double free_never_driven_m2() const { return free_m2 - free_driven_m2; }
 };
 
 /// All of the same frame. Cost: O(cells).

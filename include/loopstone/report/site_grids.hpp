@@ -22,8 +22,10 @@ namespace loopstone {
 ///   glass          probability of glass [%], with glass.png
 ///
 /// Throws DataError.
+/// \param figures  of the grids and the map
 /// \param movable  of the same cells
-void write_site_grids(const SiteGrids& grids, const Grid<float>& movable, const OccupancyMap& map,
+void write_site_grids(const SiteGrids& grids, const SiteFigures& figures,
+                      const Grid<float>& movable, const OccupancyMap& map,
                       const std::string& folder, Threads threads);
 
 }  // namespace loopstone

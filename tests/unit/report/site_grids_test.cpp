@@ -85,7 +85,8 @@ TEST(SiteGrids, OfASiteWithoutFloorThereAreNoShares) {
 TEST(SiteGrids, MasksHaveTheValuesOfTheirCells) {
   const Room room;
   const TempDir folder;
-  write_site_grids(room.grids, Grid<float>(kFrame), room.map, folder / "out", {2});
+  write_site_grids(room.grids, figures_of(room.grids, room.map), Grid<float>(kFrame), room.map,
+                   folder / "out", {2});
   struct Expected {
     const char* name;
     std::array<int, 5> values;  ///< unseen, wall, lane, where robots turned, seen long ago
@@ -114,7 +115,8 @@ TEST(SiteGrids, MasksHaveTheValuesOfTheirCells) {
 TEST(SiteGrids, TheTableHasEachCellThatWasDriven) {
   const Room room;
   const TempDir folder;
-  write_site_grids(room.grids, Grid<float>(kFrame), room.map, folder / "out", {1});
+  write_site_grids(room.grids, figures_of(room.grids, room.map), Grid<float>(kFrame), room.map,
+                   folder / "out", {1});
   std::istringstream table(folder.read("out/travel.csv"));
   std::vector<std::string> lines;
   for (std::string line; std::getline(table, line);) lines.push_back(line);
