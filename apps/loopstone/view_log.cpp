@@ -109,10 +109,11 @@ class LogReplay {
     auto mapper = std::make_unique<Mapper>(robot_, options_, threads_);
     const Turn turn = feed(*mapper, true);
     if (turn != Turn::kGoOn) return turn;
-    int may_begin_anew = is_corrected_ ? 0 : kMostMadeAnew;
-    const auto judge = [&] { return may_begin_anew-- > 0 ? mapper->judge_robot() : Calibration{}; };
+    const int most = is_corrected_ ? 0 : kMostMadeAnew;
     Calibration found;
-    for (Calibration newest = judge(); newest.map_is_bent(); newest = judge()) {
+    for (int anew = 0; anew < most; ++anew) {
+      const Calibration newest = mapper->judge_robot();
+      if (!newest.map_is_bent()) break;
       is_corrected_ = true;
       found = beside(found, newest);
       robot_ = corrected_robot(given_, found);

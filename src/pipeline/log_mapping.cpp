@@ -13,22 +13,6 @@ DriveMapping::DriveMapping(const RobotModel& robot, const MapOptions& options, T
     : given_(robot), robot_(robot), options_(options), threads_(threads), watch_(watch) {}
 
 MapResult DriveMapping::map(const NextMessage& next, bool correct) {
-  return map_once(next, correct);
-}
-
-MapResult DriveMapping::map_anew(const NextMessage& next) {
-  ++made_anew_;
-  found_ = beside(found_, newest_);
-  robot_ = corrected_robot(given_, found_);
-  MapResult result = map_once(next, made_anew_ < kMostMadeAnew);
-  if (is_bent()) return result;
-  result.complete = result.complete && !watch_.is_stopped();
-  corrections_ = tell_of_correction(found_, result);
-  return result;
-}
-
-/// \param correct  a map that is bent is not finished
-MapResult DriveMapping::map_once(const NextMessage& next, bool correct) {
   Mapper mapper(robot_, options_, threads_);
   watch_.begin(mapper, robot_, made_anew_ > 0);
   feed(next, mapper);
@@ -44,6 +28,17 @@ MapResult DriveMapping::map_once(const NextMessage& next, bool correct) {
     result = finish(mapper);
   }
   take_updates(mapper);
+  return result;
+}
+
+MapResult DriveMapping::map_anew(const NextMessage& next) {
+  ++made_anew_;
+  found_ = beside(found_, newest_);
+  robot_ = corrected_robot(given_, found_);
+  MapResult result = map(next, made_anew_ < kMostMadeAnew);
+  if (is_bent()) return result;
+  result.complete = result.complete && !watch_.is_stopped();
+  corrections_ = tell_of_correction(found_, result);
   return result;
 }
 

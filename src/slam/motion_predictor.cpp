@@ -196,10 +196,15 @@ Pose2 MotionPredictor::corrected_motion(const OdometryReading& from,
                                 to.path_m - from.path_m);
 }
 
+/// Both readings have a translation, and odometry is trusted with all of a motion.
+bool MotionPredictor::may_tell(const OdometryReading& from, const OdometryReading& to) const {
+  return from.has_translation && to.has_translation &&
+         (!checks_ || (check_.trusts_translation() && check_.trusts_rotation()));
+}
+
 std::optional<ToldMotion> MotionPredictor::told(const OdometryReading& from, Stamp from_stamp,
                                                 const OdometryReading& to) const {
-  if (!from.has_translation || !to.has_translation) return {};
-  if (checks_ && !(check_.trusts_translation() && check_.trusts_rotation())) return {};
+  if (!may_tell(from, to)) return {};
   if (to.silent_until && *to.silent_until > from_stamp) return {};
   // From scan to scan, if there were any, for then it is known where it turned.
   const bool was_followed = own_.unseen && own_.unseen->from == from_stamp;
@@ -213,9 +218,7 @@ std::optional<PartlyToldMotion> MotionPredictor::partly_told(const OdometryReadi
                                                              Stamp from_stamp,
                                                              const OdometryReading& to,
                                                              Stamp to_stamp) const {
-  if (!from.has_translation || !to.has_translation || !own_.last_odometry || !own_.last_stamp)
-    return {};
-  if (checks_ && !(check_.trusts_translation() && check_.trusts_rotation())) return {};
+  if (!may_tell(from, to) || !own_.last_odometry || !own_.last_stamp) return {};
   UnseenMotion way = own_.unseen.value_or(UnseenMotion{*own_.last_stamp});
   if (way.from != from_stamp) return {};
   go_on_unseen(to_stamp, to, way);

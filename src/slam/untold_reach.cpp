@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "slam/scan_edges.hpp"
 
 namespace loopstone {
 
@@ -22,10 +24,8 @@ bool UntoldReach::holds(const Pose2& frame_T_robot) const {
 Eigen::Matrix3d UntoldReach::covariance(const Pose2& frame_T_robot, double turn_rad) const {
   const Eigen::Vector2d arm =
       frame_T_robot.translation() - (frame_T_robot * after.inverse()).translation();
-  const Eigen::Vector3d turned(-arm.y(), arm.x(), 1.0);
-  Eigen::Matrix3d sum = turn_rad * turn_rad * turned * turned.transpose();
-  sum.topLeftCorner<2, 2>().diagonal().array() += sigma_m * sigma_m;
-  return sum;
+  const Eigen::Matrix3d lever = lever_of(arm);
+  return lever * planar_covariance(sigma_m, turn_rad) * lever.transpose();
 }
 
 std::vector<SearchWindow> UntoldReach::windows() const {

@@ -73,7 +73,6 @@ class DriveMapping {
   [[nodiscard]] const std::vector<std::string>& corrections() const { return corrections_; }
 
  private:
-  [[nodiscard]] MapResult map_once(const NextMessage& next, bool correct);
   void feed(const NextMessage& next, Mapper& mapper);
   void take_updates(Mapper& mapper);
   [[nodiscard]] MapResult finish(Mapper& mapper);

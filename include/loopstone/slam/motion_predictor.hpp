@@ -302,6 +302,7 @@ class MotionPredictor {
   void learn_turns(const Pose2& motion, const OdometryReading& odometry, Seen seen);
   void follow_unseen(Stamp stamp, const Pose2& local_T_robot,
                      const std::optional<OdometryReading>& odometry, Seen seen);
+  [[nodiscard]] bool may_tell(const OdometryReading& from, const OdometryReading& to) const;
   void go_on_unseen(Stamp stamp, const OdometryReading& odometry, UnseenMotion& unseen) const;
   [[nodiscard]] ToldMotion left_over(const Pose2& motion, const OdometryReading& from,
                                      const OdometryReading& to) const;
