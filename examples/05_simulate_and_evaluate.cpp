@@ -13,7 +13,7 @@ using namespace loopstone;
 namespace {
 
 AbsoluteError report(const char* name, const Trajectory& estimate, const Trajectory& truth) {
-  const AbsoluteError error = absolute_error(estimate, truth, Alignment::kSe2);
+  AbsoluteError error = absolute_error(estimate, truth, Alignment::kSe2);
   std::printf("%-16s %8.3f m rmse %8.3f m max %8.2f deg rmse\n", name, error.translation_m.rmse,
               error.translation_m.max, degrees(error.rotation_rad.rmse));
   return error;

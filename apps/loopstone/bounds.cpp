@@ -35,9 +35,11 @@ bool holds(double figure, const Bound& bound) {
 }  // namespace
 
 Bound parse_bound(const std::string& text) {
-  const UsageError wrong("--require " + text + ": must read like ate_rmse_m<=0.05 (or <, >=, >)");
+  const auto wrong = [&] {
+    return UsageError("--require " + text + ": must read like ate_rmse_m<=0.05 (or <, >=, >)");
+  };
   const auto at = text.find_first_of("<>");
-  if (at == 0 || at == std::string::npos) throw wrong;
+  if (at == 0 || at == std::string::npos) throw wrong();
   const bool or_equal = at + 1 < text.size() && text[at + 1] == '=';
   const std::string number = text.substr(at + (or_equal ? 2 : 1));
   std::size_t used = 0;
@@ -45,9 +47,9 @@ Bound parse_bound(const std::string& text) {
   try {
     value = std::stod(number, &used);
   } catch (const std::exception&) {
-    throw wrong;
+    throw wrong();
   }
-  if (used != number.size()) throw wrong;
+  if (used != number.size()) throw wrong();
   return {text.substr(0, at), text.substr(at, or_equal ? 2 : 1), value};
 }
 

@@ -101,7 +101,7 @@ AbsoluteError add_trajectory_errors(Result& result, const Arguments& arguments,
                                     const Trajectory& estimate, const AppContext& context) {
   const Stretch stretch = parse_stretch(arguments.rpe);
   const Trajectory reference = read_reference(arguments, context);
-  const AbsoluteError absolute = absolute_error(estimate, reference, arguments.align);
+  AbsoluteError absolute = absolute_error(estimate, reference, arguments.align);
   if (absolute.poses == 0) {
     throw DataError({arguments.estimate}, "has no time in common with the reference: it covers " +
                                               span_of(estimate) + ", the reference " +

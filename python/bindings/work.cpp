@@ -16,8 +16,10 @@ constexpr std::chrono::milliseconds kBetweenLooks{40};
 
 bool Work::tell(const Progress& progress) {
   const std::lock_guard lock(mutex_);
-  news_ = News{std::string(progress.step), progress.done, progress.total, progress.scans,
-               progress.recorded_s};
+  // A step may come and go between two looks.
+  if (news_.empty() || news_.back().step != progress.step) news_.emplace_back();
+  news_.back() = {std::string(progress.step), progress.done, progress.total, progress.scans,
+                  progress.recorded_s};
   return !stopped_;
 }
 
@@ -34,9 +36,9 @@ bool Work::wait() {
   return !changed_.wait_for(lock, kBetweenLooks, [this] { return done_; });
 }
 
-std::optional<Work::News> Work::take_news() {
+std::vector<Work::News> Work::take_news() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(news_, std::nullopt);
+  return std::exchange(news_, {});
 }
 
 void work_until_done(const nb::object& progress, const std::function<void(Work&)>& body) {
@@ -53,9 +55,10 @@ void work_until_done(const nb::object& progress, const std::function<void(Work&)
   const auto look = [&] {
     try {
       if (PyErr_CheckSignals() != 0) throw nb::python_error();
-      const auto news = work.take_news();
-      if (news && !progress.is_none())
-        progress(news->step, news->done, news->total, news->scans, news->recorded_s);
+      for (const Work::News& news : work.take_news()) {
+        if (!progress.is_none())
+          progress(news.step, news.done, news.total, news.scans, news.recorded_s);
+      }
     } catch (...) {
       reason = std::current_exception();
       work.stopped_ = true;

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "loopstone/base/progress.hpp"
 
@@ -45,14 +46,15 @@ class Work {
   void end(std::exception_ptr error);
   /// False once the work is done.
   [[nodiscard]] bool wait();
-  [[nodiscard]] std::optional<News> take_news();
+  /// The newest of each step since the last look.
+  [[nodiscard]] std::vector<News> take_news();
 
   std::atomic<bool> stopped_{false};
   std::mutex mutex_{};
   std::condition_variable changed_{};
   bool done_ = false;
   std::exception_ptr error_{};
-  std::optional<News> news_{};
+  std::vector<News> news_{};
 };
 
 /// What the work throws; what `progress` raises, and KeyboardInterrupt, once the work has ended.

@@ -91,7 +91,7 @@ double free_overlap(const Grid<CellState>& map, const Grid<CellState>& truth,
 Grid<CellState> classify_cells(const Grid<std::int8_t>& occupancy_percent) {
   Grid<CellState> states(occupancy_percent.frame(), CellState::kUnknown);
   for (std::size_t i = 0; i < states.cells().size(); ++i) {
-    const int percent = occupancy_percent.cells()[i];
+    const std::int8_t percent = occupancy_percent.cells()[i];
     if (percent >= 65) states.cells()[i] = CellState::kOccupied;
     if (percent >= 0 && percent <= 20) states.cells()[i] = CellState::kFree;
   }

@@ -23,6 +23,8 @@ from loopstone_fleet.sites import join_sites
 from loopstone_fleet.status import DONE
 
 MIN_MEMORY = 16 << 20
+# From the end of an executor to that of its last process.
+LAST_WORKER_S = 2.0
 
 
 class RunCall(NamedTuple):
@@ -133,9 +135,11 @@ def _map_all(
         run.run(chain([first], tasks))
     except BaseException:
         stop(settings)
-        raise
-    finally:
         executor.close()
+        # A signal to the whole group ends a cluster's workers, too, before they could tidy up.
+        store.sweep_work(LAST_WORKER_S)
+        raise
+    executor.close()
     if run.rows_lost:
         progress.say(
             f"{run.rows_lost} rows could not be written for lack of space; their maps are kept:"

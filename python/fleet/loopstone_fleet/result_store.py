@@ -102,15 +102,37 @@ class ResultStore:
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
-    def sweep_work(self) -> None:
-        """Removes what workers of this machine left that were killed."""
-        for folder in (self.out / "work").glob(f"{socket.gethostname()}-*-*"):
-            pid = folder.name.rsplit("-", 2)[1]
-            if pid.isdigit() and not Path(f"/proc/{pid}").exists():
-                shutil.rmtree(folder, ignore_errors=True)
+    def sweep_work(self, patience_s: float = 0.0) -> None:
+        """Removes what workers of this machine left that were killed; those that are about to end
+        have `patience_s` for it."""
+        until = time.monotonic() + patience_s
+        while self._sweep_folders() and time.monotonic() < until:
+            time.sleep(0.05)
         for path in (self.out / "work").glob("stop-*"):
             if time.time() - path.stat().st_mtime > STOPPED_S:
                 path.unlink(missing_ok=True)
+
+    def _sweep_folders(self) -> int:
+        """How many are left, of workers that live."""
+        kept = 0
+        for folder in (self.out / "work").glob(f"{socket.gethostname()}-*-*"):
+            pid = folder.name.rsplit("-", 2)[1]
+            if not pid.isdigit():
+                continue
+            if is_running(int(pid)):
+                kept += 1
+            else:
+                shutil.rmtree(folder, ignore_errors=True)
+        return kept
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process of this machine has not ended, be it that nobody asked for its end yet."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state not in "ZX"
 
 
 def read_json(path: Path) -> Row | None:

@@ -6,6 +6,7 @@ import importlib.util
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -16,6 +17,7 @@ import pytest
 
 from conftest import Fleet, simulate
 from loopstone_fleet.main import main
+from loopstone_fleet.result_store import ResultStore
 
 
 def test_maps_real_logs_to_rows_table_and_page(real_fleet: Fleet) -> None:
@@ -282,6 +284,30 @@ def test_an_interrupt_ends_children_and_keeps_rows(
     assert parquet.read_table(fleet.out / "fleet.parquet").num_rows == 2
     assert b"interrupted" in said and b"Traceback" not in said, said
     assert list((fleet.out / "work").iterdir()) == []
+
+
+def test_work_of_processes_that_end_is_swept(tmp_path: Path) -> None:
+    store = ResultStore(tmp_path)
+    store.make()
+    ended = subprocess.Popen(["true"])
+    ending = subprocess.Popen(["sleep", "0.3"])
+    living = subprocess.Popen(["sleep", "60"])
+    folders = [
+        tmp_path / "work" / f"{socket.gethostname()}-{process.pid}-abc"
+        for process in (ended, ending, living)
+    ]
+    try:
+        for folder in folders:
+            folder.mkdir()
+        assert is_gone(ended.pid)  # which nobody asked for its end yet
+        store.sweep_work()
+        assert [folder.exists() for folder in folders] == [False, True, True]
+        store.sweep_work(patience_s=1.0)
+        assert [folder.exists() for folder in folders] == [False, False, True]
+    finally:
+        living.kill()
+        for process in (ended, ending, living):
+            process.wait()
 
 
 def test_a_killed_run_leaves_no_child_and_goes_on(fleet: Fleet) -> None:
