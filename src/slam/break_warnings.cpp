@@ -58,6 +58,17 @@ std::string what_was_seen(const PathBreak& gap, const MapResult& result, const R
                                : "");
 }
 
+std::string what_bridges(const PathBreak& gap) {
+  if (gap.bridge == BreakBridge::kOdometry) {
+    return std::string(": odometry alone carried the path ") + (gap.ends_log ? "on" : "across") +
+           ", within " + readable_metres(gap.bridge_sigma_m());
+  }
+  if (gap.cause == BreakCause::kCarried) return ", and it was not found where it was put down";
+  return std::string(gap.odometry_m > 0.0 ? ", but odometry was silent for a part of it"
+                                          : ": nothing tells how the robot moved") +
+         ", and it was not found where it had been";
+}
+
 std::string what_ties(const PathBreak& gap) {
   if (gap.cause == BreakCause::kNewDrive) {
     if (gap.closures == 0) {
@@ -68,13 +79,7 @@ std::string what_ties(const PathBreak& gap) {
                        gap.closures == 1 ? " ties" : "s tie", readable_metres(gap.tie_sigma_m));
   }
   if (gap.bridge == BreakBridge::kLaser) return "; it was found again nearby";
-  std::string bridge =
-      gap.bridge == BreakBridge::kOdometry
-          ? std::string(": odometry alone carried the path ") + (gap.ends_log ? "on" : "across") +
-                ", within " + readable_metres(gap.bridge_sigma_m())
-          : std::string(gap.odometry_m > 0.0 ? ", but odometry was silent for a part of it"
-                                             : ": nothing tells how the robot moved") +
-                ", and it was not found where it had been";
+  std::string bridge = what_bridges(gap);
   if (gap.ends_log) return bridge;
   if (gap.closures == 0) {
     return bridge + (gap.bridge == BreakBridge::kOdometry

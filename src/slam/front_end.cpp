@@ -243,13 +243,11 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
   const auto blind = [&] { return blind_motion(stamp, sighting.likeliest(), sighting.odometry); };
   if (is_gap(stamp)) {
     const BlindMotion motion = blind();
+    if (rested(motion, stamp)) return rejoin_after_rest(sighting.matched(), motion, stamp, tracked);
     if (!motion.is_short()) return rejoin(sighting.matched(), motion, stamp, tracked);
   }
   const Seen seen = follow(sighting, tracked);
-  if (!is_gap(stamp)) return seen;
-  const BlindMotion motion = blind();  // also of one that had been lost
-  if (may_be_carried(motion, stamp, tracked)) return begin_along(motion, stamp, tracked);
-  note_gap(motion, BreakCause::kNoScans, stamp, tracked);
+  if (is_gap(stamp)) note_gap(blind(), BreakCause::kNoScans, stamp, tracked);  // also of one lost
   return seen;
 }
 
@@ -308,8 +306,7 @@ void FrontEnd::give_up_or_ride(const Sighting& sighting, TrackedScan& tracked) {
   }
   // It was carried meanwhile, and is looked for all around.
   BlindMotion carried = told;
-  carried.prior = carried_from(own_.held->local_T_robot, stamp);
-  const auto match = recognise_around(sighting.matched(), carried.prior);
+  const auto match = find_carried(sighting.matched(), stamp, carried.prior);
   if (!match) {
     begin_piece(carried, BreakCause::kCarried, stamp, tracked);
     return;

@@ -268,8 +268,14 @@ FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
   const MatchResult& match = likeliest->match;
   const bool is_tight =
       std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m;
+  const auto faces_elsewhere = [&](const Place& place) {
+    const double apart = wrap_angle(place.match.target_T_source.yaw - match.target_T_source.yaw);
+    return std::abs(apart) >= kFrontEndRejoin.elsewhere_rad && is_rival(place);
+  };
   return {.match = in_local(match),
+          .value = likeliest->value,
           .explains = likeliest->explains,
+          .faces_certainly = likeliest->explains && std::ranges::none_of(places, faces_elsewhere),
           .is_certain = likeliest->explains && is_tight && std::ranges::none_of(places, is_rival)};
 }
 
@@ -282,22 +288,19 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
   BreakCause cause = BreakCause::kNoScans;
   if (blind.prior.holds_unobserved) {
     match = recognise_near(surfaces, blind.prior);
-    if (!match && was_carried(surfaces, blind)) {
+    if (!match && was_carried(surfaces, blind, stamp)) {
       cause = BreakCause::kCarried;
-      blind.prior = carried_from(blind.prior.target_T_source, stamp);
+      match = find_carried(surfaces, stamp, blind.prior);
     }
-  }
-  if (!match && !blind.prior.holds_unobserved) {
-    if (cause == BreakCause::kNoScans && blind.reach) {
-      const Ahead ahead = look_ahead(surfaces, *blind.reach, blind.prior);
-      if (ahead.is_certain) {
-        match = ahead.match;
-      } else {
-        turn_to_match(surfaces, ahead, *blind.reach, blind.prior);
-      }
+  } else if (blind.reach) {
+    const Ahead ahead = look_ahead(surfaces, *blind.reach, blind.prior);
+    if (ahead.is_certain) {
+      match = ahead.match;
     } else {
-      match = recognise_around(surfaces, blind.prior);
+      turn_to_match(surfaces, ahead, *blind.reach, blind.prior);
     }
+  } else {
+    match = recognise_around(surfaces, blind.prior);
   }
   if (!match) {
     begin_piece(blind, cause, stamp, tracked);
@@ -308,18 +311,59 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
   return seen;
 }
 
-/// As far as somebody walks with it in the time, or across a room, whichever way it faces then.
-PosePrior2 FrontEnd::carried_from(const Pose2& local_T_robot, Stamp stamp) const {
-  const double gap_s = (stamp - own_.held->stamp).seconds();
-  const double walked_m = kMotionPredictor.walking_m_s * gap_s / kFrontEndRejoin.window_sigmas;
-  return unknown_about(local_T_robot, std::max(kFrontEndRejoin.carried_m, walked_m),
-                       kFrontEndRejoin.unknown_rad);
+/// A robot that stood sees what it saw, unless it turned, or somebody stands before it.
+FrontEnd::Seen FrontEnd::rejoin_after_rest(std::span<const SurfacePoint> surfaces,
+                                           const BlindMotion& blind, Stamp stamp,
+                                           TrackedScan& tracked) {
+  const PosePrior2 there = in_submap(blind.prior);
+  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
+                                          there.target_T_source, there, match_options_, 1);
+  const bool fits = match.status != MatchStatus::kTooFewPairs && match.score >= least_score() &&
+                    chi2_from(there, match) <= kFrontEndRejoin.fits_chi2;
+  if (fits && rests_on_odometry(in_local(match).covariance))
+    return begin_along(in_local(match), blind, stamp, tracked);
+  return rejoin(surfaces, blind, stamp, tracked);
 }
 
-/// The scan contradicts the submap where odometry says that the robot hardly moved.
-bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMotion& blind) const {
+UntoldReach FrontEnd::carried_from(const Pose2& local_T_robot, Stamp stamp) const {
+  const double gap_s = (stamp - own_.held->stamp).seconds();
+  const double walked_m = kMotionPredictor.walking_m_s * gap_s / kFrontEndRejoin.window_sigmas;
+  const double sigma_m =
+      std::min(std::max(kFrontEndRejoin.carried_m, walked_m), kFrontEndRejoin.unknown_m);
+  // A gyro feels hands, too.
+  const double sigma_rad =
+      predictor_.heading_is_steady() ? kFrontEndRejoin.turned_rad : kFrontEndRejoin.unknown_rad;
+  return {.frame_T_start = local_T_robot,
+          .half_xy_m = window_of(sigma_m),
+          .half_yaw_rad = window_of(sigma_rad),
+          .sigma_m = sigma_m,
+          .sigma_rad = sigma_rad,
+          .is_carried = true};
+}
+
+std::optional<MatchResult> FrontEnd::find_carried(std::span<const SurfacePoint> surfaces,
+                                                  Stamp stamp, PosePrior2& prior) const {
+  const UntoldReach reach = carried_from(prior.target_T_source, stamp);
+  prior = expected_at(prior.target_T_source, reach, reach.sigma_rad);
+  const Ahead ahead = look_ahead(surfaces, reach, prior);
+  // Of so many places one that explains little less than usual is no chance.
+  if (ahead.is_certain && ahead.value >= least_score()) return ahead.match;
+  if (ahead.explains) {
+    prior =
+        expected_at(ahead.match->target_T_source, reach,
+                    ahead.faces_certainly ? std::min(kFrontEndRejoin.turned_rad, reach.sigma_rad)
+                                          : reach.sigma_rad);
+  }
+  return {};
+}
+
+/// The scan contradicts the submap where odometry says that the robot hardly moved; where it says
+/// that it stood for long, it is enough that the scan does not fit.
+bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
+                           Stamp stamp) const {
   if (options_.odometry == OdometryUse::kTrust || blind.odometry_m > kFrontEndRejoin.short_m)
     return false;
+  if (rested(blind, stamp) && blind.odometry_rad <= kFrontEndRejoin.short_rad) return true;
   const PosePrior2 there = in_submap(blind.prior);
   const Eigen::Matrix3d covariance = there.information.inverse();
   const double cell_m = submap_options_.search_cell_m;
@@ -365,22 +409,19 @@ TrackingStatus FrontEnd::tracking_of(const TrackedScan& tracked, bool odometry_g
                                                     : TrackingStatus::kTracked;
 }
 
-/// The laser holds the pose again, in the submap that it held it before.
-bool FrontEnd::may_be_carried(const BlindMotion& blind, Stamp stamp,
-                              const TrackedScan& tracked) const {
+bool FrontEnd::rested(const BlindMotion& blind, Stamp stamp) const {
   return options_.odometry != OdometryUse::kTrust && blind.prior.holds_unobserved &&
          blind.odometry_m <= kFrontEndRejoin.short_m &&
-         (stamp - own_.held->stamp).seconds() >= kFrontEndRejoin.carried_s &&
-         rests_on_odometry(tracked.covariance);
+         (stamp - own_.held->stamp).seconds() >= kFrontEndRejoin.carried_s;
 }
 
-FrontEnd::Seen FrontEnd::begin_along(BlindMotion blind, Stamp stamp, TrackedScan& tracked) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      tracked.covariance.topLeftCorner<2, 2>());
+FrontEnd::Seen FrontEnd::begin_along(const MatchResult& match, BlindMotion blind, Stamp stamp,
+                                     TrackedScan& tracked) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(match.covariance.topLeftCorner<2, 2>());
   const Eigen::Vector2d way = kFrontEndRejoin.carried_along_m * axes.eigenvectors().col(1);
-  Eigen::Matrix3d covariance = tracked.covariance;
+  Eigen::Matrix3d covariance = match.covariance;
   covariance.topLeftCorner<2, 2>() += way * way.transpose();
-  blind.prior.target_T_source = tracked.local_T_robot;
+  blind.prior.target_T_source = match.target_T_source;
   blind.prior.information = covariance.inverse();
   begin_piece(blind, BreakCause::kNoScans, stamp, tracked);
   return {};

@@ -32,7 +32,10 @@ std::vector<SearchWindow> UntoldReach::windows() const {
   const double most_rad = std::min(half_yaw_rad, kPi);
   const double arm_m = after.translation().norm();
   const bool swings = arm_m * most_rad > half_xy_m;
-  const double beside = swings ? 0.5 * (most_rad / kUntoldReach.slice_rad - 1.0) : 0.0;
+  const double slice_rad = swings       ? kUntoldReach.slice_rad
+                           : is_carried ? kUntoldReach.carried_slice_rad
+                                        : most_rad;
+  const double beside = 0.5 * (most_rad / slice_rad - 1.0);
   const int count = 2 * std::max(static_cast<int>(std::ceil(beside)), 0) + 1;
   const double half_slice_rad = most_rad / count;
   std::vector<SearchWindow> windows;

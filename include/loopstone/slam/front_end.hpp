@@ -342,17 +342,27 @@ class FrontEnd {
   /// Where a robot may be that drove on.
   struct Ahead {
     std::optional<MatchResult> match{};  ///< where it most likely is
+    double value = 0.0;                  ///< of that place
     bool explains = false;               ///< the scan does fit there
-    bool is_certain = false;             ///< and nowhere else
+    bool faces_certainly = false;        ///< and nowhere else facing another way
+    bool is_certain = false;             ///< and nowhere else at all
   };
   /// The same where a robot drove on that nothing told of: part of what it sees may be new.
   [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const UntoldReach& reach,
                                  const PosePrior2& expected) const;
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
                             TrackedScan& tracked);
-  [[nodiscard]] PosePrior2 carried_from(const Pose2& local_T_robot, Stamp stamp) const;
-  [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces,
-                                 const BlindMotion& blind) const;
+  /// A scan before which somebody may have carried the robot.
+  [[nodiscard]] Seen rejoin_after_rest(std::span<const SurfacePoint> surfaces,
+                                       const BlindMotion& blind, Stamp stamp, TrackedScan& tracked);
+  /// As far as somebody walks with it in the time, or across a room, facing any way that odometry
+  /// would not have felt.
+  [[nodiscard]] UntoldReach carried_from(const Pose2& local_T_robot, Stamp stamp) const;
+  /// Where it was carried to, if that can be told; else the prior is what can.
+  [[nodiscard]] std::optional<MatchResult> find_carried(std::span<const SurfacePoint> surfaces,
+                                                        Stamp stamp, PosePrior2& prior) const;
+  [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
+                                 Stamp stamp) const;
   void turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,
                      const UntoldReach& reach, PosePrior2& prior) const;
   [[nodiscard]] Seen take_match(const MatchResult& match, bool is_held, TrackedScan& tracked);
@@ -360,13 +370,11 @@ class FrontEnd {
   [[nodiscard]] std::vector<MotionGuess> others_than_odometry(Stamp stamp) const;
   [[nodiscard]] TrackingStatus tracking_of(const TrackedScan& tracked, bool odometry_guides,
                                            Stamp stamp) const;
-  /// Nobody saw it for a while, odometry says that it stood, and what the laser sees after leaves
-  /// open how far along it is.
-  [[nodiscard]] bool may_be_carried(const BlindMotion& blind, Stamp stamp,
-                                    const TrackedScan& tracked) const;
+  /// Nobody saw it for a while, and odometry says that it stood.
+  [[nodiscard]] bool rested(const BlindMotion& blind, Stamp stamp) const;
   /// A piece that begins where the scan was matched, which may be anywhere along what it leaves
   /// open.
-  Seen begin_along(BlindMotion blind, Stamp stamp, TrackedScan& tracked);
+  Seen begin_along(const MatchResult& match, BlindMotion blind, Stamp stamp, TrackedScan& tracked);
   void note_gap(const BlindMotion& blind, BreakCause cause, Stamp stamp,
                 TrackedScan& tracked) const;
   void begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp, TrackedScan& tracked);

@@ -76,6 +76,25 @@ TEST(UntoldReach, WindowsCoverAllOfIt) {
   }
 }
 
+TEST(UntoldReach, WhoWasCarriedIsLookedForFacingEachWayByItself) {
+  const UntoldReach reach{.frame_T_start = {3.0, -2.0, 0.7},
+                          .half_xy_m = 6.0,
+                          .half_yaw_rad = 3.6,
+                          .sigma_m = 3.0,
+                          .sigma_rad = 1.8,
+                          .is_carried = true};
+  const std::vector<SearchWindow> windows = reach.windows();
+  EXPECT_GE(windows.size(), 9U);
+  double turned_rad = 0.0;
+  for (const SearchWindow& window : windows) {
+    EXPECT_LE(window.half_yaw_rad, kUntoldReach.carried_slice_rad);
+    EXPECT_EQ(window.half_xy_m, reach.half_xy_m);
+    EXPECT_LT((window.centre.translation() - reach.frame_T_start.translation()).norm(), 1e-12);
+    turned_rad += 2.0 * window.half_yaw_rad;
+  }
+  EXPECT_NEAR(turned_rad, 2.0 * kPi, 1e-9) << "once around";
+}
+
 TEST(UntoldReach, ATurnMovesWhatCameAfter) {
   UntoldReach reach = swinging();
   reach.sigma_m = 0.02;
