@@ -16,6 +16,13 @@ foreach(source IN LISTS sources)
   endif()
 endforeach()
 
+# A script that uses the program.
+if(LOOPSTONE_TESTS AND TARGET loopstone_program)
+  add_test(NAME example.two_floors COMMAND "${PROJECT_SOURCE_DIR}/tests/examples/check_two_floors.sh"
+                                           "$<TARGET_FILE:loopstone_program>" "${CMAKE_CURRENT_BINARY_DIR}/examples/two_floors")
+  set_tests_properties(example.two_floors PROPERTIES LABELS example TIMEOUT 300)
+endif()
+
 # A page that shows lines of an example and what it prints.
 if(LOOPSTONE_TESTS)
   find_package(Python3 3.9 REQUIRED COMPONENTS Interpreter)

@@ -45,11 +45,12 @@ void read_site(std::string_view bytes) {
   const SiteFile file(path, SiteAccess::kRead);
   (void)file.check();
   for (const SiteSession& session : file.sessions())
-    if (session.status == SessionStatus::kJoined || session.status == SessionStatus::kPending)
+    if (session.status != SessionStatus::kRefused && session.status != SessionStatus::kRetired)
       (void)file.record(session);
   (void)file.pairs();
   (void)file.placements();
   (void)file.events();
+  (void)file.edits();
 }
 
 /// Behind the checksums: four bytes for each byte of a good record that changes (position, value).

@@ -35,7 +35,7 @@ GROUPS = {
     "sites": (
         "Sites",
         "One map of a building from many drives.",
-        "Site SiteSession SiteMap SiteChanges MapChange SiteTie SiteEvent SitePruning DateLike",
+        "Site SiteSession SiteMap SiteChanges MapChange SiteTie SiteEvent SiteEdit SitePruning DateLike",
     ),
     "plans": (
         "Floor plans",

@@ -24,6 +24,11 @@ void add_site_rows(const SiteFigures& site, Result& table) {
   double glass_m = 0.0;
   for (const GlassPane& pane : site.panes) glass_m += pane.length_m();
   table.add_row("glass suspected", fmt::format("{} panes, {:.1f} m", site.panes.size(), glass_m));
+  if (site.edits.empty()) return;
+  const auto pieces = std::ranges::count_if(
+      site.edits, [](const SiteEditFigure& e) { return e.cells.has_value(); });
+  table.add_row("by hand", fmt::format("{} sessions left out, {} pieces set",
+                                       std::ssize(site.edits) - pieces, pieces));
 }
 
 void print_result(const MapResult& result, const MapExtras& extras, const RunInfo& info,

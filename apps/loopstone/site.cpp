@@ -19,7 +19,9 @@ Examples:
   loopstone site show office.site                           its sessions, and what became of each
   loopstone site map office.site -o out                     the map of today, as `loopstone map` writes one
   loopstone site changes office.site --from 2026-10-01 -o changes
-                                                            what appeared and what is gone since then)";
+                                                            what appeared and what is gone since then
+  loopstone site edit office.site --wall "1,2 4,2 4,2.1 1,2.1"
+                                                            a glass wall that no laser sees; `--undo` takes it back)";
 
 }  // namespace
 
@@ -62,6 +64,7 @@ void add_site_command(CLI::App& app, AppContext& context) {
   add_site_add_command(*site, context);
   add_site_map_commands(*site, context);
   add_site_show_commands(*site, context);
+  add_site_edit_commands(*site, context);
   add_site_care_commands(*site, context);
   site->footer(kFooter);
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "app.hpp"
@@ -15,6 +16,7 @@ namespace loopstone::app {
 void add_site_add_command(CLI::App& site, AppContext& context);
 void add_site_map_commands(CLI::App& site, AppContext& context);
 void add_site_show_commands(CLI::App& site, AppContext& context);
+void add_site_edit_commands(CLI::App& site, AppContext& context);
 void add_site_care_commands(CLI::App& site, AppContext& context);
 
 /// Says once that another program writes the site; Ctrl-C ends the waiting and the search.
@@ -26,5 +28,6 @@ void add_site_care_commands(CLI::App& site, AppContext& context);
                               std::optional<Stamp> (*parse)(const std::string&) = parse_utc);
 
 [[nodiscard]] nlohmann::ordered_json json_of(const SiteSession& session);
+[[nodiscard]] nlohmann::ordered_json json_of(std::span<const SiteCorrection> edits);
 
 }  // namespace loopstone::app

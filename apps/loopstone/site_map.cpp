@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "commands.hpp"
@@ -13,6 +16,7 @@
 #include "loopstone/report/peak_memory.hpp"
 #include "loopstone/report/site_grids.hpp"
 #include "loopstone/report/site_outputs.hpp"
+#include "loopstone/report/site_recording.hpp"
 #include "loopstone/version.hpp"
 #include "map_text.hpp"
 #include "output_path.hpp"
@@ -28,7 +32,9 @@ OUT then holds what `loopstone map` writes, of all sessions that are joined, dra
 once two visits in a row saw through it. Beside it movable.png and movable.pgm: where visits are not of one mind, such as doors and
 chairs, and how often something stood there. coverage.png (sessions that saw the floor, and how long ago), travel.png (where robots
 drove, how often and how fast) and glass.png (surfaces that are suspected to be glass), each with grids as map_server reads them.
-`loopstone localize LOG --map OUT` uses the map.)";
+graph.g2o is the pose graph of all sessions, and sessions.csv says which nodes and which trajectory are whose; `loopstone optimize`
+reads it. --mcap FILE leaves map, paths, closures and poses for Foxglove. `loopstone localize LOG --map OUT` uses the map,
+`loopstone export SITE` draws it as a plan.)";
 
 constexpr const char* kChangesFooter = R"(
 OUT then holds changes.png and changes.csv (metres of the map). Dates are those of the sessions: what the last ones
@@ -37,6 +43,7 @@ until each date agreed on. Sessions that newer ones have replaced are gone: the 
 struct Arguments {
   std::string site;
   std::string out;
+  std::string mcap;
   std::string date;
   std::string from;
   bool force = false;
@@ -50,6 +57,7 @@ Outputs outputs_of(const Arguments& arguments, const AppContext& context) {
   Outputs outputs(context, arguments.force);
   outputs.reads(arguments.site);
   outputs.add_folder("-o", arguments.out);
+  if (!arguments.mcap.empty()) outputs.add_file("--mcap", arguments.mcap);
   outputs.check();
   return outputs;
 }
@@ -65,6 +73,26 @@ RunInfo info_of(const Site& site, const Arguments& arguments,
   return info;
 }
 
+/// A recording that can't be written must not take the map with it. \return why there is none
+std::string record(const SiteMap& map, const std::string& path) {
+  if (path.empty()) return {};
+  try {
+    write_site_recording(map.result, map.sessions, map.movable, path);
+  } catch (const std::exception& error) {
+    return std::string("the recording could not be written: ") + error.what();
+  }
+  return {};
+}
+
+/// Of pieces that were set by hand and that nobody will see.
+void warn_of(std::span<const SiteCorrection> edits, const AppContext& context) {
+  for (const SiteCorrection& one : edits) {
+    if (one.edit.kind == SiteEditKind::kExclude || one.cells > 0) continue;
+    context.warn(fmt::format("edit {} lies {}: nothing of it is drawn", one.edit.id,
+                             one.on_map ? "beside the map" : "on what is no part of the map"));
+  }
+}
+
 ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const auto start = std::chrono::steady_clock::now();
   std::optional<Stamp> until;
@@ -73,13 +101,17 @@ ExitCode run_map(const Arguments& arguments, const AppContext& context) {
   const Site site(arguments.site, SiteAccess::kRead, context.threads());
   const SiteMap map = site.map(until, {.grids = true});
   outputs.prepare();
-  const RunInfo info = info_of(site, arguments, start, context);
-  const SiteFigures figures = figures_of(*map.grids, map.result.map);
+  RunInfo info = info_of(site, arguments, start, context);
+  info.failure = record(map, arguments.mcap);
+  const SiteFigures figures = figures_of(*map.grids, map.result.map, map.edits);
+  warn_of(map.edits, context);
   const MapExtras extras{.site = &figures};
   write_map_outputs(map.result, info, arguments.out, extras);
   write_site_grids(*map.grids, figures, map.movable, map.result.map, arguments.out,
                    context.threads());
-  return tell_map(map.result, extras, info, {.out = arguments.out}, context);
+  write_site_sessions(map.result, map.sessions, arguments.out);
+  return tell_map(map.result, extras, info, {.out = arguments.out, .mcap = arguments.mcap},
+                  context);
 }
 
 ExitCode run_changes(const Arguments& arguments, const AppContext& context) {
@@ -105,6 +137,11 @@ ExitCode run_changes(const Arguments& arguments, const AppContext& context) {
   }
   const int gone = static_cast<int>(difference.changes.size()) - appeared;
   result.add("appeared", "appeared", appeared).add("gone", "gone", gone);
+  const auto pieces = std::ranges::count_if(
+      difference.now.edits, [](const SiteCorrection& edit) { return edit.on_map.has_value(); });
+  result.add_json("edits", json_of(difference.now.edits));
+  if (pieces > 0)
+    result.add_row("by hand", fmt::format("{} pieces set; what is in them never changes", pieces));
   result.add_json("changes", std::move(rows)).add_row("picture", arguments.out + "/changes.png");
   result.print(context);
   return kExitDone;
@@ -124,6 +161,10 @@ void add_site_map_commands(CLI::App& site, AppContext& context) {
       ->add_option("--date", arguments->date,
                    "as the building was then, UTC: by the sessions until the end of this day")
       ->type_name("DATE");
+  command
+      ->add_option("--mcap", arguments->mcap,
+                   "also write it as a recording, for Foxglove, Lichtblick or RViz")
+      ->type_name("FILE");
   add_force_flag(*command, arguments->force);
   context.add_common_flags(*command);
   context.add_threads_flag(*command);

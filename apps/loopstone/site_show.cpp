@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "loopstone/base/error.hpp"
 #include "result.hpp"
@@ -67,8 +68,11 @@ ExitCode show(const Arguments& arguments, const AppContext& context) {
     if (!session.reason.empty()) result.add_row("", fmt::format("{:>4}  {}", "", session.reason));
   }
   if (arguments.ties) add_ties(site.file(), result);
+  const std::vector<SiteCorrection> edits = site.edits();
+  if (!edits.empty()) result.add_row("edits by hand", fmt::format("{}", edits.size()));
   result.add("joined", "sessions joined", joined)
       .add("path_m", "driven, all sessions", path_m, "m", 1)
+      .add_json("edits", json_of(edits))
       .add("bytes", "size of the site", site.file().bytes(), "bytes")
       .add_json("sessions", std::move(rows));
   result.add_json("numbers", numbers_json(site_numbers()));

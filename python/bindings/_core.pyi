@@ -1533,7 +1533,7 @@ class SiteSession:
 
     @property
     def status(self) -> str:
-        """``joined``, ``pending``, ``refused`` or ``retired``."""
+        """``joined``, ``pending``, ``refused``, ``retired`` or ``excluded``."""
 
     @property
     def reason(self) -> str:
@@ -1562,7 +1562,7 @@ class SiteEvent:
 
     @property
     def what(self) -> str:
-        """``add``, ``remove`` or ``rebuild``."""
+        """``add``, ``remove``, ``rebuild``, ``edit``, ``exclude`` or ``undo``."""
 
     @property
     def log(self) -> str:
@@ -1571,6 +1571,34 @@ class SiteEvent:
     @property
     def text(self) -> str:
         """What came of it, in words."""
+
+    def __repr__(self) -> str: ...
+
+class SiteEdit:
+    """Something that was corrected in a site by hand."""
+
+    @property
+    def id(self) -> int:
+        """By which it is undone."""
+
+    @property
+    def at(self) -> datetime.datetime:
+        """When it was done, UTC."""
+
+    @property
+    def kind(self) -> str:
+        """``exclude``, ``free``, ``wall`` or ``unknown``."""
+
+    @property
+    def session(self) -> int | None:
+        """The id of the session that is left out; None: it is a polygon."""
+
+    @property
+    def polygon(self) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        (N, 2) its corners [m], map frame; None: a session is left out, or what it lay on is no
+        part of the map.
+        """
 
     def __repr__(self) -> str: ...
 
@@ -1652,6 +1680,16 @@ class SiteMap(MapResult):
         holds something, unless forced.
         """
 
+    @property
+    def edits(self) -> list[SiteEdit]:
+        """What it was corrected by: all edits of the site."""
+
+    def record(self, path: str | os.PathLike[str]) -> None:
+        """
+        Writes map, paths, closures and poses as MCAP for Foxglove, Lichtblick and RViz, as
+        ``loopstone site map --mcap`` does. A file that is there is replaced.
+        """
+
     def __repr__(self) -> str: ...
 
 class SiteChanges:
@@ -1703,6 +1741,8 @@ def site_sessions(path: str | os.PathLike[str]) -> list[SiteSession]: ...
 
 def site_events(path: str | os.PathLike[str]) -> list[SiteEvent]: ...
 
+def site_edits(path: str | os.PathLike[str]) -> list[SiteEdit]: ...
+
 def site_ties(path: str | os.PathLike[str]) -> list[SiteTie]: ...
 
 def site_problems(path: str | os.PathLike[str]) -> list[str]: ...
@@ -1712,6 +1752,14 @@ def site_options_toml(path: str | os.PathLike[str]) -> str: ...
 def site_bytes(path: str | os.PathLike[str]) -> int: ...
 
 def parse_utc(text: str, until: bool) -> int | None: ...
+
+def exclude_from_site(path: str | os.PathLike[str], id: int, threads: int, progress: object | None) -> list[SiteEdit]: ...
+
+def include_in_site(path: str | os.PathLike[str], id: int, threads: int, progress: object | None) -> list[SiteEdit]: ...
+
+def undo_in_site(path: str | os.PathLike[str], id: int, threads: int, progress: object | None) -> list[SiteEdit]: ...
+
+def set_cells_of_site(path: str | os.PathLike[str], kind: str, corners: Sequence[tuple[float, float]], threads: int, progress: object | None) -> list[SiteEdit]: ...
 
 def open_site(path: str | os.PathLike[str], options: OptionValues | None, create: bool) -> None: ...
 

@@ -361,7 +361,7 @@ void bind_plans(nb::module_& m) {
       "floor_plan_of_site_map",
       [](const SiteMapped& map, int threads) {
         return work(nb::none(), [&](Work& /*own*/) {
-          return FloorPlan{plan_of(map.result, map.scans, Threads{threads}),
+          return FloorPlan{plan_of(map.result, map.scans, walls_of(map.edits), Threads{threads}),
                            plan_name(map.info.log_path)};
         });
       },

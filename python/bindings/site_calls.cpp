@@ -1,5 +1,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -67,6 +68,59 @@ std::vector<SitePair> ties_of(const std::string& path) {
   return ties;
 }
 
+/// One change of a site; its edits then.
+template <typename Change>
+std::vector<SiteCorrection> edited(const std::string& path, int threads, const nb::object& progress,
+                                   const Change& change) {
+  return work(progress, [&](Work& own) {
+    Site site(path, SiteAccess::kWrite, Threads{threads});
+    change(site, site_watch(own));
+    return site.edits();
+  });
+}
+
+SiteEditKind kind_of(const std::string& word) {
+  const auto kind = find_word<SiteEditKind>(word);
+  if (!kind || *kind == SiteEditKind::kExclude)
+    throw UsageError("kind: '" + word + "' is none; write free, wall or unknown");
+  return *kind;
+}
+
+void bind_edits(nb::module_& m) {
+  const auto def_edit = [&](const char* name,
+                            void (*change)(Site&, std::int64_t, const SiteWatch&)) {
+    m.def(
+        name,
+        [change](const PathLike& path, std::int64_t id, int threads, const nb::object& progress) {
+          return edited(path.value, threads, progress,
+                        [&](Site& site, const SiteWatch& watch) { change(site, id, watch); });
+        },
+        nb::arg("path"), nb::arg("id"), nb::arg("threads"), nb::arg("progress").none());
+  };
+  def_edit("exclude_from_site", [](Site& site, std::int64_t id, const SiteWatch& watch) {
+    (void)site.exclude(id, watch);
+  });
+  def_edit("include_in_site", [](Site& site, std::int64_t id, const SiteWatch& watch) {
+    (void)site.include(id, watch);
+  });
+  def_edit("undo_in_site",
+           [](Site& site, std::int64_t id, const SiteWatch& watch) { site.undo(id, watch); });
+  m.def(
+      "set_cells_of_site",
+      [](const PathLike& path, const std::string& kind,
+         const std::vector<std::pair<double, double>>& corners, int threads,
+         const nb::object& progress) {
+        Polygon2 polygon;
+        for (const auto& [x, y] : corners) polygon.corners.emplace_back(x, y);
+        const SiteEditKind what = kind_of(kind);
+        return edited(path.value, threads, progress, [&](Site& site, const SiteWatch& watch) {
+          (void)site.set_cells(what, polygon, watch);
+        });
+      },
+      nb::arg("path"), nb::arg("kind"), nb::arg("corners"), nb::arg("threads"),
+      nb::arg("progress").none());
+}
+
 /// A function of a site's file alone.
 template <typename Ask>
 void def_question(nb::module_& m, const char* name, Ask&& ask) {
@@ -86,6 +140,8 @@ void bind_questions(nb::module_& m) {
   });
   def_question(m, "site_events",
                [](const std::string& path) { return SiteFile(path, SiteAccess::kRead).events(); });
+  def_question(m, "site_edits",
+               [](const std::string& path) { return Site(path, SiteAccess::kRead, {}).edits(); });
   def_question(m, "site_ties", ties_of);
   def_question(m, "site_problems",
                [](const std::string& path) { return SiteFile(path, SiteAccess::kRead).check(); });
@@ -107,6 +163,7 @@ void bind_questions(nb::module_& m) {
 
 void bind_site_calls(nb::module_& m) {
   bind_questions(m);
+  bind_edits(m);
   m.def(
       "open_site",
       [](const PathLike& path, const OptionValues* values, bool create) {

@@ -24,6 +24,7 @@
 #include "loopstone/report/map_outputs.hpp"
 #include "loopstone/report/site_grids.hpp"
 #include "loopstone/report/site_outputs.hpp"
+#include "loopstone/report/site_recording.hpp"
 #include "maps.hpp"
 #include "path_like.hpp"
 #include "sites.hpp"
@@ -57,7 +58,8 @@ Shared mapped_of(SiteMap map, const Site& site, Threads threads, const Cost& cos
   mapped->result = std::move(map.result);
   mapped->movable = std::move(map.movable);
   mapped->grids = std::move(map.grids);
-  if (mapped->grids) mapped->site = figures_of(*mapped->grids, mapped->result.map);
+  if (mapped->grids) mapped->site = figures_of(*mapped->grids, mapped->result.map, map.edits);
+  mapped->edits = std::move(map.edits);
   mapped->sessions = std::move(map.sessions);
   mapped->scans = std::move(map.scans);
   cost.note(mapped->info);
@@ -89,6 +91,12 @@ void save_map(const Shared& self, const PathLike& folder, bool force) {
   } else {
     write_movable(self->movable, self->result.map, folder.value);
   }
+  write_site_sessions(self->result, self->sessions, folder.value);
+}
+
+void record_map(const Shared& self, const PathLike& path) {
+  const nb::gil_scoped_release unlocked;
+  write_site_recording(self->result, self->sessions, self->movable, path.value);
 }
 
 void save_changes(const SiteChanges& self, const PathLike& folder, bool force) {
@@ -129,6 +137,12 @@ void bind_map(nb::module_& m) {
   map.def("save", save_map, nb::arg("folder"), nb::kw_only(), nb::arg("force") = false,
           "Writes the files that ``loopstone site map`` writes. Raises UsageError when the folder\n"
           "holds something, unless forced.");
+  map.def_prop_ro(
+      "edits", [](const Shared& self) { return self->edits; },
+      "What it was corrected by: all edits of the site.");
+  map.def("record", record_map, nb::arg("path"),
+          "Writes map, paths, closures and poses as MCAP for Foxglove, Lichtblick and RViz, as\n"
+          "``loopstone site map --mcap`` does. A file that is there is replaced.");
   map.def("__repr__", [](const SiteMapped& self) {
     return fmt::format("<SiteMap of {} sessions: {}>", self.sessions.size(),
                        loopstone::to_string(self.result.verdict.overall));

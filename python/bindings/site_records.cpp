@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -29,7 +33,7 @@ nb::object noted_date(const std::string& text) {
 void def_what_became(nb::class_<SiteSession>& session) {
   session.def_prop_ro(
       "status", [](const SiteSession& s) { return word(s.status); },
-      "``joined``, ``pending``, ``refused`` or ``retired``.");
+      "``joined``, ``pending``, ``refused``, ``retired`` or ``excluded``.");
   session.def_ro("reason", &SiteSession::reason, "Why it is not joined; empty when it is.");
   session.def_ro("closures", &SiteSession::closures, "That stand and tie it to others.");
   session.def_ro("verdict", &SiteSession::verdict,
@@ -76,11 +80,49 @@ void bind_event(nb::module_& m) {
   event.def_prop_ro(
       "at", [](const SiteEvent& e) { return noted_date(e.at); },
       nb::sig("def at(self) -> datetime.datetime"), "When, UTC.");
-  event.def_ro("what", &SiteEvent::what, "``add``, ``remove`` or ``rebuild``.");
+  event.def_ro("what", &SiteEvent::what,
+               "``add``, ``remove``, ``rebuild``, ``edit``, ``exclude`` or ``undo``.");
   event.def_ro("log", &SiteEvent::session, "The session's log; empty: of the site as a whole.");
   event.def_ro("text", &SiteEvent::text, "What came of it, in words.");
   event.def("__repr__", [](const SiteEvent& e) {
     return fmt::format("<SiteEvent {} {}: {}>", e.at, e.what, e.text);
+  });
+}
+
+void bind_edit(nb::module_& m) {
+  nb::class_<SiteCorrection> edit(m, "SiteEdit", "Something that was corrected in a site by hand.");
+  edit.def_prop_ro(
+      "id", [](const SiteCorrection& e) { return e.edit.id; }, "By which it is undone.");
+  edit.def_prop_ro(
+      "at", [](const SiteCorrection& e) { return noted_date(e.edit.at); },
+      nb::sig("def at(self) -> datetime.datetime"), "When it was done, UTC.");
+  edit.def_prop_ro(
+      "kind", [](const SiteCorrection& e) { return std::string(to_string(e.edit.kind)); },
+      "``exclude``, ``free``, ``wall`` or ``unknown``.");
+  edit.def_prop_ro(
+      "session",
+      [](const SiteCorrection& e) {
+        return e.edit.excluded == 0 ? std::nullopt : std::optional(e.edit.excluded);
+      },
+      "The id of the session that is left out; None: it is a polygon.");
+  edit.def_prop_ro(
+      "polygon",
+      [](const SiteCorrection& e) -> nb::object {
+        if (!e.on_map) return nb::none();
+        std::vector<double> values;
+        for (const Eigen::Vector2d& corner : e.on_map->corners)
+          values.insert(values.end(), {corner.x(), corner.y()});
+        return nb::cast(
+            array_of<double, nb::ndim<2>>(std::move(values), {e.on_map->corners.size(), 2}));
+      },
+      nb::sig("def polygon(self) -> numpy.typing.NDArray[numpy.float64] | None"),
+      "(N, 2) its corners [m], map frame; None: a session is left out, or what it lay on is no\n"
+      "part of the map.");
+  edit.def("__repr__", [](const SiteCorrection& e) {
+    return e.edit.excluded != 0
+               ? fmt::format("<SiteEdit {}: exclude session {}>", e.edit.id, e.edit.excluded)
+               : fmt::format("<SiteEdit {}: {}, {} corners>", e.edit.id, to_string(e.edit.kind),
+                             e.edit.polygon.corners.size());
   });
 }
 
@@ -129,6 +171,7 @@ nb::object to_datetime(Stamp stamp) {
 void bind_site_records(nb::module_& m) {
   bind_session(m);
   bind_event(m);
+  bind_edit(m);
   bind_tie(m);
   bind_change(m);
 }

@@ -17,6 +17,7 @@ struct SiteMapped : Mapped {
   std::optional<SiteGrids> grids{};  ///< not of changes
   std::vector<SiteSession> sessions{};
   MappedScans scans{};  ///< where they were to be kept
+  std::vector<SiteCorrection> edits{};
 };
 
 /// As Python has it, in UTC, to the microsecond.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime
 import os
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
 from ._api import StrPath, _log_of
@@ -14,6 +14,8 @@ from ._progress import ProgressLike, told
 from ._values import map_values
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from .options import MapOptions
 
 #: A day, or a moment. Text is ``2026-11-26`` or ``2026-11-26T14:03``; all of it is UTC, and so is
@@ -36,6 +38,10 @@ def _nanoseconds(name: str, date: DateLike, *, until: bool) -> int:
     if found is None:
         raise UsageError(f"{name}: {text} is no date; write 2026-11-26 or 2026-11-26T14:03")
     return found
+
+
+def _id_of(one: int | _core.SiteSession | _core.SiteEdit) -> int:
+    return one.id if isinstance(one, (_core.SiteSession, _core.SiteEdit)) else one
 
 
 class SitePruning(NamedTuple):
@@ -105,6 +111,11 @@ class Site:
     def history(self) -> list[_core.SiteEvent]:
         """What was done to it, and when: ``loopstone site history``."""
         return _core.site_events(self._path)
+
+    @property
+    def edits(self) -> list[_core.SiteEdit]:
+        """What was corrected by hand, oldest first: ``loopstone site edits``."""
+        return _core.site_edits(self._path)
 
     @property
     def options_toml(self) -> str:
@@ -214,7 +225,7 @@ class Site:
         :param pending: all that are pending, too
         :raises UsageError: there is no such session
         """
-        ids = [one.id if isinstance(one, _core.SiteSession) else one for one in sessions]
+        ids = [_id_of(one) for one in sessions]
         with told(progress) as tell:
             return SitePruning(*_core.prune_site(self._path, ids, pending, self._threads, tell))
 
@@ -225,6 +236,62 @@ class Site:
         """
         with told(progress) as tell:
             return _core.rebuild_site(self._path, self._threads, tell)
+
+    def exclude(
+        self, session: int | _core.SiteSession, *, progress: ProgressLike = False
+    ) -> _core.SiteEdit:
+        """Leaves a session out of the map, until that is undone; it stays in the site.
+
+        :param session: it, or its id
+        :return: the edit, as all of these do: ``loopstone site edit``
+        :raises UsageError: there is none, it is left out already, or nothing of it is in the map
+        """
+        with told(progress) as tell:
+            edits = _core.exclude_from_site(self._path, _id_of(session), self._threads, tell)
+        return edits[-1]
+
+    def include(self, session: int | _core.SiteSession, *, progress: ProgressLike = False) -> None:
+        """Takes a session that was left out back into the map.
+
+        :raises UsageError: it is not left out
+        """
+        with told(progress) as tell:
+            _core.include_in_site(self._path, _id_of(session), self._threads, tell)
+
+    def set_cells(
+        self,
+        kind: Literal["free", "wall", "unknown"],
+        polygon: npt.ArrayLike,
+        *,
+        progress: ProgressLike = False,
+    ) -> _core.SiteEdit:
+        """Says what the cells of a polygon are, in every map that is made of the site.
+
+        It goes with the building when the map moves; later edits beat earlier ones.
+
+        :param polygon: (N, 2) corners [m], map frame
+        :raises UsageError: it encloses nothing, or lies far from all that was seen
+        :raises DataError: there is no map yet
+        """
+        import numpy as np
+
+        corners = np.asarray(polygon, dtype=float)
+        if corners.ndim != 2 or corners.shape[1] != 2:
+            raise UsageError(f"polygon: expected (N, 2) corners, not {corners.shape}")
+        with told(progress) as tell:
+            edits = _core.set_cells_of_site(
+                self._path, kind, [tuple(c) for c in corners.tolist()], self._threads, tell
+            )
+        return edits[-1]
+
+    def undo(self, edit: int | _core.SiteEdit, *, progress: ProgressLike = False) -> None:
+        """Takes an edit back.
+
+        :param edit: it, or its id
+        :raises UsageError: there is none
+        """
+        with told(progress) as tell:
+            _core.undo_in_site(self._path, _id_of(edit), self._threads, tell)
 
     def __fspath__(self) -> str:
         return self._path

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -284,6 +285,52 @@ def test_sessions_are_removed_as_by_the_program(copy: ls.Site, tmp_path: Path, r
     np.testing.assert_array_equal(before, ls.Site(theirs).map().trajectory.poses)
     assert [s.status for s in copy.rebuild()] == ["joined"] * 3
     np.testing.assert_array_equal(before, copy.map().trajectory.poses)
+
+
+def test_it_is_corrected_as_by_the_program(copy: ls.Site, tmp_path: Path, run: Any) -> None:
+    theirs = tmp_path / "theirs.site"
+    shutil.copy(copy, theirs)
+    wall = copy.set_cells("wall", [(-0.4, -0.4), (0.4, -0.4), (0.4, 0.4), (-0.4, 0.4)])
+    run("site", "edit", theirs, "--wall", "-0.4,-0.4 0.4,-0.4 0.4,0.4 -0.4,0.4")
+    left_out = copy.exclude(copy.sessions[1])
+    run("site", "edit", theirs, "--exclude", "2")
+    assert (wall.id, wall.kind, wall.session) == (1, "wall", None)
+    assert (left_out.kind, left_out.session, left_out.polygon) == ("exclude", 2, None)
+    assert wall.at.tzinfo is UTC and copy.history[-1].what == "exclude"
+    assert copy.sessions[1].status == "excluded" and "edit 2" in copy.sessions[1].reason
+    told = json.loads(run("site", "edits", theirs, "--json").stdout)["edits"]
+    assert [edit.kind for edit in copy.edits] == [edit["kind"] for edit in told]
+    assert wall.polygon is not None and wall.polygon.tolist() == told[0]["polygon"]
+
+    made = copy.map()
+    assert made.map is not None
+    column, row = ((np.array([0.1, 0.1]) - made.map.origin) / made.map.resolution_m).astype(int)
+    assert made.map.probability[row, column] > 0.9
+    assert [edit.id for edit in made.edits] == [1, 2]
+    made.record(tmp_path / "ours.mcap")
+    made.save(tmp_path / "ours")
+    words = ["-o", tmp_path / "theirs", "--mcap", tmp_path / "theirs.mcap"]
+    run("site", "map", theirs, *words)
+    for name in ["ours", "ours.mcap"]:
+        assert (tmp_path / name).exists()
+    for name in ["map.pgm", "sessions.csv", "movable.pgm"]:
+        ours = (tmp_path / "ours" / name).read_bytes()
+        assert ours == (tmp_path / "theirs" / name).read_bytes(), name
+
+    copy.undo(wall)
+    copy.include(2)
+    assert copy.edits == [] and copy.sessions[1].status == "joined"
+    mistakes: list[Callable[[], object]] = [
+        lambda: copy.undo(9),
+        lambda: copy.include(2),
+        lambda: copy.exclude(77),
+        lambda: copy.set_cells("wall", [(0.0, 0.0), (1.0, 0.0)]),
+        lambda: copy.set_cells("wall", [0.0, 1.0]),
+        lambda: copy.set_cells("door", wall.polygon),  # type: ignore[arg-type]
+    ]
+    for wrong in mistakes:
+        with pytest.raises(ls.UsageError):
+            wrong()
 
 
 def test_a_site_keeps_its_options(logs: list[Path], tmp_path: Path, run: Any) -> None:

@@ -24,7 +24,9 @@ namespace {
 
 /// "lpst", of SQLite's list of what a file may be.
 constexpr int kApplication = 0x6c707374;
-constexpr int kSchema = 1;
+constexpr int kSchema = 2;
+/// The first with edits.
+constexpr int kSchemaOfEdits = 2;
 
 /// What leads from each version of the schema to the next; a new site begins with the first.
 constexpr const char* kMigrations[kSchema] = {
@@ -51,6 +53,14 @@ CREATE INDEX pairs_of_newer ON pairs (newer);
 CREATE TABLE events (
   id INTEGER PRIMARY KEY, at TEXT NOT NULL, what TEXT NOT NULL, session TEXT NOT NULL,
   text TEXT NOT NULL);
+)",
+    R"(
+CREATE TABLE edits (
+  id INTEGER PRIMARY KEY AUTOINCREMENT, at TEXT NOT NULL,
+  kind TEXT NOT NULL CHECK (kind IN ('exclude', 'free', 'wall', 'unknown')),
+  excluded INTEGER UNIQUE REFERENCES sessions(id) ON DELETE CASCADE,
+  anchor INTEGER REFERENCES sessions(id) ON DELETE SET NULL, submap INTEGER NOT NULL,
+  polygon TEXT NOT NULL, CHECK ((kind = 'exclude') = (excluded IS NOT NULL)));
 )"};
 
 template <typename Value>
@@ -68,6 +78,10 @@ Value unpacked(std::span<const char> bytes, const Location& where) {
   reader(value);
   reader.end();
   return value;
+}
+
+bool has_record(const SiteSession& session) {
+  return session.status != SessionStatus::kRefused && session.status != SessionStatus::kRetired;
 }
 
 std::string name_of(const SiteSession& session) {
@@ -110,6 +124,8 @@ struct SiteFile::State {
     SqliteStatement statement(database, sql);
     return statement.step() ? statement.integer(0) : 0;
   }
+  /// A site that is only read may be of an older program.
+  [[nodiscard]] bool has_edits() const { return number("PRAGMA user_version") >= kSchemaOfEdits; }
   void migrate() {
     const auto version = number("PRAGMA user_version");
     if (version == kSchema) return;
@@ -212,10 +228,14 @@ const std::string& SiteFile::options_toml() const { return state_->options_toml;
 
 std::vector<SiteSession> SiteFile::sessions() const {
   return state_->told([&] {
+    const char* const excluded_by =
+        state_->has_edits() ? "(SELECT e.id FROM edits e WHERE e.excluded = s.id)" : "NULL";
     SqliteStatement rows(state_->database,
-                         "SELECT s.id, log, digest, begins_ns, added, toml, status, reason, "
-                         "closures, scans, path_m, duration_s, verdict, sentence FROM sessions s "
-                         "JOIN robots r ON s.robot = r.id ORDER BY begins_ns, digest");
+                         fmt::format("SELECT s.id, log, digest, begins_ns, added, toml, status, "
+                                     "reason, closures, scans, path_m, duration_s, verdict, "
+                                     "sentence, {} FROM sessions s JOIN robots r ON s.robot = r.id "
+                                     "ORDER BY begins_ns, digest",
+                                     excluded_by));
     std::vector<SiteSession> sessions;
     while (rows.step()) {
       SiteSession session{.id = rows.integer(0),
@@ -234,9 +254,42 @@ std::vector<SiteSession> SiteFile::sessions() const {
       const auto status = find_word<SessionStatus>(rows.text(6));
       if (!status) state_->fail(fmt::format("{} has a status that there is not", name_of(session)));
       session.status = *status;
+      // The row says what it would be without.
+      if (!rows.is_null(14)) {
+        session.status = SessionStatus::kExcluded;
+        session.reason = fmt::format("left out by edit {}", rows.integer(14));
+      }
       sessions.push_back(std::move(session));
     }
     return sessions;
+  });
+}
+
+std::vector<SiteEdit> SiteFile::edits() const {
+  return state_->told([&] {
+    std::vector<SiteEdit> edits;
+    if (!state_->has_edits()) return edits;
+    SqliteStatement rows(state_->database,
+                         "SELECT id, at, kind, excluded, anchor, submap, polygon FROM edits "
+                         "ORDER BY id");
+    while (rows.step()) {
+      SiteEdit edit{
+          .id = rows.integer(0), .at = std::string(rows.text(1)), .excluded = rows.integer(3)};
+      if (!rows.is_null(4)) edit.anchor = {rows.integer(4), rows.integer(5)};
+      try {
+        const auto kind = find_word<SiteEditKind>(rows.text(2));
+        if (!kind) throw UsageError("a kind that there is not");
+        edit.kind = *kind;
+        if (edit.kind != SiteEditKind::kExclude) edit.polygon = parse_polygon(rows.text(6));
+      } catch (const UsageError& error) {
+        state_->fail(
+            fmt::format("edit {} is damaged: {}; `loopstone site edit --undo {}` removes "
+                        "it, and it can be done again",
+                        edit.id, error.what(), edit.id));
+      }
+      edits.push_back(std::move(edit));
+    }
+    return edits;
   });
 }
 
@@ -427,6 +480,47 @@ void SiteFile::set_joins(const std::vector<SitePair>& pairs,
   });
 }
 
+std::int64_t SiteFile::add_edit(const SiteEdit& edit) {
+  return state_->told([&] {
+    SqliteStatement row(state_->database,
+                        "INSERT INTO edits (at, kind, excluded, anchor, submap, polygon) VALUES "
+                        "(?, ?, nullif(?, 0), nullif(?, 0), ?, ?)");
+    const SiteAnchor anchor = edit.anchor.value_or(SiteAnchor{});
+    const std::string corners = polygon_text(edit.polygon);
+    row.bind_text(1, edit.at);
+    row.bind_text(2, to_string(edit.kind));
+    row.bind(3, edit.excluded);
+    row.bind(4, anchor.session);
+    row.bind(5, anchor.submap);
+    row.bind_text(6, corners);
+    (void)row.step();
+    return sqlite3_last_insert_rowid(state_->database.handle());
+  });
+}
+
+void SiteFile::set_place(std::int64_t edit, const std::optional<SiteAnchor>& anchor,
+                         const Polygon2& polygon) {
+  state_->told([&] {
+    SqliteStatement row(state_->database,
+                        "UPDATE edits SET anchor = nullif(?, 0), submap = ?, polygon = ? WHERE "
+                        "id = ?");
+    const SiteAnchor at = anchor.value_or(SiteAnchor{});
+    const std::string corners = polygon_text(polygon);
+    row.bind(1, at.session);
+    row.bind(2, at.submap);
+    row.bind_text(3, corners);
+    row.bind(4, edit);
+    (void)row.step();
+  });
+}
+
+bool SiteFile::remove_edit(std::int64_t edit) {
+  return state_->told([&] {
+    state_->database.run(fmt::format("DELETE FROM edits WHERE id = {}", edit));
+    return sqlite3_changes(state_->database.handle()) > 0;
+  });
+}
+
 void SiteFile::add_event(const SiteEvent& event) {
   state_->told([&] {
     SqliteStatement row(state_->database,
@@ -468,12 +562,11 @@ std::vector<std::string> SiteFile::check() const {
       problems.emplace_back(error.what());
     }
   };
+  try_out([&] { (void)edits(); });
   std::vector<SiteSession> sessions_here;
   try_out([&] { sessions_here = sessions(); });
   for (const SiteSession& session : sessions_here) {
-    const bool is_kept =
-        session.status == SessionStatus::kJoined || session.status == SessionStatus::kPending;
-    if (is_kept) try_out([&] { (void)record(session); });
+    if (has_record(session)) try_out([&] { (void)record(session); });
   }
   try_out([&] { (void)pairs(); });
   try_out([&] { (void)placements(); });

@@ -67,11 +67,12 @@ class TopicLogWriter final : public LogWriter {
 
   void add(const OdometryPose& odometry) {
     const Pose2& pose = odometry.odom_T_robot;
-    msg::Odometry message{.header = {odometry.stamp, kOdomFrame}, .child_frame_id = kBaseFrame};
+    msg::Odometry message{.header = {odometry.stamp, kOdometryFrame}, .child_frame_id = kBaseFrame};
     message.pose.pose = to_message(pose);
     writer_.send("/odom", odometry.stamp, message);
-    writer_.send("/tf", odometry.stamp,
-                 msg::TFMessage{{transform_message(odometry.stamp, kOdomFrame, kBaseFrame, pose)}});
+    writer_.send(
+        "/tf", odometry.stamp,
+        msg::TFMessage{{transform_message(odometry.stamp, kOdometryFrame, kBaseFrame, pose)}});
   }
 
   void add(const ImuSample& imu) {

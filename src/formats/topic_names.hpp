@@ -14,7 +14,7 @@
 namespace loopstone {
 
 inline constexpr const char* kMapFrame = "map";
-inline constexpr const char* kOdomFrame = "odom";
+inline constexpr const char* kOdometryFrame = "odom";
 inline constexpr const char* kBaseFrame = "base_link";
 
 /// "/scan", "/scan_2", "/scan_3".

@@ -51,6 +51,12 @@ GridFrame part_of(const GridFrame& frame, const Eigen::Vector2d& low, const Eige
   return part;
 }
 
+/// Of an occupied cell; of a free one the opposite.
+float certain_log_odds(const OccupancyOptions& options) {
+  const double p = options.clamp_probability;
+  return static_cast<float>(std::log(p / (1.0 - p)));
+}
+
 }  // namespace
 
 void for_each_cell_in(const Polygon2& polygon, const GridFrame& frame,
@@ -112,8 +118,7 @@ void crop(OccupancyMap& map, std::span<const Polygon2> polygons) {
 }
 
 std::int64_t erase(OccupancyMap& map, const Polygon2& polygon, const OccupancyOptions& options) {
-  const double p = options.clamp_probability;
-  const auto free = static_cast<float>(std::log((1.0 - p) / p));
+  const float free = -certain_log_odds(options);
   std::int64_t erased = 0;
   for_each_cell_in(polygon, map.observed.frame(), [&](Cell cell) {
     if (map.observed[cell] == 0 || map.log_odds[cell] < 0.0F) return;
@@ -121,6 +126,26 @@ std::int64_t erase(OccupancyMap& map, const Polygon2& polygon, const OccupancyOp
     ++erased;
   });
   return erased;
+}
+
+std::int64_t set_cells(OccupancyMap& map, const Polygon2& polygon, CellSetting setting,
+                       const OccupancyOptions& options) {
+  const float certain = certain_log_odds(options);
+  std::int64_t cells = 0;
+  const auto set = [&](Cell cell) {
+    map.observed[cell] = setting == CellSetting::kUnknown ? 0 : 1;
+    map.log_odds[cell] = setting == CellSetting::kUnknown    ? 0.0F
+                         : setting == CellSetting::kOccupied ? certain
+                                                             : -certain;
+    ++cells;
+  };
+  const GridFrame& frame = map.observed.frame();
+  if (setting == CellSetting::kOccupied) {
+    for_each_cell_touching(polygon, frame, set);
+  } else {
+    for_each_cell_in(polygon, frame, set);
+  }
+  return cells;
 }
 
 }  // namespace loopstone

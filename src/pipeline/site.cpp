@@ -18,6 +18,7 @@
 #include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/sensor/log_digest.hpp"
 #include "mapping/glass_evidence.hpp"
+#include "pipeline/site_corrections.hpp"
 
 namespace loopstone {
 
@@ -248,7 +249,7 @@ Site::Kept Site::join_all(const std::vector<SiteSession>& sessions, const SiteWa
   return kept;
 }
 
-void Site::store(Kept& kept) {
+void Site::store(Kept& kept, const Places& before) {
   std::vector<SitePair> pairs;
   for (const DrivePair& pair : kept.drives.pairs())
     pairs.push_back({kept.sessions[pair.older].id, kept.sessions[pair.newer].id, pair});
@@ -263,6 +264,13 @@ void Site::store(Kept& kept) {
     file_.update(session);
   }
   file_.set_joins(pairs, placements);
+  keep_edits_in_place(before);
+}
+
+/// All sessions are joined anew.
+void Site::rejoin(const Places& before, const SiteWatch& watch) {
+  Kept kept = join_all(file_.sessions(), watch);
+  store(kept, before);
 }
 
 /// The oldest first, as long as newer ones show all that they saw and hold together without them.
@@ -305,7 +313,7 @@ void Site::note(const std::string& what, const std::string& session, const std::
 }
 
 SiteSession Site::add(const MappedSession& mapped, const SiteWatch& watch) {
-  file_.begin_change(watch.waits);
+  const Places places = begin_change(watch);
   SiteSession session = mapped.session;
   std::vector<SiteSession> before = file_.sessions();
   for (const SiteSession& other : before) {
@@ -327,7 +335,7 @@ SiteSession Site::add(const MappedSession& mapped, const SiteWatch& watch) {
       tell(watch.progress, news, file_);
     }
     retire(kept);
-    store(kept);
+    store(kept, places);
     session = *std::ranges::find(kept.sessions, session.id, &SiteSession::id);
   }
   note("add", session.log,
@@ -339,7 +347,7 @@ SiteSession Site::add(const MappedSession& mapped, const SiteWatch& watch) {
 }
 
 void Site::remove(const std::vector<std::int64_t>& sessions, const SiteWatch& watch) {
-  file_.begin_change(watch.waits);
+  const Places places = begin_change(watch);
   std::vector<SiteSession> known = file_.sessions();
   for (const std::int64_t id : sessions) {
     const auto session = std::ranges::find(known, id, &SiteSession::id);
@@ -349,15 +357,14 @@ void Site::remove(const std::vector<std::int64_t>& sessions, const SiteWatch& wa
     file_.remove(id);
   }
   // Those that are left are joined by what was found between them alone.
-  Kept kept = join_all(file_.sessions(), watch);
-  store(kept);
+  rejoin(places, watch);
   file_.commit();
 }
 
 void Site::rebuild(const SiteWatch& watch) {
-  file_.begin_change(watch.waits);
+  const Places places = begin_change(watch);
   Kept kept = join_all(file_.sessions(), watch);
-  store(kept);
+  store(kept, places);
   note("rebuild", "", fmt::format("{} sessions", kept.sessions.size()));
   file_.commit();
 }
@@ -393,6 +400,9 @@ SiteMap Site::map(std::optional<Stamp> until, const SiteExtras& extras,
                     fmt::format("no session in this site is as old as {}", utc_text(*until)));
   map.result.map = ledger.map();
   map.movable = ledger.movable();
+  map.edits = corrections_on(kept);
+  correct(map.result.map, options_.map, map.edits);
+  settle(map.movable, map.edits);
   if (extras.scans) map.scans = kept.drives.scans();
   if (extras.grids) map.grids = grids_of(ledger, glass, map);
   return map;
@@ -402,17 +412,23 @@ Site::Difference Site::difference(Stamp from, std::optional<Stamp> to,
                                   const ProgressCallback& progress) const {
   VisitLedger before;
   VisitLedger ledger;
-  Difference difference{.now = draw(load({}, progress), progress,
-                                    [&](const SiteSession& session, const DriveVisit& visit) {
-                                      if (!(from < session.begins)) before.add(visit.map);
-                                      if (!to || !(*to < session.begins)) ledger.add(visit.map);
-                                    })};
+  const Kept kept = load({}, progress);
+  Difference difference{
+      .now = draw(kept, progress, [&](const SiteSession& session, const DriveVisit& visit) {
+        if (!(from < session.begins)) before.add(visit.map);
+        if (!to || !(*to < session.begins)) ledger.add(visit.map);
+      })};
   if (before.visits() == 0)
     throw DataError({file_.path()},
                     fmt::format("of {} no session is kept any more, or none yet", utc_text(from)));
   difference.now.result.map = ledger.map();
   difference.now.movable = ledger.movable();
   difference.before = before.map();
+  std::vector<SiteCorrection>& edits = difference.now.edits;
+  edits = corrections_on(kept);
+  correct(difference.before, options_.map, edits);
+  correct(difference.now.result.map, options_.map, edits);
+  settle(difference.now.movable, edits);
   difference.changes = changes_between(difference.before, difference.now.result.map);
   return difference;
 }

@@ -105,4 +105,30 @@ WallSamples samples_of_cells(const Grid<std::int8_t>& cells) {
   return found;
 }
 
+void add_walls(std::span<const Polygon2> walls, const Grid<std::int8_t>& cells,
+               WallSamples& samples) {
+  const double cell_m = cells.frame().resolution;
+  for (const Polygon2& wall : walls) {
+    for (std::size_t i = 0; i < wall.corners.size(); ++i) {
+      const Eigen::Vector2d& from = wall.corners[i];
+      const Eigen::Vector2d along = wall.corners[(i + 1) % wall.corners.size()] - from;
+      if (!(along.norm() > 0.0)) continue;
+      Eigen::Vector2d out = Eigen::Vector2d(along.y(), -along.x()).normalized();
+      constexpr double kBesideM = 1e-4;
+      if (contains(wall, from + 0.5 * along + kBesideM * out)) out = -out;
+      const int steps = static_cast<int>(std::ceil(along.norm() / kPlan.spacing_m));
+      for (int step = 0; step <= steps; ++step) {
+        const Eigen::Vector2d point = from + along * (static_cast<double>(step) / steps);
+        // Beyond the cells that the side runs through, which are the wall's.
+        if (!is_free(cells, cells.frame().cell_of(point + 2.0 * cell_m * out))) continue;
+        for (int scan = 0; scan < kPlan.least_scans; ++scan) {
+          samples.samples.push_back({.point = (point - samples.origin).cast<float>(),
+                                     .normal = out.cast<float>(),
+                                     .scan = -1 - scan});
+        }
+      }
+    }
+  }
+}
+
 }  // namespace loopstone

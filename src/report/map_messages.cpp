@@ -190,6 +190,18 @@ msg::MarkerArray submap_markers(const std::vector<Pose2>& map_T_submap, Stamp st
   return array;
 }
 
+std::vector<ClosureLine> closure_lines(const MapResult& result) {
+  const auto position_of = [&](NodeId node) -> Eigen::Vector2d {
+    const auto index = static_cast<std::size_t>(node.index);
+    if (node.index < 0 || index >= result.node_stamps.size()) return Eigen::Vector2d::Zero();
+    return result.trajectory.at_clamped(result.node_stamps[index]).value_or(Pose2{}).translation();
+  };
+  std::vector<ClosureLine> lines;
+  for (const LoopClosure& closure : result.loop_closures)
+    lines.push_back({closure.state, position_of(closure.from), position_of(closure.to)});
+  return lines;
+}
+
 msg::MarkerArray closure_markers(const std::vector<ClosureLine>& lines, Stamp stamp) {
   constexpr double kStandingM = 0.05;
   constexpr double kOtherM = 0.02;

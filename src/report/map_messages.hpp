@@ -31,6 +31,8 @@ struct ClosureLine {
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
   friend bool operator==(const ClosureLine&, const ClosureLine&) = default;
 };
+/// Between the places of its nodes on the path as it was delivered.
+[[nodiscard]] std::vector<ClosureLine> closure_lines(const MapResult& result);
 /// Each state has its list of lines, or a marker that says that there are none any more.
 [[nodiscard]] msg::MarkerArray closure_markers(const std::vector<ClosureLine>& lines, Stamp stamp);
 

@@ -70,19 +70,6 @@ std::vector<ClosureLine> lines_of(const MapSnapshot& snapshot) {
   return lines;
 }
 
-/// On the path as it was delivered.
-std::vector<ClosureLine> lines_of(const MapResult& result) {
-  const auto position_of = [&](NodeId node) -> Eigen::Vector2d {
-    const auto index = static_cast<std::size_t>(node.index);
-    if (node.index < 0 || index >= result.node_stamps.size()) return Eigen::Vector2d::Zero();
-    return result.trajectory.at_clamped(result.node_stamps[index]).value_or(Pose2{}).translation();
-  };
-  std::vector<ClosureLine> lines;
-  for (const LoopClosure& closure : result.loop_closures)
-    lines.push_back({closure.state, position_of(closure.from), position_of(closure.to)});
-  return lines;
-}
-
 }  // namespace
 
 class MapRecording::Impl {
@@ -151,9 +138,10 @@ void MapRecording::Impl::add(const MapUpdate& update, const Mapper& mapper) {
 }
 
 void MapRecording::Impl::send_transforms(Stamp stamp, const Pose2& map_T_odom) {
-  writer_.send("/tf", stamp,
-               msg::TFMessage{{transform_message(stamp, kMapFrame, kOdomFrame, map_T_odom),
-                               transform_message(stamp, kOdomFrame, kBaseFrame, odom_T_robot_)}});
+  writer_.send(
+      "/tf", stamp,
+      msg::TFMessage{{transform_message(stamp, kMapFrame, kOdometryFrame, map_T_odom),
+                      transform_message(stamp, kOdometryFrame, kBaseFrame, odom_T_robot_)}});
 }
 
 /// What holds the pose when that changes, and faults.
@@ -229,7 +217,7 @@ void MapRecording::Impl::finish(const MapResult& result) {
   for (const Stamp stamp : submap_stamps_)
     origins.push_back(result.trajectory.at_clamped(stamp).value_or(Pose2{}));
   send_latched("/submaps", end, submap_markers(origins, end));
-  send_latched("/loop_closures", end, closure_markers(lines_of(result), end));
+  send_latched("/loop_closures", end, closure_markers(closure_lines(result), end));
   send_diagnostics(end, diagnostics_of(result));
   writer_.finish();
 }

@@ -75,7 +75,7 @@ WallSamples measured_samples(const fs::path& folder, const CellStates& cells,
 VectorPlan plan_of_site(const std::string& path, Threads threads) {
   const SiteMap site = Site(path, SiteAccess::kRead, threads).map({}, {.scans = true});
   try {
-    return plan_of(site.result, site.scans, threads);
+    return plan_of(site.result, site.scans, walls_of(site.edits), threads);
   } catch (const UsageError& error) {
     throw DataError({path}, error.what());
   }
@@ -128,11 +128,14 @@ VectorPlan plan_of(const MapResult& map, const Session* state, Threads threads) 
   return plan_through(std::move(samples), cells);
 }
 
-VectorPlan plan_of(const MapResult& map, const MappedScans& scans, Threads threads) {
+VectorPlan plan_of(const MapResult& map, const MappedScans& scans, std::span<const Polygon2> walls,
+                   Threads threads) {
   const CellStates cells = cells_of(map);
   std::vector<const MappedScan*> all;
   for (const auto& scan : scans) all.push_back(scan.get());
-  return plan_through(samples_of_scans(all, map.trajectory, cells, threads), cells);
+  WallSamples samples = samples_of_scans(all, map.trajectory, cells, threads);
+  if (!samples.samples.empty()) add_walls(walls, cells, samples);
+  return plan_through(std::move(samples), cells);
 }
 
 std::string plan_name(const std::string& path) {

@@ -105,11 +105,16 @@ void add_speeds(const Grid<CellTravel>& travel, SiteFigures& figures) {
 
 }  // namespace
 
-SiteFigures figures_of(const SiteGrids& grids, const OccupancyMap& map) {
+SiteFigures figures_of(const SiteGrids& grids, const OccupancyMap& map,
+                       std::span<const SiteCorrection> edits) {
   SiteFigures figures{.sessions = grids.coverage.begins.size(),
                       .floor = figures_of(grids.coverage, grids.travel, map)};
   add_speeds(grids.travel, figures);
   figures.panes = suspected_panes(grids.glass);
+  for (const SiteCorrection& one : edits) {
+    figures.edits.push_back({.edit = one.edit.id, .kind = std::string(to_string(one.edit.kind))});
+    if (one.edit.kind != SiteEditKind::kExclude) figures.edits.back().cells = one.cells;
+  }
   return figures;
 }
 

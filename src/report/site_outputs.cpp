@@ -14,6 +14,7 @@
 #include "report/map_view.hpp"
 #include "report/mask_files.hpp"
 #include "report/output_files.hpp"
+#include "report/site_masks.hpp"
 #include "report/site_sheet.hpp"
 
 namespace loopstone {
@@ -104,15 +105,19 @@ void write_changes(std::span<const MapChange> changes, const OccupancyMap& befor
   made.keep();
 }
 
-void write_movable(const Grid<float>& movable, const OccupancyMap& map, const std::string& folder) {
-  make_folder(folder);
-  write_png(folder + "/movable.png", draw_movable_picture(movable, map), kPngCompression);
+CellStates movable_mask(const Grid<float>& movable, const OccupancyMap& map) {
   CellStates percent(movable.frame(), kUnknownCell);
   for (std::size_t i = 0; i < percent.cells().size(); ++i) {
     if (map.observed.cells()[i] != 0)
       percent.cells()[i] = static_cast<std::int8_t>(std::lround(100.0F * movable.cells()[i]));
   }
-  write_mask(percent, folder, "movable");
+  return percent;
+}
+
+void write_movable(const Grid<float>& movable, const OccupancyMap& map, const std::string& folder) {
+  make_folder(folder);
+  write_png(folder + "/movable.png", draw_movable_picture(movable, map), kPngCompression);
+  write_mask(movable_mask(movable, map), folder, "movable");
 }
 
 }  // namespace loopstone

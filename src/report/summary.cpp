@@ -51,6 +51,11 @@ Json site_json(const SiteFigures& site) {
                          {"length_m", pane.length_m()},
                          {"probability", pane.probability}});
   }
+  Json edits = Json::array();
+  for (const SiteEditFigure& edit : site.edits) {
+    edits.push_back(Json{{"edit", edit.edit}, {"kind", edit.kind}});
+    if (edit.cells) edits.back()["cells"] = *edit.cells;
+  }
   return {
       {"sessions", site.sessions},
       {"free_m2", floor.free_m2},
@@ -63,6 +68,7 @@ Json site_json(const SiteFigures& site) {
       {"speed_low_m_s", optional_number(site.speed_low_m_s)},
       {"speed_high_m_s", optional_number(site.speed_high_m_s)},
       {"glass", glass},
+      {"edits", edits},
   };
 }
 

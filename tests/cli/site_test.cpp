@@ -6,11 +6,19 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
+#include "loopstone/formats/g2o.hpp"
+#include "loopstone/formats/ros_map.hpp"
+#include "loopstone/formats/tum.hpp"
 #include "run_program.hpp"
+#include "support/played_recording.hpp"
+#include "support/pose_near.hpp"
 #include "support/temp_dir.hpp"
 
 namespace loopstone::test {
@@ -51,6 +59,23 @@ class SiteCommand : public testing::Test {
   static Json json_of(const ProgramResult& result) {
     EXPECT_EQ(result.exit_code, 0) << result.error;
     return Json::parse(result.out);
+  }
+
+  static std::vector<std::string> split(const std::string& text, char at) {
+    std::vector<std::string> parts;
+    std::istringstream stream(text);
+    for (std::string part; std::getline(stream, part, at);) parts.push_back(part);
+    return parts;
+  }
+  static std::vector<std::string> lines_of_file(const std::string& name) {
+    return split(folder_->read(name), '\n');
+  }
+  static std::vector<std::string> cells_of(const std::string& row) { return split(row, ','); }
+
+  static void expect_same_poses(const GraphFile& one, const GraphFile& other, double within) {
+    ASSERT_EQ(one.ids, other.ids);
+    for (std::size_t i = 0; i < one.graph.poses.size(); ++i)
+      EXPECT_TRUE(pose_near(one.graph.poses[i], other.graph.poses[i], within, within)) << i;
   }
 
   static inline TempDir* folder_ = nullptr;
@@ -101,6 +126,174 @@ TEST_F(SiteCommand, SessionsAreJoinedAndDrawnAsOneMap) {
   // And goes on without what was not joined.
   EXPECT_EQ(json_of(site({"prune", *folder_ / "a.site", "--pending", "--json"}))["removed"], 1);
   EXPECT_EQ(json_of(site({"rebuild", *folder_ / "a.site", "--json"}))["joined"], 2);
+}
+
+/// What leaves a site is the site: its optimum, its sessions, its map.
+TEST_F(SiteCommand, WhatIsExportedIsReadBack) {
+  ASSERT_EQ(add("export.site", "monday", "2026-11-02").exit_code, 0);
+  ASSERT_EQ(add("export.site", "tuesday", "2026-11-03").exit_code, 0);
+  const std::string out = *folder_ / "exported";
+  const std::string mcap = *folder_ / "export.mcap";
+  const Json summary =
+      json_of(site({"map", *folder_ / "export.site", "-o", out, "--mcap", mcap, "--json"}));
+
+  // The graph: of all sessions, connected, at its optimum, and poses of both trajectories.
+  const GraphFile graph = read_g2o(out + "/graph.g2o");
+  require_connected(graph, "graph.g2o");
+  EXPECT_EQ(std::set(graph.ids.begin(), graph.ids.end()).size(), graph.graph.poses.size());
+  const ProgramResult solved =
+      run_program({"optimize", out + "/graph.g2o", "-o", *folder_ / "solved.g2o", "--quiet"});
+  ASSERT_EQ(solved.exit_code, 0) << solved.error;
+  const GraphFile optimum = read_g2o(*folder_ / "solved.g2o");
+  // Its optimum is what the graph alone says; the surfaces that key scans share move them a little.
+  expect_same_poses(optimum, graph, 0.05);
+  for (const char* day : {"monday", "tuesday"}) {
+    ASSERT_EQ(site({"add", *folder_ / "alone.site", *folder_ / day, "--date",
+                    day == std::string("monday") ? "2026-11-02" : "2026-11-03", "--set",
+                    "adjustment.enabled=false"})
+                  .exit_code,
+              0);
+  }
+  ASSERT_EQ(site({"map", *folder_ / "alone.site", "-o", *folder_ / "alone"}).exit_code, 0);
+  expect_same_poses(optimum, read_g2o(*folder_ / "alone/graph.g2o"), 1e-6);
+  const std::vector<std::string> rows = lines_of_file("exported/sessions.csv");
+  ASSERT_EQ(rows.size(), 3U);
+  std::size_t nodes = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const std::vector<std::string> cells = cells_of(rows[i]);
+    EXPECT_EQ(cells.at(0), std::to_string(i));
+    EXPECT_EQ(std::stoul(cells.at(4)), nodes) << "one session after the other";
+    nodes += std::stoul(cells.at(5));
+    const Trajectory own = read_tum(out + "/" + cells.at(2));
+    const Pose2& first = graph.graph.poses[std::stoul(cells.at(4))];
+    EXPECT_TRUE(pose_near(own.front().pose, first, 0.1, 0.05)) << "of the graph, not adjusted";
+    EXPECT_THAT(rows[i], HasSubstr(i == 1 ? "/monday" : "/tuesday"));
+  }
+  EXPECT_EQ(nodes, graph.graph.poses.size());
+
+  // The recording: the map as it stands in its file, a path a session, every pose.
+  const PlayedRecording played(mcap);
+  const CellStates cells = read_ros_map(out + "/map.yaml");
+  EXPECT_EQ(played.all<msg::OccupancyGrid>("/map").at(0).value.data, cells.cells());
+  EXPECT_EQ(played.all<msg::OccupancyGrid>("/movable").at(0).value.data.size(),
+            cells.cells().size());
+  for (const char* name : {"1", "2"}) {
+    const Trajectory own = read_tum(out + "/trajectory_drive_" + name + ".tum");
+    const msg::Path path =
+        played.all<msg::Path>("/session_" + std::string(name) + "/path").at(0).value;
+    ASSERT_EQ(path.poses.size(), own.poses().size());
+    EXPECT_TRUE(pose_near(to_pose2(path.poses.back().pose), own.poses().back().pose, 1e-6, 1e-6));
+  }
+  const Trajectory all = read_tum(out + "/trajectory.tum");
+  const auto transforms = played.all<msg::TFMessage>("/tf");
+  ASSERT_EQ(transforms.size(), all.poses().size());
+  EXPECT_TRUE(pose_near(to_pose2(transforms.back().value.transforms.at(0).transform),
+                        all.poses().back().pose, 1e-6, 1e-6));
+  EXPECT_EQ(lines_of(played.all<msg::MarkerArray>("/loop_closures").at(0).value, "standing"),
+            summary.at("loop_closures_accepted"));
+  EXPECT_EQ(played.all<msg::DiagnosticArray>("/verdict").size(), 1U);
+
+  // It is not written over what is there, nor does it take the map with it.
+  EXPECT_EQ(
+      site({"map", *folder_ / "export.site", "-o", *folder_ / "other", "--mcap", mcap}).exit_code,
+      2);
+  const ProgramResult full = site(
+      {"map", *folder_ / "export.site", "-o", *folder_ / "full", "--mcap", "/dev/full", "--force"});
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_THAT(full.error, HasSubstr("the recording could not be written"));
+  EXPECT_TRUE(fs::exists(*folder_ / "full/map.yaml"));
+}
+
+TEST_F(SiteCommand, EditsAreKeptToldAndUndone) {
+  const std::string path = *folder_ / "edit.site";
+  ASSERT_EQ(add("edit.site", "monday", "2026-11-02").exit_code, 0);
+  ASSERT_EQ(add("edit.site", "tuesday", "2026-11-03").exit_code, 0);
+  const Json wall =
+      json_of(site({"edit", path, "--wall", "-0.4,-0.4 0.4,-0.4 0.4,0.4 -0.4,0.4", "--json"}));
+  EXPECT_EQ(wall["edit"], 1);
+  const Json left_out = json_of(site({"edit", path, "--exclude", "2", "--json"}));
+  EXPECT_EQ(left_out["edits"], 2);
+  EXPECT_EQ(left_out["joined"], 1);
+  const Json far = json_of(site({"edit", path, "--free", "60,60 61,60 61,61", "--json"}));
+  EXPECT_EQ(far["edit"], 3);
+
+  const Json edits = json_of(site({"edits", path, "--json"}))["edits"];
+  ASSERT_EQ(edits.size(), 3U);
+  EXPECT_EQ(edits[0]["kind"], "wall");
+  EXPECT_NEAR(edits[0]["area_m2"].get<double>(), 0.64, 1e-6);
+  EXPECT_NEAR(edits[0]["polygon"][0][0].get<double>(), -0.4, 1e-6);
+  EXPECT_EQ(edits[1]["kind"], "exclude");
+  EXPECT_EQ(edits[1]["session"], 2);
+  const ProgramResult told = run_program({"site", "edits", path});
+  EXPECT_THAT(told.out, HasSubstr("0.64 m2"));
+  EXPECT_THAT(told.out, HasSubstr("session 2 (tuesday)"));
+  const Json shown = json_of(site({"show", path, "--json"}));
+  EXPECT_EQ(shown["sessions"][1]["status"], "excluded");
+  EXPECT_EQ(shown["sessions"][1]["reason"], "left out by edit 2");
+  EXPECT_EQ(shown["edits"].size(), 3U);
+  EXPECT_EQ(json_of(site({"check", path, "--json"}))["sound"], true);
+  const Json events = json_of(site({"history", path, "--json"}))["events"];
+  EXPECT_EQ(events[3]["what"], "exclude");
+  EXPECT_THAT(events[3]["log"].get<std::string>(), HasSubstr("tuesday"));
+
+  const ProgramResult mapped =
+      site({"map", path, "-o", *folder_ / "edited", "--json", "--mcap", *folder_ / "edited.mcap"});
+  EXPECT_THAT(mapped.error, HasSubstr("edit 3 lies beside the map"));
+  const Json summary = json_of(mapped);
+  EXPECT_EQ(summary["site"]["sessions"], 1);
+  EXPECT_EQ(summary["site"]["edits"].size(), 3U);
+  EXPECT_GT(summary["site"]["edits"][0]["cells"], 250);
+  EXPECT_EQ(summary["site"]["edits"][2]["cells"], 0);
+  const CellStates cells = read_ros_map(*folder_ / "edited/map.yaml");
+  EXPECT_EQ(cells[cells.frame().cell_of({0.1, 0.1})], 100);
+  const PlayedRecording played(*folder_ / "edited.mcap");
+  EXPECT_EQ(played.all<msg::OccupancyGrid>("/map").at(0).value.data, cells.cells());
+  // Monday began where the wall is now; a plan has its sides.
+  const ProgramResult plan =
+      run_program({"export", path, "--dxf", *folder_ / "edited.dxf", "--quiet", "--json"});
+  const double walls_m =
+      json_of(plan)["structure_m"].get<double>() + json_of(plan)["movable_m"].get<double>();
+
+  EXPECT_EQ(json_of(site({"changes", path, "--from", "2026-11-02", "-o", *folder_ / "edit_changes",
+                          "--json"}))["edits"]
+                .size(),
+            3U);
+
+  EXPECT_EQ(json_of(site({"edit", path, "--undo", "1", "--json"}))["edits"], 2);
+  EXPECT_EQ(json_of(site({"edit", path, "--include", "2", "--json"}))["joined"], 2);
+  EXPECT_EQ(json_of(site({"edits", path, "--json"}))["edits"].size(), 1U);
+  ASSERT_EQ(site({"edit", path, "--exclude", "2"}).exit_code, 0);
+  const Json without = json_of(
+      run_program({"export", path, "--dxf", *folder_ / "without.dxf", "--quiet", "--json"}));
+  EXPECT_NEAR(walls_m - without["structure_m"].get<double>() - without["movable_m"].get<double>(),
+              3.2, 0.4);
+}
+
+TEST_F(SiteCommand, EditsThatCanNotBeAreRefused) {
+  const std::string path = *folder_ / "wrong.site";
+  ASSERT_EQ(add("wrong.site", "monday").exit_code, 0);
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cases{
+      {"give one of --exclude", {}},
+      {"give one of --exclude", {"--exclude", "1", "--undo", "1"}},
+      {"there is no session 7", {"--exclude", "7"}},
+      {"there is no session 7", {"--include", "7"}},
+      {"session 1 is not left out, it is joined", {"--include", "1"}},
+      {"there is no edit 4", {"--undo", "4"}},
+      {"--wall: 'a,b' is no corner", {"--wall", "0,0 1,0 a,b"}},
+      {"--free: a polygon must have three corners", {"--free", "0,0 1,0"}},
+      {"--free: a polygon must have three corners", {"--free", ""}},
+      {"metres of the map", {"--unknown", "5000,0 5001,0 5001,1"}},
+  };
+  for (const auto& [why, flags] : cases) {
+    std::vector<std::string> words{"edit", path};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const ProgramResult result = site(words);
+    EXPECT_EQ(result.exit_code, 2) << why << result.error;
+    EXPECT_THAT(result.error, HasSubstr(why));
+  }
+  EXPECT_THAT(site({"edit", *folder_ / "none.site", "--undo", "1"}).error,
+              HasSubstr("there is no such site"));
+  EXPECT_EQ(json_of(site({"history", path, "--json"}))["events"].size(), 1U);
 }
 
 TEST_F(SiteCommand, ErrorsSayWhatToDo) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "loopstone/base/error.hpp"
@@ -15,6 +16,7 @@
 #include "loopstone/formats/options_file.hpp"
 #include "loopstone/formats/robot_file.hpp"
 #include "loopstone/formats/tum.hpp"
+#include "loopstone/mapping/map_touch_up.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "support/temp_dir.hpp"
 #include "support/world_drive.hpp"
@@ -130,6 +132,9 @@ TEST_F(SiteOfAnOffice, EveryCallCanBeCalledOffAtEveryStep) {
         site.remove({3}, {.progress = progress});
       },
       [](Site& site, const ProgressCallback& progress) { site.rebuild({.progress = progress}); },
+      [](Site& site, const ProgressCallback& progress) {
+        (void)site.exclude(2, {.progress = progress});
+      },
       [](Site& site, const ProgressCallback& progress) { (void)site.map({}, {}, progress); },
       [](Site& site, const ProgressCallback& progress) {
         (void)site.difference(Stamp::from_seconds(20'001.5 * kDayS),
@@ -143,7 +148,9 @@ TEST_F(SiteOfAnOffice, EveryCallCanBeCalledOffAtEveryStep) {
       };
       EXPECT_THROW(calls[i](site, off), UsageError) << i << ", after " << answers;
     }
-    EXPECT_EQ(Site(path, SiteAccess::kRead, {2}).sessions().size(), 3U) << i;
+    const Site left(path, SiteAccess::kRead, {2});
+    EXPECT_EQ(left.sessions().size(), 3U) << i;
+    EXPECT_TRUE(left.edits().empty()) << i;
   }
   EXPECT_EQ(format_tum(Site(path, SiteAccess::kRead, {2}).map().result.trajectory), before);
 }
@@ -155,6 +162,136 @@ TEST_F(SiteOfAnOffice, ARemovedSessionIsAsIfItHadNeverBeenThere) {
   const Site without(site_of(folder, "b", {0, 2}), SiteAccess::kRead, {2});
   EXPECT_EQ(format_tum(site.map().result.trajectory), format_tum(without.map().result.trajectory));
   EXPECT_THROW(site.remove({2}), UsageError);
+}
+
+TEST_F(SiteOfAnOffice, AnExcludedSessionIsAsIfItHadNeverBeenThereAndComesBack) {
+  const TempDir folder;
+  const std::string path = site_of(folder, "a", {0, 1, 2});
+  const auto map_of = [&](const std::string& of) {
+    const SiteMap map = Site(of, SiteAccess::kRead, {2}).map();
+    return std::pair(format_tum(map.result.trajectory), map.result.map.log_odds.cells());
+  };
+  const auto before = map_of(path);
+  EXPECT_EQ(Site(path, SiteAccess::kWrite, {2}).exclude(2).id, 1);
+  EXPECT_EQ(map_of(path), map_of(site_of(folder, "b", {0, 2})));
+  {
+    const Site site(path, SiteAccess::kRead, {2});
+    EXPECT_EQ(site.sessions()[1].status, SessionStatus::kExcluded);
+    EXPECT_EQ(site.map().edits.size(), 1U);
+    EXPECT_TRUE(site.file().check().empty());
+  }
+  EXPECT_THROW(Site(path, SiteAccess::kWrite, {2}).exclude(2), UsageError) << "it is already";
+  EXPECT_THROW(Site(path, SiteAccess::kWrite, {2}).exclude(77), UsageError);
+  EXPECT_THROW(Site(path, SiteAccess::kWrite, {2}).include(1), UsageError);
+  EXPECT_THROW(Site(path, SiteAccess::kWrite, {2}).undo(2), UsageError);
+  // What is added meanwhile does not bring it back, and in the end the order changes nothing.
+  EXPECT_EQ(Site(path, SiteAccess::kWrite, {2}).include(2).id, 1);
+  EXPECT_TRUE(Site(path, SiteAccess::kRead, {2}).edits().empty());
+  EXPECT_EQ(map_of(path), before);
+}
+
+TEST_F(SiteOfAnOffice, WhatIsAddedWhileASessionIsExcludedIsJoinedWithoutIt) {
+  const TempDir folder;
+  const std::string path = site_of(folder, "a", {0, 1});
+  Site(path, SiteAccess::kWrite, {2}).exclude(2);
+  EXPECT_EQ(Site(path, SiteAccess::kWrite, {2}).add((*sessions_)[2]).status,
+            SessionStatus::kJoined);
+  const Site without(site_of(folder, "b", {0, 2}), SiteAccess::kRead, {2});
+  EXPECT_EQ(format_tum(Site(path, SiteAccess::kRead, {2}).map().result.trajectory),
+            format_tum(without.map().result.trajectory));
+  Site(path, SiteAccess::kWrite, {2}).undo(1);
+  const Site all(site_of(folder, "c", {0, 1, 2}), SiteAccess::kRead, {2});
+  EXPECT_EQ(format_tum(Site(path, SiteAccess::kRead, {2}).map().result.trajectory),
+            format_tum(all.map().result.trajectory));
+}
+
+/// Of the cells whose centres lie in a polygon, the share that says so.
+double share_of(const OccupancyMap& map, const Polygon2& polygon, SiteEditKind kind) {
+  double cells = 0.0;
+  double right = 0.0;
+  for_each_cell_in(polygon, map.observed.frame(), [&](Cell cell) {
+    cells += 1.0;
+    const bool seen = map.observed[cell] != 0;
+    const double p = map.probability(cell);
+    const bool is_right = kind == SiteEditKind::kUnknown ? !seen
+                          : kind == SiteEditKind::kWall  ? seen && p > 0.9
+                                                         : seen && p < 0.1;
+    right += is_right ? 1.0 : 0.0;
+  });
+  return cells > 0.0 ? right / cells : 0.0;
+}
+
+TEST_F(SiteOfAnOffice, PolygonsHoldOnEveryMapAndTheLastOneCounts) {
+  const TempDir folder;
+  const std::string path = site_of(folder, "a", {0, 1});
+  const Polygon2 wall = box_polygon({0.5, -0.4}, {1.0, 0.4});
+  const Polygon2 half = box_polygon({0.5, 0.0}, {1.0, 0.4});
+  const auto wall_share = [&](const OccupancyMap& map) {
+    return share_of(map, wall, SiteEditKind::kWall);
+  };
+  EXPECT_LT(wall_share(Site(path, SiteAccess::kRead, {2}).map().result.map), 0.1);
+  EXPECT_EQ(Site(path, SiteAccess::kWrite, {2}).set_cells(SiteEditKind::kWall, wall).id, 1);
+  const SiteMap map = Site(path, SiteAccess::kRead, {2}).map();
+  EXPECT_EQ(wall_share(map.result.map), 1.0);
+  ASSERT_EQ(map.edits.size(), 1U);
+  EXPECT_GE(map.edits[0].cells, 160);
+  EXPECT_EQ(
+      wall_share(Site(path, SiteAccess::kRead, {2}).map((*sessions_)[0].session.begins).result.map),
+      1.0);
+  const Site::Difference difference =
+      Site(path, SiteAccess::kRead, {2}).difference((*sessions_)[0].session.begins);
+  EXPECT_EQ(wall_share(difference.before), 1.0);
+  EXPECT_EQ(wall_share(difference.now.result.map), 1.0);
+
+  (void)Site(path, SiteAccess::kWrite, {2}).set_cells(SiteEditKind::kUnknown, half);
+  (void)Site(path, SiteAccess::kWrite, {2})
+      .set_cells(SiteEditKind::kFree, box_polygon({3.0, 3.0}, {9.0, 9.0}));
+  const SiteMap later = Site(path, SiteAccess::kRead, {2}).map();
+  EXPECT_EQ(share_of(later.result.map, half, SiteEditKind::kUnknown), 1.0);
+  EXPECT_EQ(share_of(later.result.map, *later.edits[2].on_map, SiteEditKind::kFree), 1.0);
+  Site(path, SiteAccess::kWrite, {2}).undo(2);
+  EXPECT_EQ(wall_share(Site(path, SiteAccess::kRead, {2}).map().result.map), 1.0);
+  EXPECT_EQ(Site(path, SiteAccess::kRead, {2}).file().events().back().what, "undo");
+  EXPECT_THROW((void)Site(path, SiteAccess::kWrite, {2})
+                   .set_cells(SiteEditKind::kFree, box_polygon({3000.0, 3.0}, {3009.0, 9.0})),
+               UsageError);
+  EXPECT_THROW((void)Site(path, SiteAccess::kWrite, {2}).set_cells(SiteEditKind::kFree, {}),
+               UsageError);
+  EXPECT_THROW((void)Site(new_site(folder, "empty"), SiteAccess::kWrite, {2})
+                   .set_cells(SiteEditKind::kFree, wall),
+               DataError);
+}
+
+/// The oldest session gives the map its frame and carries the polygon: without it both are
+/// elsewhere, and the polygon stays on the building.
+TEST_F(SiteOfAnOffice, APolygonGoesWithTheBuildingWhenTheMapMoves) {
+  const TempDir folder;
+  const std::string path = site_of(folder, "a", {0, 1});
+  const Polygon2 wall = box_polygon({0.5, -0.4}, {1.0, 0.4});
+  (void)Site(path, SiteAccess::kWrite, {2}).set_cells(SiteEditKind::kWall, wall);
+  const auto tuesday = [&](std::size_t drive) {
+    const SiteMap map = Site(path, SiteAccess::kRead, {2}).map();
+    return map.result.trajectories().at(drive).front().pose;
+  };
+  const Pose2 first_T_tuesday = tuesday(1);
+  const auto expect_wall_on_tuesday = [&](std::size_t drive, double within_m) {
+    const std::vector<SiteCorrection> edits = Site(path, SiteAccess::kRead, {2}).edits();
+    ASSERT_TRUE(edits.at(0).on_map);
+    const Polygon2 moved = tuesday(drive) * first_T_tuesday.inverse() * wall;
+    for (std::size_t i = 0; i < moved.corners.size(); ++i)
+      EXPECT_LT((moved.corners[i] - edits.at(0).on_map->corners[i]).norm(), within_m) << i;
+  };
+  expect_wall_on_tuesday(1, 1e-6);
+  Site(path, SiteAccess::kWrite, {2}).exclude(1);
+  EXPECT_GT((tuesday(0).translation() - first_T_tuesday.translation()).norm(), 0.5);
+  expect_wall_on_tuesday(0, 0.15);
+  EXPECT_EQ(share_of(Site(path, SiteAccess::kRead, {2}).map().result.map,
+                     *Site(path, SiteAccess::kRead, {2}).edits()[0].on_map, SiteEditKind::kWall),
+            1.0);
+  Site(path, SiteAccess::kWrite, {2}).undo(2);
+  expect_wall_on_tuesday(1, 0.15);
+  Site(path, SiteAccess::kWrite, {2}).remove({1});
+  expect_wall_on_tuesday(0, 0.15);
 }
 
 TEST_F(SiteOfAnOffice, TheMapOfADateKnowsNothingOfWhatCameLater) {

@@ -9,6 +9,7 @@
 
 #include "loopstone/base/stamp.hpp"
 #include "loopstone/base/words.hpp"
+#include "loopstone/formats/site_edit.hpp"
 #include "loopstone/slam/drive_record.hpp"
 #include "loopstone/slam/joined_drives.hpp"
 
@@ -21,16 +22,17 @@ namespace loopstone {
 
 /// What became of a session.
 enum class SessionStatus {
-  kJoined,   ///< part of the site's map
-  kPending,  ///< kept beside it until a later one ties it
-  kRefused,  ///< its own map is bad: nothing of it is kept but this row
-  kRetired,  ///< it was joined; newer ones show all that it saw, and nothing of it is kept
+  kJoined,    ///< part of the site's map
+  kPending,   ///< kept beside it until a later one ties it
+  kRefused,   ///< its own map is bad: nothing of it is kept but this row
+  kRetired,   ///< it was joined; newer ones show all that it saw, and nothing of it is kept
+  kExcluded,  ///< kept beside the map by an edit, as long as that stands
 };
 
 constexpr auto words_of(SessionStatus /*any*/) {
   using enum SessionStatus;
   return std::array{Word{kJoined, "joined"}, Word{kPending, "pending"}, Word{kRefused, "refused"},
-                    Word{kRetired, "retired"}};
+                    Word{kRetired, "retired"}, Word{kExcluded, "excluded"}};
 }
 
 /// One drive of a robot in the building.
@@ -90,7 +92,9 @@ class SiteFile {
   /// In the order in which they were driven.
   [[nodiscard]] std::vector<SiteSession> sessions() const;
   [[nodiscard]] std::vector<SiteEvent> events() const;
-  /// Of a session that is joined or pending.
+  /// What was corrected by hand, in the order in which it was done.
+  [[nodiscard]] std::vector<SiteEdit> edits() const;
+  /// Of a session that is joined, pending or excluded.
   [[nodiscard]] std::shared_ptr<const DriveRecord> record(const SiteSession& session) const;
   [[nodiscard]] std::vector<SitePair> pairs() const;
   [[nodiscard]] std::vector<SitePlacement> placements() const;
@@ -100,13 +104,20 @@ class SiteFile {
   void begin_change(const std::function<bool()>& waiting = {});
   /// \return its id
   std::int64_t add(const SiteSession& session, const DriveRecord* record);
-  /// Status, reason and closures.
+  /// Status, reason and closures; of one that is not excluded.
   void update(const SiteSession& session);
   /// The row stays.
   void drop_record(std::int64_t session);
   void remove(std::int64_t session);
   /// All of them, in place of those before.
   void set_joins(const std::vector<SitePair>& pairs, const std::vector<SitePlacement>& placements);
+  /// \return its id
+  std::int64_t add_edit(const SiteEdit& edit);
+  /// Of the edit's polygon.
+  void set_place(std::int64_t edit, const std::optional<SiteAnchor>& anchor,
+                 const Polygon2& polygon);
+  /// \return whether there was such an edit
+  bool remove_edit(std::int64_t edit);
   void add_event(const SiteEvent& event);
   void commit();
 

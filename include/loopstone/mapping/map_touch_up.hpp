@@ -30,4 +30,12 @@ void crop(OccupancyMap& map, std::span<const Polygon2> polygons);
 /// in doubt.
 std::int64_t erase(OccupancyMap& map, const Polygon2& polygon, const OccupancyOptions& options);
 
+/// What a hand may say of cells.
+enum class CellSetting { kFree, kOccupied, kUnknown };
+
+/// The cells of a polygon are what they are told, whatever was seen there; occupied are also those
+/// that its sides run through, so that thin walls hold. Returns how many lie on the map.
+std::int64_t set_cells(OccupancyMap& map, const Polygon2& polygon, CellSetting setting,
+                       const OccupancyOptions& options);
+
 }  // namespace loopstone

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,17 @@ struct SiteExtras {
   bool grids = false;
 };
 
+/// What somebody corrected by hand, as a map tells it.
+struct SiteCorrection {
+  SiteEdit edit{};
+  /// Of a polygon: where it lies on the map. Nothing: what it lay on is no part of the map.
+  std::optional<Polygon2> on_map{};
+  std::int64_t cells = 0;  ///< of a map that was drawn: how many of its cells were set
+};
+
+/// Walls that were drawn by hand, on the map.
+[[nodiscard]] std::vector<Polygon2> walls_of(std::span<const SiteCorrection> edits);
+
 /// The map of a site at a time.
 struct SiteMap {
   MapResult result{};                   ///< its map is what the visits agree on
@@ -81,6 +93,7 @@ struct SiteMap {
   std::optional<SiteGrids> grids{};     ///< likewise, where asked for
   std::vector<SiteSession> sessions{};  ///< that are joined, in order: the result's drives
   MappedScans scans{};                  ///< where asked for; stamped as the result's trajectory
+  std::vector<SiteCorrection> edits{};  ///< that it was drawn with, all of the site's
 };
 
 /// Who waits while a site is changed.
@@ -109,6 +122,24 @@ class Site {
   /// Finds all that ties sessions anew.
   void rebuild(const SiteWatch& watch = {});
 
+  /// What was corrected by hand, oldest first.
+  [[nodiscard]] std::vector<SiteCorrection> edits() const;
+  /// Leaves a session out of the map, which is then as if it had never been there, until the edit
+  /// is undone. Returns the edit. Throws UsageError when there is no such session, or nothing of it
+  /// to leave out.
+  SiteEdit exclude(std::int64_t session, const SiteWatch& watch = {});
+  /// Undoes that. Throws UsageError when it is not left out.
+  SiteEdit include(std::int64_t session, const SiteWatch& watch = {});
+  /// Says what the cells of a polygon are, in every map that is made of the site; later edits beat
+  /// earlier ones. The polygon goes with what was seen around it when the map moves.
+  /// \param kind     no exclusion
+  /// \param polygon  in the frame of the map
+  /// Throws UsageError when it is unsound or lies far from all that was seen, DataError when there
+  /// is no map yet.
+  SiteEdit set_cells(SiteEditKind kind, const Polygon2& polygon, const SiteWatch& watch = {});
+  /// Throws UsageError when there is no such edit.
+  void undo(std::int64_t edit, const SiteWatch& watch = {});
+
   /// \param until     of sessions that began until then; all of them hold the map together
   /// \param progress  false: throws UsageError
   [[nodiscard]] SiteMap map(std::optional<Stamp> until = {}, const SiteExtras& extras = {},
@@ -117,7 +148,7 @@ class Site {
   /// later.
   struct Difference {
     SiteMap now{};
-    OccupancyMap before{};
+    OccupancyMap before{};  ///< corrected by hand as `now` is
     std::vector<MapChange> changes{};
   };
   /// \param to        nothing: today
@@ -137,7 +168,16 @@ class Site {
   using TakeSession = std::function<void(const SiteSession& session, const DriveVisit& visit)>;
   [[nodiscard]] SiteMap draw(const Kept& kept, const ProgressCallback& progress,
                              const TakeSession& take) const;
-  void store(Kept& kept);
+  /// Where sessions and edits lay before a change.
+  struct Places {
+    std::vector<SitePlacement> placements{};
+    std::vector<SiteCorrection> edits{};
+  };
+  [[nodiscard]] Places begin_change(const SiteWatch& watch);
+  void rejoin(const Places& before, const SiteWatch& watch);
+  void store(Kept& kept, const Places& before);
+  void keep_edits_in_place(const Places& before);
+  [[nodiscard]] std::vector<SiteCorrection> corrections_on(const Kept& kept) const;
   void retire(Kept& kept);
   void note(const std::string& what, const std::string& session, const std::string& text);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "loopstone/base/parallel_for.hpp"
+#include "loopstone/geometry/polygon.hpp"
 #include "loopstone/grid/grid.hpp"
 #include "loopstone/odometry/trajectory.hpp"
 #include "loopstone/slam/mapped_scan.hpp"
@@ -42,5 +43,11 @@ struct WallSamples {
 /// The occupied cells that have a free neighbour, as samples of a surface that lies somewhere in
 /// them.
 [[nodiscard]] WallSamples samples_of_cells(const Grid<std::int8_t>& cells);
+
+/// Adds the sides of walls that somebody drew by hand, as far as the map is free beside them, as if
+/// enough scans had met them.
+/// \param cells  with the walls
+void add_walls(std::span<const Polygon2> walls, const Grid<std::int8_t>& cells,
+               WallSamples& samples);
 
 }  // namespace loopstone

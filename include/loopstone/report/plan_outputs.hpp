@@ -1,10 +1,12 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "loopstone/base/memory_budget.hpp"
 #include "loopstone/base/parallel_for.hpp"
+#include "loopstone/geometry/polygon.hpp"
 #include "loopstone/plan/vector_plan.hpp"
 #include "loopstone/slam/map_result.hpp"
 #include "loopstone/slam/mapped_scan.hpp"
@@ -46,8 +48,9 @@ struct PlanTitle {
 /// Throws UsageError where there is nothing to draw.
 [[nodiscard]] VectorPlan plan_of(const MapResult& map, const Session* state, Threads threads = {});
 /// The same through scans that the map was drawn from, stamped as its trajectory is: a site's.
+/// \param walls  that were drawn on it by hand (walls_of())
 [[nodiscard]] VectorPlan plan_of(const MapResult& map, const MappedScans& scans,
-                                 Threads threads = {});
+                                 std::span<const Polygon2> walls, Threads threads = {});
 
 /// What a plan is called where nobody says so: the name of the map's file or folder.
 [[nodiscard]] std::string plan_name(const std::string& path);

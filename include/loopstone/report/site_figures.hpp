@@ -1,13 +1,22 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "loopstone/mapping/glass_survey.hpp"
 #include "loopstone/mapping/visit_coverage.hpp"
 
 namespace loopstone {
+
+/// What was corrected by hand.
+struct SiteEditFigure {
+  std::int64_t edit = 0;  ///< its number
+  std::string kind{};
+  std::optional<std::int64_t> cells{};  ///< that lie in its polygon; nothing: a session is left out
+};
 
 /// Figures of a site's grids.
 struct SiteFigures {
@@ -18,6 +27,7 @@ struct SiteFigures {
   std::optional<double> speed_low_m_s{};   ///< of ten cells one is driven slower
   std::optional<double> speed_high_m_s{};  ///< and one faster
   std::vector<GlassPane> panes{};          ///< that are suspected
+  std::vector<SiteEditFigure> edits{};
 };
 
 }  // namespace loopstone

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "loopstone/base/parallel_for.hpp"
@@ -9,8 +10,10 @@
 
 namespace loopstone {
 
+/// \param edits  that the map was drawn with
 /// Cost: O(cells).
-[[nodiscard]] SiteFigures figures_of(const SiteGrids& grids, const OccupancyMap& map);
+[[nodiscard]] SiteFigures figures_of(const SiteGrids& grids, const OccupancyMap& map,
+                                     std::span<const SiteCorrection> edits = {});
 
 /// Into a folder that is made where it is missing; grids by map_server's mode raw, each as NAME.pgm
 /// with NAME.yaml, 255 where nothing is known and 100 for more than that:

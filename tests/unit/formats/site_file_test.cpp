@@ -1,5 +1,6 @@
 #include "loopstone/formats/site_file.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "formats/sqlite_database.hpp"
 #include "loopstone/base/byte_archive.hpp"
 #include "loopstone/base/error.hpp"
 #include "source_folder.hpp"
@@ -63,6 +65,21 @@ std::string made_site(const TempDir& folder, const DriveRecord& record) {
   file.add_event({"2026-11-26T12:00:00Z", "add", "/logs/monday", "pending"});
   file.commit();
   return path;
+}
+
+const Polygon2 kTriangle{{{0.5, 0.25}, {1.5, 0.25}, {1.0, 1.0 / 3.0}}};
+
+/// Leaves the first session out, and draws a wall on it.
+void add_edits(const std::string& path) {
+  SiteFile file(path, SiteAccess::kWrite);
+  file.begin_change();
+  const std::int64_t session = file.sessions().front().id;
+  (void)file.add_edit({.at = "2026-11-27T12:00:00Z", .excluded = session});
+  (void)file.add_edit({.at = "2026-11-27T13:00:00Z",
+                       .kind = SiteEditKind::kWall,
+                       .anchor = SiteAnchor{session, 0},
+                       .polygon = kTriangle});
+  file.commit();
 }
 
 std::string refusal(const auto& work) {
@@ -237,25 +254,104 @@ TEST(SiteFile, AnyDamageIsToldOrHarmless) {
 /// Of each version of the schema there is a site as its program wrote it. Whoever changes the form
 /// of a record changes the bytes that are read here, and this test fails: then raise
 /// DriveRecord::kVersion, and say what becomes of older ones.
-TEST(SiteFile, StoredSitesOfEveryVersionAreRead) {
-  const std::string stored =
-      std::string(LOOPSTONE_SOURCE_DIR) + "/tests/unit/formats/sites/schema_1.site";
-  const TempDir folder;
-  if (!std::filesystem::exists(stored)) {
-    made_site(folder, passage_record());
-    std::filesystem::copy_file(folder / "a.site", testing::TempDir() + "schema_1.site",
-                               std::filesystem::copy_options::overwrite_existing);
-    FAIL() << "one of the present program is in " << testing::TempDir() << "schema_1.site";
+class StoredSite : public testing::TestWithParam<int> {
+ protected:
+  [[nodiscard]] static std::string stored() {
+    return fmt::format("{}/tests/unit/formats/sites/schema_{}.site", LOOPSTONE_SOURCE_DIR,
+                       GetParam());
   }
-  std::filesystem::copy_file(stored, folder / "old.site");
-  const SiteFile file(folder / "old.site", SiteAccess::kWrite);
-  EXPECT_TRUE(file.check().empty());
+};
+
+TEST_P(StoredSite, IsReadAndBroughtUpToDate) {
+  const TempDir folder;
+  if (!std::filesystem::exists(stored())) {
+    const std::string made = made_site(folder, passage_record());
+    add_edits(made);
+    const std::string kept = testing::TempDir() + "a.site";
+    std::filesystem::copy_file(made, kept, std::filesystem::copy_options::overwrite_existing);
+    FAIL() << "one of the present program is in " << kept;
+  }
+  std::filesystem::copy_file(stored(), folder / "old.site");
+  const auto expect_whole = [&](const SiteFile& file) {
+    EXPECT_TRUE(file.check().empty());
+    const std::vector<SiteSession> sessions = file.sessions();
+    ASSERT_EQ(sessions.size(), 2U);
+    const auto record = file.record(sessions[0]);
+    const DriveRecord now = passage_record();
+    EXPECT_EQ(record->track.size(), now.track.size());
+    EXPECT_EQ(record->back_end.chain.submaps.size(), now.back_end.chain.submaps.size());
+    EXPECT_EQ(file.edits().size(), GetParam() == 1 ? 0U : 2U);
+  };
+  const std::string bytes = folder.read("old.site");
+  expect_whole(SiteFile(folder / "old.site", SiteAccess::kRead));
+  EXPECT_EQ(folder.read("old.site"), bytes) << "it was only read";
+  expect_whole(SiteFile(folder / "old.site", SiteAccess::kWrite));
+  SiteFile file(folder / "old.site", SiteAccess::kWrite);
+  file.begin_change();
+  for (const SiteEdit& edit : file.edits()) file.remove_edit(edit.id);
+  const std::int64_t id = file.sessions()[1].id;
+  (void)file.add_edit({.at = "2026-11-28T12:00:00Z", .excluded = id});
+  file.commit();
+  const SiteFile now(folder / "old.site", SiteAccess::kRead);
+  EXPECT_EQ(now.sessions()[1].status, SessionStatus::kExcluded);
+  EXPECT_TRUE(now.check().empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(SchemaVersions, StoredSite, testing::Values(1, 2));
+
+TEST(SiteFile, KeepsEditsAndForgetsThemWithTheirSessions) {
+  const TempDir folder;
+  const std::string path = made_site(folder, passage_record());
+  add_edits(path);
+  SiteFile file(path, SiteAccess::kWrite);
+  const std::vector<SiteEdit> edits = file.edits();
+  ASSERT_EQ(edits.size(), 2U);
+  EXPECT_EQ(edits[0].kind, SiteEditKind::kExclude);
+  EXPECT_EQ(edits[0].at, "2026-11-27T12:00:00Z");
+  EXPECT_EQ(edits[1].kind, SiteEditKind::kWall);
+  EXPECT_EQ(edits[1].polygon, kTriangle);
+  EXPECT_EQ(edits[1].anchor, (SiteAnchor{edits[0].excluded, 0}));
   const std::vector<SiteSession> sessions = file.sessions();
-  ASSERT_EQ(sessions.size(), 2U);
-  const auto record = file.record(sessions[0]);
-  const DriveRecord now = passage_record();
-  EXPECT_EQ(record->track.size(), now.track.size());
-  EXPECT_EQ(record->back_end.chain.submaps.size(), now.back_end.chain.submaps.size());
+  EXPECT_EQ(sessions[0].status, SessionStatus::kExcluded);
+  EXPECT_THAT(sessions[0].reason, HasSubstr("edit 1"));
+  EXPECT_EQ(sessions[1].status, SessionStatus::kPending);
+  // The polygon stays, on nothing; what was excluded is gone for good.
+  file.begin_change();
+  file.remove(sessions[0].id);
+  file.commit();
+  ASSERT_EQ(file.edits().size(), 1U);
+  EXPECT_FALSE(file.edits()[0].anchor);
+  file.begin_change();
+  const SiteAnchor other{sessions[1].id, 3};
+  file.set_place(edits[1].id, other, box_polygon({0.0, 0.0}, {2.0, 1.0}));
+  EXPECT_EQ(file.edits()[0].anchor, other);
+  EXPECT_EQ(file.edits()[0].polygon, box_polygon({0.0, 0.0}, {2.0, 1.0}));
+  EXPECT_TRUE(file.remove_edit(edits[1].id));
+  EXPECT_FALSE(file.remove_edit(edits[1].id));
+  // Its number is never given again.
+  EXPECT_EQ(file.add_edit({.at = "now", .kind = SiteEditKind::kFree, .polygon = kTriangle}), 3);
+  file.commit();
+  EXPECT_TRUE(file.check().empty());
+}
+
+TEST(SiteFile, ADamagedEditIsNamedAndCanBeUndone) {
+  const TempDir folder;
+  const std::string path = made_site(folder, passage_record());
+  add_edits(path);
+  {
+    SqliteDatabase database(path, {.access = SqliteAccess::kWrite});
+    database.run("UPDATE edits SET polygon = '0,0 1,x 2,2' WHERE id = 2");
+  }
+  SiteFile file(path, SiteAccess::kWrite);
+  EXPECT_EQ(file.sessions().size(), 2U);
+  const std::vector<std::string> problems = file.check();
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_THAT(problems[0], HasSubstr("edit 2 is damaged: '1,x' is no corner"));
+  EXPECT_THAT(problems[0], HasSubstr("loopstone site edit --undo 2"));
+  file.begin_change();
+  EXPECT_TRUE(file.remove_edit(2));
+  file.commit();
+  EXPECT_TRUE(file.check().empty());
 }
 
 TEST(SiteFile, RoomThatIsFreeIsGivenBack) {

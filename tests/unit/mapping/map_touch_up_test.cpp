@@ -71,6 +71,37 @@ TEST(MapTouchUp, ErasingFreesWhatWasSeenInsideAndNothingElse) {
   EXPECT_GT(erased, 20);
 }
 
+TEST(MapTouchUp, CellsAreWhatTheyAreToldWhateverWasSeen) {
+  for (const CellSetting setting :
+       {CellSetting::kFree, CellSetting::kOccupied, CellSetting::kUnknown}) {
+    OccupancyMap map = striped();
+    map.observed[{21, 20}] = 0;
+    const OccupancyMap before = map;
+    Grid<std::uint8_t> inside(kFrame);
+    for_each_cell_in(crooked(), kFrame, [&](Cell cell) { inside[cell] = 1; });
+    if (setting == CellSetting::kOccupied)
+      for_each_cell_touching(crooked(), kFrame, [&](Cell cell) { inside[cell] = 1; });
+    const std::int64_t cells = set_cells(map, crooked(), setting, {});
+    std::int64_t expected = 0;
+    for (std::size_t i = 0; i < inside.cells().size(); ++i) {
+      expected += inside.cells()[i];
+      const float now = map.log_odds.cells()[i];
+      if (inside.cells()[i] == 0) {
+        EXPECT_EQ(now, before.log_odds.cells()[i]);
+        EXPECT_EQ(map.observed.cells()[i], before.observed.cells()[i]);
+      } else {
+        EXPECT_EQ(map.observed.cells()[i], setting == CellSetting::kUnknown ? 0 : 1);
+        const float sign = setting == CellSetting::kFree       ? -1.0F
+                           : setting == CellSetting::kOccupied ? 1.0F
+                                                               : 0.0F;
+        EXPECT_NEAR(now, sign * 3.476F, 1e-3F);
+      }
+    }
+    EXPECT_EQ(cells, expected);
+    EXPECT_GT(cells, 100);
+  }
+}
+
 TEST(MapTouchUp, CroppingKeepsWhatLiesInAnyOfThePolygons) {
   const OccupancyMap before = striped();
   OccupancyMap map = before;

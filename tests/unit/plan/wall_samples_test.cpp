@@ -127,5 +127,27 @@ TEST(SamplesOfScansThreads, AreTheSameForAnyNumber) {
   }
 }
 
+TEST(WallsByHand, AreMetFromWhereTheMapIsFree) {
+  // A wall of 20 cm along the edge of what was seen: only its lower side is a surface.
+  Grid<std::int8_t> cells({.origin = {-1.0, -1.0}, .resolution = 0.1, .columns = 40, .rows = 40});
+  for (int row = 0; row < 40; ++row) {
+    for (int column = 0; column < 40; ++column)
+      cells[{column, row}] = static_cast<std::int8_t>(row < 20 ? 0 : row < 22 ? 100 : -1);
+  }
+  const Polygon2 wall = box_polygon({0.0, 1.0}, {2.0, 1.2});
+  for (const bool turned : {false, true}) {
+    Polygon2 polygon = wall;
+    if (turned) std::reverse(polygon.corners.begin(), polygon.corners.end());
+    WallSamples samples{.origin = {-1.0, -1.0}, .from_scans = true};
+    add_walls({&polygon, 1}, cells, samples);
+    ASSERT_GE(samples.samples.size(), 3U * 60U);
+    for (const WallSample& sample : samples.samples) {
+      EXPECT_NEAR(sample.point.y(), 2.0F, 1e-5F);
+      EXPECT_NEAR(sample.normal.y(), -1.0F, 1e-5F);
+      EXPECT_LE(sample.point.x(), 3.0F + 1e-5F);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace loopstone::test
