@@ -232,7 +232,7 @@ TEST(PlanOfAMapInMemory, GoesThroughItsCells) {
   EXPECT_FALSE(plan.from_scans);
   ASSERT_FALSE(plan.segments.empty());
   EXPECT_NEAR(plan.segments.front().middle().y(), 2.02, 0.05);
-  EXPECT_EQ(plan_of(map_with_a_wall(), MappedScans{}).segments.size(), plan.segments.size());
+  EXPECT_EQ(plan_of(map_with_a_wall(), MappedScans{}, {}).segments.size(), plan.segments.size());
 }
 
 TEST(PlanOfAMapInMemory, ThereIsNoneOfAMapThatCouldNotBeDrawn) {
