@@ -56,7 +56,7 @@ std::string bytes_of(const Value& value) {
 
 /// A site of two sessions, the later one first.
 std::string made_site(const TempDir& folder, const DriveRecord& record) {
-  const std::string path = folder / "a.site";
+  std::string path = folder / "a.site";
   SiteFile::create(path, kOptions);
   SiteFile file(path, SiteAccess::kWrite);
   file.begin_change();
