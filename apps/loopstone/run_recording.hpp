@@ -8,6 +8,17 @@
 
 namespace loopstone::app {
 
+/// \return why what was asked of a recording could not be done; empty when it was
+template <typename Action>
+[[nodiscard]] std::string failure_of(Action&& action) {
+  try {
+    action();
+  } catch (const std::exception& error) {
+    return std::string("the recording could not be written: ") + error.what();
+  }
+  return {};
+}
+
 /// What --mcap asks for. A recording that can't be written on must not take the map with it: it is
 /// given up, and failure() says why.
 class RunRecording {
@@ -41,12 +52,8 @@ class RunRecording {
   template <typename Action>
   void attempt(Action&& action) {
     if (!recording_) return;
-    try {
-      action(*recording_);
-    } catch (const std::exception& error) {
-      failure_ = std::string("the recording could not be written: ") + error.what();
-      recording_.reset();
-    }
+    failure_ = failure_of([&] { action(*recording_); });
+    if (!failure_.empty()) recording_.reset();
   }
 
   std::string path_;

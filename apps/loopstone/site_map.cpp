@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,6 +20,7 @@
 #include "map_text.hpp"
 #include "output_path.hpp"
 #include "result.hpp"
+#include "run_recording.hpp"
 #include "site.hpp"
 
 namespace loopstone::app {
@@ -76,12 +76,7 @@ RunInfo info_of(const Site& site, const Arguments& arguments,
 /// A recording that can't be written must not take the map with it. \return why there is none
 std::string record(const SiteMap& map, const std::string& path) {
   if (path.empty()) return {};
-  try {
-    write_site_recording(map.result, map.sessions, map.movable, path);
-  } catch (const std::exception& error) {
-    return std::string("the recording could not be written: ") + error.what();
-  }
-  return {};
+  return failure_of([&] { write_site_recording(map.result, map.sessions, map.movable, path); });
 }
 
 /// Of pieces that were set by hand and that nobody will see.

@@ -194,4 +194,12 @@ Matrix to_array(std::span<const Pose2> poses) {
   return array_of<double, nb::ndim<2>>(std::move(values), {poses.size(), 3});
 }
 
+Matrix corners_of(const Polygon2& polygon) {
+  std::vector<double> values;
+  values.reserve(2 * polygon.corners.size());
+  for (const Eigen::Vector2d& corner : polygon.corners)
+    values.insert(values.end(), {corner.x(), corner.y()});
+  return array_of<double, nb::ndim<2>>(std::move(values), {polygon.corners.size(), 2});
+}
+
 }  // namespace loopstone::python

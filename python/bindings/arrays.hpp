@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "loopstone/geometry/polygon.hpp"
 #include "loopstone/geometry/pose2.hpp"
 #include "loopstone/geometry/pose3.hpp"
 
@@ -90,6 +91,8 @@ using Matrix = Array<double, nb::ndim<2>>;
 [[nodiscard]] Matrix to_array(const Eigen::MatrixXd& matrix);
 /// (N, 3).
 [[nodiscard]] Matrix to_array(std::span<const Pose2> poses);
+/// (N, 2).
+[[nodiscard]] Matrix corners_of(const Polygon2& polygon);
 
 /// A property that is an array, be it a view or made when it is asked for.
 template <typename Class, typename Getter, typename... Extra>

@@ -75,13 +75,6 @@ void write(const PathLike& path, bool force, Format&& format) {
   write_text_file(path.value, format());
 }
 
-Matrix corners_of(const Polygon2& polygon) {
-  std::vector<double> values;
-  for (const Eigen::Vector2d& corner : polygon.corners)
-    values.insert(values.end(), {corner.x(), corner.y()});
-  return array_of<double, nb::ndim<2>>(std::move(values), {polygon.corners.size(), 2});
-}
-
 std::vector<std::string> sides_of(const PlanOutline& outline) {
   std::vector<std::string> words;
   for (const PlanSide side : outline.sides) words.push_back(word(side));

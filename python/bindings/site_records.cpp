@@ -109,11 +109,7 @@ void bind_edit(nb::module_& m) {
       "polygon",
       [](const SiteCorrection& e) -> nb::object {
         if (!e.on_map) return nb::none();
-        std::vector<double> values;
-        for (const Eigen::Vector2d& corner : e.on_map->corners)
-          values.insert(values.end(), {corner.x(), corner.y()});
-        return nb::cast(
-            array_of<double, nb::ndim<2>>(std::move(values), {e.on_map->corners.size(), 2}));
+        return nb::cast(corners_of(*e.on_map));
       },
       nb::sig("def polygon(self) -> numpy.typing.NDArray[numpy.float64] | None"),
       "(N, 2) its corners [m], map frame; None: a session is left out, or what it lay on is no\n"

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 
 #include "formats/quoted_word.hpp"
+#include "formats/text_numbers.hpp"
 #include "loopstone/base/error.hpp"
 
 namespace loopstone {
@@ -18,12 +18,8 @@ constexpr std::size_t kMostCorners = 1000;
 constexpr double kFarthestM = 1e6;
 
 std::optional<double> number_in(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(number) <= kFarthestM))
-    return {};
-  return number;
+  const auto number = parse_number(text);
+  return number && std::abs(*number) <= kFarthestM ? number : std::nullopt;
 }
 
 Eigen::Vector2d corner_in(std::string_view word) {

@@ -18,16 +18,12 @@
 #include "loopstone/pipeline/log_mapping.hpp"
 #include "loopstone/sensor/log_digest.hpp"
 #include "mapping/glass_evidence.hpp"
+#include "pipeline/site_books.hpp"
 #include "pipeline/site_corrections.hpp"
 
 namespace loopstone {
 
 namespace {
-
-Stamp now() {
-  using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
-  return {duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count()};
-}
 
 /// Keeps what a mapping has led to, before its end.
 class RecordKeeper : public MappingWatch {
@@ -187,7 +183,7 @@ MappedSession map_session(const LogSource& source, LogReader& reader, const LogC
   session.robot = robot_to_toml(made.robot);
   session.begins =
       begins ? *begins : (result.trajectory.empty() ? Stamp{} : result.trajectory.front().stamp);
-  session.added = utc_text(now());
+  session.added = now_text();
   session.scans = result.statistics.scans;
   session.path_m = result.statistics.path_length_m;
   session.duration_s = result.statistics.duration_s;
@@ -309,7 +305,7 @@ void Site::retire(Kept& kept) {
 }
 
 void Site::note(const std::string& what, const std::string& session, const std::string& text) {
-  file_.add_event({utc_text(now()), what, session, text});
+  file_.add_event({now_text(), what, session, text});
 }
 
 SiteSession Site::add(const MappedSession& mapped, const SiteWatch& watch) {
@@ -350,10 +346,7 @@ void Site::remove(const std::vector<std::int64_t>& sessions, const SiteWatch& wa
   const Places places = begin_change(watch);
   std::vector<SiteSession> known = file_.sessions();
   for (const std::int64_t id : sessions) {
-    const auto session = std::ranges::find(known, id, &SiteSession::id);
-    if (session == known.end())
-      throw UsageError(fmt::format("{}: there is no session {}", file_.path(), id));
-    note("remove", session->log, "");
+    note("remove", find_session(known, id, file_.path()).log, "");
     file_.remove(id);
   }
   // Those that are left are joined by what was found between them alone.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/mapping/map_touch_up.hpp"
 #include "loopstone/pipeline/site.hpp"
+#include "pipeline/site_books.hpp"
 #include "pipeline/site_corrections.hpp"
 
 namespace loopstone {
@@ -85,21 +85,6 @@ double reach_of(const Polygon2& polygon) {
   return reach_m;
 }
 
-const SiteSession& find_session(const std::vector<SiteSession>& sessions, std::int64_t id,
-                                const std::string& path) {
-  const auto session = std::ranges::find(sessions, id, &SiteSession::id);
-  if (session == sessions.end()) {
-    throw UsageError(
-        fmt::format("{}: there is no session {}; `loopstone site show` lists them", path, id));
-  }
-  return *session;
-}
-
-std::string now_text() {
-  using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
-  return utc_text({duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count()});
-}
-
 }  // namespace
 
 std::vector<Polygon2> walls_of(std::span<const SiteCorrection> edits) {
@@ -128,9 +113,10 @@ Site::Places Site::begin_change(const SiteWatch& watch) {
   Places places;
   // A damaged file must not keep anybody from what mends it.
   try {
-    if (file_.edits().empty()) return places;
+    std::vector<SiteEdit> edits = file_.edits();
+    if (edits.empty()) return places;
     places.placements = file_.placements();
-    places.edits = corrections(file_.edits(), places.placements);
+    places.edits = corrections(std::move(edits), places.placements);
   } catch (const DataError&) {
     return {};
   }

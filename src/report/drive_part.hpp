@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
+#include <string>
 
 #include "loopstone/slam/map_result.hpp"
 
@@ -13,6 +13,11 @@ struct DrivePart {
   std::size_t first = 0;
   std::size_t end = 0;
 };
+
+/// Of the file with the poses of one drive by its own clock, where there are several.
+[[nodiscard]] inline std::string drive_trajectory_name(std::size_t drive) {
+  return "trajectory_drive_" + std::to_string(drive + 1) + ".tum";
+}
 
 /// Of what is in the order of its stamps, by the map's clock.
 template <typename Values, typename StampOf>

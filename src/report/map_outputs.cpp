@@ -21,6 +21,7 @@
 #include "loopstone/report/texture_picture.hpp"
 #include "report/closure_csv.hpp"
 #include "report/decisions.hpp"
+#include "report/drive_part.hpp"
 #include "report/edit_summary.hpp"
 #include "report/landmark_summary.hpp"
 #include "report/output_files.hpp"
@@ -44,8 +45,8 @@ void add_trajectory_and_graph(const MapResult& result, const RunInfo& info, cons
   if (!result.drives.empty()) {
     const std::vector<Trajectory> drives = result.trajectories();
     for (std::size_t i = 0; i < drives.size(); ++i) {
-      files.add("trajectory_drive_" + std::to_string(i + 1) + ".tum",
-                "the poses of one drive, stamps of its own log", format_tum(drives[i]));
+      files.add(drive_trajectory_name(i), "the poses of one drive, stamps of its own log",
+                format_tum(drives[i]));
     }
   }
   if (result.covariances.available()) {

@@ -29,13 +29,13 @@ std::string format_site_sessions(const MapResult& result, std::span<const SiteSe
   std::string text = "session,begins,trajectory,clock_shift_s,first_node,nodes,closures,log\n";
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     const auto [first, end] = part_of_drive(result, i, result.node_stamps, std::identity{});
-    const std::int64_t shift_ns = i == 0 ? 0 : result.drives[i - 1].clock_shift_ns.value_or(0);
     // A site of one session has one trajectory.
     const std::string trajectory =
-        result.drives.empty() ? "trajectory.tum" : fmt::format("trajectory_drive_{}.tum", i + 1);
+        result.drives.empty() ? "trajectory.tum" : drive_trajectory_name(i);
     fmt::format_to(std::back_inserter(text), "{},{},{},{:.9f},{},{},{},{}\n", sessions[i].id,
-                   utc_text(sessions[i].begins), trajectory, static_cast<double>(shift_ns) * 1e-9,
-                   first, end - first, sessions[i].closures, csv_text(sessions[i].log));
+                   utc_text(sessions[i].begins), trajectory,
+                   static_cast<double>(result.clock_shift(i).nanoseconds) * 1e-9, first,
+                   end - first, sessions[i].closures, csv_text(sessions[i].log));
   }
   return text;
 }

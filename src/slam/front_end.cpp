@@ -243,8 +243,8 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
   const auto blind = [&] { return blind_motion(stamp, sighting.likeliest(), sighting.odometry); };
   if (is_gap(stamp)) {
     const BlindMotion motion = blind();
-    if (rested(motion, stamp)) return rejoin_after_rest(sighting.matched(), motion, stamp, tracked);
-    if (!motion.is_short()) return rejoin(sighting.matched(), motion, stamp, tracked);
+    if (rested(motion, stamp) || !motion.is_short())
+      return rejoin(sighting.matched(), motion, stamp, tracked);
   }
   const Seen seen = follow(sighting, tracked);
   if (is_gap(stamp)) note_gap(blind(), BreakCause::kNoScans, stamp, tracked);  // also of one lost

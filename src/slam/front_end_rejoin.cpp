@@ -132,21 +132,31 @@ bool FrontEnd::explains(const MatchResult& match, std::span<const SurfacePoint> 
          match.score >= kFrontEndRejoin.partly_agreement * share;
 }
 
+MatchResult FrontEnd::match_at(std::span<const SurfacePoint> surfaces,
+                               const PosePrior2& there) const {
+  return match_to_grid(surfaces, active_.front().submap.surfaces(), there.target_T_source, there,
+                       match_options_, 1);
+}
+
+bool FrontEnd::fits_along(const MatchResult& match, const PosePrior2& there) const {
+  return match.status != MatchStatus::kTooFewPairs && match.score >= least_score() &&
+         chi2_from(there, match) <= kFrontEndRejoin.fits_chi2 &&
+         rests_on_odometry(in_local(match).covariance);
+}
+
 std::optional<MatchResult> FrontEnd::recognise_near(std::span<const SurfacePoint> surfaces,
-                                                    const PosePrior2& prior) const {
-  const PosePrior2 there = in_submap(prior);
-  const Submap& submap = active_.front().submap;
-  const MatchResult match =
-      match_to_grid(surfaces, submap.surfaces(), there.target_T_source, there, match_options_, 1);
+                                                    const MatchResult& match,
+                                                    const PosePrior2& there) const {
   // Nobody looks for a second place there: what is known in part must lie where odometry says.
-  const bool is_expected = std::sqrt(position_variance_m2(prior.information.inverse())) <=
+  const bool is_expected = std::sqrt(position_variance_m2(there.information.inverse())) <=
                            kFrontEndRejoin.partly_prior_m;
   const bool fits =
       has_supported_pose(match.status) && chi2_from(there, match) <= kFrontEndRejoin.fits_chi2 &&
       std::sqrt(position_variance_m2(match.covariance)) <= kFrontEndRejoin.tight_m &&
       (match.score >= least_score() ||
        (is_expected &&
-        explains(match, surfaces, submap.freeze().search_pyramid(submap_options_, 0.0))));
+        explains(match, surfaces,
+                 active_.front().submap.freeze().search_pyramid(submap_options_, 0.0))));
   if (!fits) return {};
   return in_local(match);
 }
@@ -239,8 +249,7 @@ std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoin
     usual.half_yaw_rad = std::min(usual.half_yaw_rad, kFrontEndRejoin.usual_turn_rad);
     consider(search_about_robot(points, known, usual, least));
   }
-  const MatchResult there = match_to_grid(surfaces, target.submap.surfaces(),
-                                          expected.target_T_source, expected, match_options_, 1);
+  const MatchResult there = match_at(surfaces, expected);
   if (there.score >= kFrontEndRejoin.partly_score) consider_match(there, there.score);
   return places;
 }
@@ -287,7 +296,11 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
   std::optional<MatchResult> match;
   BreakCause cause = BreakCause::kNoScans;
   if (blind.prior.holds_unobserved) {
-    match = recognise_near(surfaces, blind.prior);
+    const PosePrior2 there = in_submap(blind.prior);
+    const MatchResult near = match_at(surfaces, there);
+    if (rested(blind, stamp) && fits_along(near, there))
+      return begin_along(in_local(near), blind, stamp, tracked);
+    match = recognise_near(surfaces, near, there);
     if (!match && was_carried(surfaces, blind, stamp)) {
       cause = BreakCause::kCarried;
       match = find_carried(surfaces, stamp, blind.prior);
@@ -309,20 +322,6 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
   const Seen seen = take_match(*match, true, tracked);
   note_gap(blind, cause, stamp, tracked);
   return seen;
-}
-
-/// A robot that stood sees what it saw, unless it turned, or somebody stands before it.
-FrontEnd::Seen FrontEnd::rejoin_after_rest(std::span<const SurfacePoint> surfaces,
-                                           const BlindMotion& blind, Stamp stamp,
-                                           TrackedScan& tracked) {
-  const PosePrior2 there = in_submap(blind.prior);
-  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
-                                          there.target_T_source, there, match_options_, 1);
-  const bool fits = match.status != MatchStatus::kTooFewPairs && match.score >= least_score() &&
-                    chi2_from(there, match) <= kFrontEndRejoin.fits_chi2;
-  if (fits && rests_on_odometry(in_local(match).covariance))
-    return begin_along(in_local(match), blind, stamp, tracked);
-  return rejoin(surfaces, blind, stamp, tracked);
 }
 
 UntoldReach FrontEnd::carried_from(const Pose2& local_T_robot, Stamp stamp) const {
@@ -361,8 +360,7 @@ std::optional<MatchResult> FrontEnd::find_carried(std::span<const SurfacePoint> 
 /// that it stood for long, it is enough that the scan does not fit.
 bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
                            Stamp stamp) const {
-  if (options_.odometry == OdometryUse::kTrust || blind.odometry_m > kFrontEndRejoin.short_m)
-    return false;
+  if (!stood(blind)) return false;
   if (rested(blind, stamp) && blind.odometry_rad <= kFrontEndRejoin.short_rad) return true;
   const PosePrior2 there = in_submap(blind.prior);
   const Eigen::Matrix3d covariance = there.information.inverse();
@@ -380,9 +378,7 @@ bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMo
 /// scan fits.
 void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,
                              const UntoldReach& reach, PosePrior2& prior) const {
-  const PosePrior2 there = in_submap(prior);
-  const MatchResult match = match_to_grid(surfaces, active_.front().submap.surfaces(),
-                                          there.target_T_source, there, match_options_, 1);
+  const MatchResult match = match_at(surfaces, in_submap(prior));
   const bool goes_on = has_supported_pose(match.status) && match.score >= least_score();
   if (!goes_on && !ahead.match) return;
   const Pose2 likeliest = goes_on ? in_local(match).target_T_source : ahead.match->target_T_source;
@@ -409,10 +405,13 @@ TrackingStatus FrontEnd::tracking_of(const TrackedScan& tracked, bool odometry_g
                                                     : TrackingStatus::kTracked;
 }
 
-bool FrontEnd::rested(const BlindMotion& blind, Stamp stamp) const {
+bool FrontEnd::stood(const BlindMotion& blind) const {
   return options_.odometry != OdometryUse::kTrust && blind.prior.holds_unobserved &&
-         blind.odometry_m <= kFrontEndRejoin.short_m &&
-         (stamp - own_.held->stamp).seconds() >= kFrontEndRejoin.carried_s;
+         blind.odometry_m <= kFrontEndRejoin.short_m;
+}
+
+bool FrontEnd::rested(const BlindMotion& blind, Stamp stamp) const {
+  return stood(blind) && (stamp - own_.held->stamp).seconds() >= kFrontEndRejoin.carried_s;
 }
 
 FrontEnd::Seen FrontEnd::begin_along(const MatchResult& match, BlindMotion blind, Stamp stamp,

@@ -39,13 +39,16 @@ Eigen::Matrix3d MapResult::covariance_at(Stamp stamp) const {
   return of_nodes(*this, stamp) + of_breaks(breaks, stamp);
 }
 
+Duration MapResult::clock_shift(std::size_t drive) const {
+  return {drive == 0 ? 0 : drives[drive - 1].clock_shift_ns.value_or(0)};
+}
+
 std::vector<Trajectory> MapResult::trajectories() const {
   std::vector<Trajectory> all(drives.size() + 1);
   std::size_t drive = 0;
   for (const StampedPose2& pose : trajectory.poses()) {
     while (drive < drives.size() && pose.stamp >= drives[drive].begins) ++drive;
-    const std::int64_t shift_ns = drive == 0 ? 0 : drives[drive - 1].clock_shift_ns.value_or(0);
-    all[drive].append(pose.stamp - Duration{shift_ns}, pose.pose);
+    all[drive].append(pose.stamp - clock_shift(drive), pose.pose);
   }
   return all;
 }

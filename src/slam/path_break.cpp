@@ -49,7 +49,7 @@ double variance_between(const PoseGraph& graph, int from, int to) {
 
 double PathBreak::bridge_sigma_m() const { return std::sqrt(position_variance_m2(covariance)); }
 
-// See FrontEnd::may_be_carried().
+// See FrontEnd::begin_along().
 bool PathBreak::may_be_carried() const {
   return cause == BreakCause::kNoScans && bridge == BreakBridge::kOdometry &&
          odometry_m <= kFrontEndRejoin.short_m &&

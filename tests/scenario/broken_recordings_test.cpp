@@ -53,6 +53,11 @@ std::string warning_of(const MapResult& result, const std::string& words) {
   return found == result.warnings.end() ? "" : *found;
 }
 
+auto long_gap_of(const MapResult& result) {
+  return std::ranges::find_if(
+      result.breaks, [](const PathBreak& gap) { return (gap.to - gap.from).seconds() > 3.0; });
+}
+
 std::string all_of(const std::vector<std::string>& warnings) {
   std::string text;
   for (const std::string& warning : warnings) text += "\n  " + warning;
@@ -207,9 +212,7 @@ TEST(BrokenRecording, ARobotThatWasCarriedAndTurnedIsFoundWhereItWasPutDown) {
       if (small_scale() && seed > 21) continue;
       const SimulatedLog log = simulate_log(world, seed, options);
       const MapResult result = map_of(log);
-      const auto gap = std::ranges::find_if(result.breaks, [](const PathBreak& each) {
-        return (each.to - each.from).seconds() > 3.0;
-      });
+      const auto gap = long_gap_of(result);
       ASSERT_NE(gap, result.breaks.end()) << world << " " << seed;
       const double off_m =
           off_across_m(result.trajectory, log, time_in(log, gap->from), time_in(log, gap->to));
@@ -264,8 +267,7 @@ TEST(BrokenRecording, ARobotThatMayHaveBeenCarriedAlongACorridorIsNotCalledTied)
   options.laser.rate_hz = 5.0;
   const SimulatedLog log = carried(simulate_log("loops", 2, options), 30.0, 34.3, 4.0);
   const MapResult result = map_of(log);
-  const auto gap = std::ranges::find_if(
-      result.breaks, [](const PathBreak& each) { return (each.to - each.from).seconds() > 3.0; });
+  const auto gap = long_gap_of(result);
   ASSERT_NE(gap, result.breaks.end());
   EXPECT_EQ(gap->bridge, BreakBridge::kOdometry) << "what the laser saw fits all along";
   const double off_m =

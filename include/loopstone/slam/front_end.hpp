@@ -319,9 +319,15 @@ class FrontEnd {
                                          const std::optional<OdometryReading>& odometry) const;
   [[nodiscard]] BlindMotion untold_motion(Stamp stamp, const MotionGuess& guess,
                                           const std::optional<OdometryReading>& odometry) const;
-  /// The scan on the active submap near where odometry says, if that can be told.
+  /// The scan on the active submap, from where it is expected; both in the submap's frame.
+  [[nodiscard]] MatchResult match_at(std::span<const SurfacePoint> surfaces,
+                                     const PosePrior2& there) const;
+  /// What the laser alone would have said, but for a direction that it leaves open.
+  [[nodiscard]] bool fits_along(const MatchResult& match, const PosePrior2& there) const;
+  /// A match of the scan near where odometry says, if that can be told; in the local frame.
   [[nodiscard]] std::optional<MatchResult> recognise_near(std::span<const SurfacePoint> surfaces,
-                                                          const PosePrior2& prior) const;
+                                                          const MatchResult& match,
+                                                          const PosePrior2& there) const;
   /// Whether the scan shows what scans usually do, or as much of what is known there.
   [[nodiscard]] bool explains(const MatchResult& match, std::span<const SurfacePoint> surfaces,
                               const MaxPyramid& known) const;
@@ -352,9 +358,6 @@ class FrontEnd {
                                  const PosePrior2& expected) const;
   [[nodiscard]] Seen rejoin(std::span<const SurfacePoint> surfaces, BlindMotion blind, Stamp stamp,
                             TrackedScan& tracked);
-  /// A scan before which somebody may have carried the robot.
-  [[nodiscard]] Seen rejoin_after_rest(std::span<const SurfacePoint> surfaces,
-                                       const BlindMotion& blind, Stamp stamp, TrackedScan& tracked);
   /// As far as somebody walks with it in the time, or across a room, facing any way that odometry
   /// would not have felt.
   [[nodiscard]] UntoldReach carried_from(const Pose2& local_T_robot, Stamp stamp) const;
@@ -370,7 +373,9 @@ class FrontEnd {
   [[nodiscard]] std::vector<MotionGuess> others_than_odometry(Stamp stamp) const;
   [[nodiscard]] TrackingStatus tracking_of(const TrackedScan& tracked, bool odometry_guides,
                                            Stamp stamp) const;
-  /// Nobody saw it for a while, and odometry says that it stood.
+  /// Odometry says that the robot hardly moved.
+  [[nodiscard]] bool stood(const BlindMotion& blind) const;
+  /// And nobody saw it for so long that somebody may have carried it.
   [[nodiscard]] bool rested(const BlindMotion& blind, Stamp stamp) const;
   /// A piece that begins where the scan was matched, which may be anywhere along what it leaves
   /// open.

@@ -109,6 +109,8 @@ struct MapResult {
   std::vector<std::string> warnings;  ///< in plain words, for the user
   bool complete = true;               ///< false when it was interrupted
 
+  /// What was added to the stamps of a drive's own log.
+  [[nodiscard]] Duration clock_shift(std::size_t drive) const;
   /// The trajectory cut into its drives, each on its own clock.
   [[nodiscard]] std::vector<Trajectory> trajectories() const;
 
