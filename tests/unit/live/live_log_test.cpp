@@ -197,15 +197,19 @@ TEST(LiveSources, WhoIsBehindDoesNotCallItSilence) {
 }
 
 TEST(LiveSources, NumbersLasersAndPlacesThemAsTheirSourcesSay) {
+  std::atomic<bool> both_sent = false;
   LiveLog log({source("two",
-                      [](int i) -> std::optional<SensorMessage> {
+                      [&](int i) -> std::optional<SensorMessage> {
+                        if (i == 2) both_sent = true;
                         if (i == 20) return {};
                         return scan_at(now_s(), i % 2);
                       }),
                source("odometry",
-                      [](int i) -> std::optional<SensorMessage> {
-                        if (i == 20) return {};
-                        return pose_at(now_s());
+                      [&](int i) -> std::optional<SensorMessage> {
+                        if (i < 20) return pose_at(now_s());
+                        // Lasers are counted once all sources have sent scans or are over.
+                        while (!both_sent) std::this_thread::sleep_for(milliseconds(1));
+                        return {};
                       }),
                source("second only",
                       [](int i) -> std::optional<SensorMessage> {
