@@ -5,9 +5,9 @@ Writes the tables of docs/sites.md.
 
 Of each session it is known from the truth how much of its way lies where sessions before it were. A
 session is joined falsely where its map is off by more than 0.5 m or 3 degrees on average, once the
-site as a whole is laid on the truth. Its furniture moves between its visits, people walk about, and
-all that `--realism usual` names is wrong with its sensors. Sessions of another building of the same
-kind are added, too, which must not be joined.
+most sessions that agree are laid on the truth. Its furniture moves between its visits, people walk
+about, and all that `--realism usual` names is wrong with its sensors. Sessions of another building
+of the same kind are added, too, which must not be joined.
 
   bench/sites.py                     all (about half an hour on two processors)
   bench/sites.py --only joining halves
@@ -102,6 +102,20 @@ def errors(pairs, frame):
         sine += math.sin(off)
         cosine += math.cos(off)
     return math.sqrt(squares / len(pairs)), math.degrees(math.atan2(sine, cosine))
+
+
+def frame_of_most(sessions):
+    """That of the most sessions that are right in one frame; of each session: pairs of poses."""
+
+    def right(frame):
+        return [pairs for pairs in sessions if not is_false(*errors(pairs, frame))]
+
+    most = max((right(alignment(pairs)) for pairs in sessions), key=len)
+    return alignment([pair for pairs in most or sessions for pair in pairs])
+
+
+def is_false(meters, degrees):
+    return meters > FALSE_M or abs(degrees) > FALSE_DEG
 
 
 def squares_of(truth):
@@ -202,9 +216,9 @@ def measured(loopstone, site, name, world, seed, sessions, strangers):
     drives = sorted(out.glob("trajectory_drive_*.tum"), key=lambda p: int(p.stem.split("_")[-1]))
     # Strangers that were joined come after, and have no truth here.
     pairs = [paired(read_tum(path), s["truth"]) for path, s in zip(drives, joined)]
-    frame = alignment([pair for session in pairs for pair in session])
+    frame = frame_of_most(pairs)
     found = [errors(session, frame) for session in pairs]
-    false = sum(m > FALSE_M or abs(deg) > FALSE_DEG for m, deg in found)
+    false = sum(is_false(*error) for error in found)
     usable = [s for s in sessions if status[s["id"]] != "refused" and s["overlap"] >= 0.2]
     everything = sum(m * m * len(p) for (m, _), p in zip(found, pairs))
     return {

@@ -55,15 +55,21 @@ std::string why_pending(const JoinedDrives& drives, std::size_t drive) {
   bool waits = false;
   bool is_alike = false;
   bool differs = false;
+  bool was_laid = false;
   for (const DrivePair& pair : drives.pairs()) {
     if (pair.older == pair.newer || (pair.older != drive && pair.newer != drive)) continue;
     for (const LoopClosure& closure : pair.closures) {
+      was_laid = was_laid || (closure.state == ClosureState::kRevoked &&
+                              closure.reason == ClosureReason::kSurroundings);
       waits = waits || closure.state == ClosureState::kWaiting || closure.stands();
       is_alike = is_alike || closure.reason == ClosureReason::kAmbiguousPlace ||
                  closure.reason == ClosureReason::kAmbiguousPose;
       differs = differs || closure.reason == ClosureReason::kSurroundings;
     }
   }
+  if (was_laid)
+    return "it looks like a place of the site and is another one: laid on it, their walls do not "
+           "fit";
   if (is_alike) return "it looks like several places of the site: which of them is not known";
   if (waits) return "one place looks like one of the site, and no second one bears it out";
   if (differs) return "a place looks like one of the site, and what lies around it does not";

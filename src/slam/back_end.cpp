@@ -92,6 +92,11 @@ void BackEnd::search_drive(SubmapId first, const std::function<bool()>& goes_on)
   loop_closing_s_ += watch.seconds();
 }
 
+void BackEnd::lay_anew() {
+  solve_outline();
+  drop_covered();
+}
+
 /// A stretch lies in the submap that it starts and in the one before.
 void BackEnd::thin_covered() {
   const auto full = full_submaps();

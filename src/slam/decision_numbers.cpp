@@ -27,6 +27,7 @@
 #include "mapping/visit_agreement.hpp"
 #include "mapping/visit_contradictions.hpp"
 #include "mapping/wall_pieces.hpp"
+#include "slam/drive_ties.hpp"
 #include "slam/front_end_numbers.hpp"
 #include "slam/graph_quality_numbers.hpp"
 #include "slam/loop_candidates.hpp"
@@ -74,6 +75,7 @@ std::vector<NumberGroup> decision_numbers() {
       number_group("loop_closer", kLoopCloser),
       number_group("loop_verification", kLoopVerification),
       number_group("loop_surroundings", kLoopSurroundings),
+      number_group("drive_ties", kDriveTies),
       number_group("rival_places", kRivalPlaces),
       number_group("pairwise_consistency", kPairwiseConsistency),
       number_group("back_end", kBackEnd),

@@ -8,7 +8,9 @@
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/option_list.hpp"
 #include "loopstone/base/sound_state.hpp"
+#include "loopstone/base/union_find.hpp"
 #include "slam/drive_seats.hpp"
+#include "slam/drive_ties.hpp"
 #include "slam/drives.hpp"
 #include "slam/finish_steps.hpp"
 
@@ -94,6 +96,27 @@ void put_standing(BackEnd::State& all) {
     submaps[closure.from_submap.index].closed_with.push_back(closure.to_submap);
     submaps[closure.to_submap.index].closed_with.push_back(closure.from_submap);
   }
+}
+
+/// What closures say from now on is asked of covering as if it were new.
+void forget_covered(std::vector<DrivePlacement>& placements) {
+  for (DrivePlacement& placement : placements)
+    placement.covered.assign(placement.covered.size(), false);
+}
+
+void ask_covering(BackEnd::State& all) {
+  for (const LoopClosure& closure : all.closures)
+    if (closure.stands()) all.loops.newly_closed.insert(closure.to_submap);
+}
+
+/// Of each drive, the first of those that closures tie it to.
+std::vector<std::size_t> tied_by(std::span<const DrivePair> pairs, std::size_t drives) {
+  std::vector<std::size_t> parents(drives);
+  std::iota(parents.begin(), parents.end(), std::size_t{0});
+  for (const DrivePair& pair : pairs)
+    if (pair.standing() > 0) join(parents, pair.older, pair.newer);
+  for (std::size_t i = 0; i < drives; ++i) parents[i] = root_of(parents, i);
+  return parents;
 }
 
 /// Counts the drives of others, of which some are gone.
@@ -265,13 +288,83 @@ void JoinedDrives::take_apart(const BackEnd::State& state) {
 void JoinedDrives::add(std::shared_ptr<const DriveRecord> drive,
                        const std::function<bool()>& goes_on) {
   const std::size_t place = drives_.size();
+  const std::vector<std::size_t> before = tied_by(pairs_, place + 1);
   pairs_.push_back(own_pair(*drive, place));
   placements_.emplace_back();
   drives_.push_back(std::move(drive));
+  do {
+    BackEnd back_end(options_, threads_);
+    back_end.restore(assemble());
+    if (place > 0) back_end.search_drive({seats_of(drives_).back().submap}, goes_on);
+    take_apart(back_end.state());
+  } while (untie(before));
+}
+
+/// Of drives that were not tied before, those that the map lays on each other must show one place;
+/// else what ties them is taken back. Returns whether something was.
+bool JoinedDrives::untie(const std::vector<std::size_t>& before) {
+  const std::vector<std::size_t> now = tied_by(pairs_, drives_.size());
+  std::vector<std::size_t> parts = before;
+  for (std::size_t a = 0; a < before.size(); ++a) {
+    for (std::size_t b = a + 1; b < before.size(); ++b) {
+      if (before[a] != a || before[b] != b || now[a] != now[b]) continue;
+      if (show_one_place(before, a, b)) join(parts, a, b);
+    }
+  }
+  bool news = false;
+  for (DrivePair& pair : pairs_) {
+    if (root_of(parts, pair.older) == root_of(parts, pair.newer)) continue;
+    for (LoopClosure& closure : pair.closures) {
+      if (!closure.stands()) continue;
+      closure.state = ClosureState::kRevoked;
+      closure.reason = ClosureReason::kSurroundings;
+      news = true;
+    }
+  }
+  if (!news) return false;
+  forget_covered(placements_);
+  BackEnd::State all = assemble();
+  ask_covering(all);
   BackEnd back_end(options_, threads_);
-  back_end.restore(assemble());
-  if (place > 0) back_end.search_drive({seats_of(drives_).back().submap}, goes_on);
+  back_end.restore(std::move(all));
+  back_end.lay_anew();
   take_apart(back_end.state());
+  return true;
+}
+
+LaidDrive JoinedDrives::laid(std::size_t drive) const {
+  return {drives_[drive]->back_end.chain.submaps, placements_[drive].map_T_submaps};
+}
+
+/// Whether two sets of drives do, by those of them that overlap the most.
+/// \param sets  of each drive: the first one of its set
+bool JoinedDrives::show_one_place(const std::vector<std::size_t>& sets, std::size_t one,
+                                  std::size_t other) const {
+  struct Overlap {
+    std::size_t older;
+    std::size_t newer;
+    std::vector<SubmapPair> pairs;
+  };
+  std::vector<Overlap> overlaps;
+  for (std::size_t a = 0; a < sets.size(); ++a) {
+    for (std::size_t b = a + 1; b < sets.size(); ++b) {
+      const bool is_between =
+          (sets[a] == one && sets[b] == other) || (sets[a] == other && sets[b] == one);
+      if (is_between) overlaps.push_back({a, b, overlapping(laid(a), laid(b))});
+    }
+  }
+  std::ranges::stable_sort(overlaps, std::ranges::greater{},
+                           [](const Overlap& of) { return of.pairs.size(); });
+  if (overlaps.size() > kDriveTies.drives_max) overlaps.resize(kDriveTies.drives_max);
+  std::erase_if(
+      overlaps,
+      [enough = kDriveTies.least_overlap * static_cast<double>(overlaps.front().pairs.size())](
+          const Overlap& of) { return static_cast<double>(of.pairs.size()) < enough; });
+  return std::ranges::any_of(overlaps, [&](const Overlap& of) {
+    const SurfaceFit fit =
+        fit_of(laid(of.older), laid(of.newer), of.pairs, options_.submap, options_.match, threads_);
+    return shows_one_place(fit);
+  });
 }
 
 bool JoinedDrives::shows_something_alone(std::size_t drive) const {
@@ -291,13 +384,9 @@ void JoinedDrives::remove(std::size_t drive) {
   placements_.erase(placements_.begin() + place);
   if (drives_.empty()) return;
   // Whom it covered shows what nobody else does, perhaps.
-  if (showed_alone) {
-    for (DrivePlacement& placement : placements_)
-      placement.covered.assign(placement.covered.size(), false);
-  }
+  if (showed_alone) forget_covered(placements_);
   BackEnd::State all = assemble();
-  for (const LoopClosure& closure : all.closures)
-    if (closure.stands()) all.loops.newly_closed.insert(closure.to_submap);
+  ask_covering(all);
   BackEnd back_end(options_, threads_);
   back_end.restore(std::move(all));
   back_end.drop_covered();

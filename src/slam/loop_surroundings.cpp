@@ -32,10 +32,14 @@ struct Target {
       : cells(submap.search_pyramid(options, half_xy_m)), surfaces(submap.surface_grid(options)) {}
 };
 
-/// \param to_map  turns directions of the target's frame into the map's
-SurfaceWitness told_by(const FrozenSubmap& source, const Target& target,
-                       const Pose2& target_T_source, const Eigen::Matrix2d& to_map) {
-  SurfaceWitness told;
+/// What a surface falls on: one that faces the same way, beside such a one, or free space.
+enum class Laid { kOn, kOff, kEmpty };
+
+/// Tells of each surface of a submap, where another one looked, what it falls on there.
+/// \param tell  is given the surface, the direction it faces in the target's frame, and that
+template <typename Tell>
+void lay_on(const FrozenSubmap& source, const Target& target, const Pose2& target_T_source,
+            Tell&& tell) {
   const Eigen::Matrix2d turn = target_T_source.rotation();
   for (const SurfacePoint& surface : source.surfaces) {
     const Eigen::Vector2d point = target_T_source * surface.position.cast<double>().eval();
@@ -48,12 +52,37 @@ SurfaceWitness told_by(const FrozenSubmap& source, const Target& target,
     if (!line && value > kUnknown) continue;
     const bool on =
         line && std::abs(line->normal.dot(point - line->point)) <= kLoopSurroundings.on_surface_m;
-    const double weight = std::min(1.0, static_cast<double>(surface.weight));
-    const std::size_t bin = bin_of(to_map * normal);
-    told.seen[bin] += weight;
-    if (on) told.matched[bin] += weight;
+    tell(surface, normal, on ? Laid::kOn : line ? Laid::kOff : Laid::kEmpty);
   }
+}
+
+double weight_of(const SurfacePoint& surface) {
+  return std::min(1.0, static_cast<double>(surface.weight));
+}
+
+/// \param to_map  turns directions of the target's frame into the map's
+SurfaceWitness told_by(const FrozenSubmap& source, const Target& target,
+                       const Pose2& target_T_source, const Eigen::Matrix2d& to_map) {
+  SurfaceWitness told;
+  lay_on(source, target, target_T_source,
+         [&](const SurfacePoint& surface, const Eigen::Vector2d& normal, Laid laid) {
+           const std::size_t bin = bin_of(to_map * normal);
+           told.seen[bin] += weight_of(surface);
+           if (laid == Laid::kOn) told.matched[bin] += weight_of(surface);
+         });
   return told;
+}
+
+SurfaceFit fit_on(const FrozenSubmap& source, const Target& target, const Pose2& target_T_source,
+                  double near_m) {
+  SurfaceFit fit;
+  lay_on(source, target, target_T_source,
+         [&](const SurfacePoint& surface, const Eigen::Vector2d&, Laid laid) {
+           if (surface.position.norm() > near_m) return;
+           double& sum = laid == Laid::kOn ? fit.on : laid == Laid::kOff ? fit.off : fit.empty;
+           sum += weight_of(surface);
+         });
+  return fit;
 }
 
 /// The best pose near one that the path and a closure foretell.
@@ -69,11 +98,27 @@ Pose2 settled(const FrozenSubmap& source, const Target& target, const Pose2& for
 
 }  // namespace
 
+SurfaceFit& SurfaceFit::operator+=(const SurfaceFit& other) {
+  on += other.on;
+  off += other.off;
+  empty += other.empty;
+  return *this;
+}
+
 void SurfaceWitness::add(const SurfaceWitness& other) {
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen[bin] += other.seen[bin];
     matched[bin] += other.matched[bin];
   }
+}
+
+SurfaceFit fit_of(const FrozenSubmap& older, const FrozenSubmap& newer, const Pose2& older_T_newer,
+                  double near_m, const SubmapOptions& options, const GridMatchOptions& match) {
+  const Target on_older(older, options, kLoopSurroundings.slack_m);
+  const Pose2 pose = settled(newer, on_older, older_T_newer, match);
+  SurfaceFit fit = fit_on(newer, on_older, pose, near_m);
+  fit += fit_on(older, Target(newer, options, 0.0), pose.inverse(), near_m);
+  return fit;
 }
 
 double facing(const std::array<double, SurfaceWitness::kBins>& surfaces,

@@ -69,6 +69,25 @@ struct SurfaceWitness {
                                              const SubmapOptions& options,
                                              const GridMatchOptions& match);
 
+/// What surfaces of places fall on where others that are laid over them looked, by their weights.
+struct SurfaceFit {
+  double on = 0.0;     ///< a surface that faces the same way
+  double off = 0.0;    ///< beside such a one
+  double empty = 0.0;  ///< free space
+
+  SurfaceFit& operator+=(const SurfaceFit& other);
+  [[nodiscard]] double seen() const { return on + off + empty; }
+};
+
+/// How two submaps lie on each other, each asked of the other, once they are settled.
+/// \param older_T_newer  good to kLoopSurroundings.slack_m and slack_rad
+/// \param near_m         surfaces farther from a submap's first scan say nothing: small turns of
+///                       its scans move them by more than places differ
+/// Cost: some milliseconds.
+[[nodiscard]] SurfaceFit fit_of(const FrozenSubmap& older, const FrozenSubmap& newer,
+                                const Pose2& older_T_newer, double near_m,
+                                const SubmapOptions& options, const GridMatchOptions& match);
+
 /// Whether the surroundings hold a closure in every direction in which it pulls.
 /// \param map_pull  by how much it insists on moving its newer end [m], map frame
 [[nodiscard]] bool hold(const SurfaceWitness& surroundings, const Eigen::Vector2d& map_pull,

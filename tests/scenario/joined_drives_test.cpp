@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -202,6 +203,33 @@ TEST(JoinedDrives, WherePlacesLookAlikeADriveIsJoinedRightlyOrNotAtAll) {
     if (!joined.is_joined(0) || !joined.is_joined(1)) continue;
     EXPECT_LT(error_m(joined.finish(RobotModel{}), {&first, &second}), 0.2) << name;
   }
+}
+
+/// Two floors that are built alike, whose walls are bent by centimetres, each its own way.
+TEST(JoinedDrives, ACopyOfAPlaceIsNotThatPlace) {
+  SimulationOptions options;
+  choose_realism(options.realism, "usual");
+  RealismRecord record;
+  const World floors = real_world(make_world("wings", 41), options.realism, 41, record);
+  const auto drive = [&](std::uint64_t seed, std::size_t place) {
+    return record_of_drive(drive_in(floors, seed, 120.0, place, 0.0));
+  };
+  JoinedDrives joined(MapOptions{}, {2});
+  joined.add(drive(1, 0));
+  joined.add(drive(2, 8));
+  EXPECT_TRUE(joined.is_joined(0));
+  EXPECT_FALSE(joined.is_joined(1));
+  const auto was_laid = [](const LoopClosure& closure) {
+    return closure.state == ClosureState::kRevoked &&
+           closure.reason == ClosureReason::kSurroundings;
+  };
+  EXPECT_TRUE(std::ranges::any_of(joined.pairs(), [&](const DrivePair& pair) {
+    return std::ranges::any_of(pair.closures, was_laid);
+  })) << "else this shows nothing";
+  // Who drove there as well is told which of them it is.
+  joined.add(drive(3, 0));
+  EXPECT_TRUE(joined.is_joined(2));
+  EXPECT_FALSE(joined.is_joined(1));
 }
 
 }  // namespace

@@ -84,6 +84,9 @@ class BackEnd {
   void search_drive(SubmapId first, const std::function<bool()>& goes_on = {});
   /// Of a restored state: drops submaps of which older ones saw all, without thinning.
   void drop_covered() { (void)loops_.drop_covered(full_submaps(), false); }
+  /// Of a restored state some of whose closures were turned down: lays all drives as the rest has
+  /// it, and drops what older submaps cover by that.
+  void lay_anew();
   /// Looks once more for closures everywhere, settles which stand, and makes the graph of all key
   /// scans. Call once, at the end.
   void finish(const std::function<bool()>& goes_on = {});

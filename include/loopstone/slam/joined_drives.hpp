@@ -23,6 +23,7 @@
 namespace loopstone {
 
 struct DriveSeat;
+struct LaidDrive;
 
 /// What was found and tried between two drives, or within one. Submaps are counted within their
 /// drives; `from` and `older` are of the older drive.
@@ -69,7 +70,8 @@ using TakeVisit = std::function<void(const DriveVisit& visit)>;
 ///
 /// A drive is recognised where one place of it fits one place of the map and no other one, the
 /// place is like no other one of its own map, the places around bear it out, and a second closure
-/// asks for the same. Until then it waits beside the map; a later drive may tie it.
+/// asks for the same; and where all that both saw of the place lies on each other to within
+/// centimetres (drive_ties.hpp). Until then it waits beside the map; a later drive may tie it.
 ///
 /// The result depends on the drives and their order alone. Not thread-safe.
 class JoinedDrives {
@@ -121,6 +123,10 @@ class JoinedDrives {
   [[nodiscard]] MapResult finish_all(const RobotModel& robot, const TakeVisit& take_visit,
                                      const ProgressCallback& progress) const;
   void take_apart(const BackEnd::State& state);
+  bool untie(const std::vector<std::size_t>& before);
+  [[nodiscard]] bool show_one_place(const std::vector<std::size_t>& sets, std::size_t one,
+                                    std::size_t other) const;
+  [[nodiscard]] LaidDrive laid(std::size_t drive) const;
   void draw_visits(std::span<const PosedScan> scans, std::span<const DriveSeat> seats,
                    double footprint_m, const TakeVisit& take_visit,
                    const ProgressCallback& goes_on) const;
