@@ -14,6 +14,7 @@ bool shows_surfaces(const SubmapRecord& submap) {
 }  // namespace
 
 std::vector<SubmapPair> overlapping(const LaidDrive& older, const LaidDrive& newer) {
+  const bool is_one = older.submaps.data() == newer.submaps.data();
   std::vector<std::vector<SubmapPair>> by_newer;
   for (std::size_t b = 0; b < newer.submaps.size(); ++b) {
     const SubmapRecord& submap = newer.submaps[b];
@@ -22,7 +23,7 @@ std::vector<SubmapPair> overlapping(const LaidDrive& older, const LaidDrive& new
     std::vector<std::pair<double, std::size_t>> near;
     for (std::size_t a = 0; a < older.submaps.size(); ++a) {
       const SubmapRecord& other = older.submaps[a];
-      if (!shows_surfaces(other)) continue;
+      if (!shows_surfaces(other) || (is_one && a + kLoopSurroundings.beside >= b)) continue;
       const double apart_m = (older.map_T_submaps[a] * other.centre - at).norm();
       if (apart_m <= kLoopSurroundings.near_radii * (submap.radius_m + other.radius_m))
         near.emplace_back(apart_m, a);
@@ -58,8 +59,15 @@ SurfaceFit fit_of(const LaidDrive& older, const LaidDrive& newer,
   return sum;
 }
 
-bool shows_one_place(const SurfaceFit& fit) {
-  return fit.on > 0.0 && fit.off <= kDriveTies.most_off * (fit.on + fit.off) &&
+double scatter_of(const LaidDrive& drive, const SubmapOptions& options,
+                  const GridMatchOptions& match, Threads threads) {
+  const SurfaceFit fit = fit_of(drive, drive, overlapping(drive, drive), options, match, threads);
+  if (fit.on + fit.off < kDriveTies.least_seen) return kDriveTies.usual_off;
+  return fit.off / (fit.on + fit.off);
+}
+
+bool shows_one_place(const SurfaceFit& fit, double scatter) {
+  return fit.on > 0.0 && fit.off <= (scatter + kDriveTies.more_off) * (fit.on + fit.off) &&
          fit.empty <= kDriveTies.most_empty * fit.seen();
 }
 

@@ -20,8 +20,11 @@ struct DriveTieNumbers {
   std::size_t beside_max = 2;
   std::size_t drives_max = 3;
   double least_overlap = 0.5;
-  double most_off = 0.08;
-  double most_empty = 0.22;
+  double more_off = 0.04;
+  double usual_off = 0.04;
+  double least_seen = 500.0;
+  double most_empty = 0.25;
+  int rounds = 2;
 };
 inline constexpr DriveTieNumbers kDriveTies{};
 
@@ -35,13 +38,19 @@ void visit_numbers(const DriveTieNumbers& n, Visitor&& visit) {
   visit("least_overlap", n.least_overlap,
         "chosen: of these, those that overlap at least by this share of the most; one of them must "
         "show the same place");
-  visit("most_off", n.most_off,
-        "chosen: of surfaces near others, the share that lies beside them; of drives through one "
-        "place mostly 0.01 to 0.07, through copies of a wing, whose walls are bent by centimetres "
-        "each its own way, 0.09 to 0.16");
+  visit("more_off", n.more_off,
+        "chosen: of surfaces near others, the share that lies beside them, may be so much more "
+        "than within the drive that scatters more; through one place it is 0.02 less to 0.02 more, "
+        "through copies of a wing, whose walls are bent by centimetres each its own way, 0.07 to "
+        "0.14 more");
+  visit("usual_off", n.usual_off,
+        "chosen: this share within a drive that never came back; of most drives 0.01 to 0.08");
+  visit("least_seen", n.least_seen, "chosen: it never did where fewer surfaces were seen again");
   visit("most_empty", n.most_empty,
         "chosen: share of surfaces in the other's free space; of drives on different days, with "
-        "things moved and people about, 0.04 to 0.18, of rooms laid on others 0.27 to 0.9");
+        "things moved and people about, 0.04 to 0.2, of rooms laid on others 0.3 to 0.9");
+  visit("rounds", n.rounds,
+        "chosen: a drive whose ties were taken back is looked for again, in all so often");
 }
 
 /// A drive where the map lays it, with all its submaps.
@@ -51,7 +60,8 @@ struct LaidDrive {
 };
 
 /// Pairs of submaps of two drives that show parts of one place, by the map: at most submaps_max
-/// of the newer drive, spread evenly, with beside_max of the older one each.
+/// of the newer drive, spread evenly, with beside_max of the older one each. Of a drive and itself:
+/// of submaps that share no scans.
 [[nodiscard]] std::vector<SubmapPair> overlapping(const LaidDrive& older, const LaidDrive& newer);
 
 /// How two drives lie on each other. Cost: some milliseconds a pair of submaps.
@@ -59,9 +69,15 @@ struct LaidDrive {
                                 std::span<const SubmapPair> overlap, const SubmapOptions& options,
                                 const GridMatchOptions& match, Threads threads);
 
+/// How much a drive scatters: of its surfaces near others that it saw again, the share that lies
+/// beside them. Cost: as of two drives.
+[[nodiscard]] double scatter_of(const LaidDrive& drive, const SubmapOptions& options,
+                                const GridMatchOptions& match, Threads threads);
+
 /// Whether drives that lie on each other like this show one place. A copy of a place, such as the
 /// next floor's wing, is like it to within decimetres, not centimetres; and where a false tie lays
 /// one drive over other rooms, walls of one stand in what was free to the other.
-[[nodiscard]] bool shows_one_place(const SurfaceFit& fit);
+/// \param scatter  of the drive that scatters more
+[[nodiscard]] bool shows_one_place(const SurfaceFit& fit, double scatter);
 
 }  // namespace loopstone

@@ -292,12 +292,13 @@ void JoinedDrives::add(std::shared_ptr<const DriveRecord> drive,
   pairs_.push_back(own_pair(*drive, place));
   placements_.emplace_back();
   drives_.push_back(std::move(drive));
-  do {
+  for (int round = 0; round < kDriveTies.rounds; ++round) {
     BackEnd back_end(options_, threads_);
     back_end.restore(assemble());
     if (place > 0) back_end.search_drive({seats_of(drives_).back().submap}, goes_on);
     take_apart(back_end.state());
-  } while (untie(before));
+    if (!untie(before)) return;
+  }
 }
 
 /// Of drives that were not tied before, those that the map lays on each other must show one place;
@@ -360,10 +361,13 @@ bool JoinedDrives::show_one_place(const std::vector<std::size_t>& sets, std::siz
       overlaps,
       [enough = kDriveTies.least_overlap * static_cast<double>(overlaps.front().pairs.size())](
           const Overlap& of) { return static_cast<double>(of.pairs.size()) < enough; });
+  const auto scatter = [&](std::size_t drive) {
+    return scatter_of(laid(drive), options_.submap, options_.match, threads_);
+  };
   return std::ranges::any_of(overlaps, [&](const Overlap& of) {
     const SurfaceFit fit =
         fit_of(laid(of.older), laid(of.newer), of.pairs, options_.submap, options_.match, threads_);
-    return shows_one_place(fit);
+    return shows_one_place(fit, std::max(scatter(of.older), scatter(of.newer)));
   });
 }
 
