@@ -171,10 +171,10 @@ class Localizer::Impl {
     const PoseWithCovariance2 motion = motion_.step_to(scan.stamp, queue_.odometer());
     odom_T_robot_ = odom_T_robot_ * motion.pose;
     if (track_) {
-      track_->advance(motion, motion_.is_told());
+      advance(*track_, motion);
       foretold_ = track_->map_T_robot();
     }
-    if (riding_) riding_->advance(motion, motion_.is_told());
+    if (riding_) advance(*riding_, motion);
     const LocalizationScan view =
         view_for_localization(scan, mount_of(scan, robot_), motion_.velocity(), options_.beams);
     const bool seen = view.points_robot.size() >= kLeastReturns;
@@ -196,6 +196,14 @@ class Localizer::Impl {
       estimate = judge(view, refine(view));
     }
     report(view, std::move(estimate));
+  }
+
+  void advance(PoseTrack& track, const PoseWithCovariance2& motion) const {
+    if (motion_.is_told()) {
+      track.advance(OdometryStep{motion, motion_.velocity_change()});
+    } else {
+      track.advance(motion);
+    }
   }
 
   /// The first belief: around the pose given, or wherever the map explains the scan.

@@ -22,10 +22,11 @@ constexpr double kDriftM = 0.003;
 constexpr double kDriftRad = 0.001;
 /// Standard deviation of odometry's scale, which is the same all along the way.
 constexpr double kScaleSigma = 0.015;
-/// How odometry's errors change on the way: over a metre, a radian, a metre.
+/// How odometry's errors change on the way: over a metre, a radian, a metre, a radian.
 constexpr double kScaleWalk = 0.0007;
 constexpr double kTurnWalk = 0.003;
 constexpr double kCurveWalk = 0.001;
+constexpr double kLagWalkS = 0.003;
 /// A registration farther from the prediction than this (squared Mahalanobis distance, 3 degrees of
 /// freedom) is not believed.
 constexpr double kGate = 40.0;
@@ -105,9 +106,9 @@ Eigen::Matrix3d motion_noise(const Pose2& before, const PoseWithCovariance2& ste
 }
 
 /// How much odometry's errors may have changed on a step.
-Eigen::Vector3d odometry_walk(double way_m, double turn_rad) {
+Eigen::Vector4d odometry_walk(double way_m, double turn_rad) {
   return {kScaleWalk * kScaleWalk * way_m, kTurnWalk * kTurnWalk * std::abs(turn_rad),
-          kCurveWalk * kCurveWalk * way_m};
+          kCurveWalk * kCurveWalk * way_m, kLagWalkS * kLagWalkS * std::abs(turn_rad)};
 }
 
 }  // namespace
@@ -121,34 +122,50 @@ Eigen::Matrix2d scale_covariance(const Eigen::Matrix2d& position, const Eigen::V
   return growth * along * along.transpose();
 }
 
-Pose2 OdometryErrors::corrected(const Pose2& motion) const {
-  const Eigen::Vector2d way = (1.0 + mean.x()) * motion.translation();
-  return {way.x(), way.y(), (1.0 + mean.y()) * motion.yaw + mean.z() * way.x()};
+Pose2 OdometryErrors::corrected(const Pose2& motion, const Tangent2& velocity_change) const {
+  const Eigen::Vector2d way =
+      (1.0 + mean[0]) * motion.translation() + mean[3] * velocity_change.head<2>();
+  return {way.x(), way.y(),
+          (1.0 + mean[1]) * motion.yaw + mean[2] * way.x() + mean[3] * velocity_change.z()};
 }
 
 PoseTrack::PoseTrack(const PoseWithCovariance2& map_T_robot, const OdometryErrors& errors)
-    : map_T_robot_(map_T_robot.pose), errors_(errors.mean), covariance_(Matrix6::Zero()) {
+    : map_T_robot_(map_T_robot.pose), errors_(errors.mean), covariance_(Matrix7::Zero()) {
   covariance_.topLeftCorner<3, 3>() = map_T_robot.covariance;
-  covariance_.bottomRightCorner<3, 3>() = errors.covariance;
+  covariance_.bottomRightCorner<4, 4>() = errors.covariance;
 }
 
-void PoseTrack::advance(const PoseWithCovariance2& motion, bool is_told) {
+void PoseTrack::advance(const PoseWithCovariance2& motion) {
+  Matrix7 noise = Matrix7::Zero();
+  noise.topLeftCorner<3, 3>() = motion_noise(map_T_robot_, motion);
+  advance(motion.pose, Matrix7::Identity(), noise);
+}
+
+void PoseTrack::advance(const OdometryStep& told) {
+  const Pose2& motion = told.motion.pose;
+  const PoseWithCovariance2 step{errors().corrected(motion, told.velocity_change),
+                                 told.motion.covariance};
+  const Eigen::Matrix2d turn = map_T_robot_.rotation();
+  Matrix7 change = Matrix7::Identity();
+  change.block<2, 1>(0, 3) = turn * motion.translation();
+  change(2, 4) = motion.yaw;
+  change(2, 5) = motion.x;
+  change.block<2, 1>(0, 6) = turn * told.velocity_change.head<2>();
+  change(2, 6) = told.velocity_change.z();
+  Matrix7 noise = Matrix7::Zero();
+  noise.topLeftCorner<3, 3>() = motion_noise(map_T_robot_, step);
+  noise.diagonal().tail<4>() = odometry_walk(step.pose.translation().norm(), motion.yaw);
+  advance(step.pose, change, noise);
+}
+
+/// \param change  of pose and errors by odometry's errors, one at the pose itself
+void PoseTrack::advance(const Pose2& step, const Matrix7& change, const Matrix7& noise) {
   const Pose2 before = map_T_robot_;
-  PoseWithCovariance2 step = motion;
-  if (is_told) step.pose = errors().corrected(motion.pose);
-  map_T_robot_ = before * step.pose;
+  map_T_robot_ = before * step;
   const Eigen::Vector2d way = map_T_robot_.translation() - before.translation();
-  Matrix6 change = Matrix6::Identity();
-  change.block<2, 1>(0, 2) << -way.y(), way.x();
-  Matrix6 noise = Matrix6::Zero();
-  noise.topLeftCorner<3, 3>() = motion_noise(before, step);
-  if (is_told) {
-    change.block<2, 1>(0, 3) = before.rotation() * motion.pose.translation();
-    change(2, 4) = motion.pose.yaw;
-    change(2, 5) = motion.pose.x;
-    noise.diagonal().tail<3>() = odometry_walk(way.norm(), motion.pose.yaw);
-  }
-  covariance_ = change * covariance_ * change.transpose() + noise;
+  Matrix7 whole = change;
+  whole.block<2, 1>(0, 2) << -way.y(), way.x();
+  covariance_ = whole * covariance_ * whole.transpose() + noise;
 }
 
 std::vector<Eigen::Vector2d> RangeOffset::applied(std::span<const Eigen::Vector2d> points_robot,
@@ -210,12 +227,12 @@ bool PoseTrack::refine(std::span<const Eigen::Vector2d> points_robot,
   const double distance2 = innovation.dot(total.solve(innovation));
   innovation_ += kNewest * (std::min(distance2, kGate) / 3.0 - innovation_);
   if (!(distance2 < kGate)) return false;
-  const Eigen::Matrix<double, 6, 3> gain = total.solve(covariance_.topRows<3>()).transpose();
-  const Eigen::Matrix<double, 6, 1> step = gain * innovation;
+  const Eigen::Matrix<double, 7, 3> gain = total.solve(covariance_.topRows<3>()).transpose();
+  const Eigen::Matrix<double, 7, 1> step = gain * innovation;
   map_T_robot_ = RigidMotion<2>::moved(map_T_robot_, step.head<3>());
-  errors_ += step.tail<3>();
+  errors_ += step.tail<4>();
   // Joseph's form stays symmetric and positive.
-  Matrix6 rest = Matrix6::Identity();
+  Matrix7 rest = Matrix7::Identity();
   rest.leftCols<3>() -= gain;
   covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
   constexpr int kLearnEvery = 4;

@@ -38,16 +38,26 @@ class RangeOffset {
   double curvature_ = 0.0;  ///< likewise [1/m^2]
 };
 
+/// What odometry tells of a step from scan to scan.
+struct OdometryStep {
+  PoseWithCovariance2 motion{};
+  /// From the velocity at the scan before to that at this one [m/s, m/s, rad/s], robot frame.
+  Tangent2 velocity_change = Tangent2::Zero();
+};
+
 /// What a robot's odometry is wrong by all the time: wheels smaller than they are said to be, a
-/// gyro with a scale of its own, a robot that draws to one side. Learned from where scans fit.
+/// gyro with a scale of its own, a robot that draws to one side, stamps that are late. Learned from
+/// where scans fit.
 struct OdometryErrors {
-  /// The way is longer by this share, turns are by this share, and it turns so much on the way
-  /// [1, 1, rad/m].
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Vector3d(0.02 * 0.02, 0.02 * 0.02, 0.01 * 0.01).asDiagonal();
+  /// The way is longer by this share, turns are by this share, it turns so much on the way, and it
+  /// is told of so much later than scans are [1, 1, rad/m, s].
+  Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d covariance =
+      Eigen::Vector4d(0.02 * 0.02, 0.02 * 0.02, 0.01 * 0.01, 0.05 * 0.05).asDiagonal();
 
   /// Of a short motion.
-  [[nodiscard]] Pose2 corrected(const Pose2& motion) const;
+  [[nodiscard]] Pose2 corrected(const Pose2& motion,
+                                const Tangent2& velocity_change = Tangent2::Zero()) const;
 };
 
 /// Errors of the map that scans taken one after the other have in common: no number of them makes
@@ -72,8 +82,10 @@ class PoseTrack {
  public:
   explicit PoseTrack(const PoseWithCovariance2& map_T_robot, const OdometryErrors& errors = {});
 
-  /// \param is_told  by odometry, whose errors are learned
-  void advance(const PoseWithCovariance2& motion, bool is_told);
+  /// By odometry, whose errors are learned.
+  void advance(const OdometryStep& told);
+  /// By a guess.
+  void advance(const PoseWithCovariance2& motion);
 
   /// Registers a scan's returns (robot frame) to the walls and takes the result in unless it
   /// contradicts the prediction.
@@ -85,7 +97,7 @@ class PoseTrack {
     return {map_T_robot_, covariance_.topLeftCorner<3, 3>()};
   }
   [[nodiscard]] OdometryErrors errors() const {
-    return {errors_, covariance_.bottomRightCorner<3, 3>()};
+    return {errors_, covariance_.bottomRightCorner<4, 4>()};
   }
   /// The same with what the registrations of the last scans have in common.
   [[nodiscard]] Eigen::Matrix3d covariance() const {
@@ -96,11 +108,13 @@ class PoseTrack {
   [[nodiscard]] double innovation() const { return innovation_; }
 
  private:
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Matrix7 = Eigen::Matrix<double, 7, 7>;
+
+  void advance(const Pose2& step, const Matrix7& change, const Matrix7& noise);
 
   Pose2 map_T_robot_;
-  Eigen::Vector3d errors_;  ///< of odometry
-  Matrix6 covariance_;      ///< of pose and errors
+  Eigen::Vector4d errors_;  ///< of odometry
+  Matrix7 covariance_;      ///< of pose and errors
   SharedError shared_{};
   double innovation_ = 1.0;
   int registered_ = 0;

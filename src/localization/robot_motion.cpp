@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "localization/pose_track.hpp"
 #include "loopstone/localization/motion_models.hpp"
@@ -27,12 +28,26 @@ constexpr double kLeastOfUsual = 0.5;
 /// to move.
 constexpr double kUntold = 0.5;
 
+/// The velocity at a scan is that of the time before it.
+constexpr double kVelocityS = 0.05;
+
+std::optional<Tangent2> velocity_at(Stamp stamp, const Odometer& odometer) {
+  const auto motion = odometer.motion_between(stamp - Duration::from_seconds(kVelocityS), stamp);
+  if (!motion) return {};
+  return log(motion->pose) / kVelocityS;
+}
+
 }  // namespace
 
 PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) {
   PoseWithCovariance2 motion;
   untold_m_ = 0.0;
   is_told_ = false;
+  velocity_change_ = Tangent2::Zero();
+  const std::optional<Tangent2> velocity_before =
+      std::exchange(velocity_at_scan_, velocity_at(stamp, odometer));
+  if (velocity_before && velocity_at_scan_)
+    velocity_change_ = *velocity_at_scan_ - *velocity_before;
   if (!first_stamp_) first_stamp_ = stamp;
   const Stamp from = last_stamp_.value_or(stamp);
   last_stamp_ = stamp;

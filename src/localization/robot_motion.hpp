@@ -46,6 +46,8 @@ class RobotMotion {
     return velocity_;
   }  ///< robot frame [m/s, m/s, rad/s]
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
+  /// Of the last step, where odometry told of the one before as well; else none.
+  [[nodiscard]] const Tangent2& velocity_change() const { return velocity_change_; }
   /// What odometry may have missed of the last step, one standard deviation [m].
   [[nodiscard]] double untold_m() const { return untold_m_; }
   /// The last step is odometry's, and it missed nothing.
@@ -59,6 +61,8 @@ class RobotMotion {
   std::optional<Stamp> first_stamp_{};
   std::optional<Stamp> last_stamp_{};
   Tangent2 velocity_ = Tangent2::Zero();
+  std::optional<Tangent2> velocity_at_scan_{};  ///< by odometry
+  Tangent2 velocity_change_ = Tangent2::Zero();
   double untold_m_ = 0.0;
   double fastest_m_s_ = 0.0;  ///< that odometry has told of
   double fastest_rad_s_ = 0.0;

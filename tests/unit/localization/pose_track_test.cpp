@@ -89,7 +89,7 @@ TEST(PoseTrack, IsDrawnToTheWalls) {
   const Eigen::Matrix3d before = track.map_T_robot().covariance;
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(track.refine(points_from(room, truth), kMount.translation(), field, offset));
-    track.advance(step(0.0), true);
+    track.advance(OdometryStep{step(0.0)});
   }
   EXPECT_TRUE(pose_near(track.map_T_robot().pose, truth, 0.025, 0.006));
   EXPECT_LT(track.map_T_robot().covariance.trace(), 0.1 * before.trace());
@@ -105,7 +105,7 @@ TEST(PoseTrack, PeopleBeforeTheWallsDoNotDrawIt) {
   PoseTrack track(sure(truth * Pose2{0.02, -0.02, 0.005}));
   RangeOffset offset;
   for (int i = 0; i < 20; ++i) {
-    track.advance(step(0.0), true);
+    track.advance(OdometryStep{step(0.0)});
     ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
   }
   EXPECT_TRUE(pose_near(track.map_T_robot().pose, truth, 0.025, 0.006));
@@ -120,7 +120,7 @@ TEST(PoseTrack, InnovationIsSmallWhenAllIsWellAndGrowsWhenNothingFits) {
   RangeOffset offset;
   const auto points = points_from(room, truth);
   for (int i = 0; i < 30; ++i) {
-    track.advance(step(0.0), true);
+    track.advance(OdometryStep{step(0.0)});
     ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
   }
   EXPECT_LT(track.innovation(), 0.5);
@@ -143,7 +143,7 @@ TEST(PoseTrack, AlongACorridorItsDoubtGrowsWithTheWay) {
   std::vector<double> along;
   std::vector<double> across;
   for (int i = 1; i <= 400; ++i) {
-    track.advance(step(0.1), true);
+    track.advance(OdometryStep{step(0.1)});
     ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
     if (i % 100 != 0) continue;
     along.push_back(std::sqrt(track.map_T_robot().covariance(0, 0)));
@@ -169,7 +169,7 @@ TEST(PoseTrack, LearnsWhatOdometryIsWrongByAllTheTime) {
     const Pose2 real{0.05, 0.0, 0.05};
     truth = truth * real;
     // Wheels said to be 3 % smaller than they are, a gyro with a scale of 0.98.
-    track.advance(sure({real.x / 1.03, 0.0, 0.98 * real.yaw}, 0.003, 0.001), true);
+    track.advance(OdometryStep{sure({real.x / 1.03, 0.0, 0.98 * real.yaw}, 0.003, 0.001)});
     ASSERT_TRUE(track.refine(points_from(room, truth), kMount.translation(), field, offset));
   }
   const OdometryErrors learned = track.errors();
@@ -180,10 +180,30 @@ TEST(PoseTrack, LearnsWhatOdometryIsWrongByAllTheTime) {
   EXPECT_LT(learned.covariance(0, 0), 0.25 * before.covariance(0, 0));
 }
 
+/// Scans that come a tenth of a second late, from a robot that turns on the spot now and then: its
+/// odometry turns when scans do not yet.
+TEST(PoseTrack, LearnsHowLateScansAre) {
+  constexpr double kPeriodS = 0.1;
+  const Walls room = furnished_room();
+  const MapField field(drawn(room, kLow, kHigh));
+  const auto rate_at = [](int scan) { return scan % 20 < 10 ? 0.0 : 1.0; };
+  Pose2 truth{3.0, 2.4, 0.0};
+  PoseTrack track(sure(truth));
+  RangeOffset offset;
+  for (int i = 0; i < 200; ++i) {
+    truth = truth * Pose2{0.0, 0.0, kPeriodS * rate_at(i)};
+    const Tangent2 change(0.0, 0.0, rate_at(i + 1) - rate_at(i));
+    track.advance(OdometryStep{sure({0.0, 0.0, kPeriodS * rate_at(i + 1)}, 0.003, 0.001), change});
+    ASSERT_TRUE(track.refine(points_from(room, truth), kMount.translation(), field, offset)) << i;
+    EXPECT_TRUE(pose_near(track.map_T_robot().pose, truth, 0.03, 0.02)) << i;
+  }
+  EXPECT_NEAR(track.errors().mean[3], -kPeriodS, 0.02);
+}
+
 TEST(PoseTrack, WhatNoOdometryToldTeachesNothing) {
   PoseTrack track(sure({1.0, 2.0, 0.3}));
-  for (int i = 0; i < 10; ++i) track.advance(step(0.1), false);
-  EXPECT_EQ(track.errors().mean, Eigen::Vector3d::Zero());
+  for (int i = 0; i < 10; ++i) track.advance(step(0.1));
+  EXPECT_EQ(track.errors().mean, Eigen::Vector4d::Zero());
   EXPECT_EQ(track.errors().covariance, OdometryErrors{}.covariance);
 }
 
@@ -195,7 +215,7 @@ TEST(PoseTrack, NoNumberOfScansMakesItSurerThanTheWalls) {
   RangeOffset offset;
   const auto points = points_from(room, truth);
   for (int i = 0; i < 300; ++i) {
-    track.advance(step(0.0), true);
+    track.advance(OdometryStep{step(0.0)});
     ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
   }
   // A cell of 5 cm is known to its width by the root of 12, and several walls share in that.
@@ -214,7 +234,7 @@ TEST(PoseTrack, ItsCovarianceStaysSymmetricAndPositive) {
   for (int i = 0; i < 60; ++i) {
     const PoseWithCovariance2 motion = sure({0.03, 0.0, 0.02}, 0.005, 0.002);
     truth = truth * motion.pose;
-    track.advance(motion, true);
+    track.advance(OdometryStep{motion});
     track.refine(points_from(room, truth), kMount.translation(), field, offset);
     const Eigen::Matrix3d& covariance = track.map_T_robot().covariance;
     ASSERT_LT((covariance - covariance.transpose()).norm(), 1e-12);
