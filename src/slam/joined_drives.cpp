@@ -11,7 +11,6 @@
 #include "loopstone/base/union_find.hpp"
 #include "slam/drive_seats.hpp"
 #include "slam/drive_ties.hpp"
-#include "slam/drives.hpp"
 #include "slam/finish_steps.hpp"
 
 namespace loopstone {
@@ -133,22 +132,16 @@ void renumber(std::vector<DrivePair>& pairs, const std::vector<bool>& kept) {
 }
 
 /// The map is that of the most drives which closures tie; of as many, that with the first of them.
-void mark_largest(std::span<const DriveSeat> seats, const Drives& groups,
-                  std::vector<DrivePlacement>& placements) {
+/// \param sets  of each drive: the first one of its set
+void mark_largest(std::span<const std::size_t> sets, std::vector<DrivePlacement>& placements) {
   std::size_t largest = 0;
   std::ptrdiff_t most = 0;
-  const auto is_with = [&](std::size_t drive) {
-    return [&groups, seats, drive](const DriveSeat& other) {
-      return !groups.are_adrift({seats[drive].submap}, {other.submap});
-    };
-  };
-  for (std::size_t i = 0; i < seats.size(); ++i) {
-    const auto size = std::ranges::count_if(seats, is_with(i));
-    if (size > most) largest = i;
+  for (const std::size_t set : sets) {
+    const auto size = std::ranges::count(sets, set);
+    if (size > most) largest = set;
     most = std::max(most, size);
   }
-  for (std::size_t i = 0; i < seats.size(); ++i)
-    placements[i].is_joined = is_with(largest)(seats[i]);
+  for (std::size_t i = 0; i < sets.size(); ++i) placements[i].is_joined = sets[i] == largest;
 }
 
 void add_up(const MapStatistics& drive, MapStatistics& all) {
@@ -269,7 +262,6 @@ void JoinedDrives::take_apart(const BackEnd::State& state) {
   pairs_ = table.take();
 
   const std::vector<SubmapRecord>& submaps = state.chain.submaps;
-  const Drives groups(submaps);
   placements_.clear();
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     const std::vector<SubmapRecord>& own = drives_[i]->back_end.chain.submaps;
@@ -282,7 +274,7 @@ void JoinedDrives::take_apart(const BackEnd::State& state) {
     }
     placements_.push_back(std::move(placement));
   }
-  mark_largest(seat_list, groups, placements_);
+  mark_largest(tied_by(pairs_, drives_.size()), placements_);
 }
 
 void JoinedDrives::add(std::shared_ptr<const DriveRecord> drive,
@@ -367,7 +359,9 @@ bool JoinedDrives::show_one_place(const std::vector<std::size_t>& sets, std::siz
   return std::ranges::any_of(overlaps, [&](const Overlap& of) {
     const SurfaceFit fit =
         fit_of(laid(of.older), laid(of.newer), of.pairs, options_.submap, options_.match, threads_);
-    return shows_one_place(fit, std::max(scatter(of.older), scatter(of.newer)));
+    // Mostly it is not needed to know.
+    return shows_one_place(fit, 0.0) ||
+           shows_one_place(fit, std::max(scatter(of.older), scatter(of.newer)));
   });
 }
 
