@@ -75,7 +75,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
 FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
                                      const std::optional<OdometryReading>& odometry) {
   std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
-  LaserCover cover = cover_of(scan, robot_T_lidar, guesses.front());
+  LaserCover cover = cover_of(scan, robot_T_lidar, guesses);
   Sighting sighting{&scan, robot_T_lidar, odometry, std::move(guesses)};
   sighting.believed = laser_check_.add(scan, odometry, cover.is_fault);
   sighting.cover = std::move(cover);
@@ -87,12 +87,24 @@ FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T
   return sighting;
 }
 
+/// Where odometry may have jumped, a scan that fits any of the guesses shows no strangers.
 LaserCover FrontEnd::cover_of(const LaserScan& scan, const Pose2& robot_T_lidar,
-                              const MotionGuess& guess) {
+                              std::span<const MotionGuess> guesses) {
   if (active_.empty()) return {};
   const ActiveSubmap& known = active_.front();
-  const Pose2 submap_T_lidar = known.local_T_submap.inverse() * guess.local_T_robot * robot_T_lidar;
-  return loopstone::cover_of(scan, submap_T_lidar, guess.measured, known.submap, beams_);
+  const Pose2 submap_T_local = known.local_T_submap.inverse();
+  const bool is_measured = guesses.front().measured;
+  LaserCover least;
+  for (const MotionGuess& guess : guesses) {
+    const Pose2 submap_T_lidar = submap_T_local * guess.local_T_robot * robot_T_lidar;
+    LaserCover cover = loopstone::cover_of(scan, submap_T_lidar, is_measured, known.submap, beams_);
+    if (cover.beams.empty()) return cover;
+    if (least.beams.empty() ||
+        std::ranges::count(cover.beams, true) < std::ranges::count(least.beams, true)) {
+      least = std::move(cover);
+    }
+  }
+  return least;
 }
 
 /// What is left of a scan without the beams that do not show the surroundings.

@@ -9,6 +9,7 @@
 #include "loopstone/evaluation/relations.hpp"
 #include "loopstone/formats/log_reader.hpp"
 #include "loopstone/formats/relations_file.hpp"
+#include "loopstone/geometry/angle.hpp"
 #include "mapped_drives.hpp"
 #include "support/recorded_data.hpp"
 #include "support/usual_figure.hpp"
@@ -74,6 +75,22 @@ TEST(Robustness, HealthyOdometryIsNotAccused) {
       EXPECT_EQ(result.statistics.odometry_jumps, 0) << world << " " << seed;
     }
   }
+}
+
+// A room seen askew shows as many strangers as a crowd would.
+TEST(Robustness, AJumpOfOdometryIsNoCrowd) {
+  SimulationOptions options{.duration_s = 30.0, .odometry_poses = true};
+  options.laser.beams = 181;
+  options.laser.fov_rad = kPi;
+  options.faults = {.odometry = Fault::kJumping};
+  double largest_m = 0.0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SimulatedLog log = simulate_log("rooms", seed, options);
+    const MapResult result = map_of(log);
+    EXPECT_TRUE(result.laser_episodes.empty()) << seed;
+    largest_m = std::max(largest_m, ate_rmse_m(result.trajectory, log));
+  }
+  EXPECT_TRUE(as_usual(largest_m, 0.0025));
 }
 
 TEST(Robustness, OdometryOfAnotherClockIsReadAtItsOwnTime) {

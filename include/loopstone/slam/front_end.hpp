@@ -251,7 +251,7 @@ class FrontEnd {
   // The steps of add(), in their order.
   /// What of a scan shows the laser's cover, or people about the robot.
   [[nodiscard]] LaserCover cover_of(const LaserScan& scan, const Pose2& robot_T_lidar,
-                                    const MotionGuess& guess);
+                                    std::span<const MotionGuess> guesses);
   [[nodiscard]] Sighting prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
                                  const std::optional<OdometryReading>& odometry);
   [[nodiscard]] static TrackedScan predicted(const Sighting& sighting);
