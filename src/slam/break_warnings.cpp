@@ -66,7 +66,9 @@ std::string what_bridges(const PathBreak& gap) {
   if (gap.cause == BreakCause::kCarried) return ", and it was not found where it was put down";
   return std::string(gap.odometry_m > 0.0 ? ", but odometry was silent for a part of it"
                                           : ": nothing tells how the robot moved") +
-         ", and it was not found where it had been";
+         (gap.was_found_in_part()
+              ? ", and only a part of what it saw then had been seen: it was put where that fits"
+              : ", and it was not found where it had been");
 }
 
 std::string what_ties(const PathBreak& gap) {
@@ -82,7 +84,7 @@ std::string what_ties(const PathBreak& gap) {
   std::string bridge = what_bridges(gap);
   if (gap.ends_log) return bridge;
   if (gap.closures == 0) {
-    return bridge + (gap.bridge == BreakBridge::kOdometry
+    return bridge + (gap.bridge == BreakBridge::kOdometry || gap.was_found_in_part()
                          ? "; no loop closure ties both sides"
                          : "; no loop closure ties both sides, so where they lie to one another "
                            "on the map is a guess");

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "loopstone/base/hypotenuse.hpp"
@@ -77,11 +78,11 @@ FrontEnd::Sighting FrontEnd::prepare(const LaserScan& scan, const Pose2& robot_T
   std::vector<MotionGuess> guesses = predictor_.guesses(scan.stamp, odometry);
   LaserCover cover = cover_of(scan, robot_T_lidar, guesses);
   Sighting sighting{&scan, robot_T_lidar, odometry, std::move(guesses)};
-  sighting.believed = laser_check_.add(scan, odometry, cover.is_fault);
   sighting.cover = std::move(cover);
   sighting.whole = &scan;
   show_rest(scan, sighting);
   take_out_travelling(scan, sighting);
+  sighting.believed = laser_check_.add(scan, odometry, sighting.cover.is_fault);
   sighting.own_count = sighting.surfaces.size();
   add_companions(sighting);
   return sighting;
@@ -137,6 +138,16 @@ bool FrontEnd::is_crowded(const LaserScan& scan) const {
   });
 }
 
+/// What people who stand about the robot can't be.
+std::vector<SurfacePoint> FrontEnd::beyond_a_crowd(const Sighting& sighting) {
+  std::vector<SurfacePoint> surfaces;
+  const Eigen::Vector2f lidar = sighting.robot_T_lidar.translation().cast<float>();
+  std::ranges::copy_if(sighting.surfaces, std::back_inserter(surfaces), [&](const auto& surface) {
+    return (surface.position - lidar).norm() > kLaserCheck.stranger_m;
+  });
+  return surfaces;
+}
+
 /// What moves against the ground, where the robot could be held by little else.
 void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
   const MotionGuess& guess = sighting.likeliest();
@@ -158,6 +169,7 @@ void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
   }
   show_rest(scan, sighting);
   if (leave_open(sighting.surfaces)) {
+    sighting.cover.is_fault = sighting.cover.is_fault || is_crowd(sighting.cover.beams);
     sighting.is_led = true;
     return;
   }
@@ -294,7 +306,9 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
   tracked.taken_out = sighting.cover.beams;
   own_.lost_in_a_row = alignment.lost ? own_.lost_in_a_row + 1 : 0;
   const Seen seen = take_match(alignment.match, !alignment.lost, tracked);
-  return sighting.is_led ? Seen{} : seen;  // it is no witness against what leads it
+  if (sighting.is_led) return {};  // it is no witness against what leads it
+  // Who goes along with the robot says that it stands.
+  return {seen.translation && !sighting.is_crowded, seen.rotation};
 }
 
 /// Too many scans in a row contradict the map. While wheels turn nobody carries the robot, so it is

@@ -56,8 +56,9 @@ void FrontEnd::hold(Stamp stamp, const Pose2& local_T_robot,
 }
 
 bool FrontEnd::is_gap(Stamp stamp) const {
-  if (!own_.held || own_.lost_in_a_row > 0) return false;
-  return (stamp - own_.held->stamp).seconds() > longest_step_s();
+  if (!own_.held) return false;
+  const Stamp since = own_.lost_in_a_row > 0 ? *predictor_.last_stamp() : own_.held->stamp;
+  return (stamp - since).seconds() > longest_step_s();
 }
 
 double FrontEnd::longest_step_s() const {
@@ -90,7 +91,7 @@ FrontEnd::BlindMotion FrontEnd::blind_motion(Stamp stamp, const MotionGuess& gue
 FrontEnd::BlindMotion FrontEnd::untold_motion(
     Stamp stamp, const MotionGuess& guess, const std::optional<OdometryReading>& odometry) const {
   // Without odometry all along the speed is the laser's guess, and as good as none.
-  if (!odometry || !own_.held || own_.lost_in_a_row > 0)
+  if (!odometry || !own_.held || own_.lost_in_a_row > kFrontEnd.most_lost)
     return {
         unknown_about(guess.local_T_robot, kFrontEndRejoin.unknown_m, kFrontEndRejoin.unknown_rad)};
   BlindMotion blind;
@@ -255,7 +256,8 @@ std::vector<FrontEnd::Place> FrontEnd::places_within(std::span<const SurfacePoin
 }
 
 /// Among places that are alike the one wins that explains most of what the scan shows of the known,
-/// and of those that do nearly as well one that the robot turned clearly less for.
+/// and of those that do nearly as well and face elsewhere one that explains the whole scan, or one
+/// that the robot turned clearly less for.
 FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
                                      const UntoldReach& reach, const PosePrior2& expected) const {
   PosePrior2 nearer = in_submap(expected);
@@ -266,9 +268,13 @@ FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
   if (places.empty()) return {};
   const Place* likeliest = &*std::ranges::max_element(places, {}, &Place::value);
   const double most = likeliest->value;
+  const auto is_whole = [&](const Place& place) { return place.match.score >= least_score(); };
   for (const Place& place : places) {
-    if (place.value >= most - kFrontEndRejoin.alike &&
-        place.turn_rad < likeliest->turn_rad - kFrontEndRejoin.usual_turn_rad)
+    const double less_rad = likeliest->turn_rad - place.turn_rad;
+    if (place.value < most - kFrontEndRejoin.alike ||
+        std::abs(less_rad) <= kFrontEndRejoin.usual_turn_rad)
+      continue;
+    if (is_whole(place) == is_whole(*likeliest) ? less_rad > 0.0 : is_whole(place))
       likeliest = &place;
   }
   const auto is_rival = [&](const Place& place) {
@@ -281,11 +287,16 @@ FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
     const double apart = wrap_angle(place.match.target_T_source.yaw - match.target_T_source.yaw);
     return std::abs(apart) >= kFrontEndRejoin.elsewhere_rad && is_rival(place);
   };
+  const bool is_likely = likeliest->explains ||
+                         (!reach.is_carried && likeliest->value >= kFrontEndRejoin.likely_value);
+  const bool is_only = is_tight && std::ranges::none_of(places, is_rival);
   return {.match = in_local(match),
           .value = likeliest->value,
           .explains = likeliest->explains,
-          .faces_certainly = likeliest->explains && std::ranges::none_of(places, faces_elsewhere),
-          .is_certain = likeliest->explains && is_tight && std::ranges::none_of(places, is_rival)};
+          .is_likely = is_likely,
+          .faces_certainly = is_likely && std::ranges::none_of(places, faces_elsewhere),
+          .is_only = is_likely && is_only,
+          .is_certain = likeliest->explains && is_only};
 }
 
 /// With odometry, a scan that does not fit where it says shows a place that the submap does not
@@ -319,6 +330,7 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
     begin_piece(blind, cause, stamp, tracked);
     return {};
   }
+  own_.lost_in_a_row = 0;
   const Seen seen = take_match(*match, true, tracked);
   note_gap(blind, cause, stamp, tracked);
   return seen;
@@ -374,18 +386,26 @@ bool FrontEnd::was_carried(std::span<const SurfacePoint> surfaces, const BlindMo
 }
 
 /// A place that is like its neighbours, as a corridor is, still tells the heading. If what is
-/// expected explains the scan, the robot most likely went on as it came; else it may be where the
-/// scan fits.
+/// expected explains the scan, the robot most likely went on as it came; else it may be where what
+/// the scan shows of the known fits.
 void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,
                              const UntoldReach& reach, PosePrior2& prior) const {
   const MatchResult match = match_at(surfaces, in_submap(prior));
   const bool goes_on = has_supported_pose(match.status) && match.score >= least_score();
-  if (!goes_on && !ahead.match) return;
+  if (!goes_on && !ahead.is_likely) return;
+  if (!goes_on && ahead.is_only) {
+    prior = {ahead.match->target_T_source,
+             planar_covariance(kFrontEndRejoin.found_m, kFrontEndRejoin.faced_rad).inverse(),
+             false};
+    return;
+  }
   const Pose2 likeliest = goes_on ? in_local(match).target_T_source : ahead.match->target_T_source;
-  prior =
-      expected_at(likeliest, reach,
-                  goes_on || ahead.explains ? std::min(kFrontEndRejoin.turned_rad, reach.sigma_rad)
-                                            : reach.sigma_rad);
+  const double apart_rad =
+      ahead.match ? std::abs(wrap_angle(ahead.match->target_T_source.yaw - likeliest.yaw)) : 0.0;
+  const bool faces_so = ahead.faces_certainly && apart_rad < kFrontEndRejoin.elsewhere_rad;
+  prior = expected_at(
+      likeliest, reach,
+      std::min(faces_so ? kFrontEndRejoin.faced_rad : kFrontEndRejoin.turned_rad, reach.sigma_rad));
 }
 
 /// \param odometry_guides  the guess was odometry's

@@ -148,6 +148,11 @@ LaserCover cover_of(const LaserScan& scan, const Pose2& submap_T_lidar, bool is_
   return cover;
 }
 
+bool is_crowd(const std::vector<bool>& beams) {
+  return static_cast<double>(std::ranges::count(beams, true)) >
+         kLaserCheck.crowd_share * static_cast<double>(beams.size());
+}
+
 void take_out(const std::vector<bool>& beams, LaserScan& scan) {
   for (std::size_t i = 0; i < beams.size(); ++i) {
     if (beams[i]) scan.ranges_m[i] = std::numeric_limits<float>::quiet_NaN();

@@ -49,6 +49,12 @@ double variance_between(const PoseGraph& graph, int from, int to) {
 
 double PathBreak::bridge_sigma_m() const { return std::sqrt(position_variance_m2(covariance)); }
 
+// See FrontEnd::turn_to_match().
+bool PathBreak::was_found_in_part() const {
+  return cause == BreakCause::kNoScans && bridge == BreakBridge::kNothing &&
+         bridge_sigma_m() <= 1.01 * kFrontEndRejoin.found_m;
+}
+
 // See FrontEnd::begin_along().
 bool PathBreak::may_be_carried() const {
   return cause == BreakCause::kNoScans && bridge == BreakBridge::kOdometry &&

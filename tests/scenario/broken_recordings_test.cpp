@@ -13,6 +13,7 @@
 #include "loopstone/base/rng.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "mapped_drives.hpp"
+#include "support/usual_figure.hpp"
 
 namespace loopstone::test {
 namespace {
@@ -172,6 +173,22 @@ TEST(BrokenRecording, ARobotIsFoundAheadAfterAllOfItsMessagesWereLost) {
     }
   }
   EXPECT_GE(found, gaps - 4) << "of " << gaps;
+}
+
+/// It drove on with a blocked laser, and its counts were silent for a part of that.
+TEST(BrokenRecording, WhatWasSeenInPartTellsWhereTheRobotIs) {
+  SimulationOptions options{.duration_s = 60.0};
+  options.laser.beams = 541;
+  choose_realism(options.realism, "usual,blocked");
+  const SimulatedLog log = simulate_log("rooms", 270, options);
+  const MapResult result = map_of(log);
+  const auto gap = long_gap_of(result);
+  ASSERT_NE(gap, result.breaks.end());
+  EXPECT_TRUE(gap->was_found_in_part());
+  EXPECT_LT(off_across_m(result.trajectory, log, time_in(log, gap->from), time_in(log, gap->to)),
+            2.0 * gap->bridge_sigma_m());
+  EXPECT_NE(warning_of(result, "only a part of what it saw then had been seen"), "");
+  EXPECT_TRUE(as_usual(ate_rmse_m(result.trajectory, log), 0.08));
 }
 
 TEST(BrokenRecording, ARobotThatWasCarriedWhileNoScansCameIsNamed) {

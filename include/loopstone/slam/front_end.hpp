@@ -252,6 +252,7 @@ class FrontEnd {
   /// What of a scan shows the laser's cover, or people about the robot.
   [[nodiscard]] LaserCover cover_of(const LaserScan& scan, const Pose2& robot_T_lidar,
                                     std::span<const MotionGuess> guesses);
+  [[nodiscard]] static std::vector<SurfacePoint> beyond_a_crowd(const Sighting& sighting);
   [[nodiscard]] Sighting prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
                                  const std::optional<OdometryReading>& odometry);
   [[nodiscard]] static TrackedScan predicted(const Sighting& sighting);
@@ -350,8 +351,10 @@ class FrontEnd {
     std::optional<MatchResult> match{};  ///< where it most likely is
     double value = 0.0;                  ///< of that place
     bool explains = false;               ///< the scan does fit there
-    bool faces_certainly = false;        ///< and nowhere else facing another way
-    bool is_certain = false;             ///< and nowhere else at all
+    bool is_likely = false;              ///< or what it shows of the known, if the robot drove
+    bool faces_certainly = false;        ///< likely, and nowhere else facing another way
+    bool is_only = false;                ///< likely, and nowhere else at all
+    bool is_certain = false;             ///< explained, and nowhere else at all
   };
   /// The same where a robot drove on that nothing told of: part of what it sees may be new.
   [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const UntoldReach& reach,

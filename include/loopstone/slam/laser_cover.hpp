@@ -29,6 +29,9 @@ struct LaserCover {
 [[nodiscard]] LaserCover cover_of(const LaserScan& scan, const Pose2& submap_T_lidar,
                                   bool is_measured, const Submap& submap, BeamTable& beams);
 
+/// Whether so many of a scan's beams end on who stands about the robot that it is worth a word.
+[[nodiscard]] bool is_crowd(const std::vector<bool>& beams);
+
 /// These beams tell nothing any more (NaN).
 void take_out(const std::vector<bool>& beams, LaserScan& scan);
 

@@ -57,6 +57,8 @@ struct PathBreak {
   double tie_sigma_m = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] double bridge_sigma_m() const;
+  /// Nothing told how it moved, but part of what it saw then had been seen, and fits in one place.
+  [[nodiscard]] bool was_found_in_part() const;
   /// Odometry says that the robot stood, but along what it sees then somebody may have carried it.
   [[nodiscard]] bool may_be_carried() const;
 
