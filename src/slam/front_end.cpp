@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "loopstone/base/hypotenuse.hpp"
@@ -138,22 +137,12 @@ bool FrontEnd::is_crowded(const LaserScan& scan) const {
   });
 }
 
-/// What people who stand about the robot can't be.
-std::vector<SurfacePoint> FrontEnd::beyond_a_crowd(const Sighting& sighting) {
-  std::vector<SurfacePoint> surfaces;
-  const Eigen::Vector2f lidar = sighting.robot_T_lidar.translation().cast<float>();
-  std::ranges::copy_if(sighting.surfaces, std::back_inserter(surfaces), [&](const auto& surface) {
-    return (surface.position - lidar).norm() > kLaserCheck.stranger_m;
-  });
-  return surfaces;
-}
-
 /// What moves against the ground, where the robot could be held by little else.
 void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
   const MotionGuess& guess = sighting.likeliest();
   const bool is_likely = sighting.guesses.size() == 1;  // it may have jumped
   if (!guess.measured || !is_likely || !sighting.odometry || !odometry_may_lead()) return;
-  sighting.is_crowded = is_crowded(scan);
+  sighting.is_crowded = is_crowded(scan) && is_said_to_drive(sighting);  // not carried by them
   sighting.is_led = sighting.is_crowded && leave_open(sighting.surfaces);
   Pose2 ground_T_robot = guess.local_T_robot;
   ground_T_robot.x += own_.local_to_ground_m.x();

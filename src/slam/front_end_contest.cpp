@@ -17,6 +17,11 @@ bool FrontEnd::is_driven(const Sighting& sighting) const {
   const OdometryCheck& check = predictor_.check();
   if (!sighting.likeliest().measured || !check.trusts_rotation() || !check.translation().scale())
     return false;
+  return is_said_to_drive(sighting);
+}
+
+/// Drives or turns, as the likeliest guess has it.
+bool FrontEnd::is_said_to_drive(const Sighting& sighting) const {
   const Pose2 motion = predictor_.last_pose().inverse() * sighting.likeliest().local_T_robot;
   // Of scans whose stamps jitter, or of several lasers, one may come right after another.
   const double seconds = (sighting.scan->stamp - *predictor_.last_stamp()).seconds();

@@ -252,7 +252,6 @@ class FrontEnd {
   /// What of a scan shows the laser's cover, or people about the robot.
   [[nodiscard]] LaserCover cover_of(const LaserScan& scan, const Pose2& robot_T_lidar,
                                     std::span<const MotionGuess> guesses);
-  [[nodiscard]] static std::vector<SurfacePoint> beyond_a_crowd(const Sighting& sighting);
   [[nodiscard]] Sighting prepare(const LaserScan& scan, const Pose2& robot_T_lidar,
                                  const std::optional<OdometryReading>& odometry);
   [[nodiscard]] static TrackedScan predicted(const Sighting& sighting);
@@ -268,6 +267,7 @@ class FrontEnd {
   void take_out_travelling(const LaserScan& scan, Sighting& sighting);
   // Who is at fault where laser and odometry disagree (front_end_contest.cpp).
   [[nodiscard]] bool is_driven(const Sighting& sighting) const;
+  [[nodiscard]] bool is_said_to_drive(const Sighting& sighting) const;
   [[nodiscard]] bool explains_less(const Alignment& alignment) const;
   [[nodiscard]] static bool agrees(const Alignment& alignment, const Sighting& sighting);
   [[nodiscard]] bool leaps(const Alignment& alignment, const Sighting& sighting) const;
