@@ -191,12 +191,11 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit("turned_rad", n.turned_rad,
         "derived: of a heading that was expected and explains the scan, when the robot turned by a "
         "right angle once in twenty times: sqrt(0.05) pi / 2");
-  visit(
-      "likely_value", n.likely_value,
-      "measured: after gaps of simulated drives 25 of 26 places that do not explain all of a scan "
-      "were right from there on, 4 of 6 below");
+  visit("likely_value", n.likely_value,
+        "chosen: after gaps of simulated drives 25 of 26 places that do not explain all of a scan "
+        "were right from there on, 4 of 6 below");
   visit("found_m", n.found_m,
-        "measured: there those 25 were nearer, one standard deviation all the same");
+        "chosen: there those 25 were nearer, one standard deviation all the same");
   visit(
       "faced_rad", n.faced_rad,
       "chosen: the headings of all 342 places there that no other faced differently were right to "
