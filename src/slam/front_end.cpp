@@ -158,7 +158,9 @@ void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
   }
   show_rest(scan, sighting);
   if (leave_open(sighting.surfaces)) {
-    sighting.cover.is_fault = sighting.cover.is_fault || is_crowd(sighting.cover.beams);
+    // Where odometry has proved itself, what contradicts it is contested: see contest().
+    const bool is_proved = predictor_.check().translation().scale().has_value();
+    if (!is_proved && is_crowd(sighting.cover.beams)) sighting.cover.is_fault = true;
     sighting.is_led = true;
     return;
   }
