@@ -289,14 +289,12 @@ FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
   };
   const bool is_likely = likeliest->explains ||
                          (!reach.is_carried && likeliest->value >= kFrontEndRejoin.likely_value);
-  const bool is_only = is_tight && std::ranges::none_of(places, is_rival);
   return {.match = in_local(match),
           .value = likeliest->value,
           .explains = likeliest->explains,
           .is_likely = is_likely,
           .faces_certainly = is_likely && std::ranges::none_of(places, faces_elsewhere),
-          .is_only = is_likely && is_only,
-          .is_certain = likeliest->explains && is_only};
+          .is_only = is_likely && is_tight && std::ranges::none_of(places, is_rival)};
 }
 
 /// With odometry, a scan that does not fit where it says shows a place that the submap does not
@@ -318,7 +316,7 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
     }
   } else if (blind.reach) {
     const Ahead ahead = look_ahead(surfaces, *blind.reach, blind.prior);
-    if (ahead.is_certain) {
+    if (ahead.is_certain()) {
       match = ahead.match;
     } else {
       turn_to_match(surfaces, ahead, *blind.reach, blind.prior);
@@ -358,7 +356,7 @@ std::optional<MatchResult> FrontEnd::find_carried(std::span<const SurfacePoint> 
   prior = expected_at(prior.target_T_source, reach, reach.sigma_rad);
   const Ahead ahead = look_ahead(surfaces, reach, prior);
   // Of so many places one that explains little less than usual is no chance.
-  if (ahead.is_certain && ahead.value >= least_score()) return ahead.match;
+  if (ahead.is_certain() && ahead.value >= least_score()) return ahead.match;
   if (ahead.explains) {
     prior =
         expected_at(ahead.match->target_T_source, reach,
@@ -400,9 +398,9 @@ void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead
     return;
   }
   const Pose2 likeliest = goes_on ? in_local(match).target_T_source : ahead.match->target_T_source;
-  const double apart_rad =
-      ahead.match ? std::abs(wrap_angle(ahead.match->target_T_source.yaw - likeliest.yaw)) : 0.0;
-  const bool faces_so = ahead.faces_certainly && apart_rad < kFrontEndRejoin.elsewhere_rad;
+  const bool faces_so = ahead.faces_certainly &&
+                        std::abs(wrap_angle(ahead.match->target_T_source.yaw - likeliest.yaw)) <
+                            kFrontEndRejoin.elsewhere_rad;
   prior = expected_at(
       likeliest, reach,
       std::min(faces_so ? kFrontEndRejoin.faced_rad : kFrontEndRejoin.turned_rad, reach.sigma_rad));

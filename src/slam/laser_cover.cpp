@@ -139,7 +139,7 @@ LaserCover cover_of(const LaserScan& scan, const Pose2& submap_T_lidar, bool is_
                              rest_agrees(placed, strangers);
   LaserCover cover;
   if (!is_covered && !has_strangers) return cover;
-  cover.is_fault = is_covered || is_more(strangers.count, kLaserCheck.crowd_share);
+  cover.is_fault = is_covered || is_crowd(strangers.beams);
   cover.beams.assign(placed.size(), false);
   if (is_covered) {
     for (std::size_t i = 0; i < placed.size(); ++i) cover.beams[i] = is_near(scan.ranges_m[i]);

@@ -230,7 +230,7 @@ class FrontEnd {
     std::vector<MotionGuess> guesses;  ///< at least one
     bool believed = false;             ///< the laser shows its surroundings
     LaserCover cover{};                ///< was taken out of `scan`
-    bool is_crowded = false;           ///< asked where odometry may lead
+    bool is_crowded = false;           ///< asked where odometry may lead, and says that it drives
     bool is_led = false;  ///< what travels was taken out, too: odometry holds the robot
     const LaserScan* whole = nullptr;  ///< as it came
     bool is_driven = false;  ///< odometry that has proved itself says that the robot moves
@@ -354,7 +354,7 @@ class FrontEnd {
     bool is_likely = false;              ///< or what it shows of the known, if the robot drove
     bool faces_certainly = false;        ///< likely, and nowhere else facing another way
     bool is_only = false;                ///< likely, and nowhere else at all
-    bool is_certain = false;             ///< explained, and nowhere else at all
+    [[nodiscard]] bool is_certain() const { return explains && is_only; }
   };
   /// The same where a robot drove on that nothing told of: part of what it sees may be new.
   [[nodiscard]] Ahead look_ahead(std::span<const SurfacePoint> surfaces, const UntoldReach& reach,
