@@ -8,8 +8,9 @@ bench` makes again.
 
 A table passes that was made of a commit of the version in work (include/loopstone/version.hpp), or
 of an older one since which nothing changed that it depends on. It fails when it names a commit that
-the history lacks, or an older version. Tables from before tables named their commit are counted as
-not judged, until `make bench` has made them again.
+the history lacks; an older version fails it once CHANGELOG.md gives the version in work a day, and
+is counted as not judged until then, like tables from before tables named their commit: `make bench`
+makes them again.
 """
 import collections
 import os
@@ -86,16 +87,21 @@ class History:
         return git("rev-parse", "--is-shallow-repository") == "false\n"
 
 
-def problems_of(text, version, history):
-    """What is wrong with a generated block."""
+def problems_of(text, history):
+    """What is wrong with a generated block at any time."""
     stamps = stamps_of(text)
     if not stamps or "commit not recorded" in text:
         yield "says of no commit that it was made of it; run its script again (make bench)"
     for script, _, commit in dict.fromkeys(stamps):
-        of_commit = history.version_at(commit)
-        if of_commit is None:
+        if history.version_at(commit) is None:
             yield f"was made by {script} of commit {commit}, which the history lacks"
-        elif of_commit != version and history.changed_since(commit, sources_of(script)):
+
+
+def outdated_by(text, version, history):
+    """What of a generated block a release must not hand out."""
+    for script, _, commit in dict.fromkeys(stamps_of(text)):
+        of_commit = history.version_at(commit)
+        if of_commit not in (None, version) and history.changed_since(commit, sources_of(script)):
             yield (
                 f"was made by {script} of version {of_commit} (commit {commit}), and its sources"
                 " have changed since"
@@ -111,11 +117,19 @@ def blocks_of(page):
     return [(name, text) for name, text in BLOCK.findall(page) if name not in COMPARED]
 
 
-def check():
+def is_dated(changelog, version):
+    """Whether a changelog says when a version came out."""
+    return bool(re.search(rf"^## \[{re.escape(version)}\] - \d", changelog, re.M))
+
+
+def check(is_release=False):
+    """(problems, {why: how many tables could not be judged}); is_release: dated or not."""
     makers = (ROOT / "bench/figures.sh").read_text(encoding="utf-8")
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     version = VERSION.search((ROOT / VERSION_FILE).read_text(encoding="utf-8")).group(1)
     history = History()
     judge = history.complete()
+    is_release = is_release or is_dated(changelog, version)
     problems, unjudged = [], collections.Counter()
     for page in PAGES:
         for name, text in blocks_of(page.read_text(encoding="utf-8")):
@@ -130,9 +144,11 @@ def check():
             elif not stamps_of(text):
                 unjudged["they name no commit"] += 1
             else:
-                problems += [
-                    f"{where}: {problem}" for problem in problems_of(text, version, history)
-                ]
+                outdated = list(outdated_by(text, version, history))
+                if outdated and not is_release:
+                    unjudged[f"they are of an older version and {version} is not out yet"] += 1
+                found = list(problems_of(text, history)) + (outdated if is_release else [])
+                problems += [f"{where}: {problem}" for problem in found]
     return problems, unjudged
 
 
@@ -161,7 +177,8 @@ def self_test():
         )
 
     def found(text):
-        return [problem.split(";")[0] for problem in problems_of(text, "0.2.0", InMemory())]
+        problems = [*problems_of(text, InMemory()), *outdated_by(text, "0.2.0", InMemory())]
+        return [problem.split(";")[0] for problem in problems]
 
     assert stamps_of(made("ccccccc")) == [("bench/figures.py", "0.1.0", "ccccccc")], made("ccccccc")
     assert not found(made("ccccccc"))
@@ -177,6 +194,9 @@ def self_test():
         found("| no | stamp |") == found(made("")) == ["says of no commit that it was made of it"]
     )
     assert len(found(made("bbbbbbb") + made(""))) == 1
+    assert is_dated("# C\n\n## [0.2.0] - 2026-05-31\n", "0.2.0")
+    assert not is_dated("## [0.2.0] - unreleased\n## [0.1.0] - 2026-05-31\n", "0.2.0")
+    assert not is_dated("## [Unreleased]\n## [0.2.0.1] - 2026-05-31\n", "0.2.0")
     assert not_remade("bench/a.py", "measure bench/a.pyx\n# measure bench/a.py\n")
     assert not not_remade("bench/a.py", "  measure bench/a.py $quick\n")
     assert blocks_of(
