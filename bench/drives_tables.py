@@ -4,10 +4,10 @@ import math
 import tables
 from closures import PRECISION, total
 from doc_blocks import table
-from largest_error import RIGHT_DEG, RIGHT_M
+from largest_error import RIGHT_DEG, RIGHT_M, SIGMAS
 from program import median
 from provenance import provenance
-from unkind import CLEAN, USUAL, Drive, is_good, is_wrong, simulation, worst_of
+from unkind import CLEAN, USUAL, Drive, is_good, is_unforetold, is_wrong, simulation, worst_of
 
 VERDICTS = ["good", "doubtful", "bad", "unknown"]
 # What the clean form of a drive may be exceeded by.
@@ -70,14 +70,18 @@ def judged(runs):
 
 
 def confusion(runs):
-    names = {
-        False: f"right: off by {RIGHT_M} m and {RIGHT_DEG:.0f} degree at most, anywhere",
-        True: "wrong",
+    foretold = f"by {SIGMAS:.0f} standard deviations of its own at most"
+    kinds = {
+        f"right: off by {RIGHT_M} m and {RIGHT_DEG:.0f} degree at most, anywhere": (
+            lambda run: not is_wrong(run)
+        ),
+        f"wrong, {foretold}": lambda run: is_wrong(run) and not is_unforetold(run),
+        "wrong, by more": is_unforetold,
     }
     said = [*VERDICTS[:-1], "nothing", "not mapped"]
     rows = []
-    for wrong, title in names.items():
-        some = [run.get("verdict", "not mapped") for run in runs if is_wrong(run) == wrong]
+    for title, is_of_kind in kinds.items():
+        some = [run.get("verdict", "not mapped") for run in runs if is_of_kind(run)]
         some = ["nothing" if verdict == VERDICTS[-1] else verdict for verdict in some]
         rows.append([title, str(len(some)), *(str(some.count(word)) for word in said)])
     header = [f"said {word}>" for word in said[:-1]] + [f"{said[-1]}>"]
@@ -130,6 +134,7 @@ def row_of(name, runs):
         str(sum(map(is_good, right))),
         str(len(wrong)),
         str(sum(map(is_good, wrong))),
+        str(sum(map(is_unforetold, wrong))),
         f"{100 * median(clean):.1f}" if clean else "",
         spread([run["ate_m"] for run in mapped], 100, 1),
         spread(times_clean(runs), 1, 1),
@@ -155,6 +160,7 @@ def grouped(runs, name):
             "right, called good>",
             "wrong>",
             "wrong, called good>",
+            "wrong beyond its covariance>",
             "ATE when clean, median [cm]>",
             "ATE [cm]>",
             "ATE over clean>",

@@ -1,10 +1,14 @@
-"""How wrong a map is at its worst place: its trajectory against the truth, best aligned."""
+"""How wrong a map is at its worst place: its trajectory against the truth, best aligned; and how
+wrong it says that it may be."""
 
 import bisect
+import csv
 import math
 
 # A map is right that is off by no more than this anywhere, best aligned.
 RIGHT_M, RIGHT_DEG = 0.5, 1.0
+# A map states by its covariances how far off it may be: so many standard deviations.
+SIGMAS = 3.0
 # A scan by itself may be off without the map being so; half of some seconds may not.
 SECONDS = 5.0
 # While the robot turns, the time that a sweep takes turns every pose of a laser whose log does not
@@ -105,5 +109,25 @@ def largest_error(estimate_path, truth_path):
     return running_median(stamps, off_m), math.degrees(running_median(still, off_rad))
 
 
+def stated_error(covariances_path):
+    """(metres, degrees): SIGMAS times the largest standard deviation of a position, along its
+    longest axis, and of a heading, by a map's trajectory.csv."""
+    largest_m2 = largest_rad2 = 0.0
+    with open(covariances_path, encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            xx, xy, yy = (float(row[name]) for name in ("xx_m2", "xy_m2", "yy_m2"))
+            longest = 0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy)
+            largest_m2 = max(largest_m2, longest)
+            largest_rad2 = max(largest_rad2, float(row["yawyaw_rad2"]))
+    return SIGMAS * math.sqrt(largest_m2), math.degrees(SIGMAS * math.sqrt(largest_rad2))
+
+
 def is_right(worst_m, worst_deg):
     return worst_m <= RIGHT_M and worst_deg <= RIGHT_DEG
+
+
+def is_foretold(worst, stated):
+    """Whether all by which a map is wrong, (metres, degrees), is within what it states itself."""
+    return all(
+        off <= max(right, most) for off, right, most in zip(worst, (RIGHT_M, RIGHT_DEG), stated)
+    )

@@ -9,6 +9,7 @@ from program import run, say
 # Title, place, seeds, scans each, and keys of measure_relocalize.
 CASES = [
     ("campus", "campus", 4, 100, {"prepared_times": 3}),
+    ("eleven campuses", "campus", 1, 110, {"places": 11}),
     ("office", "office", 4, 50, {}),
     ("warehouse", "warehouse", 2, 50, {}),
     ("equal rooms", "rooms", 2, 50, {}),
@@ -18,8 +19,8 @@ CASES = [
     ("office, on another office's map", "office", 4, 50, {"map_seed": 100}),
     ("campus, on another campus's map", "campus", 2, 50, {"map_seed": 100}),
 ]
-TIMED = "campus"
-TARGET_MS = 100.0
+# What a scan may take, its median and its slowest [ms].
+TIMED = {"campus": (100.0, 100.0), "eleven campuses": (None, 3000.0)}
 BINS = 5
 
 
@@ -106,17 +107,21 @@ def calibration_rows(cases):
 
 
 def targets_of(cases):
-    times = [scan["ms"] for row in cases if row["title"] == TIMED for scan in row["scans"]]
-    middle, slowest = sorted(times)[len(times) // 2], max(times)
-    return [
-        (
-            f"{TIMED}: {what} of {len(times)} scans, CPU time on one core",
-            f"<= {TARGET_MS:g} ms",
-            f"{value:.1f} ms",
-            value <= TARGET_MS,
-        )
-        for what, value in (("the median", middle), ("the slowest", slowest))
-    ]
+    found = []
+    for row in cases:
+        if row["title"] not in TIMED:
+            continue
+        times = sorted(scan["ms"] for scan in row["scans"])
+        values = {"the median": times[len(times) // 2], "the slowest": times[-1]}
+        for (what, value), limit in zip(values.items(), TIMED[row["title"]]):
+            if limit is None:
+                continue
+            name = (
+                f"{row['title']}, {row['floor_m2']:,.0f} m2: {what} of {len(times)} scans, CPU"
+                " time on one core"
+            )
+            found.append((name, f"<= {limit:g} ms", f"{value:.1f} ms", value <= limit))
+    return found
 
 
 def text_of(section):

@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import typing
 
-from largest_error import is_right, largest_error
+from largest_error import is_foretold, is_right, largest_error, stated_error
 from program import Failed, log_of, run, say
 from provenance import circumstances
 
@@ -69,10 +69,13 @@ def map_and_judge(loopstone, sim, name, options, flags=()):
     path, truth = folder / "trajectory.tum", sim / "truth.tum"
     error = loopstone.evaluate("--estimate", path, "--reference", truth, "--align", "se2")
     worst_m, worst_deg = largest_error(path, truth)
+    stated_m, stated_deg = stated_error(folder / "trajectory.csv")
     return folder, {
         "ate_m": error["ate_rmse_m"],
         "worst_m": worst_m,
         "worst_deg": worst_deg,
+        "stated_m": stated_m,
+        "stated_deg": stated_deg,
         "poses_missing": error["poses_missing"],
         "verdict": summary["quality"]["verdict"],
         "breaks": len(summary["path_breaks"]),
@@ -105,6 +108,14 @@ def measured(loopstone, drive, options, more):
 
 def is_wrong(figures):
     return bool(figures.get("failed")) or not is_right(figures["worst_m"], figures["worst_deg"])
+
+
+def is_unforetold(figures):
+    """Whether a map is wrong by more than its own covariances allow."""
+    if figures.get("failed"):
+        return True
+    worst = figures["worst_m"], figures["worst_deg"]
+    return not is_foretold(worst, (figures["stated_m"], figures["stated_deg"]))
 
 
 def is_good(figures):

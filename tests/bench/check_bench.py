@@ -15,6 +15,7 @@ sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "bench")]
 import compare_speed  # noqa: E402
 import drives  # noqa: E402
 import drives_tables  # noqa: E402
+import largest_error  # noqa: E402
 import localization_peers_measure as peers_measure  # noqa: E402
 import localization_peers_tables as peers_tables  # noqa: E402
 import program  # noqa: E402
@@ -174,7 +175,9 @@ def check_drives_tables():
     right = {"ate_m": 0.3, "worst_m": 0.4, "worst_deg": 0.9, "verdict": "doubtful"}
     right |= {"closures": {"accepted": 3, "false": 0, "revisits": 4, "recognised": 3}}
     right |= {"without": {"ate_m": 0.2, "worst_m": 0.3, "worst_deg": 0.9}}
+    right |= {"stated_m": 0.1, "stated_deg": 0.1}
     wrong = {"ate_m": 0.1, "worst_m": 0.2, "worst_deg": 1.1, "verdict": "good"}
+    wrong |= {"stated_m": 0.1, "stated_deg": 1.0}
     wrong |= {"closures": {"accepted": 1, "false": 1, "revisits": 0, "recognised": 0}}
     wrong["closures"] |= {"false_m": 2.0, "false_deg": 3.0}
     found = [right, wrong, {"failed": ["why"]}, {"ate_m": 0.05}]
@@ -190,12 +193,29 @@ def check_drives_tables():
         "1 of 1",
     ], drives_tables.targets_of(runs)
     row = drives_tables.row_of("all", runs)
-    assert row[1:7] == ["3", "1", "0", "2", "1", "5.0"] and row[-4:] == ["4", "1", "4", "75.0 %"]
+    assert row[1:8] == ["3", "1", "0", "2", "1", "2", "5.0"] and row[-4:] == [
+        "4",
+        "1",
+        "4",
+        "75.0 %",
+    ]
     assert [list(drives_tables.faults_of(run)) for run in runs] == [
         ["ATE 0.30 m, without closing loops 0.20 m"],
         ["wrong and called good", "false loop closures: 1, up to 2.00 m, 3.0 deg off"],
         ["not mapped"],
     ]
+    assert unkind.is_unforetold(wrong) and not unkind.is_unforetold({**wrong, "stated_deg": 1.2})
+    assert not unkind.is_unforetold(right), "right maps need not have said so"
+
+
+def check_stated_error():
+    """Three standard deviations of the pose that is known the least, along its longest axis."""
+    with tempfile.TemporaryDirectory() as name:
+        path = pathlib.Path(name) / "trajectory.csv"
+        header = "t_s,x_m,y_m,yaw_rad,xx_m2,xy_m2,xyaw_m_rad,yy_m2,yyaw_m_rad,yawyaw_rad2"
+        path.write_text(f"{header}\n1,0,0,0,0,0,0,0,0,0\n2,9,9,9,0.05,0.04,9,0.05,9,0.0001\n")
+        meters, degrees = largest_error.stated_error(path)
+        assert abs(meters - 3 * 0.3) < 1e-9 and abs(degrees - math.degrees(0.03)) < 1e-9
 
 
 def check_localization_feed():
@@ -280,6 +300,7 @@ def main():
     check_localization_peers()
     check_drives()
     check_drives_tables()
+    check_stated_error()
     check_skipped_tests()
     check_comparison()
     check_peak_memory()
