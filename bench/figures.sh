@@ -64,6 +64,7 @@ measure bench/localization.py $quick
 if [[ -z $quick ]]; then
   measure bench/own_maps.py
 fi
+measure bench/hard_days.py $quick
 measure bench/localization_peers.py $quick
 measure bench/confidence.py measure $quick
 measure bench/landmarks.py $quick

@@ -7,8 +7,10 @@ namespace loopstone {
 
 namespace {
 
+/// Of the scan's own laser.
 RangeBeams beams_of(const LocalizationScan& scan) {
-  return {scan.robot_T_lidar, scan.angles_rad, scan.ranges_m};
+  const SeenByLaser& own = scan.lasers.front();
+  return {own.robot_T_lidar, own.angles_rad, own.ranges_m};
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 #include "loopstone/localization/localizer.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,6 +16,7 @@
 #include "localization/map_proof.hpp"
 #include "localization/map_tables.hpp"
 #include "localization/near_search.hpp"
+#include "localization/other_lasers.hpp"
 #include "localization/place_search.hpp"
 #include "localization/pose_evidence.hpp"
 #include "localization/pose_track.hpp"
@@ -27,6 +31,7 @@
 #include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/localization/localization_scan.hpp"
 #include "loopstone/localization/pose_belief.hpp"
+#include "loopstone/odometry/odometry_check.hpp"
 #include "loopstone/odometry/scan_queue.hpp"
 #include "loopstone/sensor/mounted_scan.hpp"
 
@@ -104,19 +109,8 @@ class Localizer::Impl {
   void restart_at(const InitialPose& initial) {
     initial_ = initial;
     foretold_ = pose_given(initial);
-    belief_.forget();
-    track_.reset();
+    forget();
     riding_.reset();
-    untold_at_m_.reset();
-    best_id_ = -1;
-    fit_.reset();
-    lately_.reset();
-    along_.reset();
-    state_.begin_anew();
-    proof_.begin_anew();
-    doubted_scans_ = 0;
-    jumped_ = false;
-    rest_share_ = 0.0;
     motion_.carried();
   }
 
@@ -152,10 +146,34 @@ class Localizer::Impl {
       result_.warnings.emplace_back(
           "the log has no odometry: the robot is assumed to keep its velocity from scan to scan");
     }
+    for (const OdometryEpisode& episode : check_.episodes()) {
+      result_.warnings.push_back(fmt::format(
+          "odometry was not used from {:.1f} s{}: {}", (episode.noticed - result_.start).seconds(),
+          episode.over ? fmt::format(" to {:.1f} s", (episode.to - result_.start).seconds())
+                       : std::string(" on"),
+          what_is_wrong(episode)));
+    }
     return std::move(result_);
   }
 
  private:
+  /// All that was believed; not how the robot has moved.
+  void forget() {
+    belief_.forget();
+    track_.reset();
+    untold_at_m_.reset();
+    best_id_ = -1;
+    fit_.reset();
+    lately_.reset();
+    along_.reset();
+    state_.begin_anew();
+    proof_.begin_anew();
+    doubted_scans_ = 0;
+    jumped_ = false;
+    rest_share_ = 0.0;
+    last_fix_.reset();
+  }
+
   void process_ready() {
     while (const auto scan = queue_.next()) {
       const auto start = std::chrono::steady_clock::now();
@@ -166,23 +184,31 @@ class Localizer::Impl {
   }
 
   void process(const LaserScan& scan) {
-    if (motion_.last_stamp() && scan.stamp <= *motion_.last_stamp()) return;
+    if (motion_.last_stamp() && scan.stamp <= *motion_.last_stamp()) {
+      if (scan.stamp == *motion_.last_stamp() && scan.lidar != last_lidar_) take_beside(scan);
+      return;
+    }
     ++result_.scans;
-    const PoseWithCovariance2 motion = motion_.step_to(scan.stamp, queue_.odometer());
+    last_lidar_ = scan.lidar;
+    const PoseWithCovariance2 motion =
+        motion_.step_to(scan.stamp, queue_.odometer(),
+                        {check_.translation().trusted(), check_.rotation().trusted()});
     odom_T_robot_ = odom_T_robot_ * motion.pose;
     if (track_) {
       advance(*track_, motion);
       foretold_ = track_->map_T_robot();
     }
     if (riding_) advance(*riding_, motion);
-    const LocalizationScan view =
-        view_for_localization(scan, mount_of(scan, robot_), motion_.velocity(), options_.beams);
-    const bool seen = view.points_robot.size() >= kLeastReturns;
+    others_.move(motion.pose);
+    const LocalizationScan view = look_around(scan);
+    const bool seen = shows_place(view);
     const bool told = !seen || find_after_gap(view);
     if (!seen) {
       ++result_.scans_dropped;
     } else if (belief_.empty()) {
       start(view);
+    } else if (is_worth_another_start(view)) {
+      start_with_more(view);
     } else if (told && motion_.moved(options_.update_distance_m, options_.update_angle_rad)) {
       weigh(view);
     }
@@ -195,7 +221,65 @@ class Localizer::Impl {
       follow_best_place(view);
       estimate = judge(view, refine(view));
     }
+    check_odometry(view, estimate);
     report(view, std::move(estimate));
+  }
+
+  [[nodiscard]] SeenByLaser view_of(const LaserScan& scan) const {
+    return view_of_laser(scan, mount_of(scan, robot_), motion_.velocity(), options_.beams);
+  }
+
+  /// What the scan shows, and what the robot's other lasers saw a moment ago. A laser that is
+  /// covered says nothing while another one sees.
+  LocalizationScan look_around(const LaserScan& scan) {
+    SeenByLaser own = view_of(scan);
+    std::vector<SeenByLaser> lasers = others_.beside(scan.lidar, scan.stamp);
+    const bool is_seeing = sees(own);
+    if (is_seeing) others_.remember(scan.lidar, scan.stamp, own);
+    if (is_seeing || lasers.empty()) lasers.insert(lasers.begin(), std::move(own));
+    return view_together(std::move(lasers), options_.beams);
+  }
+
+  /// Of lasers that scan at the same moment one has an estimate; the others help with it, and with
+  /// the next one.
+  void take_beside(const LaserScan& scan) {
+    ++result_.scans;
+    const SeenByLaser view = view_of(scan);
+    if (!sees(view)) return;
+    others_.remember(scan.lidar, scan.stamp, view);
+    if (track_ && !belief_.empty()) refine_with(view);
+  }
+
+  /// Odometry is held against the way between scans that fit: where they contradict each other for
+  /// long, it is wrong.
+  void check_odometry(const LocalizationScan& view, const LocalizationEstimate& estimate) {
+    constexpr double kKnownM = 0.06;
+    constexpr double kKnownRad = 0.03;
+    constexpr double kFastestMS = 3.0;
+    constexpr double kSlackM = 0.5;
+    if (!shows_place(view)) return;
+    const Eigen::Matrix3d& covariance = estimate.covariance;
+    const bool is_known = covariance.topLeftCorner<2, 2>().trace() < kKnownM * kKnownM &&
+                          covariance(2, 2) < kKnownRad * kKnownRad;
+    // Off the map what is seen may fit where it does not belong.
+    constexpr double kMapped = 0.8;
+    constexpr double kBelief = 0.9;
+    const BeamFit fit = fit_beams(view, map_, estimate.map_T_robot);
+    if (!is_known || estimate.evidence.mass < kBelief || fit.known < kMapped ||
+        quality_of(fit) < as_usual()) {
+      return;
+    }
+    const Fix fix{estimate.stamp, estimate.map_T_robot};
+    if (last_fix_) {
+      const Pose2 laser = last_fix_->map_T_robot.inverse() * fix.map_T_robot;
+      const double farthest_m = kSlackM + kFastestMS * (fix.stamp - last_fix_->stamp).seconds();
+      const auto told = queue_.odometer().motion_between(last_fix_->stamp, fix.stamp);
+      const bool is_motion = laser.translation().norm() < farthest_m;
+      if (told && is_motion)
+        check_.add(
+            {.from = last_fix_->stamp, .to = fix.stamp, .odometry = told->pose, .laser = laser});
+    }
+    last_fix_ = fix;
   }
 
   void advance(PoseTrack& track, const PoseWithCovariance2& motion) const {
@@ -213,7 +297,29 @@ class Localizer::Impl {
     } else if (pace_.due(motion_.travelled_m())) {
       belief_.add(search(view, "start"), 1.0);
     }
-    if (!belief_.empty()) particles_weighed(view);
+    if (belief_.empty()) return;
+    lasers_at_start_ = view.lasers.size();
+    started_at_m_ = motion_.travelled_m();
+    particles_weighed(view);
+  }
+
+  /// A robot that was looked for by one laser, and whose others tell a moment later what they see:
+  /// places that looked alike to the one may not to all of them.
+  [[nodiscard]] bool is_worth_another_start(const LocalizationScan& view) const {
+    constexpr double kStillThereM = 0.3;
+    return !initial_ && !state_.is_tracking() && view.lasers.size() > lasers_at_start_ &&
+           motion_.travelled_m() - started_at_m_ < kStillThereM;
+  }
+
+  void start_with_more(const LocalizationScan& view) {
+    lasers_at_start_ = view.lasers.size();
+    const std::vector<PoseBelief::Proposal> proposals = search(view, "start");
+    if (proposals.empty()) return;
+    const double rest_share = rest_share_;
+    forget();
+    rest_share_ = rest_share;
+    belief_.add(proposals, 1.0);
+    particles_weighed(view);
   }
 
   /// A pose given by hand may be wrong. Other places that explain the scan are kept in mind, as
@@ -319,7 +425,7 @@ class Localizer::Impl {
     const Eigen::Matrix3d& covariance = mean.covariance;
     const double sigma_m = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
     if (sigma_m < kSureM && std::sqrt(covariance(2, 2)) < kSureRad) return mean;
-    if (view.points_robot.size() < kLeastReturns) return mean;
+    if (!shows_place(view)) return mean;
     const double here = quality_of(fit_beams(view, map_, mean.pose));
     return find_nearby(view, map_, mean, here + kBetter).value_or(mean);
   }
@@ -430,7 +536,10 @@ class Localizer::Impl {
     return true;
   }
 
-  bool refine(const LocalizationScan& view) {
+  /// Each laser in its turn: what the others saw was taken in when they saw it.
+  bool refine(const LocalizationScan& view) { return refine_with(view.lasers.front()); }
+
+  bool refine_with(const SeenByLaser& view) {
     return track_->refine(thinned(view.points_robot, kRefinePoints),
                           view.robot_T_lidar.translation(), map_.tables().search.field(), offset_);
   }
@@ -464,7 +573,7 @@ class Localizer::Impl {
     estimate.travelled_m = motion_.travelled_m();
     const double way_m = evidence_way_m();
     bool worse = false;
-    if (view.points_robot.size() >= kLeastReturns) {
+    if (shows_place(view)) {
       const BeamFit newest = fit_beams(view, map_, estimate.map_T_robot);
       worse = lately_.any() && quality_of(newest) < usual_quality() - kMuchWorse;
       fit_.add(newest);
@@ -500,6 +609,10 @@ class Localizer::Impl {
     const double place_probability =
         estimate.probability / std::max(estimate.evidence.precision, 1e-9);
     estimate.state = state_.judge(estimate.probability, place_probability, way_m, worse);
+    // Nothing contradicts odometry while the laser shows nothing.
+    const bool is_unseen = !shows_place(view) && is_riding();
+    if (is_unseen && estimate.state == LocalizationState::kLost)
+      estimate.state = LocalizationState::kDoubtful;
     return estimate;
   }
 
@@ -660,9 +773,21 @@ class Localizer::Impl {
   std::optional<InitialPose> initial_;
   ScanQueue queue_;
   ScanWeigher weigher_;
+  /// Where the robot was, by a scan that fits.
+  struct Fix {
+    Stamp stamp{};
+    Pose2 map_T_robot{};
+  };
+
   RobotMotion motion_;
+  OdometryCheck check_{};
+  std::optional<Fix> last_fix_{};
   PoseBelief belief_;
 
+  OtherLasers others_{};
+  int last_lidar_ = 0;  ///< whose scan has the newest estimate
+  std::size_t lasers_at_start_ = 0;
+  double started_at_m_ = 0.0;
   Pose2 odom_T_robot_{};
   std::optional<PoseTrack> track_{};  // of the most probable place
   RangeOffset offset_{};

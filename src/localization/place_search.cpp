@@ -28,7 +28,7 @@ Eigen::Matrix3d spread_of(const Eigen::Matrix3d& covariance) {
 
 /// Returns in the laser's frame.
 std::vector<Eigen::Vector2d> seen_by_laser(const LocalizationScan& scan) {
-  const Pose2 lidar_T_robot = scan.robot_T_lidar.inverse();
+  const Pose2 lidar_T_robot = scan.robot_T_lidar().inverse();
   std::vector<Eigen::Vector2d> points;
   points.reserve(scan.points_robot.size());
   for (const auto& point : scan.points_robot) points.emplace_back(lidar_T_robot * point);
@@ -43,7 +43,7 @@ PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map
   // A corridor alone has a place every metre, in two directions.
   options.poses_max = kPlacesMost;
   options.refined_max = 2 * kPlacesMost;
-  const Pose2 lidar_T_robot = scan.robot_T_lidar.inverse();
+  const Pose2 lidar_T_robot = scan.robot_T_lidar().inverse();
   const MapMatch match = match_on_map(seen_by_laser(scan), map.tables().search, {}, options);
   PlacesFound found{.complete = match.complete};
   for (const MatchResult& pose : match.poses) {
@@ -60,9 +60,9 @@ PlacesFound find_places(const LocalizationScan& scan, const LocalizationMap& map
 std::vector<MatchResult> match_near(const LocalizationScan& scan, const LocalizationMap& map,
                                     const SearchWindow& window, const MapMatchOptions& options) {
   SearchWindow of_laser = window;
-  of_laser.centre = window.centre * scan.robot_T_lidar;
+  of_laser.centre = window.centre * scan.robot_T_lidar();
   MapMatch match = match_on_map(seen_by_laser(scan), map.tables().search, of_laser, options);
-  const Pose2 lidar_T_robot = scan.robot_T_lidar.inverse();
+  const Pose2 lidar_T_robot = scan.robot_T_lidar().inverse();
   for (MatchResult& pose : match.poses) pose.target_T_source = pose.target_T_source * lidar_T_robot;
   return std::move(match.poses);
 }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
 #include "loopstone/registration/field_match.hpp"
 
@@ -122,6 +123,12 @@ Eigen::Matrix2d scale_covariance(const Eigen::Matrix2d& position, const Eigen::V
   return growth * along * along.transpose();
 }
 
+Eigen::Matrix2d lasting_covariance(const Eigen::Matrix2d& position, double step_sigma_m) {
+  const auto axes = symmetric_eigen(position);
+  const Eigen::Vector2d sigmas = axes.values.cwiseMax(0.0).cwiseSqrt();
+  return 2.0 * step_sigma_m * axes.vectors * sigmas.asDiagonal() * axes.vectors.transpose();
+}
+
 Pose2 OdometryErrors::corrected(const Pose2& motion, const Tangent2& velocity_change) const {
   const Eigen::Vector2d way =
       (1.0 + mean[0]) * motion.translation() + mean[3] * velocity_change.head<2>();
@@ -138,6 +145,9 @@ PoseTrack::PoseTrack(const PoseWithCovariance2& map_T_robot, const OdometryError
 void PoseTrack::advance(const PoseWithCovariance2& motion) {
   Matrix7 noise = Matrix7::Zero();
   noise.topLeftCorner<3, 3>() = motion_noise(map_T_robot_, motion);
+  const Eigen::Matrix2d& step = motion.covariance.topLeftCorner<2, 2>();
+  noise.topLeftCorner<2, 2>() +=
+      lasting_covariance(covariance_.topLeftCorner<2, 2>(), std::sqrt(0.5 * step.trace()));
   advance(motion.pose, Matrix7::Identity(), noise);
 }
 

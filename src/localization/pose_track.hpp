@@ -16,6 +16,13 @@ namespace loopstone {
 [[nodiscard]] Eigen::Matrix2d scale_covariance(const Eigen::Matrix2d& position,
                                                const Eigen::Vector2d& way);
 
+/// What the error of a guessed velocity adds to the covariance of a position in a step, beside that
+/// of the step itself: it lasts, so where registration does not see the way it grows with the time,
+/// not with its root. Where it does, the position stays sure, and this is small.
+/// \param step_sigma_m  of the step, along each axis
+[[nodiscard]] Eigen::Matrix2d lasting_covariance(const Eigen::Matrix2d& position,
+                                                 double step_sigma_m);
+
 /// How far behind the measured ends of beams the walls of the map lie [m]. A map knows a face to a
 /// cell: one drawn by a laser has it in the cell's middle, one drawn from a plan often at its near
 /// edge; and lasers have offsets of their own. Half a cell matters when one wall alone says how far

@@ -43,7 +43,7 @@ std::vector<View> views_of(std::span<const TakenScan> scans) {
     most = std::max(most, view.scan.points_robot.size());
     const Pose2 from = taken.robot_T_then * taken.robot_T_lidar;
     const bool is_news = std::ranges::none_of(views, [&](const View& known) {
-      return is_within(known.robot_T_then * known.scan.robot_T_lidar, from, kRelocalize.news_m,
+      return is_within(known.robot_T_then * known.scan.robot_T_lidar(), from, kRelocalize.news_m,
                        kRelocalize.news_rad);
     });
     if (is_news && view.scan.points_robot.size() >= kLeastReturns) views.push_back(std::move(view));

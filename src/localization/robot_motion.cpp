@@ -28,6 +28,10 @@ constexpr double kLeastOfUsual = 0.5;
 /// to move.
 constexpr double kUntold = 0.5;
 
+/// No robot indoors is faster, nor turns faster [m/s, rad/s].
+constexpr double kFastestM = 5.0;
+constexpr double kFastestRad = 6.0;
+
 /// The velocity at a scan is that of the time before it.
 constexpr double kVelocityS = 0.05;
 
@@ -39,8 +43,44 @@ std::optional<Tangent2> velocity_at(Stamp stamp, const Odometer& odometer) {
 
 }  // namespace
 
-PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) {
-  PoseWithCovariance2 motion;
+std::optional<PoseWithCovariance2> RobotMotion::told(Stamp from, Stamp stamp,
+                                                     const Odometer& odometer) {
+  auto motion = odometer.motion_between(from, stamp);
+  if (!motion) return {};
+  had_odometry_ = true;
+  motion->covariance *= kOdometryFactor;
+  const double untold_s = odometer.untold_s(from, stamp);
+  is_told_ = !(untold_s > 0.0);
+  if (is_told_) return motion;
+  const double sigma_m = kUntold * fastest_m_s_ * untold_s;
+  untold_m_ = sigma_m;
+  const double sigma_rad = kUntold * fastest_rad_s_ * untold_s;
+  motion->covariance.diagonal() +=
+      Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
+  return motion;
+}
+
+PoseWithCovariance2 RobotMotion::guessed(double duration_s,
+                                         const std::optional<PoseWithCovariance2>& told,
+                                         const Trust& trust) const {
+  PoseWithCovariance2 motion{.pose = exp(Tangent2(velocity_ * duration_s))};
+  const double sigma_m = kUnknownSpeed * duration_s;
+  const double sigma_rad = kUnknownYawRate * duration_s;
+  motion.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
+  if (told && trust.translation) {
+    motion.pose.x = told->pose.x;
+    motion.pose.y = told->pose.y;
+    motion.covariance.topLeftCorner<2, 2>() = told->covariance.topLeftCorner<2, 2>();
+  }
+  if (told && trust.rotation) {
+    motion.pose.yaw = told->pose.yaw;
+    motion.covariance(2, 2) = told->covariance(2, 2);
+  }
+  return motion;
+}
+
+PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer,
+                                         const Trust& trust) {
   untold_m_ = 0.0;
   is_told_ = false;
   velocity_change_ = Tangent2::Zero();
@@ -51,29 +91,22 @@ PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) 
   if (!first_stamp_) first_stamp_ = stamp;
   const Stamp from = last_stamp_.value_or(stamp);
   last_stamp_ = stamp;
-  if (from == stamp) return motion;
+  if (from == stamp) return {};
   const double duration_s = (stamp - from).seconds();
-  if (const auto known = odometer.motion_between(from, stamp)) {
-    had_odometry_ = true;
+  const auto known = told(from, stamp, odometer);
+  is_guessed_ = !known || !trust.translation || !trust.rotation;
+  PoseWithCovariance2 motion;
+  if (is_guessed_) {
+    motion = guessed(duration_s, known, trust);
+    is_told_ = false;
+    untold_m_ = 0.0;
+  } else {
     motion = *known;
-    motion.covariance *= kOdometryFactor;
     velocity_ = log(motion.pose) / std::max(duration_s, kLeastSeconds);
-    if (const double untold_s = odometer.untold_s(from, stamp); untold_s > 0.0) {
-      const double sigma_m = kUntold * fastest_m_s_ * untold_s;
-      untold_m_ = sigma_m;
-      const double sigma_rad = kUntold * fastest_rad_s_ * untold_s;
-      motion.covariance.diagonal() +=
-          Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
-    } else {
-      is_told_ = true;
+    if (is_told_) {
       fastest_m_s_ = std::max(fastest_m_s_, velocity_.head<2>().norm());
       fastest_rad_s_ = std::max(fastest_rad_s_, std::abs(velocity_.z()));
     }
-  } else {
-    motion.pose = exp(Tangent2(velocity_ * duration_s));
-    const double sigma_m = kUnknownSpeed * duration_s;
-    const double sigma_rad = kUnknownYawRate * duration_s;
-    motion.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
   }
   const double way_m = motion.pose.translation().norm();
   travelled_m_ += way_m;
@@ -85,10 +118,14 @@ PoseWithCovariance2 RobotMotion::step_to(Stamp stamp, const Odometer& odometer) 
 }
 
 void RobotMotion::found_at(const Pose2& map_T_robot) {
-  if (!had_odometry_ && found_ && *last_stamp_ > found_stamp_) {
+  if (is_guessed_ && found_ && *last_stamp_ > found_stamp_) {
     const double seconds = (*last_stamp_ - found_stamp_).seconds();
     usual_s_ = usual_s_ ? *usual_s_ + kNewest * (seconds - *usual_s_) : seconds;
-    velocity_ = log(found_->inverse() * map_T_robot) / std::max(seconds, kLeastOfUsual * *usual_s_);
+    const Tangent2 velocity =
+        log(found_->inverse() * map_T_robot) / std::max(seconds, kLeastOfUsual * *usual_s_);
+    // A robot that was looked for and found elsewhere did not drive there.
+    if (velocity.head<2>().norm() < kFastestM && std::abs(velocity.z()) < kFastestRad)
+      velocity_ = velocity;
   }
   found_ = map_T_robot;
   found_stamp_ = *last_stamp_;

@@ -18,9 +18,19 @@ class RobotMotion {
         odometry_noise_(options.odometry_noise),
         velocity_noise_(options.velocity_noise) {}
 
+  /// Which parts of odometry tell how the robot moves.
+  struct Trust {
+    bool translation = true;
+    bool rotation = true;
+  };
+
   /// Goes on to the next scan's stamp. Returns the motion since the last one, from_T_to: by
-  /// odometry, or at the last velocity, give or take, where there is none.
-  PoseWithCovariance2 step_to(Stamp stamp, const Odometer& odometer);
+  /// odometry, or at the last velocity, give or take, where there is none that is trusted.
+  PoseWithCovariance2 step_to(Stamp stamp, const Odometer& odometer, const Trust& trust);
+  /// All of it is trusted.
+  PoseWithCovariance2 step_to(Stamp stamp, const Odometer& odometer) {
+    return step_to(stamp, odometer, Trust{});
+  }
   /// Where the robot was found to be at the last stamp: the only source of its velocity without
   /// odometry.
   void found_at(const Pose2& map_T_robot);
@@ -55,6 +65,14 @@ class RobotMotion {
   [[nodiscard]] bool had_odometry() const { return had_odometry_; }
 
  private:
+  /// By odometry where it tells of the time from the last stamp to this one.
+  [[nodiscard]] std::optional<PoseWithCovariance2> told(Stamp from, Stamp stamp,
+                                                        const Odometer& odometer);
+  /// At the last velocity; by odometry what of it is trusted.
+  [[nodiscard]] PoseWithCovariance2 guessed(double duration_s,
+                                            const std::optional<PoseWithCovariance2>& told,
+                                            const Trust& trust) const;
+
   ParticleMotion model_;
   OdometryMotionNoise odometry_noise_;
   VelocityMotionNoise velocity_noise_;
@@ -68,6 +86,7 @@ class RobotMotion {
   double fastest_rad_s_ = 0.0;
   bool is_told_ = false;
   bool had_odometry_ = false;
+  bool is_guessed_ = true;  ///< the last step
   double travelled_m_ = 0.0;
   PoseWithCovariance2 since_weighing_{};
   double since_weighing_s_ = 0.0;

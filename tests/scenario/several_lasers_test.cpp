@@ -3,44 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include "loopstone/geometry/angle.hpp"
+#include "localization_drives.hpp"
 #include "mapped_drives.hpp"
+#include "two_corner_lasers.hpp"
 
 namespace loopstone::test {
 namespace {
-
-/// What one of the robot's lasers sees of a drive; the drive is the same whatever the laser.
-SimulatedLog seen_from(const Pose2& robot_T_lidar, double rate_hz, const std::string& world,
-                       std::uint64_t seed) {
-  RobotModel robot;
-  robot.lidars[0].robot_T_lidar = robot_T_lidar;
-  SimulationOptions options{.duration_s = small_scale() ? 40.0 : 150.0, .odometry_poses = true};
-  options.laser.rate_hz = rate_hz;
-  options.laser.beams = 361;
-  options.laser.fov_rad = kPi;
-  options.laser.range_max_m = 6.0;
-  SimulatedLog log = simulate_log(world, seed, options, robot);
-  for (SensorMessage& message : log.messages) {
-    if (auto* scan = std::get_if<LaserScan>(&message)) scan->robot_T_lidar = robot_T_lidar;
-  }
-  return log;
-}
-
-/// Both lasers' scans in the order of their stamps, which run apart.
-SimulatedLog both(const SimulatedLog& front, const SimulatedLog& rear) {
-  SimulatedLog log = front;
-  for (LaserScan scan : rear.scans()) {
-    scan.lidar = 1;
-    log.messages.emplace_back(std::move(scan));
-  }
-  std::ranges::stable_sort(log.messages, {}, stamp_of);
-  return log;
-}
 
 SimulatedLog without_odometry(SimulatedLog log) {
   std::erase_if(log.messages, [](const SensorMessage& message) {
@@ -51,11 +25,8 @@ SimulatedLog without_odometry(SimulatedLog log) {
 
 class SeveralLasers : public testing::TestWithParam<const char*> {
  protected:
-  /// On opposite corners, facing away from one another.
-  const Pose2 front_{0.3, 0.2, radians(45.0)};
-  const Pose2 rear_{-0.3, -0.2, radians(-135.0)};
-  const SimulatedLog front_log_ = seen_from(front_, 10.0, GetParam(), 31);
-  const SimulatedLog rear_log_ = seen_from(rear_, 11.0, GetParam(), 31);
+  const SimulatedLog front_log_ = seen_from(kFrontCorner, 10.0, GetParam(), 31);
+  const SimulatedLog rear_log_ = seen_from(kRearCorner, 11.0, GetParam(), 31);
 };
 
 TEST_P(SeveralLasers, TwoCornersMapAsWellAsTheBetterOneAlone) {
@@ -77,6 +48,80 @@ TEST_P(SeveralLasers, HoldOneAnotherWithoutOdometry) {
   const double alone_m = ate_rmse_m(alone.trajectory, front_log_);
   const double error_m = ate_rmse_m(result.trajectory, front_log_);
   EXPECT_LT(error_m, 1.5 * alone_m + 0.008);
+}
+
+// ---- on a map that is known
+
+/// A drive on the true map.
+Drive on_its_map(const SimulatedLog& log) {
+  return {
+      .map = true_map(log.world), .robot = log.robot, .messages = log.messages, .truth = log.truth};
+}
+
+/// Something hangs over a laser for a while: a ring of returns that travels with the robot.
+Drive covered(Drive drive, int lidar, double from_s, double to_s) {
+  const Stamp first = stamp_of(drive.messages.front());
+  Rng rng(5);
+  return with_scans(std::move(drive), [&](LaserScan& scan) {
+    const double time_s = (scan.stamp - first).seconds();
+    if (scan.lidar != lidar || time_s < from_s || time_s > to_s) return;
+    for (float& range : scan.ranges_m) range = static_cast<float>(rng.uniform(0.05, 0.29));
+  });
+}
+
+/// Root mean square of positions, of the estimates that are TRACKING.
+double rmse_tracking_m(const LocalizationResult& result, const Drive& drive) {
+  double squares = 0.0;
+  int count = 0;
+  for (const LocalizationEstimate& estimate : result.estimates) {
+    if (estimate.state != LocalizationState::kTracking) continue;
+    squares += std::pow(error_of(estimate, drive).metres, 2);
+    ++count;
+  }
+  return count > 0 ? std::sqrt(squares / count) : 1e3;
+}
+
+TEST_P(SeveralLasers, FollowARobotOnAMapAsWellAsTheBetterOneAlone) {
+  const Drive front = on_its_map(front_log_);
+  const Drive rear = on_its_map(rear_log_);
+  const Drive drive = on_its_map(both(front_log_, rear_log_));
+  const LocalizationResult result = localize(drive);
+  const Verdict verdict = judge(result, drive);
+  EXPECT_EQ(result.estimates.size(), front_log_.scans().size() + rear_log_.scans().size());
+  EXPECT_EQ(verdict.wrong_tracking, 0);
+  // What one laser alone can't tell, the other one does: in the warehouse some aisles look alike.
+  EXPECT_GE(verdict.tracking, 0.99 * verdict.scans);
+  const double best_m =
+      std::min(rmse_tracking_m(localize(front), front), rmse_tracking_m(localize(rear), rear));
+  EXPECT_LT(rmse_tracking_m(result, drive), 1.2 * best_m + 0.001);
+}
+
+TEST_P(SeveralLasers, OfScansOfOneMomentOneHasAnEstimateAndBothCount) {
+  const SimulatedLog rear_log = seen_from(kRearCorner, 10.0, GetParam(), 31);
+  const Drive front = on_its_map(front_log_);
+  const Drive drive = on_its_map(both(front_log_, rear_log));
+  ASSERT_EQ(rear_log.scans().front().stamp, front_log_.scans().front().stamp);
+  const LocalizationResult result = localize(drive);
+  EXPECT_EQ(result.scans,
+            static_cast<std::int64_t>(front_log_.scans().size() + rear_log.scans().size()));
+  ASSERT_EQ(result.estimates.size(), front_log_.scans().size());
+  for (std::size_t i = 1; i < result.estimates.size(); ++i)
+    EXPECT_LT(result.estimates[i - 1].stamp, result.estimates[i].stamp);
+  EXPECT_EQ(judge(result, drive).wrong_tracking, 0);
+  EXPECT_LT(rmse_tracking_m(result, drive), rmse_tracking_m(localize(front), front));
+}
+
+TEST_P(SeveralLasers, OneThatIsCoveredLeavesTheRobotToTheOther) {
+  const double to_s = small_scale() ? 30.0 : 40.0;
+  const Drive drive = covered(on_its_map(both(front_log_, rear_log_)), 0, 10.0, to_s);
+  const Verdict verdict = judge(localize(drive), drive);
+  EXPECT_EQ(verdict.wrong_tracking, 0);
+  EXPECT_GE(verdict.tracking, 0.99 * verdict.scans);
+  // Alone it would not be known where the robot is.
+  const Drive alone = covered(on_its_map(front_log_), 0, 10.0, to_s);
+  const Verdict one = judge(localize(alone), alone);
+  EXPECT_EQ(one.wrong_tracking, 0);
+  EXPECT_LT(one.tracking, 0.9 * one.scans);
 }
 
 std::string world_name(const testing::TestParamInfo<const char*>& info) { return info.param; }

@@ -10,19 +10,34 @@
 
 namespace loopstone {
 
-/// A scan as localisation uses it: its returns, and a few of its beams, evenly spread.
-struct LocalizationScan {
-  std::vector<Eigen::Vector2d>
-      points_robot{};                      ///< all returns, robot frame at the scan's stamp [m]
-  std::vector<Eigen::Vector2f> weighed{};  ///< those that particles are weighed with
-  std::vector<double> angles_rad{};        ///< of the beams kept, lidar frame
-  std::vector<float> ranges_m{};           ///< likewise; +inf: nothing within range_max_m
+/// What one laser shows: its returns, and a few of its beams, evenly spread.
+struct SeenByLaser {
   Pose2 robot_T_lidar{};
   double range_max_m = 0.0;
+  std::vector<Eigen::Vector2d> points_robot{};  ///< all returns, robot frame [m]
+  std::vector<double> angles_rad{};             ///< of the beams kept, lidar frame
+  std::vector<float> ranges_m{};                ///< likewise; +inf: nothing within range_max_m
 };
 
-/// \param count     of the beams to be kept, and of the returns to weigh with
+/// A scan as localisation uses it, with what the robot's other lasers saw a moment ago.
+struct LocalizationScan {
+  std::vector<SeenByLaser> lasers{};            ///< one at least; the scan's own is the first
+  std::vector<Eigen::Vector2d> points_robot{};  ///< all returns, robot frame at the stamp [m]
+  std::vector<Eigen::Vector2f> weighed{};       ///< those that particles are weighed with
+
+  [[nodiscard]] const Pose2& robot_T_lidar() const { return lasers.front().robot_T_lidar; }
+};
+
+/// \param count     of the beams to be kept
 /// \param velocity  of the robot [m/s, m/s, rad/s], undoes the motion during the sweep
+[[nodiscard]] SeenByLaser view_of_laser(const LaserScan& scan, const Pose2& robot_T_lidar,
+                                        const Tangent2& velocity, int count);
+
+/// \param lasers  one at least, in the robot's frame at one stamp
+/// \param count   of the beams to be kept, of all lasers together, and of the returns to weigh with
+[[nodiscard]] LocalizationScan view_together(std::vector<SeenByLaser> lasers, int count);
+
+/// Of one laser alone.
 [[nodiscard]] LocalizationScan view_for_localization(const LaserScan& scan,
                                                      const Pose2& robot_T_lidar,
                                                      const Tangent2& velocity, int count);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <deque>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "loopstone/base/stamp.hpp"
@@ -131,6 +132,9 @@ struct OdometryEpisode {
     a(part, fault, from, noticed, to, over, ratio, lag_s);
   }
 };
+
+/// In words, such as "it stands still while the robot drives".
+[[nodiscard]] std::string what_is_wrong(const OdometryEpisode& episode);
 
 /// The motion from one scan to the next as both tell it, in the frame of the first.
 struct MotionPair {

@@ -35,10 +35,10 @@ TEST(LocalizationScan, KeepsAllReturnsAndAsManyBeamsAsAskedFor) {
   const LocalizationScan few = view_of(scan, 50);
   EXPECT_EQ(few.points_robot.size(), scan.ranges_m.size());
   EXPECT_EQ(few.weighed.size(), 50U);
-  EXPECT_EQ(few.ranges_m.size(), 50U);
+  EXPECT_EQ(few.lasers.front().ranges_m.size(), 50U);
   const LocalizationScan all = view_of(scan, 2000);
   EXPECT_EQ(all.weighed.size(), scan.ranges_m.size());
-  EXPECT_EQ(all.ranges_m.size(), scan.ranges_m.size());
+  EXPECT_EQ(all.lasers.front().ranges_m.size(), scan.ranges_m.size());
 }
 
 TEST(LocalizationScan, ItsPointsLieOnTheWallsFromTheRobotsPose) {
@@ -48,10 +48,11 @@ TEST(LocalizationScan, ItsPointsLieOnTheWallsFromTheRobotsPose) {
   ASSERT_FALSE(view.points_robot.empty());
   for (const auto& point : view.points_robot)
     EXPECT_LT(distance_to_walls(room, pose * point), 1e-5);
-  ASSERT_EQ(view.angles_rad.size(), view.ranges_m.size());
-  for (std::size_t i = 0; i < view.ranges_m.size(); ++i) {
-    const auto range = static_cast<double>(view.ranges_m[i]);
-    const double angle = view.angles_rad[i];
+  const SeenByLaser& laser = view.lasers.front();
+  ASSERT_EQ(laser.angles_rad.size(), laser.ranges_m.size());
+  for (std::size_t i = 0; i < laser.ranges_m.size(); ++i) {
+    const auto range = static_cast<double>(laser.ranges_m[i]);
+    const double angle = laser.angles_rad[i];
     const Eigen::Vector2d seen{range * std::cos(angle), range * std::sin(angle)};
     EXPECT_LT(distance_to_walls(room, pose * (kMount * seen)), 1e-5);
   }
@@ -64,7 +65,7 @@ TEST(LocalizationScan, BadBeamsAreLeftOutAndBeamsWithoutReturnsStay) {
   const LocalizationScan view = view_of(scan, 2000);
   EXPECT_EQ(view.points_robot.size(), scan.ranges_m.size() - 150);
   EXPECT_EQ(view.weighed.size(), scan.ranges_m.size() - 150);
-  EXPECT_EQ(view.ranges_m.size(), scan.ranges_m.size() - 100);
+  EXPECT_EQ(view.lasers.front().ranges_m.size(), scan.ranges_m.size() - 100);
 }
 
 TEST(LocalizationScan, OfNothingIsEmpty) {
@@ -72,7 +73,7 @@ TEST(LocalizationScan, OfNothingIsEmpty) {
   scan.ranges_m.clear();
   const LocalizationScan view = view_of(scan);
   EXPECT_TRUE(view.points_robot.empty());
-  EXPECT_TRUE(view.ranges_m.empty());
+  EXPECT_TRUE(view.lasers.front().ranges_m.empty());
   const LocalizationMap map(drawn(furnished_room(), kLow, kHigh));
   const BeamFit fit = fit_beams(view, map, {3.0, 2.0, 0.4});
   EXPECT_EQ(fit.explained, 0.0);

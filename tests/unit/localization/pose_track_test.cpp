@@ -157,6 +157,40 @@ TEST(PoseTrack, AlongACorridorItsDoubtGrowsWithTheWay) {
   EXPECT_NEAR(track.map_T_robot().pose.y, 1.0, 0.01);
 }
 
+TEST(PoseTrack, AlongACorridorTheDoubtOfAGuessGrowsWithTheTime) {
+  constexpr double kStepSigmaM = 0.04;
+  const Walls corridor = {{{-50.0, 0.025}, {150.0, 0.025}}, {{-50.0, 2.025}, {150.0, 2.025}}};
+  const MapField field(drawn(corridor, {-20.0, 0.0}, {80.0, 2.0}));
+  PoseTrack track(sure({0.0, 1.0, 0.0}));
+  RangeOffset offset;
+  const auto points = points_from(corridor, {0.0, 1.0, 0.0});
+  std::vector<double> along;
+  for (int i = 1; i <= 100; ++i) {
+    track.advance(sure({0.05, 0.0, 0.0}, kStepSigmaM, 0.001));
+    ASSERT_TRUE(track.refine(points, kMount.translation(), field, offset));
+    EXPECT_LT(track.map_T_robot().covariance(1, 1), 0.02 * 0.02);
+    if (i % 25 == 0) along.push_back(std::sqrt(track.map_T_robot().covariance(0, 0)));
+  }
+  // A velocity that is wrong stays so: after n steps it is n of a step's sigma, not their root. That
+  // the map ends somewhere bounds it.
+  EXPECT_GT(along[0], 0.8 * 25 * kStepSigmaM);
+  EXPECT_LT(along[0], 1.3 * 25 * kStepSigmaM);
+  EXPECT_GT(along[1] / along[0], 1.6);
+  EXPECT_GT(along[3], 4.0 * std::sqrt(100.0) * kStepSigmaM);
+}
+
+TEST(PoseTrack, WhatLastsIsTwiceTheProductOfBothAlongEachAxis) {
+  // (s + d)^2 = s^2 + 2 s d + d^2, of a position that is sure one way and not the other.
+  const Eigen::Rotation2Dd turn(0.4);
+  const Eigen::Matrix2d position =
+      turn * Eigen::Vector2d(0.09, 0.0004).asDiagonal() * turn.inverse().toRotationMatrix();
+  const Eigen::Matrix2d lasting =
+      turn.inverse() * lasting_covariance(position, 0.05) * turn.toRotationMatrix();
+  EXPECT_NEAR(lasting(0, 0), 2.0 * 0.3 * 0.05, 1e-12);
+  EXPECT_NEAR(lasting(1, 1), 2.0 * 0.02 * 0.05, 1e-12);
+  EXPECT_NEAR(lasting(0, 1), 0.0, 1e-12);
+}
+
 /// What drives round and round in a room by an odometer that is wrong all the time.
 TEST(PoseTrack, LearnsWhatOdometryIsWrongByAllTheTime) {
   const Walls room = furnished_room();

@@ -50,5 +50,46 @@ TEST(RobotMotion, NoiseOfAModelMattersToNoOther) {
   EXPECT_EQ(scatter_m(usual), scatter_m(other));
 }
 
+Stamp at(double seconds) { return Stamp::from_seconds(100.0 + seconds); }
+
+/// Odometry that stands while the robot drives.
+Odometer standing() {
+  Odometer odometer{WheelModel{}};
+  for (int i = 0; i <= 20; ++i) odometer.add(OdometryPose{at(0.1 * i), {0.0, 0.0, 0.02 * i}});
+  return odometer;
+}
+
+TEST(RobotMotion, PartsThatAreNotTrustedComeFromWhereTheRobotWasFound) {
+  const Odometer odometer = standing();
+  RobotMotion motion(LocalizationOptions{});
+  const RobotMotion::Trust heading_alone{.translation = false, .rotation = true};
+  for (int i = 0; i <= 10; ++i) {
+    (void)motion.step_to(at(0.1 * i), odometer, heading_alone);
+    motion.found_at({0.07 * i, 0.0, 0.0});
+  }
+  const PoseWithCovariance2 step = motion.step_to(at(1.1), odometer, heading_alone);
+  EXPECT_TRUE(test::pose_near(step.pose, {0.07, 0.0, 0.02}, 1e-9, 1e-9));
+  EXPECT_FALSE(motion.is_told());
+  EXPECT_GT(step.covariance(0, 0), 0.03 * 0.03) << "a guess";
+  EXPECT_LT(step.covariance(2, 2), 0.03 * 0.03) << "odometry's";
+  const PoseWithCovariance2 trusted = motion.step_to(at(1.2), odometer);
+  EXPECT_TRUE(test::pose_near(trusted.pose, {0.0, 0.0, 0.02}, 1e-9, 1e-9));
+  EXPECT_TRUE(motion.is_told());
+}
+
+TEST(RobotMotion, ARobotThatWasFoundElsewhereDidNotDriveThere) {
+  const Odometer odometer = standing();
+  const RobotMotion::Trust nothing{.translation = false, .rotation = false};
+  RobotMotion motion(LocalizationOptions{});
+  for (int i = 0; i <= 5; ++i) {
+    (void)motion.step_to(at(0.1 * i), odometer, nothing);
+    motion.found_at({0.07 * i, 0.0, 0.0});
+  }
+  (void)motion.step_to(at(0.6), odometer, nothing);
+  motion.found_at({30.0, 5.0, 2.0});
+  const PoseWithCovariance2 step = motion.step_to(at(0.7), odometer, nothing);
+  EXPECT_TRUE(test::pose_near(step.pose, {0.07, 0.0, 0.0}, 1e-9, 1e-9));
+}
+
 }  // namespace
 }  // namespace loopstone
