@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "localization_drives.hpp"
 #include "support/simulated_log.hpp"
@@ -74,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Worlds, CoveredLaser, testing::Values("office", "rooms"
 struct Failure {
   Fault fault;
   const char* name;
-  const char* warning;
+  std::vector<std::string> warnings;  ///< one of these words
 };
 
 class FailingOdometry : public testing::TestWithParam<Failure> {};
@@ -92,19 +93,21 @@ TEST_P(FailingOdometry, IsNoticedAndTheLaserTellsTheWay) {
     EXPECT_GE(verdict.tracking, 0.9 * verdict.scans) << "seed " << seed;
     EXPECT_LE(verdict.wrong_tracking, 0.002 * verdict.scans) << "seed " << seed;
     const bool is_told = std::ranges::any_of(result.warnings, [](const std::string& text) {
-      return text.find("odometry was not used") != std::string::npos &&
-             text.find(GetParam().warning) != std::string::npos;
+      return text.starts_with("odometry was not used") &&
+             std::ranges::any_of(GetParam().warnings, [&](const std::string& words) {
+               return text.find(words) != std::string::npos;
+             });
     });
     EXPECT_TRUE(is_told) << "seed " << seed << ": " << testing::PrintToString(result.warnings);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, FailingOdometry,
-                         testing::Values(Failure{Fault::kStuck, "stuck",
-                                                 "stands still while the robot"},
-                                         Failure{Fault::kScaled, "scaled", "times the true one"},
-                                         Failure{Fault::kMirrored, "mirrored", "its heading"}),
-                         [](const auto& failure) { return std::string(failure.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Faults, FailingOdometry,
+    testing::Values(Failure{Fault::kStuck, "stuck", {"stands still while the robot"}},
+                    Failure{Fault::kScaled, "scaled", {"times the true one"}},
+                    Failure{Fault::kMirrored, "mirrored", {"turns the other way", "its heading"}}),
+    [](const auto& failure) { return std::string(failure.param.name); });
 
 TEST(SoundOdometry, IsAccusedOfNothing) {
   for (const char* world : {"office", "warehouse", "corridor"}) {

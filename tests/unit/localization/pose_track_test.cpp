@@ -171,8 +171,8 @@ TEST(PoseTrack, AlongACorridorTheDoubtOfAGuessGrowsWithTheTime) {
     EXPECT_LT(track.map_T_robot().covariance(1, 1), 0.02 * 0.02);
     if (i % 25 == 0) along.push_back(std::sqrt(track.map_T_robot().covariance(0, 0)));
   }
-  // A velocity that is wrong stays so: after n steps it is n of a step's sigma, not their root. That
-  // the map ends somewhere bounds it.
+  // A velocity that is wrong stays so: after n steps it is n times a step's sigma, not by their
+  // root. That the map ends somewhere bounds it.
   EXPECT_GT(along[0], 0.8 * 25 * kStepSigmaM);
   EXPECT_LT(along[0], 1.3 * 25 * kStepSigmaM);
   EXPECT_GT(along[1] / along[0], 1.6);
