@@ -335,6 +335,11 @@ Pose2 Calibration::robot_T_lidar() const {
   return mount;
 }
 
+bool turns_agree(const std::deque<TrackedPose>& track) {
+  const TurnsTogether turns = turns_together(motions_of(track, {}));
+  return turns.turned_rad >= kCalibration.enough_rad && turns.correlation > 0.0;
+}
+
 Calibration calibrate(const std::deque<TrackedPose>& track, const Pose2& robot_T_lidar,
                       std::span<const TimeSpan> left_out) {
   Calibration result;

@@ -146,8 +146,12 @@ void judge_beams(const std::deque<TrackedPose>& track, const AssumedMounts& moun
   if (!mounts.first || mounts.several) return;
   Calibration& calibration = result.calibration;
   calibration.lidar = mounts.lidar;
+  const TurnVotes votes = turn_votes(submaps, track, mounts.lidar);
+  const bool is_for_a_while =
+      track.empty() ||
+      (!votes.are_all_along(track.back().stamp - track.front().stamp) && turns_agree(track));
   calibration.turns_opposite =
-      calibration.turns_opposite || turn_votes(submaps, track, mounts.lidar).are_opposite();
+      calibration.turns_opposite || (votes.are_opposite() && !is_for_a_while);
   // A base that counts its turns backwards can't be driven by anybody; a laser upside down can.
   const std::optional<double>& with_gyro = result.statistics.wheels_with_gyro;
   calibration.laser_is_mirrored =

@@ -69,6 +69,10 @@ bool TurnVotes::are_opposite() const {
          opposite >= kTurningBeams.opposite * (same + opposite);
 }
 
+bool TurnVotes::are_all_along(Duration drive) const {
+  return first && (last - *first).seconds() >= kTurningBeams.all_along * drive.seconds();
+}
+
 TurnVotes turn_votes(std::span<const SubmapRecord> submaps, const std::deque<TrackedPose>& track,
                      int lidar) {
   TurnVotes votes;
@@ -85,6 +89,8 @@ TurnVotes turn_votes(std::span<const SubmapRecord> submaps, const std::deque<Tra
       earlier.push_back(now);
       if (vote == 0) return;
       ++(vote > 0 ? votes.same : votes.opposite);
+      if (!votes.first) votes.first = mapped.scan.stamp;
+      votes.last = mapped.scan.stamp;
       earlier.clear();  // each turn counts once
     });
   }

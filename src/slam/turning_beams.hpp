@@ -22,6 +22,7 @@ struct TurningBeamsNumbers {
   double clear = 0.2;
   int fewest_votes = 6;
   double opposite = 0.9;
+  double all_along = 0.5;
 };
 inline constexpr TurningBeamsNumbers kTurningBeams{};
 
@@ -43,6 +44,9 @@ void visit_numbers(const TurningBeamsNumbers& n, Visitor&& visit) {
   visit("opposite", n.opposite,
         "chosen: share of them that must say that the beams go round the "
         "other way");
+  visit("all_along", n.all_along,
+        "chosen: share of the drive between the first and the last of them; odometry that is "
+        "wrong for a while is no laser upside down");
 }
 
 /// Which way a robot turned between two scans at one place: +1 as it is told, -1 the other way, 0
@@ -55,9 +59,13 @@ void visit_numbers(const TurningBeamsNumbers& n, Visitor&& visit) {
 struct TurnVotes {
   int same = 0;
   int opposite = 0;
+  std::optional<Stamp> first{};
+  Stamp last{};
 
-  /// All along, by enough turns.
+  /// By enough turns.
   [[nodiscard]] bool are_opposite() const;
+  /// Over most of a drive.
+  [[nodiscard]] bool are_all_along(Duration drive) const;
 };
 
 /// Of a whole drive. It needs no map: in halls and outdoors, where scans are few, a laser whose

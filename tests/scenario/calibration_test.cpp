@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <variant>
 
@@ -104,6 +105,22 @@ TEST(CalibrationSimulated, ALaserUpsideDownIsNoticedAndTheMapMadeAnew) {
   EXPECT_TRUE(second.calibration.beams_corrected);
   ASSERT_FALSE(second.warnings.empty());
   EXPECT_NE(second.warnings.front().find("upside down"), std::string::npos);
+}
+
+/// Turns on the spot, which tell which way a laser's beams go, may all fall into the time in which
+/// odometry was wrong.
+TEST(CalibrationSimulated, OdometryThatTurnsTheOtherWayForAWhileIsNoLaserUpsideDown) {
+  SimulationOptions options{.duration_s = 240.0, .odometry_poses = true};
+  options.laser.rate_hz = 6.0;
+  options.laser.beams = 360;
+  options.laser.fov_rad = radians(359.0);
+  options.laser.range_max_m = 8.0;
+  choose_realism(options.realism, "usual");
+  options.faults = {.odometry = SimulatedOdometryFault::kMirrored, .from_s = 60.0, .to_s = 120.0};
+  for (const std::uint64_t seed : {2057U, 2058U, 2059U}) {
+    const SimulatedLog log = simulate_log("warehouse", seed, options);
+    EXPECT_FALSE(map_of(log).calibration.laser_is_mirrored) << "seed " << seed;
+  }
 }
 
 /// In a hall, scans of a mirrored laser are never placed by what they show, but they turn.

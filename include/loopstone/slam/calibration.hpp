@@ -158,6 +158,10 @@ struct TimeSpan {
   Stamp to{};
 };
 
+/// Whether the laser turned as odometry tells, all in all, where the laser saw how it turned, and
+/// turned enough. An upside-down laser that nothing placed may seem to.
+[[nodiscard]] bool turns_agree(const std::deque<TrackedPose>& track);
+
 /// Compares the motions of odometry with those of the laser, over spans of 0.7 s.
 ///
 /// With the mount that is wrong by D (true robot_T_lidar = D * given), a motion (t, theta) of the

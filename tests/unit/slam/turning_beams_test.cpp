@@ -78,6 +78,10 @@ TEST(TurningBeams, ALaserUpsideDownIsOneThatTurnsTheOtherWayAllAlong) {
   EXPECT_GT(upside_down.opposite, 30);
   EXPECT_EQ(upside_down.same, 0);
   EXPECT_TRUE(upside_down.are_opposite());
+  const double span_s = (upside_down.last - *upside_down.first).seconds();
+  EXPECT_TRUE(upside_down.are_all_along(Duration::from_seconds(1.9 * span_s)));
+  EXPECT_FALSE(upside_down.are_all_along(Duration::from_seconds(2.1 * span_s)));
+  EXPECT_FALSE(TurnVotes{}.are_all_along(Duration{}));
   EXPECT_FALSE(votes_of(15.0).are_opposite()) << "half of the time";
   EXPECT_FALSE((TurnVotes{0, 3}.are_opposite())) << "chance";
   const TurnVotes driving = votes_of(0.0, 0.3);
