@@ -221,7 +221,7 @@ class Localizer::Impl {
       follow_best_place(view);
       estimate = judge(view, refine(view));
     }
-    check_odometry(view, estimate);
+    check_odometry(estimate);
     report(view, std::move(estimate));
   }
 
@@ -252,21 +252,20 @@ class Localizer::Impl {
 
   /// Odometry is held against the way between scans that fit: where they contradict each other for
   /// long, it is wrong.
-  void check_odometry(const LocalizationScan& view, const LocalizationEstimate& estimate) {
+  void check_odometry(const LocalizationEstimate& estimate) {
     constexpr double kKnownM = 0.06;
     constexpr double kKnownRad = 0.03;
     constexpr double kFastestMS = 3.0;
     constexpr double kSlackM = 0.5;
-    if (!shows_place(view)) return;
+    if (!newest_fit_) return;
     const Eigen::Matrix3d& covariance = estimate.covariance;
     const bool is_known = covariance.topLeftCorner<2, 2>().trace() < kKnownM * kKnownM &&
                           covariance(2, 2) < kKnownRad * kKnownRad;
     // Off the map what is seen may fit where it does not belong.
     constexpr double kMapped = 0.8;
     constexpr double kBelief = 0.9;
-    const BeamFit fit = fit_beams(view, map_, estimate.map_T_robot);
-    if (!is_known || estimate.evidence.mass < kBelief || fit.known < kMapped ||
-        quality_of(fit) < as_usual()) {
+    if (!is_known || estimate.evidence.mass < kBelief || newest_fit_->known < kMapped ||
+        quality_of(*newest_fit_) < as_usual()) {
       return;
     }
     const Fix fix{estimate.stamp, estimate.map_T_robot};
@@ -573,8 +572,9 @@ class Localizer::Impl {
     estimate.travelled_m = motion_.travelled_m();
     const double way_m = evidence_way_m();
     bool worse = false;
+    newest_fit_.reset();
     if (shows_place(view)) {
-      const BeamFit newest = fit_beams(view, map_, estimate.map_T_robot);
+      const BeamFit& newest = newest_fit_.emplace(fit_beams(view, map_, estimate.map_T_robot));
       worse = lately_.any() && quality_of(newest) < usual_quality() - kMuchWorse;
       fit_.add(newest);
       lately_.add(newest, way_m);
@@ -610,7 +610,7 @@ class Localizer::Impl {
         estimate.probability / std::max(estimate.evidence.precision, 1e-9);
     estimate.state = state_.judge(estimate.probability, place_probability, way_m, worse);
     // Nothing contradicts odometry while the laser shows nothing.
-    const bool is_unseen = !shows_place(view) && is_riding();
+    const bool is_unseen = !newest_fit_ && is_riding();
     if (is_unseen && estimate.state == LocalizationState::kLost)
       estimate.state = LocalizationState::kDoubtful;
     return estimate;
@@ -793,6 +793,7 @@ class Localizer::Impl {
   RangeOffset offset_{};
   int best_id_ = -1;
   double best_since_m_ = 0.0;
+  std::optional<BeamFit> newest_fit_{};  ///< at the newest estimate; none where nothing is seen
   RecentFit fit_{};
   FitAlongWay lately_{1.5};
   FitAlongWay along_{8.0};

@@ -6,12 +6,6 @@
 
 namespace loopstone {
 
-namespace {
-
-std::string number(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
-
-}  // namespace
-
 std::string what_is_wrong(const OdometryEpisode& episode) {
   const bool turns = episode.part == OdometryPart::kRotation;
   const std::string part = turns ? "heading" : "distance";
@@ -25,11 +19,11 @@ std::string what_is_wrong(const OdometryEpisode& episode) {
     case OdometryFault::kMirrored:
       return turns ? "it turns the other way" : "it drives the other way";
     case OdometryFault::kScaled:
-      return "its " + part + " is " + number(episode.ratio, 2) + " times the true one";
+      return fmt::format("its {} is {:.2f} times the true one", part, episode.ratio);
     case OdometryFault::kLagging:
       return episode.lag_s >= 0.0
-                 ? "it is " + number(episode.lag_s, 2) + " s late"
-                 : "it is " + number(-episode.lag_s, 2) + " s early beside the laser";
+                 ? fmt::format("it is {:.2f} s late", episode.lag_s)
+                 : fmt::format("it is {:.2f} s early beside the laser", -episode.lag_s);
     case OdometryFault::kWrong:
       return "its " + part + " disagrees with the laser";
   }

@@ -141,17 +141,25 @@ void correct_mount(const Pose2& given, const Pose2& corrected, MapResult& result
   }
 }
 
+namespace {
+
+/// By what scans show, all along the drive: odometry may turn the other way for a while.
+bool beams_go_opposite(const std::deque<TrackedPose>& track, int lidar,
+                       std::span<const SubmapRecord> submaps) {
+  const TurnVotes votes = turn_votes(submaps, track, lidar);
+  return votes.are_opposite() &&
+         (votes.are_all_along(track.back().stamp - track.front().stamp) || !turns_agree(track));
+}
+
+}  // namespace
+
 void judge_beams(const std::deque<TrackedPose>& track, const AssumedMounts& mounts,
                  std::span<const SubmapRecord> submaps, MapResult& result) {
   if (!mounts.first || mounts.several) return;
   Calibration& calibration = result.calibration;
   calibration.lidar = mounts.lidar;
-  const TurnVotes votes = turn_votes(submaps, track, mounts.lidar);
-  const bool is_for_a_while =
-      track.empty() ||
-      (!votes.are_all_along(track.back().stamp - track.front().stamp) && turns_agree(track));
   calibration.turns_opposite =
-      calibration.turns_opposite || (votes.are_opposite() && !is_for_a_while);
+      calibration.turns_opposite || beams_go_opposite(track, mounts.lidar, submaps);
   // A base that counts its turns backwards can't be driven by anybody; a laser upside down can.
   const std::optional<double>& with_gyro = result.statistics.wheels_with_gyro;
   calibration.laser_is_mirrored =

@@ -9,6 +9,7 @@
 
 #include "../../bench/localization_runs.hpp"
 #include "loopstone/localization/localizer.hpp"
+#include "support/simulated_log.hpp"
 #include "support/test_scale.hpp"
 
 // Simulated drives, as bench/localization.py has them, and what a localizer said on the way beside
@@ -78,6 +79,23 @@ struct Verdict {
     if (auto* scan = std::get_if<LaserScan>(&message)) change(*scan);
   }
   return drive;
+}
+
+/// A simulated log's drive on the true map of its world.
+[[nodiscard]] inline Drive on_its_map(const SimulatedLog& log) {
+  return {
+      .map = true_map(log.world), .robot = log.robot, .messages = log.messages, .truth = log.truth};
+}
+
+/// Something hangs over a laser for a while: a ring of returns that travels with the robot.
+[[nodiscard]] inline Drive covered(Drive drive, int lidar, double from_s, double to_s) {
+  const Stamp first = drive.truth.front().stamp;
+  Rng rng(5);
+  return with_scans(std::move(drive), [&](LaserScan& scan) {
+    const double time_s = (scan.stamp - first).seconds();
+    if (scan.lidar != lidar || time_s < from_s || time_s > to_s) return;
+    for (float& range : scan.ranges_m) range = static_cast<float>(rng.uniform(0.05, 0.29));
+  });
 }
 
 /// The drive as a robot without wheels and gyro would have recorded it.

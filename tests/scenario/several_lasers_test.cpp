@@ -52,23 +52,6 @@ TEST_P(SeveralLasers, HoldOneAnotherWithoutOdometry) {
 
 // ---- on a map that is known
 
-/// A drive on the true map.
-Drive on_its_map(const SimulatedLog& log) {
-  return {
-      .map = true_map(log.world), .robot = log.robot, .messages = log.messages, .truth = log.truth};
-}
-
-/// Something hangs over a laser for a while: a ring of returns that travels with the robot.
-Drive covered(Drive drive, int lidar, double from_s, double to_s) {
-  const Stamp first = stamp_of(drive.messages.front());
-  Rng rng(5);
-  return with_scans(std::move(drive), [&](LaserScan& scan) {
-    const double time_s = (scan.stamp - first).seconds();
-    if (scan.lidar != lidar || time_s < from_s || time_s > to_s) return;
-    for (float& range : scan.ranges_m) range = static_cast<float>(rng.uniform(0.05, 0.29));
-  });
-}
-
 /// Root mean square of positions, of the estimates that are TRACKING.
 double rmse_tracking_m(const LocalizationResult& result, const Drive& drive) {
   double squares = 0.0;

@@ -133,13 +133,16 @@ TEST(PoseTrack, InnovationIsSmallWhenAllIsWellAndGrowsWhenNothingFits) {
   EXPECT_EQ(track.map_T_robot().pose, before) << "what is not believed moves nothing";
 }
 
+/// Walls on the centres of cells, the ends out of sight.
+const Walls kCorridor = {{{-50.0, 0.025}, {150.0, 0.025}}, {{-50.0, 2.025}, {150.0, 2.025}}};
+
+MapField corridor_map() { return MapField(drawn(kCorridor, {-20.0, 0.0}, {80.0, 2.0})); }
+
 TEST(PoseTrack, AlongACorridorItsDoubtGrowsWithTheWay) {
-  // Walls on the centres of cells, the ends out of sight.
-  const Walls corridor = {{{-50.0, 0.025}, {150.0, 0.025}}, {{-50.0, 2.025}, {150.0, 2.025}}};
-  const MapField field(drawn(corridor, {-20.0, 0.0}, {80.0, 2.0}));
+  const MapField field = corridor_map();
   PoseTrack track(sure({0.0, 1.0, 0.0}));
   RangeOffset offset;
-  const auto points = points_from(corridor, {0.0, 1.0, 0.0});
+  const auto points = points_from(kCorridor, {0.0, 1.0, 0.0});
   std::vector<double> along;
   std::vector<double> across;
   for (int i = 1; i <= 400; ++i) {
@@ -159,11 +162,10 @@ TEST(PoseTrack, AlongACorridorItsDoubtGrowsWithTheWay) {
 
 TEST(PoseTrack, AlongACorridorTheDoubtOfAGuessGrowsWithTheTime) {
   constexpr double kStepSigmaM = 0.04;
-  const Walls corridor = {{{-50.0, 0.025}, {150.0, 0.025}}, {{-50.0, 2.025}, {150.0, 2.025}}};
-  const MapField field(drawn(corridor, {-20.0, 0.0}, {80.0, 2.0}));
+  const MapField field = corridor_map();
   PoseTrack track(sure({0.0, 1.0, 0.0}));
   RangeOffset offset;
-  const auto points = points_from(corridor, {0.0, 1.0, 0.0});
+  const auto points = points_from(kCorridor, {0.0, 1.0, 0.0});
   std::vector<double> along;
   for (int i = 1; i <= 100; ++i) {
     track.advance(sure({0.05, 0.0, 0.0}, kStepSigmaM, 0.001));
