@@ -17,6 +17,7 @@ constexpr Duration kGyroSilence = Duration::from_milliseconds(kOdometer.gyro_sil
 constexpr Duration kLargestGyroGap = Duration::from_milliseconds(kOdometer.largest_gyro_gap_ms);
 constexpr Duration kGyroHold = Duration::from_milliseconds(kOdometer.gyro_hold_ms);
 constexpr Duration kStandstill = Duration::from_milliseconds(kOdometer.standstill_ms);
+constexpr Duration kHands = Duration::from_milliseconds(kOdometer.hands_ms);
 constexpr Duration kVelocitySpan = Duration::from_milliseconds(kOdometer.velocity_span_ms);
 
 /// Whether these come one after the other.
@@ -149,6 +150,7 @@ void Odometer::integrate(Interval interval) {
   } else {
     ++own_.turned_by_wheels;
   }
+  const double yaw_before = own_.nodes.back().odom_T_robot.pose.yaw;
   if (standing && (!gyro || bias_.could_be_rest(rate != nullptr ? rate->rate_rad_s : 0.0))) {
     step(interval.to, ArcMotion{}, gyro);
     learn_bias(interval);
@@ -159,11 +161,14 @@ void Odometer::integrate(Interval interval) {
         (rate->rate_rad_s - bias_.bias_rad_s()) * seconds_between(interval.from, interval.to);
     step(interval.to, {interval.motion.distance_m, turn}, true);
   } else {
-    const double yaw_before = own_.nodes.back().odom_T_robot.pose.yaw;
     integrate_along_gyro(interval);
     const double by_wheels = interval.motion.rotation_rad;
     const double by_gyro = wrap_angle(own_.nodes.back().odom_T_robot.pose.yaw - yaw_before);
     add_turns(by_wheels, by_gyro);
+  }
+  if (gyro && own_.still_since && interval.to - *own_.still_since > kHands) {
+    own_.turned_by_hand_rad +=
+        std::abs(wrap_angle(own_.nodes.back().odom_T_robot.pose.yaw - yaw_before));
   }
   forget_rates_before(interval.to - kLargestGyroGap);
 }
@@ -401,6 +406,7 @@ void Odometer::restore(State state) {
           std::ranges::all_of(own.waiting, [](const Interval& i) { return i.from < i.to; }),
       "odometry in no order");
   require_sound(own.turned_by_gyro >= 0 && own.turned_by_wheels >= 0, "a negative count");
+  require_sound(is_amount(own.turned_by_hand_rad), "turning that is no amount");
   require_sound(std::ranges::all_of(
                     own.nodes, [](const Node& node) { return finite(node.odom_T_robot.pose); }),
                 "odometry that is no number");

@@ -110,6 +110,7 @@ std::optional<OdometryReading> ScanQueue::reading_at(Stamp stamp) const {
     return OdometryReading{.odom_T_robot = known->pose,
                            .path_m = own_.travel.path_m,
                            .turned_rad = own_.travel.turned_rad,
+                           .turned_by_hand_rad = odometer_.turned_by_hand_rad(),
                            .silent_until = own_.travel.silent_until};
   }
   const auto heading = gyro_.heading_at(stamp);

@@ -44,6 +44,11 @@ std::string what_was_seen(const PathBreak& gap, const MapResult& result, const R
            " while no scans came: what the laser sees then is not what it saw where odometry says "
            "that the robot stood";
   }
+  if (gap.cause == BreakCause::kLifted) {
+    return "the robot moved " + when +
+           " while its wheels stood, as one that somebody carries: along what the laser saw it may "
+           "have gone farther or less far";
+  }
   if (gap.cause == BreakCause::kContradicted) {
     return "the scans " + when +
            " contradict what was seen before: the robot was carried or the laser moved, which "
@@ -63,6 +68,7 @@ std::string what_bridges(const PathBreak& gap) {
     return std::string(": odometry alone carried the path ") + (gap.ends_log ? "on" : "across") +
            ", within " + readable_metres(gap.bridge_sigma_m());
   }
+  if (gap.cause == BreakCause::kLifted) return "";
   if (gap.cause == BreakCause::kCarried) return ", and it was not found where it was put down";
   return std::string(gap.odometry_m > 0.0 ? ", but odometry was silent for a part of it"
                                           : ": nothing tells how the robot moved") +

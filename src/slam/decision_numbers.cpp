@@ -15,6 +15,7 @@
 #include "loopstone/slam/calibration.hpp"
 #include "loopstone/slam/key_chain.hpp"
 #include "loopstone/slam/laser_check.hpp"
+#include "loopstone/slam/lift_watch.hpp"
 #include "loopstone/slam/loop_closer.hpp"
 #include "loopstone/slam/mapper.hpp"
 #include "loopstone/slam/motion_predictor.hpp"
@@ -61,6 +62,7 @@ std::vector<NumberGroup> decision_numbers() {
       number_group("laser_check", kLaserCheck),
       number_group("travelling", kTravelling),
       number_group("odometry_turns", kOdometryTurns),
+      number_group("lift_watch", kLiftWatch),
       number_group("motion_predictor", kMotionPredictor),
       number_group("front_end", kFrontEnd),
       number_group("front_end_rejoin", kFrontEndRejoin),

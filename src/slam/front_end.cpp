@@ -65,7 +65,7 @@ TrackedScan FrontEnd::add(const LaserScan& scan, const Pose2& robot_T_lidar,
   predictor_.settle(scan.stamp, tracked.local_T_robot, odometry, seen);
   tracked.left_out = own_.lost_in_a_row > 0;
   tracked.tracking = tracking_of(tracked, sighting.likeliest().measured, scan.stamp);
-  if (tracked.used && !tracked.left_out) keep(sighting, tracked);
+  if (tracked.used && !tracked.left_out) keep(sighting, tracked, seen);
   remember(sighting, tracked);
   remember_ground(scan, sighting, tracked);
   return tracked;
@@ -261,6 +261,9 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
     if (rested(motion, stamp) || !motion.is_short())
       return rejoin(sighting.matched(), motion, stamp, tracked);
   }
+  const auto lift =
+      sighting.odometry ? predictor_.lift().ended_by(*sighting.odometry) : std::optional<Lift>{};
+  if (lift && lift->unseen_s > kLiftWatch.unseen_s) return set_down(*lift, sighting, tracked);
   const Seen seen = follow(sighting, tracked);
   if (is_gap(stamp)) note_gap(blind(), BreakCause::kNoScans, stamp, tracked);  // also of one lost
   return seen;
@@ -334,8 +337,9 @@ void FrontEnd::give_up_or_ride(const Sighting& sighting, TrackedScan& tracked) {
 }
 
 /// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.
-void FrontEnd::keep(const Sighting& sighting, TrackedScan& tracked) {
+void FrontEnd::keep(const Sighting& sighting, TrackedScan& tracked, Seen seen) {
   hold(sighting.scan->stamp, tracked.local_T_robot, sighting.odometry);
+  if (predictor_.lift().is_lifted() && !seen.translation) return;
   if (active_.empty() || moved_enough(sighting.scan->lidar, tracked.local_T_robot)) {
     insert(sighting, tracked);
   }

@@ -28,8 +28,9 @@ bool FrontEnd::is_said_to_drive(const Sighting& sighting) const {
   const double share = own_.held && seconds < own_.held->usual_seconds
                            ? std::max(0.0, seconds) / own_.held->usual_seconds
                            : 1.0;
+  const double by_hand_rad = predictor_.lift().felt_rad(*sighting.odometry);
   return share > 0.0 && (motion.translation().norm() >= share * kFrontEnd.drives_m ||
-                         std::abs(motion.yaw) >= share * kFrontEnd.turns_rad);
+                         std::abs(motion.yaw) - by_hand_rad >= share * kFrontEnd.turns_rad);
 }
 
 /// The map explains much less of the scan than usual.

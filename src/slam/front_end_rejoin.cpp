@@ -36,6 +36,15 @@ PosePrior2 expected_at(const Pose2& local_T_robot, const UntoldReach& reach, dou
   return {local_T_robot, reach.covariance(local_T_robot, turn_rad).inverse(), false};
 }
 
+/// Of a robot that somebody may have carried along what its laser leaves open.
+Eigen::Matrix3d carried_along(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d way = kFrontEndRejoin.carried_along_m * axes.eigenvectors().col(1);
+  Eigen::Matrix3d carried = covariance;
+  carried.topLeftCorner<2, 2>() += way * way.transpose();
+  return carried;
+}
+
 /// Half of the window in which something is looked for.
 double window_of(double sigma) { return kFrontEndRejoin.window_sigmas * sigma; }
 
@@ -434,14 +443,25 @@ bool FrontEnd::rested(const BlindMotion& blind, Stamp stamp) const {
 
 FrontEnd::Seen FrontEnd::begin_along(const MatchResult& match, BlindMotion blind, Stamp stamp,
                                      TrackedScan& tracked) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(match.covariance.topLeftCorner<2, 2>());
-  const Eigen::Vector2d way = kFrontEndRejoin.carried_along_m * axes.eigenvectors().col(1);
-  Eigen::Matrix3d covariance = match.covariance;
-  covariance.topLeftCorner<2, 2>() += way * way.transpose();
   blind.prior.target_T_source = match.target_T_source;
-  blind.prior.information = covariance.inverse();
+  blind.prior.information = carried_along(match.covariance).inverse();
   begin_piece(blind, BreakCause::kNoScans, stamp, tracked);
   return {};
+}
+
+/// Where the scan tells the place it says how far the robot was carried; else that remains open.
+FrontEnd::Seen FrontEnd::set_down(const Lift& lift, Sighting& sighting, TrackedScan& tracked) {
+  const Seen seen = follow(sighting, tracked);
+  if (own_.lost_in_a_row > 0) return seen;
+  const Stamp stamp = sighting.scan->stamp;
+  BlindMotion blind{{tracked.local_T_robot, carried_along(tracked.covariance).inverse(), false}};
+  if (seen.translation) {
+    note_gap(blind, BreakCause::kLifted, stamp, tracked);
+  } else {
+    begin_piece(blind, BreakCause::kLifted, stamp, tracked);
+  }
+  tracked.path_break->from = lift.from;
+  return seen;
 }
 
 void FrontEnd::note_gap(const BlindMotion& blind, BreakCause cause, Stamp stamp,

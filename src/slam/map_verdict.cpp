@@ -145,6 +145,10 @@ bool may_be_off_between(const PathBreak& gap, const Trajectory& path) {
          !is_right({.m = gap.bridge_sigma_m(), .rad = std::sqrt(gap.covariance(2, 2))});
 }
 
+bool was_in_hands(const PathBreak& gap) {
+  return gap.cause == BreakCause::kCarried || gap.cause == BreakCause::kLifted;
+}
+
 QualityMeasure breaks(const MapResult& result) {
   QualityMeasure measure{.name = "break_tie_m", .title = "Breaks of the path"};
   if (result.breaks.empty() && !(result.statistics.path_length_m > kMapVerdict.short_travel_m))
@@ -160,8 +164,7 @@ QualityMeasure breaks(const MapResult& result) {
       measure.verdict = std::max(measure.verdict, Verdict::kDoubtful);
       between_m = std::max(between_m, gap.bridge_sigma_m());
     }
-    if (gap.bridge == BreakBridge::kLaser && gap.cause != BreakCause::kCarried && !between)
-      continue;
+    if (gap.bridge == BreakBridge::kLaser && !was_in_hands(gap) && !between) continue;
     ++count;
     const bool guessed = gap.bridge == BreakBridge::kNothing && gap.closures == 0;
     // One closure by itself may be wrong. What the bridge loses is in what the whole map may be off
@@ -174,8 +177,7 @@ QualityMeasure breaks(const MapResult& result) {
     if (!tied) ++untied;
     // Where a robot was carried to, or went with nothing to tell how, a likeness of places is all
     // that ties the sides, and closures between places that are alike agree with one another.
-    const bool sure =
-        tied && gap.cause != BreakCause::kCarried && gap.bridge != BreakBridge::kNothing;
+    const bool sure = tied && !was_in_hands(gap) && gap.bridge != BreakBridge::kNothing;
     measure.value = std::max(measure.value, gap.tie_sigma_m);
     Verdict alone = against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
     if (guessed) alone = std::max(alone, Verdict::kDoubtful);

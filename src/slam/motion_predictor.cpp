@@ -118,8 +118,12 @@ std::vector<MotionGuess> MotionPredictor::guesses(
   std::vector<Pose2> going_on = over ? std::vector<Pose2>{Pose2{}} : coasts(stamp);
   std::vector<MotionGuess> guesses;
   const Pose2 said = corrected_motion(*own_.last_odometry, *odometry);
-  const bool translates = odometry->has_translation && (!checks_ || check_.trusts_translation());
-  const bool turns = !checks_ || check_.trusts_rotation();
+  // Wheels say nothing of where hands carry the robot, a gyro how they turn it.
+  const bool is_lifted = is_in_hands(*odometry);
+  const bool translates =
+      odometry->has_translation && !is_lifted && (!checks_ || check_.trusts_translation());
+  const bool turns =
+      (!is_lifted || feels_hands(*odometry)) && (!checks_ || check_.trusts_rotation());
   const ToldMotion reach = step_reach(said, *odometry);
   const double coast_m = over ? fastest_m_s() * blind_s : coast_sigma_m();
   const double coast_rad = over ? fastest_rad_s() * blind_s : coast_sigma_rad();
@@ -176,6 +180,15 @@ Pose2 MotionPredictor::gone_on(double seconds) const {
   const Pose2 turned = exp(Tangent2(velocity * turning_s));
   velocity.z() = 0.0;
   return turned * exp(Tangent2(velocity * straight_s));
+}
+
+bool MotionPredictor::feels_hands(const OdometryReading& odometry) const {
+  return lift_.felt_rad(odometry) > kMotionPredictor.by_hand_rad;
+}
+
+bool MotionPredictor::is_in_hands(const OdometryReading& odometry) const {
+  const bool was_lifted = lift_.is_lifted() && !lift_.ended_by(odometry);
+  return checks_ && (was_lifted || feels_hands(odometry));
 }
 
 /// Since the last scan: what it says of the motion from there is hearsay.
@@ -245,7 +258,7 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
                              const std::optional<OdometryReading>& odometry, Seen seen) {
   if (own_.last_stamp) {
     const Pose2 motion = own_.last_pose.inverse() * local_T_robot;
-    const bool goes_on = odometry && !was_silent(*odometry);
+    const bool goes_on = odometry && !was_silent(*odometry) && !lift_.is_lifted();
     follow_unseen(stamp, local_T_robot, odometry, seen);
     if (goes_on && comparable(odometry, own_.last_odometry) && checks_) {
       check_odometry(stamp, motion, *odometry, seen);
@@ -263,11 +276,24 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
     measure_speed((stamp - *own_.last_stamp).seconds(), motion, seen);
     remember_step(stamp, motion);
   }
+  watch_lift(stamp, local_T_robot, odometry, seen);
   if (!own_.last_stamp || seen.translation || seen.rotation) own_.placed = stamp;
   own_.last_stamp = stamp;
   own_.last_pose = local_T_robot;
   own_.last_odometry = odometry;
   own_.last_seen = seen;
+}
+
+/// Odometry that is not trusted says nothing of hands.
+void MotionPredictor::watch_lift(Stamp stamp, const Pose2& local_T_robot,
+                                 const std::optional<OdometryReading>& odometry, Seen seen) {
+  const bool may_tell = checks_ && odometry && !was_silent(*odometry) &&
+                        check_.trusts_translation() && check_.trusts_rotation();
+  if (may_tell) {
+    lift_.add(stamp, *odometry, local_T_robot, seen.translation, seen.rotation);
+  } else {
+    lift_.forget();
+  }
 }
 
 /// \param motion  from the last scan, as it was settled
@@ -393,7 +419,7 @@ void MotionPredictor::remember_step(Stamp stamp, const Pose2& motion) {
 }
 
 MotionPredictor::State MotionPredictor::state() const {
-  return {check_.state(), accuracy_.state(), turns_.state(), own_};
+  return {check_.state(), accuracy_.state(), turns_.state(), lift_.state(), own_};
 }
 
 void MotionPredictor::restore(State state) {
@@ -411,6 +437,7 @@ void MotionPredictor::restore(State state) {
   check_.restore(std::move(state.check));
   accuracy_.restore(std::move(state.accuracy));
   turns_.restore(std::move(state.turns));
+  lift_.restore(state.lift);
   own_ = std::move(state.own);
 }
 

@@ -2,6 +2,7 @@
 // broke, when, and whose fault it is as far as the data tell; and it is not called good where it
 // isn't.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -243,6 +244,42 @@ TEST(BrokenRecording, ARobotThatWasCarriedAndTurnedIsFoundWhereItWasPutDown) {
     }
   }
   EXPECT_GE(found, drives * 3 / 4) << "of " << drives;
+}
+
+/// By wheels and a gyro, which feels how it is turned, and by dead reckoning, which feels nothing.
+/// Along a corridor the laser leaves open how far.
+TEST(BrokenRecording, ARobotThatIsCarriedWhileTheLaserLooksOnIsFollowedOrNamed) {
+  int drives = 0;
+  int followed = 0;
+  for (const bool has_gyro : {true, false}) {
+    SimulationOptions options{.duration_s = 100.0, .odometry_poses = !has_gyro};
+    options.laser.beams = has_gyro ? 541 : 181;
+    if (!has_gyro) {
+      options.laser.fov_rad = kPi;
+      options.laser.rate_hz = 5.0;
+    }
+    options.realism.carried.on = true;
+    options.realism.carried.at_s = 60.0;
+    for (const char* world : {"wings", "aisles", "loops"}) {
+      for (const std::uint64_t seed : {1, 23}) {
+        if (small_scale() && seed > 1) continue;
+        const SimulatedLog log = simulate_log(world, seed, options);
+        const MapResult result = map_of(log);
+        ++drives;
+        const std::string drive =
+            fmt::format("{} {} {}{}", has_gyro, world, seed, all_of(result.warnings));
+        EXPECT_TRUE(result.odometry_episodes.empty()) << "its wheels stood: " << drive;
+        const double off_m = off_across_m(result.trajectory, log, 59.0, 67.0);
+        if (off_m < 0.15) {
+          ++followed;
+        } else {
+          EXPECT_NE(result.verdict.overall, Verdict::kGood) << off_m << " m: " << drive;
+          EXPECT_NE(warning_of(result, "as one that somebody carries"), "") << off_m << drive;
+        }
+      }
+    }
+  }
+  EXPECT_GE(followed, drives / 2) << "of " << drives;
 }
 
 /// The robot is lifted at one time and set down where it will be at another; odometry does not

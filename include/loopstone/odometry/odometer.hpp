@@ -21,6 +21,7 @@ struct OdometerNumbers {
   int largest_gyro_gap_ms = 200;
   int gyro_hold_ms = 50;
   int standstill_ms = 500;
+  int hands_ms = 100;
   int velocity_span_ms = 20;
   int counts_gap_ms = 300;
   double fastest_wheel_m_s = 20.0;
@@ -43,6 +44,9 @@ void visit_numbers(const OdometerNumbers& n, Visitor&& visit) {
   visit("standstill_ms", n.standstill_ms,
         "chosen: when the wheels have been still for so long the robot stands, and does not swing "
         "any more");
+  visit("hands_ms", n.hands_ms,
+        "chosen: wheels that have been still for so long stand: a robot that turns slowly counts "
+        "more often");
   visit("velocity_span_ms", n.velocity_span_ms,
         "chosen: a velocity is taken over so long at least: readings may be a fraction of a "
         "millisecond apart");
@@ -118,6 +122,8 @@ class Odometer {
   /// Wheel readings whose heading came from the gyro, and from the wheels.
   [[nodiscard]] std::int64_t turned_by_gyro() const { return own_.turned_by_gyro; }
   [[nodiscard]] std::int64_t turned_by_wheels() const { return own_.turned_by_wheels; }
+  /// How far the gyro felt the robot turn, either way, while all wheels stood [rad].
+  [[nodiscard]] double turned_by_hand_rad() const { return own_.turned_by_hand_rad; }
   /// Correlation [-1, 1] of the turns that wheels (or the log's poses) and gyro tell, -1 when one
   /// of them has the wrong sign. Nothing before both turned by a radian or two.
   [[nodiscard]] std::optional<double> wheels_with_gyro() const;
@@ -182,6 +188,7 @@ class Odometer {
       std::optional<Stamp> still_since{};
       std::int64_t turned_by_gyro = 0;
       std::int64_t turned_by_wheels = 0;
+      double turned_by_hand_rad = 0.0;
       std::optional<OdometryPose> last_pose{};
       Pose2 odom_T_log_odom{};
       std::optional<Stamp> counted_from{};  ///< of the last restart
@@ -190,7 +197,8 @@ class Odometer {
       template <typename Archive>
       void archive(Archive& a) {
         a(source, nodes, forgot_nodes, last_ticks, waiting, rates, started, seen_until, still_since,
-          turned_by_gyro, turned_by_wheels, last_pose, odom_T_log_odom, counted_from, turns);
+          turned_by_gyro, turned_by_wheels, turned_by_hand_rad, last_pose, odom_T_log_odom,
+          counted_from, turns);
       }
     };
     Own own{};

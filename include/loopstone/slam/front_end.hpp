@@ -258,7 +258,7 @@ class FrontEnd {
   [[nodiscard]] Seen place(Sighting& sighting, TrackedScan& tracked);
   [[nodiscard]] Seen follow(Sighting& sighting, TrackedScan& tracked);
   void give_up_or_ride(const Sighting& sighting, TrackedScan& tracked);
-  void keep(const Sighting& sighting, TrackedScan& tracked);
+  void keep(const Sighting& sighting, TrackedScan& tracked, Seen seen);
   void insert(const Sighting& sighting, TrackedScan& tracked);
 
   void show_rest(const LaserScan& scan, Sighting& sighting);
@@ -383,6 +383,8 @@ class FrontEnd {
   /// A piece that begins where the scan was matched, which may be anywhere along what it leaves
   /// open.
   Seen begin_along(const MatchResult& match, BlindMotion blind, Stamp stamp, TrackedScan& tracked);
+  /// The first scan after somebody carried the robot while the laser left open how far.
+  [[nodiscard]] Seen set_down(const Lift& lift, Sighting& sighting, TrackedScan& tracked);
   void note_gap(const BlindMotion& blind, BreakCause cause, Stamp stamp,
                 TrackedScan& tracked) const;
   void begin_piece(const BlindMotion& blind, BreakCause cause, Stamp stamp, TrackedScan& tracked);

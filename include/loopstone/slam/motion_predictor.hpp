@@ -11,6 +11,7 @@
 #include "loopstone/odometry/odometry_check.hpp"
 #include "loopstone/odometry/odometry_correction.hpp"
 #include "loopstone/odometry/odometry_reading.hpp"
+#include "loopstone/slam/lift_watch.hpp"
 #include "loopstone/slam/odometry_turns.hpp"
 
 namespace loopstone {
@@ -49,9 +50,11 @@ struct MotionPredictorNumbers {
   double first_m = 1.0;
   double first_rad = 1.0;
   double unlikely = 3.0;
+  double by_hand_rad = 0.003;
 };
 inline constexpr MotionPredictorNumbers kMotionPredictor{};
 
+// Over 60 lines: a list, a number each.
 template <typename Visitor>
 void visit_numbers(const MotionPredictorNumbers& n, Visitor&& visit) {
   visit("wheel_share", n.wheel_share,
@@ -114,6 +117,9 @@ void visit_numbers(const MotionPredictorNumbers& n, Visitor&& visit) {
   visit("unlikely", n.unlikely,
         "chosen: odometry that is so many standard deviations from the motion so far is one of "
         "several guesses");
+  visit("by_hand_rad", n.by_hand_rad,
+        "chosen: wheels that stand while a gyro feels so much of a turn, from scan to scan, say "
+        "nothing of the way: more than a gyro's noise");
 }
 
 /// Where the robot may be, before the laser is asked.
@@ -215,6 +221,8 @@ class MotionPredictor {
   [[nodiscard]] double coast_sigma_m() const;
   [[nodiscard]] double coast_sigma_rad() const;
   [[nodiscard]] const OdometryCheck& check() const { return check_; }
+  /// Whether somebody carries the robot, and since when.
+  [[nodiscard]] const LiftWatch& lift() const { return lift_; }
   void forget_lag() { check_.forget_lag(); }
   [[nodiscard]] const Pose2& last_pose() const { return own_.last_pose; }
   [[nodiscard]] const std::optional<Stamp>& last_stamp() const { return own_.last_stamp; }
@@ -269,11 +277,12 @@ class MotionPredictor {
     OdometryCheck::State check{};
     OdometryAccuracy::State accuracy{};
     OdometryTurns::State turns{};
+    LiftWatch::State lift{};
     Own own{};
 
     template <typename Archive>
     void archive(Archive& a) {
-      a(check, accuracy, turns, own);
+      a(check, accuracy, turns, lift, own);
     }
   };
 
@@ -292,6 +301,9 @@ class MotionPredictor {
   void measure_speed(double seconds, const Pose2& motion, Seen seen);
   [[nodiscard]] Pose2 gone_on(double seconds) const;
   [[nodiscard]] bool was_silent(const OdometryReading& odometry) const;
+  /// Somebody carries the robot, as far as is known by this reading.
+  [[nodiscard]] bool is_in_hands(const OdometryReading& odometry) const;
+  [[nodiscard]] bool feels_hands(const OdometryReading& odometry) const;
   /// What is known of odometry's errors.
   [[nodiscard]] OdometryCorrection correction() const;
   /// Odometry's motion between two readings without them.
@@ -299,6 +311,8 @@ class MotionPredictor {
                                        const OdometryReading& to) const;
   /// How far odometry may be wrong from scan to scan.
   [[nodiscard]] ToldMotion step_reach(const Pose2& said, const OdometryReading& to) const;
+  void watch_lift(Stamp stamp, const Pose2& local_T_robot,
+                  const std::optional<OdometryReading>& odometry, Seen seen);
   void learn_turns(const Pose2& motion, const OdometryReading& odometry, Seen seen);
   void follow_unseen(Stamp stamp, const Pose2& local_T_robot,
                      const std::optional<OdometryReading>& odometry, Seen seen);
@@ -311,6 +325,7 @@ class MotionPredictor {
   OdometryCheck check_{};
   OdometryAccuracy accuracy_{};
   OdometryTurns turns_{};
+  LiftWatch lift_{};
   State::Own own_{};
 };
 

@@ -18,13 +18,16 @@ enum class BreakCause {
   kContradicted,  ///< scans contradict what was seen before, wherever the robot is looked for
   kCarried,       ///< there were none, and the first one after contradicts what was seen before
                   ///< where odometry says that the robot stood
+  kLifted,        ///< it was turned while its wheels stood, in somebody's hands, and the laser
+                  ///< left open how far it was carried
   kNewDrive,      ///< another drive begins, nothing tells where
 };
 
 constexpr auto words_of(BreakCause /*any*/) {
   using enum BreakCause;
   return std::array{Word{kNoScans, "no_scans"}, Word{kContradicted, "contradicted"},
-                    Word{kCarried, "carried"}, Word{kNewDrive, "new_drive"}};
+                    Word{kCarried, "carried"}, Word{kLifted, "lifted"},
+                    Word{kNewDrive, "new_drive"}};
 }
 
 /// What carried the pose across.

@@ -32,7 +32,7 @@ struct SessionTerms {
 /// it in a file.
 struct Session {
   /// Raised whenever a field of it, or of anything in it, changes.
-  static constexpr std::uint32_t kVersion = 8;
+  static constexpr std::uint32_t kVersion = 9;
 
   SessionTerms terms{};
   LogDigest log{};      ///< of all messages that the mapper has dealt with

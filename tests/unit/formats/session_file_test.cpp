@@ -81,7 +81,8 @@ TEST(SessionFile, WhatIsWrittenIsReadBack) {
 
 TEST(SessionFile, BeginsAsDescribed) {
   const std::string bytes = format_session(sample());
-  EXPECT_EQ(bytes.substr(0, 12), std::string("LOOPSESS\x08\0\0\0", 12));
+  EXPECT_EQ(bytes.substr(0, 12), std::string("LOOPSESS\x09\0\0\0", 12))
+      << "as docs/session.md has it";
   std::uint64_t length = 0;
   ByteReader(std::string_view(bytes).substr(16))(length);
   EXPECT_EQ(bytes.size(), 8U + 4U + 4U + 8U + length + 4U) << "head, length, content, checksum";
