@@ -164,6 +164,11 @@ def measure(loopstone, drives, options, path, more=lambda *_: {}):
             figures[drive.key()] = done.result()
             path.write_text(json.dumps(kept, indent=1))
             say(f"  {count}/{len(runs)} {' '.join(map(str, drive))}: {told(done.result())}")
+    # In the order of the plan, whichever ended first: tables then differ by their figures alone.
+    order = {drive.key(): place for place, drive in enumerate(dict.fromkeys(drives))}
+    by_plan = sorted(figures, key=lambda key: order.get(key, len(order)))
+    kept["figures"] = {key: figures[key] for key in by_plan}
+    path.write_text(json.dumps(kept, indent=1))
     return kept
 
 
