@@ -174,6 +174,14 @@ TEST(Odometer, RobotTurnedByHandStillTurns) {
   odometer.finish();
   EXPECT_NEAR(odometer.pose_at(at(8.0))->pose.yaw, 2.0, 0.02);
   EXPECT_NEAR(odometer.gyro_bias_rad_s(), 0.0, 1e-3);
+  EXPECT_NEAR(odometer.turned_by_hand_rad(), 3.0, 0.05);  // by the end of ten seconds
+}
+
+TEST(Odometer, ARobotThatTurnsItselfIsNotTurnedByHand) {
+  Drive drive = fine_drive();
+  // Slowly on the spot, too: some readings count nothing.
+  drive.motion = [](double t) { return Motion{t < 4.0 ? 0.3 : 0.0, t < 7.0 ? 0.5 : 0.06}; };
+  EXPECT_NEAR(run(drive).turned_by_hand_rad(), 0.0, 0.01);
 }
 
 TEST(Odometer, FallsBackToWheelsWhenTheGyroDies) {
