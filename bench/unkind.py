@@ -165,9 +165,7 @@ def measure(loopstone, drives, options, path, more=lambda *_: {}):
             path.write_text(json.dumps(kept, indent=1))
             say(f"  {count}/{len(runs)} {' '.join(map(str, drive))}: {told(done.result())}")
     # In the order of the plan, whichever ended first: tables then differ by their figures alone.
-    order = {drive.key(): place for place, drive in enumerate(dict.fromkeys(drives))}
-    by_plan = sorted(figures, key=lambda key: order.get(key, len(order)))
-    kept["figures"] = {key: figures[key] for key in by_plan}
+    kept["figures"] = {drive.key(): figures[drive.key()] for drive in drives} | figures
     path.write_text(json.dumps(kept, indent=1))
     return kept
 

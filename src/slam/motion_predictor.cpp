@@ -188,7 +188,7 @@ bool MotionPredictor::feels_hands(const OdometryReading& odometry) const {
 
 bool MotionPredictor::is_in_hands(const OdometryReading& odometry) const {
   const bool was_lifted = lift_.is_lifted() && !lift_.ended_by(odometry);
-  return checks_ && (was_lifted || feels_hands(odometry));
+  return was_lifted || feels_hands(odometry);
 }
 
 /// Since the last scan: what it says of the motion from there is hearsay.

@@ -117,9 +117,10 @@ void visit_numbers(const MotionPredictorNumbers& n, Visitor&& visit) {
   visit("unlikely", n.unlikely,
         "chosen: odometry that is so many standard deviations from the motion so far is one of "
         "several guesses");
-  visit("by_hand_rad", n.by_hand_rad,
-        "chosen: wheels that stand while a gyro feels so much of a turn, from scan to scan, say "
-        "nothing of the way: more than a gyro's noise");
+  visit(
+      "by_hand_rad", n.by_hand_rad,
+      "chosen: wheels that stand while a gyro has felt so much of a turn since say nothing of the "
+      "way: more than a gyro's noise");
 }
 
 /// Where the robot may be, before the laser is asked.
