@@ -38,13 +38,22 @@ set(LOOPSTONE_PRECOMPILED_HEADERS
     <Eigen/Core>
     <Eigen/Geometry>
     <algorithm>
+    <atomic>
+    <chrono>
     <cmath>
+    <deque>
+    <filesystem>
+    <fmt/format.h>
     <functional>
     <map>
     <memory>
+    <mutex>
     <optional>
+    <set>
     <span>
+    <sstream>
     <string>
+    <unordered_map>
     <variant>
     <vector>)
 

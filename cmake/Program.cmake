@@ -14,8 +14,7 @@ if(sources)
                          tomlplusplus::tomlplusplus ${LOOPSTONE_HEADER_LIBRARIES})
   if(LOOPSTONE_PCH)
     # Without CLI/CLI.hpp: its classes have no functions of their own outside, so whoever sees it compiles all of them.
-    target_precompile_headers(loopstone_app PRIVATE ${LOOPSTONE_PRECOMPILED_HEADERS} <fmt/format.h> <nlohmann/json.hpp>
-                              <spdlog/spdlog.h>)
+    target_precompile_headers(loopstone_app PRIVATE ${LOOPSTONE_PRECOMPILED_HEADERS} <nlohmann/json.hpp> <spdlog/spdlog.h>)
   endif()
   add_executable(loopstone_program "${PROJECT_SOURCE_DIR}/apps/loopstone/main.cpp")
   set_target_properties(loopstone_program PROPERTIES OUTPUT_NAME loopstone)

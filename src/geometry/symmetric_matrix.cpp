@@ -26,6 +26,7 @@ template SymmetricEigen<double, 2> symmetric_eigen(const Eigen::Matrix<double, 2
 template SymmetricEigen<double, 3> symmetric_eigen(const Eigen::Matrix<double, 3, 3>&);
 template SymmetricEigen<double, 6> symmetric_eigen(const Eigen::Matrix<double, 6, 6>&);
 
+template Eigen::Vector2d solve_symmetric(const Eigen::Matrix2d&, const Eigen::Vector2d&);
 template Eigen::Vector3d solve_symmetric(const Eigen::Matrix3d&, const Eigen::Vector3d&);
 template Eigen::Vector4d solve_symmetric(const Eigen::Matrix4d&, const Eigen::Vector4d&);
 template Eigen::Matrix<double, 6, 1> solve_symmetric(const Eigen::Matrix<double, 6, 6>&,

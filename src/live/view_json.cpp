@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/sensor/scan_points.hpp"
 #include "report/text.hpp"
 
@@ -35,9 +33,7 @@ Json or_null(const std::optional<T>& value) {
 }
 
 double sigma_of(const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(position, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(solver.eigenvalues().maxCoeff(), 0.0));
+  return largest_sigma(covariance.topLeftCorner<2, 2>());
 }
 
 std::string_view word_of(SubmapState state) {

@@ -1,9 +1,9 @@
 #include "loopstone/localization/landmark_update.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/rigid_motion.hpp"
 
@@ -79,7 +79,7 @@ LandmarkPosterior update_by_landmarks(const PoseWithCovariance2& prior, const La
   Pose2 pose = prior.pose;
   NormalEquations equations = at(pose);
   for (int i = 0; i < kMostSteps; ++i) {
-    Eigen::Vector3d step = equations.information.ldlt().solve(equations.descent);
+    Eigen::Vector3d step = solve_symmetric(equations.information, equations.descent);
     NormalEquations next = at(RigidMotion<2>::moved(pose, step));
     // A step over a bend of the cost is halved until it leads down.
     for (int k = 0; k < kMostHalvings && next.cost > equations.cost; ++k) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/graph/marginals.hpp"
 #include "slam/closure_solution.hpp"
@@ -217,7 +217,7 @@ std::string doubt_about(const LoopClosure& closure, const KnownMotion& known, bo
                             closure.from_T_to.y - known.from_T_to.y,
                             wrap_angle(closure.from_T_to.yaw - known.from_T_to.yaw));
   const Eigen::Matrix3d covariance = known.covariance + closure.covariance;
-  const double chi2 = off.dot(covariance.ldlt().solve(off));
+  const double chi2 = off.dot(solve_symmetric(covariance, off));
   if (chi2 <= kRivalPlaces.unlikely_chi2) return {};
   return fmt::format(
       "it lies {:.2f} m and {:.1f} deg from where the rest of the map puts it, which "

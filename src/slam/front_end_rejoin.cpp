@@ -1,6 +1,5 @@
 // How the front end goes on after the laser has not held the pose for a while.
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
@@ -38,8 +38,9 @@ PosePrior2 expected_at(const Pose2& local_T_robot, const UntoldReach& reach, dou
 
 /// Of a robot that somebody may have carried along what its laser leaves open.
 Eigen::Matrix3d carried_along(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
-  const Eigen::Vector2d way = kFrontEndRejoin.carried_along_m * axes.eigenvectors().col(1);
+  const SymmetricEigen<double, 2> axes =
+      symmetric_eigen<double, 2>(covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d way = kFrontEndRejoin.carried_along_m * axes.vectors.col(1);
   Eigen::Matrix3d carried = covariance;
   carried.topLeftCorner<2, 2>() += way * way.transpose();
   return carried;

@@ -1,6 +1,5 @@
 #include "loopstone/slam/loose_parts.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
 #include "slam/loose_parts_numbers.hpp"
@@ -20,9 +20,10 @@ namespace {
 
 /// Of an edge that tells no more than its covariance.
 bool is_open(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>());
-  return axes.eigenvalues()(1) >
-         kLooseParts.open_ratio * kLooseParts.open_ratio * std::max(axes.eigenvalues()(0), 0.0);
+  const SymmetricEigen<double, 2> axes =
+      symmetric_eigen<double, 2>(covariance.topLeftCorner<2, 2>());
+  return axes.values(1) >
+         kLooseParts.open_ratio * kLooseParts.open_ratio * std::max(axes.values(0), 0.0);
 }
 
 /// Nothing where the path has a hole.

@@ -1,12 +1,12 @@
 #include "loopstone/slam/mapper.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <span>
 #include <utility>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/base/error.hpp"
 #include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/option_list.hpp"
@@ -30,8 +30,9 @@ namespace {
 
 /// Of the axis along which a pose is known least, [0, pi).
 double open_direction(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance.topLeftCorner<2, 2>());
-  const Eigen::Vector2d axis = solver.eigenvectors().col(1);
+  const SymmetricEigen<double, 2> axes =
+      symmetric_eigen<double, 2>(covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d axis = axes.vectors.col(1);
   const double angle = std::atan2(axis.y(), axis.x());
   return angle < 0.0 ? angle + kPi : (angle >= kPi ? 0.0 : angle);
 }

@@ -1,6 +1,5 @@
 #include "slam/pairwise_consistency.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <functional>
 #include <iterator>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "slam/drives.hpp"
 
@@ -42,7 +42,7 @@ Eigen::Vector3d pull_of(const LoopClosure& closure, Submaps submaps) {
       kPairwiseConsistency.harmless_rad * kPairwiseConsistency.harmless_rad);
   Eigen::Matrix3d sum = closure.covariance;
   sum.diagonal() += harmless;
-  return harmless.cwiseProduct(sum.ldlt().solve(correction_of(closure, submaps)));
+  return harmless.cwiseProduct(solve_symmetric(sum, correction_of(closure, submaps)));
 }
 
 bool pulls_far(const Eigen::Vector3d& pull) {
@@ -55,15 +55,16 @@ bool turns_far(const Eigen::Vector3d& pull) {
 /// Whether what is this uncertain tells a pull from none, in position and in heading.
 bool notices(const Eigen::Vector3d& pull, const Eigen::Matrix3d& covariance) {
   const Eigen::Vector2d shift = pull.head<2>();
-  if (pulls_far(pull) && shift.dot(covariance.topLeftCorner<2, 2>().ldlt().solve(shift)) <
-                             kPairwiseConsistency.notices_chi2)
+  if (pulls_far(pull) &&
+      shift.dot(solve_symmetric<double, 2>(covariance.topLeftCorner<2, 2>(), shift)) <
+          kPairwiseConsistency.notices_chi2)
     return false;
   return !turns_far(pull) ||
          pull[2] * pull[2] >= kPairwiseConsistency.notices_chi2 * covariance(2, 2);
 }
 
 double chi2(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
-  return error.dot(covariance.ldlt().solve(error));
+  return error.dot(solve_symmetric(covariance, error));
 }
 
 bool is_good(const LoopClosure& closure) {

@@ -1,10 +1,10 @@
 #include "slam/path_drift.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/geometry/covariance.hpp"
@@ -28,18 +28,18 @@ Eigen::Matrix3d beyond_noise(const Eigen::Matrix3d& covariance) {
 ///             not count
 Eigen::Matrix3d lasting(const Eigen::Matrix3d& covariance, double distance,
                         const std::optional<Eigen::Vector3d>& off) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(beyond_noise(covariance));
+  const SymmetricEigen<double, 3> axes = symmetric_eigen(beyond_noise(covariance));
   Eigen::Vector3d kept;
   for (int i = 0; i < 3; ++i) {
-    const double open = std::max(axes.eigenvalues()(i), 0.0);
+    const double open = std::max(axes.values(i), 0.0);
     const double lag = 1.0 + kPathDrift.memory * (1.0 - std::min(open, 1.0));
     kept(i) = kUnit * open / (lag * lag);
-    const Eigen::Vector3d axis = axes.eigenvectors().col(i);
+    const Eigen::Vector3d axis = axes.vectors.col(i);
     if (!off || open < kPathDrift.open_share) continue;
     kept(i) = std::min(
         kept(i), std::pow(axis.dot(*off), 2) + kPathDrift.walk_m * kPathDrift.walk_m * distance);
   }
-  return axes.eigenvectors() * kept.asDiagonal() * axes.eigenvectors().transpose();
+  return axes.vectors * kept.asDiagonal() * axes.vectors.transpose();
 }
 
 double length(const Pose2& motion) { return hypotenuse(motion.x, motion.y); }
@@ -70,9 +70,9 @@ StepDrift drift_between(const KeyScan& previous, const KeyScan& next,
 }
 
 bool rests_on_odometry(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      beyond_noise(covariance).topLeftCorner<2, 2>());
-  return axes.eigenvalues()(1) >= kPathDrift.open_share;
+  const SymmetricEigen<double, 2> axes =
+      symmetric_eigen<double, 2>(beyond_noise(covariance).topLeftCorner<2, 2>());
+  return axes.values(1) >= kPathDrift.open_share;
 }
 
 std::optional<Pose2> told_between(const KeyScan& previous, const KeyScan& next,

@@ -1,13 +1,13 @@
 #include "slam/rival_places.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "loopstone/graph/marginals.hpp"
 #include "loopstone/registration/correlative_search.hpp"
 #include "slam/drives.hpp"
@@ -20,16 +20,14 @@ namespace loopstone {
 namespace {
 
 double widest_m(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance.topLeftCorner<2, 2>(),
-                                                              Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
+  return largest_sigma(covariance.topLeftCorner<2, 2>());
 }
 
 /// How unlikely a motion is for the path.
 double chi2_of(const Pose2& motion, const Pose2& expected, const Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d off(motion.x - expected.x, motion.y - expected.y,
                             wrap_angle(motion.yaw - expected.yaw));
-  return off.dot(covariance.ldlt().solve(off));
+  return off.dot(solve_symmetric(covariance, off));
 }
 
 /// What a pose must reach to be a place.

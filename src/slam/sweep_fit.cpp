@@ -1,12 +1,12 @@
 #include "slam/sweep_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/median.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -156,11 +156,12 @@ class PairAlignment {
       normals.b.head<3>() -= prior.cwiseProduct(off);
       if (step == kSweep.steps) break;
       const Eigen::Vector3d move =
-          normals.h.topLeftCorner<3, 3>().ldlt().solve(normals.b.head<3>());
+          solve_symmetric<double, 3>(normals.h.topLeftCorner<3, 3>(), normals.b.head<3>());
       pose = {pose.x + move.x(), pose.y + move.y(), wrap_angle(pose.yaw + move.z())};
     }
     const Eigen::Vector3d cross = normals.h.topRightCorner<3, 1>();
-    const Eigen::Vector3d solved = normals.h.topLeftCorner<3, 3>().ldlt().solve(cross);
+    const Eigen::Vector3d solved =
+        solve_symmetric<double, 3>(normals.h.topLeftCorner<3, 3>(), cross);
     const Saying saying{normals.h(3, 3) - cross.dot(solved),
                         normals.b[3] - solved.dot(normals.b.head<3>())};
     if (!(saying.information > 0.0) || !std::isfinite(saying.score)) return {};

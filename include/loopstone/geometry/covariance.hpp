@@ -1,9 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
 
 namespace loopstone {
 
@@ -28,15 +25,9 @@ namespace loopstone {
 
 /// A matrix whose product with its transpose is the given symmetric positive semidefinite one,
 /// which may be singular; negative eigenvalues of rounding count as zero.
-[[nodiscard]] inline Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
-  return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
+[[nodiscard]] Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance);
 
 /// Standard deviation along the axis on which it is largest, in the unit of the covariance's root.
-[[nodiscard]] inline double largest_sigma(const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
-  return std::sqrt(std::max(axes.eigenvalues()(1), 0.0));
-}
+[[nodiscard]] double largest_sigma(const Eigen::Matrix2d& covariance);
 
 }  // namespace loopstone
