@@ -3,7 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/route_planner.hpp"
+
 namespace loopstone {
+namespace {
+
+/// The point after so much of a line; its end after more.
+Eigen::Vector2d along(std::span<const Eigen::Vector2d> way, double distance_m) {
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const double piece_m = (way[i] - way[i - 1]).norm();
+    if (piece_m > 0.0 && distance_m <= piece_m)
+      return way[i - 1] + distance_m / piece_m * (way[i] - way[i - 1]);
+    distance_m -= piece_m;
+  }
+  return way.back();
+}
+
+}  // namespace
 
 void Drive::append(double speed_m_s, double yaw_rate_rad_s) {
   speeds_.push_back(speed_m_s);
@@ -24,19 +40,19 @@ void Drive::append(const Drive& other) {
     append(other.speeds_[step], other.yaw_rates_[step]);
 }
 
-void Drive::carry_to(const Pose2& map_T_robot, double duration_s, bool is_blind) {
+void Drive::carry_along(std::span<const Eigen::Vector2d> way, double yaw, double duration_s,
+                        bool is_blind) {
   if (hands_.empty()) {
     hands_.assign(speeds_.size(), Tangent2::Zero());
     by_hand_rad_.assign(speeds_.size() + 1, 0.0);
   }
   const Pose2 from = last_pose();
-  const double turn = wrap_angle(map_T_robot.yaw - from.yaw);
+  const double turn = wrap_angle(yaw - from.yaw);
   const auto steps = static_cast<int>(std::max(1.0, std::ceil(duration_s / kStep)));
   carries_.push_back({this->duration_s(), this->duration_s() + kStep * steps, is_blind});
   for (int step = 1; step <= steps; ++step) {
     const double share = static_cast<double>(step) / steps;
-    const Eigen::Vector2d at =
-        from.translation() + share * (map_T_robot.translation() - from.translation());
+    const Eigen::Vector2d at = along(way, share * length_of(way));
     const Pose2 next{at.x(), at.y(), from.yaw + share * turn};
     append_hand(log(last_pose().inverse() * next) / kStep);
     speeds_.push_back(0.0);

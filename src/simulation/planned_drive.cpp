@@ -12,25 +12,44 @@ namespace {
 constexpr double kMargin = 0.1;      ///< room beside the robot where it is set down [m]
 constexpr double kSeenWithin = 1.0;  ///< a place that the robot came so near to is seen [m]
 constexpr int kTries = 200;          ///< at one distance
+constexpr double kLostRoom = 0.5;    ///< a robot that stands nearer to things than it plans to [m]
+constexpr double kDetour = 1.3;      ///< who carries a robot walks no longer way than so many times
 constexpr double kRest = 1.0;        ///< before it goes on [s]
 
-/// Where there is room for the robot at about that distance from where it is; nearer when there is
-/// none.
-std::optional<Pose2> place_to_set_down(const World& world, double robot_radius_m,
-                                       const Pose2& map_T_robot, const RealismCarried& options,
-                                       Rng& rng) {
+/// Around what stands between the two, as somebody walks who carries a robot; nothing where that is
+/// no way of about this length.
+std::optional<Path> way_between(RoutePlanner& planner, const Eigen::Vector2d& from,
+                                const Eigen::Vector2d& to) {
+  const auto start = planner.nearest_free(from, kLostRoom);
+  const auto goal = planner.nearest_free(to, kLostRoom);
+  if (!start || !goal) return std::nullopt;
+  const auto way = planner.find_way(*start, {*goal});
+  if (!way) return std::nullopt;
+  Path path = planner.smoothed(planner.path_of(way->cells));
+  path.front() = from;
+  path.back() = to;
+  if (length_of(path) > kDetour * (to - from).norm()) return std::nullopt;
+  return path;
+}
+
+/// The way to where there is room for the robot at about that distance from where it is; nearer
+/// when there is none.
+/// \param is_blind  nobody sees which way it took: any place will do
+std::optional<Path> way_to_set_down(const World& world, double robot_radius_m,
+                                    const Eigen::Vector2d& from, double distance_m, bool is_blind,
+                                    Rng& rng) {
   const FloorPlan plan = obstacles_of(world);
   const SurfaceIndex obstacles(plan);
   RoutePlanner planner(obstacles, extent_of(plan), robot_radius_m + kMargin);
   if (!planner.reach_from(world.map_T_start.translation())) return std::nullopt;
-  const double turn = rng.below(2) == 0 ? options.turn_rad : -options.turn_rad;
-  for (double distance = options.distance_m; distance > 0.2; distance *= 0.8) {
+  for (double distance = distance_m; distance > 0.2; distance *= 0.8) {
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const double bearing = rng.uniform(0.0, 2.0 * kPi);
-      const Eigen::Vector2d at = map_T_robot.translation() +
-                                 distance * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
+      const Eigen::Vector2d at =
+          from + distance * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
       if (!planner.nearest_free(at, 0.1)) continue;
-      return Pose2{at.x(), at.y(), wrap_angle(map_T_robot.yaw + turn)};
+      if (is_blind) return Path{from, at};
+      if (auto way = way_between(planner, from, at)) return way;
     }
   }
   return std::nullopt;
@@ -55,9 +74,12 @@ Drive carried_away(Drive drive, const World& world, double robot_radius_m,
   if (carried.at_s >= drive.duration_s()) return drive;
   Drive driven = drive;
   driven.cut(carried.at_s);
-  const auto target = place_to_set_down(world, robot_radius_m, driven.last_pose(), carried, rng);
-  if (!target) return drive;
-  driven.carry_to(*target, carried.lift_s, is_blind);
+  const Pose2 from = driven.last_pose();
+  const double turn = rng.below(2) == 0 ? carried.turn_rad : -carried.turn_rad;
+  const auto way =
+      way_to_set_down(world, robot_radius_m, from.translation(), carried.distance_m, is_blind, rng);
+  if (!way) return drive;
+  driven.carry_along(*way, wrap_angle(from.yaw + turn), carried.lift_s, is_blind);
   DriveOptions rest = options;
   rest.standstill_s = kRest;
   driven.append(drive_route(rest_of(world, driven), robot_radius_m, rest));

@@ -31,6 +31,12 @@ constexpr std::array kSteps{Step{1, 0, 1.0},         Step{0, 1, 1.0},       Step
 
 }  // namespace
 
+double length_of(std::span<const Eigen::Vector2d> way) {
+  double sum_m = 0.0;
+  for (std::size_t i = 1; i < way.size(); ++i) sum_m += (way[i] - way[i - 1]).norm();
+  return sum_m;
+}
+
 FloorPlan obstacles_of(const World& world) {
   FloorPlan plan = world.plan;
   plan.boxes.insert(plan.boxes.end(), world.keep_out.begin(), world.keep_out.end());

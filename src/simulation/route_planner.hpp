@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "loopstone/grid/grid.hpp"
@@ -13,6 +14,8 @@
 namespace loopstone {
 
 using Path = std::vector<Eigen::Vector2d>;  ///< map frame, points about 0.1 m apart
+
+[[nodiscard]] double length_of(std::span<const Eigen::Vector2d> way);  ///< [m]
 
 /// What keeps a robot out: all that a laser sees, and the keep-out boxes.
 [[nodiscard]] FloorPlan obstacles_of(const World& world);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "loopstone/geometry/pose2.hpp"
@@ -38,8 +39,11 @@ class Drive {
   void append(double speed_m_s, double yaw_rate_rad_s);
   /// The steps of another drive, over which nobody carried it, from here on.
   void append(const Drive& other);
-  /// Carried to a pose in a straight line, in steps of even speed; the wheels stand meanwhile.
-  void carry_to(const Pose2& map_T_robot, double duration_s, bool is_blind);
+  /// Carried along a line from where it is, and turned to a heading, in steps of even speed; the
+  /// wheels stand meanwhile.
+  /// \param way  map frame, two points or more, from the last pose on
+  void carry_along(std::span<const Eigen::Vector2d> way, double yaw, double duration_s,
+                   bool is_blind);
 
   [[nodiscard]] double duration_s() const { return kStep * static_cast<double>(speeds_.size()); }
   [[nodiscard]] const Pose2& last_pose() const { return poses_.back(); }

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "loopstone/simulation/surface_index.hpp"
+#include "loopstone/simulation/world.hpp"
 #include "simulation/message_faults.hpp"
 #include "simulation/uneven_floor.hpp"
 #include "simulation/wheel_slips.hpp"
@@ -196,6 +199,24 @@ TEST(RealismCarried, WheelsStandWhileTheRobotIsMoved) {
   EXPECT_LT(std::abs(seen.yaw), 0.01);
   EXPECT_GT((at(58.0).translation() - at(36.0).translation()).norm(), 1.0) << "it goes on";
   EXPECT_EQ(log.truth.size(), 300U) << "scans come all the time";
+}
+
+TEST(RealismCarried, HandsGoRoundWallsAndThroughDoors) {
+  SimulationOptions options = with("carried", 36.0);
+  options.realism.carried.at_s = 30.0;
+  double farthest_m = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const World world = make_world("office", seed);
+    const SurfaceIndex walls(world.plan);
+    const SimulatedLog log = simulate_log("office", seed, options);
+    const RealismSpoil& lift = log.summary.realism.spoils.at(0);
+    for (double time_s = lift.from_s; time_s <= lift.to_s; time_s += 0.05) {
+      const Pose2 at = log.truth.at_clamped(Stamp::from_seconds(1000.0 + time_s)).value();
+      EXPECT_GT(walls.distance(at.translation(), 1.0), 0.15) << "seed " << seed << ", " << time_s;
+    }
+    farthest_m = std::max(farthest_m, fact_of(log, "carried", "distance_m"));
+  }
+  EXPECT_GT(farthest_m, 2.8);
 }
 
 TEST(RealismCarried, TheGyroFeelsTheHands) {
