@@ -13,10 +13,12 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 find_program(LOOPSTONE_CCACHE ccache)
 if(LOOPSTONE_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
-  # The sloppiness lets ccache keep objects that were built with a precompiled header.
+  # The sloppiness lets ccache keep objects that were built with a precompiled header. The folder makes paths within it
+  # relative: GCC never writes the same precompiled header twice, so a checkout that does not find it in the cache finds
+  # nothing else there.
   set(CMAKE_CXX_COMPILER_LAUNCHER
       ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
-      ${LOOPSTONE_CCACHE})
+      "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" ${LOOPSTONE_CCACHE})
 endif()
 
 add_library(loopstone_build INTERFACE)
