@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -35,6 +36,21 @@ bool contradict(const PosePrior2& guess, const MatchResult& freed) {
       RigidMotion<2>::difference(freed.target_T_source, guess.target_T_source);
   const Eigen::Matrix3d covariance = guess.information.inverse() + freed.covariance;
   return apart.dot(covariance.inverse() * apart) > kFrontEnd.most_guess_chi2;
+}
+
+/// What a guess that was wrong still says: little, but all of it along what the laser leaves open,
+/// as a corridor does. There a match that nothing holds slides to the next place that looks alike.
+/// \param match  by this guess
+Eigen::Matrix3d outvoted(const Eigen::Matrix3d& information, const MatchResult& match) {
+  const Eigen::DiagonalMatrix<double, 3> scale(information.diagonal().cwiseSqrt());
+  const Eigen::Matrix3d told =
+      scale.inverse() * (match.covariance.inverse() - information) * scale.inverse();
+  const SymmetricEigen<double, 3> axes = symmetric_eigen<double, 3>(told);
+  if (axes.values[0] > kFrontEnd.tells_nothing) return information * kFrontEnd.outvoted;
+  Eigen::Vector3d kept;
+  for (int i = 0; i < 3; ++i)
+    kept[i] = axes.values[i] > kFrontEnd.tells_nothing ? kFrontEnd.outvoted : 1.0;
+  return scale * (axes.vectors * kept.asDiagonal() * axes.vectors.transpose()) * scale;
 }
 
 /// Whether a velocity that is wrong by so much bends a sweep.
@@ -292,7 +308,7 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
     MotionGuess again = guess;
     if (alignment.overruled || !guess.measured) {
       again.local_T_robot = alignment.match.target_T_source;
-      again.information *= kFrontEnd.outvoted;
+      again.information = outvoted(guess.information, alignment.match);
     }
     alignment.match = align(sighting.matched(), std::span(&again, 1), {}, !sighting.is_led).match;
   }
@@ -408,7 +424,7 @@ FrontEnd::Alignment FrontEnd::align(std::span<const SurfacePoint> surfaces,
   if (may_outvote && has_supported_pose(best.status) &&
       chi2_from(priors[best_prior], best) > kFrontEnd.most_guess_chi2) {
     PosePrior2 loose = priors[best_prior];
-    loose.information *= kFrontEnd.outvoted;
+    loose.information = outvoted(loose.information, best);
     const MatchResult freed =
         match_to_grid(surfaces, grid, best.target_T_source, loose, match_options_, 0);
     if (has_supported_pose(freed.status) && freed.score >= best.score - kFrontEnd.same_score &&

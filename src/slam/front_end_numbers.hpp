@@ -19,6 +19,7 @@ struct FrontEndNumbers {
   double most_chi2 = 25.0;
   double most_guess_chi2 = 7.8;
   double outvoted = 0.01;
+  double tells_nothing = 0.1;
   double same_score = 0.02;
   double score_drop = 0.1;
   double score_memory = 50.0;
@@ -66,6 +67,10 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit("outvoted", n.outvoted,
         "chosen: the weight that a wrong guess keeps; ten times its standard deviation, so that it "
         "holds only what nothing else does");
+  visit(
+      "tells_nothing", n.tells_nothing,
+      "chosen: where a laser tells less than so much of what a guess says, it did not outvote it: "
+      "a third of its standard deviation");
   visit("same_score", n.same_score,
         "chosen: scores that differ by less say the same: a point in fifty");
   visit("score_drop", n.score_drop,

@@ -37,10 +37,12 @@ PosePrior2 expected_at(const Pose2& local_T_robot, const UntoldReach& reach, dou
 }
 
 /// Of a robot that somebody may have carried along what its laser leaves open.
-Eigen::Matrix3d carried_along(const Eigen::Matrix3d& covariance) {
+/// \param seen  how it seemed to go meanwhile: along there that may be wholly wrong
+Eigen::Matrix3d carried_along(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& seen) {
   const SymmetricEigen<double, 2> axes =
       symmetric_eigen<double, 2>(covariance.topLeftCorner<2, 2>());
-  const Eigen::Vector2d way = kFrontEndRejoin.carried_along_m * axes.vectors.col(1);
+  const Eigen::Vector2d axis = axes.vectors.col(1);
+  const Eigen::Vector2d way = hypotenuse(kFrontEndRejoin.carried_along_m, axis.dot(seen)) * axis;
   Eigen::Matrix3d carried = covariance;
   carried.topLeftCorner<2, 2>() += way * way.transpose();
   return carried;
@@ -445,7 +447,7 @@ bool FrontEnd::rested(const BlindMotion& blind, Stamp stamp) const {
 FrontEnd::Seen FrontEnd::begin_along(const MatchResult& match, BlindMotion blind, Stamp stamp,
                                      TrackedScan& tracked) {
   blind.prior.target_T_source = match.target_T_source;
-  blind.prior.information = carried_along(match.covariance).inverse();
+  blind.prior.information = carried_along(match.covariance, Eigen::Vector2d::Zero()).inverse();
   begin_piece(blind, BreakCause::kNoScans, stamp, tracked);
   return {};
 }
@@ -455,7 +457,10 @@ FrontEnd::Seen FrontEnd::set_down(const Lift& lift, Sighting& sighting, TrackedS
   const Seen seen = follow(sighting, tracked);
   if (own_.lost_in_a_row > 0) return seen;
   const Stamp stamp = sighting.scan->stamp;
-  BlindMotion blind{{tracked.local_T_robot, carried_along(tracked.covariance).inverse(), false}};
+  const Eigen::Vector2d way =
+      tracked.local_T_robot.translation() - predictor_.lift().state().local_T_robot.translation();
+  BlindMotion blind{
+      {tracked.local_T_robot, carried_along(tracked.covariance, way).inverse(), false}};
   if (seen.translation) {
     note_gap(blind, BreakCause::kLifted, stamp, tracked);
   } else {

@@ -282,6 +282,29 @@ TEST(BrokenRecording, ARobotThatIsCarriedWhileTheLaserLooksOnIsFollowedOrNamed) 
   EXPECT_GE(followed, drives / 2) << "of " << drives;
 }
 
+/// Hands that stop bend the sweep otherwise than was expected, so the scan is straightened and
+/// aligned anew; it faces the wall of a corridor, and must not slide along it meanwhile.
+TEST(BrokenRecording, ARobotThatIsSetDownInACorridorDoesNotSlideAlongIt) {
+  SimulationOptions options{.duration_s = 70.0, .odometry_poses = true};
+  options.laser.beams = 181;
+  options.laser.fov_rad = kPi;
+  options.laser.rate_hz = 5.0;
+  choose_realism(options.realism, "usual,carried");
+  for (const std::uint64_t seed : {20, 27}) {
+    const SimulatedLog log = simulate_log("loops", seed, options);
+    const MapResult result = map_of(log);
+    double longest_m = 0.0;
+    const auto& poses = result.trajectory.poses();
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+      const double time_s = time_in(log, poses[i].stamp);
+      if (time_s > 60.0 && time_s < 66.0)
+        longest_m = std::max(
+            longest_m, (poses[i].pose.translation() - poses[i - 1].pose.translation()).norm());
+    }
+    EXPECT_LT(longest_m, 0.5) << "from scan to scan, of hands that go 0.75 m/s; seed " << seed;
+  }
+}
+
 /// The robot is lifted at one time and set down where it will be at another; odometry does not
 /// notice.
 /// \param pause_s  nothing is logged for so long
