@@ -168,7 +168,7 @@ if(NOT LOOPSTONE_SANITIZE AND NOT CMAKE_CXX_FLAGS_DEBUG MATCHES "coverage")
   foreach(part unit browser)
     add_test(NAME viewer.${part} COMMAND "${PROJECT_SOURCE_DIR}/scripts/test_viewer.sh" ${part})
   endforeach()
-  set_tests_properties(viewer.unit viewer.browser PROPERTIES LABELS viewer TIMEOUT 800 SKIP_RETURN_CODE 77)
+  set_tests_properties(viewer.unit viewer.browser PROPERTIES LABELS viewer TIMEOUT 1500 SKIP_RETURN_CODE 77)
   set_tests_properties(viewer.browser PROPERTIES COST 1100) # waits more than it works; first, beside others
 endif()
 

@@ -559,7 +559,7 @@ scene("the list is saved, and told how it is repeated", {}, async ({ page, until
 
 scene(
   "while the map is drawn the page says so, and takes no polygon",
-  { server: { drawDelay: 2500 } },
+  { server: { drawDelay: 8000 } }, // a busy machine draws a polygon meanwhile
   async (tools) => {
     const { page, until } = tools;
     await until(editable, "shown");
