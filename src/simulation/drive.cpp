@@ -6,20 +6,6 @@
 #include "simulation/route_planner.hpp"
 
 namespace loopstone {
-namespace {
-
-/// The point after so much of a line; its end after more.
-Eigen::Vector2d along(std::span<const Eigen::Vector2d> way, double distance_m) {
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    const double piece_m = (way[i] - way[i - 1]).norm();
-    if (piece_m > 0.0 && distance_m <= piece_m)
-      return way[i - 1] + distance_m / piece_m * (way[i] - way[i - 1]);
-    distance_m -= piece_m;
-  }
-  return way.back();
-}
-
-}  // namespace
 
 void Drive::append(double speed_m_s, double yaw_rate_rad_s) {
   speeds_.push_back(speed_m_s);
@@ -50,9 +36,10 @@ void Drive::carry_along(std::span<const Eigen::Vector2d> way, double yaw, double
   const double turn = wrap_angle(yaw - from.yaw);
   const auto steps = static_cast<int>(std::max(1.0, std::ceil(duration_s / kStep)));
   carries_.push_back({this->duration_s(), this->duration_s() + kStep * steps, is_blind});
+  const std::vector<double> at_m = distances_along(way);
   for (int step = 1; step <= steps; ++step) {
     const double share = static_cast<double>(step) / steps;
-    const Eigen::Vector2d at = along(way, share * length_of(way));
+    const Eigen::Vector2d at = point_along(way, at_m, share * at_m.back());
     const Pose2 next{at.x(), at.y(), from.yaw + share * turn};
     append_hand(log(last_pose().inverse() * next) / kStep);
     speeds_.push_back(0.0);

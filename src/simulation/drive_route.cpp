@@ -57,10 +57,7 @@ struct Profile {
 };
 
 Profile speed_profile(const Path& path, const DriveOptions& options) {
-  Profile profile{{0.0}, std::vector<double>(path.size(), options.speed_m_s)};
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    profile.at_m.push_back(profile.at_m.back() + (path[i] - path[i - 1]).norm());
-  }
+  Profile profile{distances_along(path), std::vector<double>(path.size(), options.speed_m_s)};
   constexpr std::size_t kReach = 3;  // points of about 0.1 m
   for (std::size_t i = kReach; i + kReach < path.size(); ++i) {
     const Eigen::Vector2d in = path[i] - path[i - kReach];
@@ -115,7 +112,8 @@ class Follower {
     const Pose2& pose = drive.last_pose();
     find_nearest(pose.translation());
     const double ahead = 0.25 + 0.3 * speed_;
-    const Eigen::Vector2d target = pose.inverse() * point_at(profile_.at_m[nearest_] + ahead);
+    const Eigen::Vector2d target =
+        pose.inverse() * point_along(path_, profile_.at_m, profile_.at_m[nearest_] + ahead);
     const double distance = std::max(0.1, target.norm());
     const double off = std::atan2(target.y(), target.x());
     double speed_goal = 0.0;
@@ -157,15 +155,6 @@ class Follower {
         nearest_ = i;
       }
     }
-  }
-
-  [[nodiscard]] Eigen::Vector2d point_at(double at_m) const {
-    const auto after = std::upper_bound(profile_.at_m.begin(), profile_.at_m.end(), at_m);
-    if (after == profile_.at_m.end()) return path_.back();
-    const auto i = static_cast<std::size_t>(after - profile_.at_m.begin());
-    const double span = profile_.at_m[i] - profile_.at_m[i - 1];
-    const double ratio = span > 0.0 ? (at_m - profile_.at_m[i - 1]) / span : 0.0;
-    return path_[i - 1] + ratio * (path_[i] - path_[i - 1]);
   }
 
   const Path& path_;

@@ -49,23 +49,14 @@ Crowd::Crowd(const World& world, const Drive& drive, int count, Rng rng) : drive
       person.path.insert(person.path.end(), path.begin(), path.end());
       at = way->cells.back();
     }
-    person.path_m.push_back(0.0);
-    for (std::size_t p = 1; p < person.path.size(); ++p) {
-      person.path_m.push_back(person.path_m.back() + (person.path[p] - person.path[p - 1]).norm());
-    }
+    person.path_m = distances_along(person.path);
     walk(person, drive, rng);
     people_.push_back(std::move(person));
   }
 }
 
 Eigen::Vector2d Crowd::on_path(const Person& person, double at_m) {
-  const auto after = std::upper_bound(person.path_m.begin(), person.path_m.end(), at_m);
-  if (after == person.path_m.end()) return person.path.back();
-  if (after == person.path_m.begin()) return person.path.front();
-  const auto i = static_cast<std::size_t>(after - person.path_m.begin());
-  const double span = person.path_m[i] - person.path_m[i - 1];
-  const double ratio = span > 0.0 ? (at_m - person.path_m[i - 1]) / span : 0.0;
-  return person.path[i - 1] + ratio * (person.path[i] - person.path[i - 1]);
+  return point_along(person.path, person.path_m, at_m);
 }
 
 void Crowd::walk(Person& person, const Drive& drive, Rng& rng) {

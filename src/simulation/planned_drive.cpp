@@ -18,17 +18,15 @@ constexpr double kRest = 1.0;        ///< before it goes on [s]
 
 /// Around what stands between the two, as somebody walks who carries a robot; nothing where that is
 /// no way of about this length.
-std::optional<Path> way_between(RoutePlanner& planner, const Eigen::Vector2d& from,
-                                const Eigen::Vector2d& to) {
-  const auto start = planner.nearest_free(from, kLostRoom);
-  const auto goal = planner.nearest_free(to, kLostRoom);
-  if (!start || !goal) return std::nullopt;
-  const auto way = planner.find_way(*start, {*goal});
+/// \param start, goal  the free cells nearest to them
+std::optional<Path> way_between(RoutePlanner& planner, Cell start, Cell goal,
+                                const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const auto way = planner.find_way(start, {goal});
   if (!way) return std::nullopt;
   Path path = planner.smoothed(planner.path_of(way->cells));
   path.front() = from;
   path.back() = to;
-  if (length_of(path) > kDetour * (to - from).norm()) return std::nullopt;
+  if (distances_along(path).back() > kDetour * (to - from).norm()) return std::nullopt;
   return path;
 }
 
@@ -42,14 +40,17 @@ std::optional<Path> way_to_set_down(const World& world, double robot_radius_m,
   const SurfaceIndex obstacles(plan);
   RoutePlanner planner(obstacles, extent_of(plan), robot_radius_m + kMargin);
   if (!planner.reach_from(world.map_T_start.translation())) return std::nullopt;
+  const auto start = planner.nearest_free(from, kLostRoom);
   for (double distance = distance_m; distance > 0.2; distance *= 0.8) {
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const double bearing = rng.uniform(0.0, 2.0 * kPi);
       const Eigen::Vector2d at =
           from + distance * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
-      if (!planner.nearest_free(at, 0.1)) continue;
+      const auto goal = planner.nearest_free(at, 0.1);
+      if (!goal) continue;
       if (is_blind) return Path{from, at};
-      if (auto way = way_between(planner, from, at)) return way;
+      if (!start) return std::nullopt;
+      if (auto way = way_between(planner, *start, *goal, from, at)) return way;
     }
   }
   return std::nullopt;

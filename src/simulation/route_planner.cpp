@@ -31,10 +31,22 @@ constexpr std::array kSteps{Step{1, 0, 1.0},         Step{0, 1, 1.0},       Step
 
 }  // namespace
 
-double length_of(std::span<const Eigen::Vector2d> way) {
-  double sum_m = 0.0;
-  for (std::size_t i = 1; i < way.size(); ++i) sum_m += (way[i] - way[i - 1]).norm();
-  return sum_m;
+std::vector<double> distances_along(std::span<const Eigen::Vector2d> path) {
+  std::vector<double> at_m{0.0};
+  for (std::size_t i = 1; i < path.size(); ++i)
+    at_m.push_back(at_m.back() + (path[i] - path[i - 1]).norm());
+  return at_m;
+}
+
+Eigen::Vector2d point_along(std::span<const Eigen::Vector2d> path, std::span<const double> at_m,
+                            double distance_m) {
+  const auto after = std::ranges::upper_bound(at_m, distance_m);
+  if (after == at_m.end()) return path.back();
+  if (after == at_m.begin()) return path.front();
+  const auto i = static_cast<std::size_t>(after - at_m.begin());
+  const double span = at_m[i] - at_m[i - 1];
+  const double ratio = span > 0.0 ? (distance_m - at_m[i - 1]) / span : 0.0;
+  return path[i - 1] + ratio * (path[i] - path[i - 1]);
 }
 
 FloorPlan obstacles_of(const World& world) {

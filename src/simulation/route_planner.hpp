@@ -15,7 +15,12 @@ namespace loopstone {
 
 using Path = std::vector<Eigen::Vector2d>;  ///< map frame, points about 0.1 m apart
 
-[[nodiscard]] double length_of(std::span<const Eigen::Vector2d> way);  ///< [m]
+/// How far each point of a path lies along it, from 0 on [m].
+[[nodiscard]] std::vector<double> distances_along(std::span<const Eigen::Vector2d> path);
+/// The point that far along a path; before it and beyond it, its ends.
+/// \param at_m  its distances_along
+[[nodiscard]] Eigen::Vector2d point_along(std::span<const Eigen::Vector2d> path,
+                                          std::span<const double> at_m, double distance_m);
 
 /// What keeps a robot out: all that a laser sees, and the keep-out boxes.
 [[nodiscard]] FloorPlan obstacles_of(const World& world);

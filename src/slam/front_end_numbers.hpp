@@ -70,7 +70,7 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit(
       "tells_nothing", n.tells_nothing,
       "chosen: where a laser tells less than so much of what a guess says, it did not outvote it: "
-      "a third of its standard deviation");
+      "its own standard deviation is three times as large");
   visit("same_score", n.same_score,
         "chosen: scores that differ by less say the same: a point in fifty");
   visit("score_drop", n.score_drop,
