@@ -41,6 +41,11 @@ std::pair<double, double> width_of(const SubmapRecord& submap) {
   return {low, high};
 }
 
+/// Its ends are of two pieces of the path.
+bool across_break(const LoopClosure& closure, std::span<const SubmapRecord> submaps) {
+  return submaps[closure.from_submap.index].piece != submaps[closure.to_submap.index].piece;
+}
+
 }  // namespace
 
 BackEnd::BackEnd(const MapOptions& options, Threads threads)
@@ -168,8 +173,9 @@ PoseGraph BackEnd::outline() const {
   return graph;
 }
 
-/// What bends the map is asked about in its surroundings: they must hold it where it pulls, and
-/// across a break of the path no other place may do as well. What fails is rejected.
+/// What bends the map is asked about in its surroundings: they must hold it where it pulls. Across a
+/// break of the path no other place may do as well, even where it bends nothing: then it would make
+/// certain what nobody knew. What fails is rejected.
 void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
   if (asked.empty()) return;
   const auto submaps = chain_.submaps();
@@ -199,7 +205,7 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
           travel_from(submaps, closure.from_submap, kInfinite)[closure.to_submap.index];
       return known.empty() || is_likely(closure, known[i], travel_m, submaps);
     };
-    if (!leads_there() || !is_held()) {
+    if (!bends_nothing(closure, submaps) && (!leads_there() || !is_held())) {
       closure.reason = ClosureReason::kSurroundings;
     } else if (!known.empty() && has_rival_place(closure, known[i], submaps, loop_options_,
                                                  submap_options_, match_options_)) {
@@ -222,7 +228,7 @@ std::vector<std::size_t> BackEnd::settle() {
     const Drives drives(submaps);
     const auto needs_asking = [&](const LoopClosure& closure) {
       return drives.are_adrift(closure.from_submap, closure.to_submap) ||
-             !bends_nothing(closure, submaps);
+             across_break(closure, submaps) || !bends_nothing(closure, submaps);
     };
     std::vector<std::size_t> places;
     std::vector<LoopClosure> asked;

@@ -173,7 +173,8 @@ void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
     if (found[i]) sighting.cover.beams[i] = true;
   }
   show_rest(scan, sighting);
-  if (leave_open(sighting.surfaces)) {
+  // Past a robot in somebody's hands the ground travels.
+  if (leave_open(sighting.surfaces) && is_said_to_drive(sighting)) {
     // Where odometry has proved itself, what contradicts it is contested: see contest().
     const bool is_proved = predictor_.check().translation().scale().has_value();
     if (!is_proved && is_crowd(sighting.cover.beams)) sighting.cover.is_fault = true;

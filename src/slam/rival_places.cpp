@@ -55,6 +55,59 @@ std::optional<Pose2> fitted(const FrozenSubmap& place, const FrozenSubmap& newer
   return match.target_T_source;
 }
 
+/// How much of a submap others show, and how much of that agrees: shares of it, summed over them.
+struct Explained {
+  double shown = 0.0;
+  double fits = 0.0;
+
+  [[nodiscard]] double share() const { return shown > 0.0 ? fits / shown : 0.0; }
+};
+
+/// What the submaps before a break of the path say of where one lies.
+class BeforeBreak {
+ public:
+  /// \param after  a submap behind the break
+  BeforeBreak(std::span<const SubmapRecord> submaps, SubmapId after,
+              const SubmapOptions& submap_options)
+      : submaps_(submaps.first(after.index)),
+        piece_(submaps[after.index].piece),
+        submap_options_(submap_options) {}
+
+  [[nodiscard]] bool has(const SubmapRecord& place) const {
+    return place.frozen && !place.frozen->surfaces.empty() && place.piece != piece_;
+  }
+  /// How all of them explain a submap that would lie there; itself is not asked.
+  [[nodiscard]] Explained explain(const SubmapRecord& submap, const Pose2& map_T_submap) const {
+    Explained sum;
+    const auto probe = submap.frozen->probe(kRivalPlaces.probe_points);
+    for (const SubmapRecord& place : submaps_) {
+      if (!has(place) || &place == &submap) continue;
+      const Pose2 pose = place.map_T_submap.inverse() * map_T_submap;
+      if ((pose * submap.centre - place.centre).norm() > place.radius_m + submap.radius_m) continue;
+      const MaxPyramid cells = place.frozen->search_pyramid(submap_options_, kRivalPlaces.slack_m);
+      const double shown = share_of(seen_by(cells, pose, submap.frozen->surfaces));
+      if (shown < kRivalPlaces.shows_share) continue;
+      const SearchResult best = search_branch_and_bound(
+          probe, cells, {pose, kRivalPlaces.slack_m, kRivalPlaces.slack_rad}, kLeastScore);
+      sum.shown += shown;
+      if (best.found) sum.fits += std::min(best.score, shown);
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr double kLeastScore = 0.01;  // there is always some pose
+
+  std::span<const SubmapRecord> submaps_;
+  std::size_t piece_;
+  const SubmapOptions& submap_options_;
+};
+
+/// Where nobody was nothing contradicts a submap.
+bool is_as_good(const Explained& there, const Explained& here) {
+  return there.fits >= (here.share() - kRivalPlaces.clearly_less) * there.shown;
+}
+
 }  // namespace
 
 std::vector<Eigen::Matrix3d> known_motions(const PoseGraph& graph,
@@ -125,22 +178,26 @@ bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known,
     if (!found) return {};
     return place.map_T_submap * *found;
   };
-  const auto is_near = [&](const Pose2& map_T_newer) {
-    return chi2_of(map_T_older.inverse() * map_T_newer, present, known) < most_chi2;
-  };
+  const BeforeBreak before(submaps, closure.to_submap, submap_options);
   const Pose2 map_T_found = map_T_older * closure.from_T_to;
+  const Explained found = before.explain(newer, map_T_found);
+  const Explained itself = before.explain(older, map_T_older);
+  const auto is_rival = [&](const Pose2& map_T_newer) {
+    return chi2_of(map_T_older.inverse() * map_T_newer, present, known) < most_chi2 &&
+           is_as_good(before.explain(newer, map_T_newer), found);
+  };
   for (std::size_t i = 0; i < closure.to_submap.index; ++i) {
     const SubmapRecord& place = submaps[i];
-    if (!place.frozen || place.frozen->surfaces.empty() || place.piece == newer.piece) continue;
+    if (!before.has(place)) continue;
     const Pose2 map_T_expected{newer.map_T_submap.x, newer.map_T_submap.y, map_T_found.yaw};
     const auto rival = fits(place, newer, map_T_expected, map_T_found, as_found);
-    if (rival && is_near(*rival)) return true;
+    if (rival && is_rival(*rival)) return true;
     // Where the older place repeats itself, the next repetition may be one that nobody saw yet.
     if (i == closure.from_submap.index) continue;
     const auto again = fits(place, older, map_T_older, map_T_older, as_again);
-    if (!again) continue;
+    if (!again || !is_as_good(before.explain(older, *again), itself)) continue;
     const Pose2 step = *again * map_T_older.inverse();
-    if (is_near(step * map_T_found) || is_near(step.inverse() * map_T_found)) return true;
+    if (is_rival(step * map_T_found) || is_rival(step.inverse() * map_T_found)) return true;
   }
   return false;
 }

@@ -31,6 +31,10 @@ struct RivalPlacesNumbers {
   double drift_rad_per_m = 0.001;
   double elsewhere_m = 1.0;
   double elsewhere_rad = 0.35;
+  double slack_m = 0.15;
+  double slack_rad = 0.03;
+  double shows_share = 0.1;
+  double clearly_less = 0.05;
 };
 inline constexpr RivalPlacesNumbers kRivalPlaces{};
 
@@ -68,6 +72,16 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
   visit("elsewhere_m", n.elsewhere_m,
         "chosen: a pose this far from the found one is another place");
   visit("elsewhere_rad", n.elsewhere_rad, "chosen: or one turned by so much");
+  visit(
+      "slack_m", n.slack_m,
+      "chosen: submaps of one place lie to one another as well as this, before they are adjusted");
+  visit("slack_rad", n.slack_rad, "derived: slack_m of a point five metres off");
+  visit("shows_share", n.shows_share,
+        "chosen: a submap that shows less of another says nothing of where it lies");
+  visit("clearly_less", n.clearly_less,
+        "chosen: a pose at which the submaps around explain this much less of what they show is no "
+        "rival: in bare corridors the right one leads by 0.07 and more, among alike rooms by "
+        "nothing");
 }
 
 /// Covariance of the motion from the older end of each closure to its newer one as the path and the
@@ -84,9 +98,11 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
                              double travel_m, std::span<const SubmapRecord> submaps);
 
 /// Whether the newer submap fits elsewhere as well, in any place of other pieces of the path that
-/// what is known of the motion allows, and is not far less likely there.
+/// what is known of the motion allows, and is not far less likely there. A corridor repeats itself
+/// for any one submap of it, but for each by another step: all that show the place are asked
+/// together.
 /// \param known  of known_motions()
-/// Cost: a search for each submap within reach.
+/// Cost: a search for each submap within reach; for each that finds a place, a small one in all.
 [[nodiscard]] bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known,
                                    std::span<const SubmapRecord> submaps,
                                    const LoopOptions& options, const SubmapOptions& submap_options,

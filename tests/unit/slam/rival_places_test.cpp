@@ -51,6 +51,25 @@ TEST(RivalPlaces, AlikeRoomsAreRivalsAsFarAsThePathMayBeOff) {
   EXPECT_FALSE(rooms.has_rival(0.2)) << "the path knows";
 }
 
+/// A second submap of each of two rooms shows that one of them is empty, and deeper.
+TEST(RivalPlaces, APlaceThatOtherSubmapsTellApartIsNoRival) {
+  const std::vector<Pose2> again{{3.4, 2.4, 0.5}, {4.4, 3.4, 1.5}, {2.8, 2.2, -1.0}};
+  for (const bool differs : {false, true}) {
+    Rooms rooms(2);
+    for (const std::size_t room : {0, 1}) {
+      test::Walls seen = test::furnished_room();
+      if (differs && room == 1) seen = test::rectangle({0.0, 0.0}, {8.0, 6.5});
+      FinishedSubmap finished = test::submap_seen_from(seen, again, 0);
+      SubmapRecord record;
+      record.freeze(std::move(finished));
+      record.map_T_submap = Pose2{9.0 * static_cast<double>(room), 0.0, 0.0} * again.front();
+      rooms.submaps.insert(rooms.submaps.begin() + 2, std::move(record));
+    }
+    rooms.closure.to_submap = {rooms.submaps.size() - 1};
+    EXPECT_EQ(rooms.has_rival(5.0), !differs);
+  }
+}
+
 TEST(RivalPlaces, WhereTheHeadingIsOpenARoomMayBeItsOwnMirror) {
   // An empty room, longer than wide, looks the same from the other side.
   const std::vector<Pose2> visit{{2.0, 1.5, 0.0}, {4.0, 2.5, 1.5}, {6.0, 1.5, 3.0}};
