@@ -173,9 +173,9 @@ PoseGraph BackEnd::outline() const {
   return graph;
 }
 
-/// What bends the map is asked about in its surroundings: they must hold it where it pulls. Across a
-/// break of the path no other place may do as well, even where it bends nothing: then it would make
-/// certain what nobody knew. What fails is rejected.
+/// What bends the map is asked about in its surroundings: they must hold it where it pulls. Across
+/// a break of the path no other place may do as well, even where it bends nothing: then it would
+/// make certain what nobody knew. What fails is rejected.
 void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
   if (asked.empty()) return;
   const auto submaps = chain_.submaps();

@@ -54,8 +54,8 @@ double share_of(const MotionAgreement& agreement) {
   return 1.0;
 }
 
-/// Where the laser leaves a direction open, hands go on as they were last seen to, whatever they turn
-/// the robot by meanwhile: chance slides would add up.
+/// Where the laser leaves a direction open, hands go on as they were last seen to, whatever they
+/// turn the robot by meanwhile: chance slides would add up.
 Pose2 as_before(const Pose2& motion, const Pose2& before) {
   const Eigen::Vector2d way = Pose2{0.0, 0.0, -motion.yaw} * before.translation();
   return {way.x(), way.y(), motion.yaw};
