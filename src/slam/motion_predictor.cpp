@@ -54,13 +54,6 @@ double share_of(const MotionAgreement& agreement) {
   return 1.0;
 }
 
-/// Where the laser leaves a direction open, hands go on as they were last seen to, whatever they
-/// turn the robot by meanwhile: chance slides would add up.
-Pose2 as_before(const Pose2& motion, const Pose2& before) {
-  const Eigen::Vector2d way = Pose2{0.0, 0.0, -motion.yaw} * before.translation();
-  return {way.x(), way.y(), motion.yaw};
-}
-
 /// Odometry that is not trusted is hearsay. But while the laser sees nothing there is nothing else,
 /// and no motion goes on for ever.
 Pose2 hearsay(const Pose2& said, const OdometryCheck& check) {
@@ -281,8 +274,7 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
     }
     if (seen.rotation && !own_.steps.empty()) learn_coast(stamp, motion, seen);
     measure_speed((stamp - *own_.last_stamp).seconds(), motion, seen);
-    const bool is_unseen = lift_.is_lifted() && !seen.translation;
-    remember_step(stamp, is_unseen ? as_before(motion, coasts(stamp).front()) : motion);
+    remember_step(stamp, motion);
   }
   watch_lift(stamp, local_T_robot, odometry, seen);
   if (!own_.last_stamp || seen.translation || seen.rotation) own_.placed = stamp;
