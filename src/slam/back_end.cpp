@@ -205,9 +205,10 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
           travel_from(submaps, closure.from_submap, kInfinite)[closure.to_submap.index];
       return known.empty() || is_likely(closure, known[i], travel_m, submaps);
     };
-    if (!bends_nothing(closure, submaps) && (!leads_there() || !is_held())) {
+    const bool bends = !bends_nothing(closure, submaps);
+    if (bends && (!leads_there() || !is_held())) {
       closure.reason = ClosureReason::kSurroundings;
-    } else if (!known.empty() && has_rival_place(closure, known[i], submaps, loop_options_,
+    } else if (!known.empty() && has_rival_place(closure, known[i], bends, submaps, loop_options_,
                                                  submap_options_, match_options_)) {
       closure.reason = ClosureReason::kAmbiguousPlace;
     } else {

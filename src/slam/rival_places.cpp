@@ -76,12 +76,12 @@ class BeforeBreak {
   [[nodiscard]] bool has(const SubmapRecord& place) const {
     return place.frozen && !place.frozen->surfaces.empty() && place.piece != piece_;
   }
-  /// How all of them explain a submap that would lie there; itself is not asked.
+  /// How all of them explain a submap that would lie there.
   [[nodiscard]] Explained explain(const SubmapRecord& submap, const Pose2& map_T_submap) const {
     Explained sum;
     const auto probe = submap.frozen->probe(kRivalPlaces.probe_points);
     for (const SubmapRecord& place : submaps_) {
-      if (!has(place) || &place == &submap) continue;
+      if (!has(place)) continue;
       const Pose2 pose = place.map_T_submap.inverse() * map_T_submap;
       if ((pose * submap.centre - place.centre).norm() > place.radius_m + submap.radius_m) continue;
       const MaxPyramid cells = place.frozen->search_pyramid(submap_options_, kRivalPlaces.slack_m);
@@ -102,11 +102,6 @@ class BeforeBreak {
   std::size_t piece_;
   const SubmapOptions& submap_options_;
 };
-
-/// Where nobody was nothing contradicts a submap.
-bool is_as_good(const Explained& there, const Explained& here) {
-  return there.fits >= (here.share() - kRivalPlaces.clearly_less) * there.shown;
-}
 
 }  // namespace
 
@@ -142,7 +137,7 @@ bool is_likely(const LoopClosure& closure, const Eigen::Matrix3d& known, double 
   return chi2_of(closure.from_T_to, present, covariance) <= most;
 }
 
-bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known,
+bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known, bool bends,
                      std::span<const SubmapRecord> submaps, const LoopOptions& options,
                      const SubmapOptions& submap_options, const GridMatchOptions& match_options) {
   const SubmapRecord& newer = submaps[closure.to_submap.index];
@@ -181,23 +176,25 @@ bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known,
   const BeforeBreak before(submaps, closure.to_submap, submap_options);
   const Pose2 map_T_found = map_T_older * closure.from_T_to;
   const Explained found = before.explain(newer, map_T_found);
-  const Explained itself = before.explain(older, map_T_older);
-  const auto is_rival = [&](const Pose2& map_T_newer) {
-    return chi2_of(map_T_older.inverse() * map_T_newer, present, known) < most_chi2 &&
-           is_as_good(before.explain(newer, map_T_newer), found);
+  const auto is_near = [&](const Pose2& map_T_newer) {
+    return chi2_of(map_T_older.inverse() * map_T_newer, present, known) < most_chi2;
+  };
+  const auto is_explained = [&](const Pose2& map_T_newer) {
+    const Explained there = before.explain(newer, map_T_newer);
+    return there.fits >= (found.share() - kRivalPlaces.clearly_less) * there.shown;
   };
   for (std::size_t i = 0; i < closure.to_submap.index; ++i) {
     const SubmapRecord& place = submaps[i];
     if (!before.has(place)) continue;
     const Pose2 map_T_expected{newer.map_T_submap.x, newer.map_T_submap.y, map_T_found.yaw};
     const auto rival = fits(place, newer, map_T_expected, map_T_found, as_found);
-    if (rival && is_rival(*rival)) return true;
+    if (rival && is_near(*rival) && is_explained(*rival)) return true;
     // Where the older place repeats itself, the next repetition may be one that nobody saw yet.
-    if (i == closure.from_submap.index) continue;
+    if (!bends || i == closure.from_submap.index) continue;
     const auto again = fits(place, older, map_T_older, map_T_older, as_again);
-    if (!again || !is_as_good(before.explain(older, *again), itself)) continue;
+    if (!again) continue;
     const Pose2 step = *again * map_T_older.inverse();
-    if (is_rival(step * map_T_found) || is_rival(step.inverse() * map_T_found)) return true;
+    if (is_near(step * map_T_found) || is_near(step.inverse() * map_T_found)) return true;
   }
   return false;
 }

@@ -100,11 +100,13 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
 /// Whether the newer submap fits elsewhere as well, in any place of other pieces of the path that
 /// what is known of the motion allows, and is not far less likely there. A corridor repeats itself
 /// for any one submap of it, but for each by another step: all that show the place are asked
-/// together.
+/// together. A closure that bends the map must also stand against places that nobody saw yet, where
+/// the older place would repeat itself once more.
 /// \param known  of known_motions()
+/// \param bends  whether the closure moves anything: one that does not has the path for a witness
 /// Cost: a search for each submap within reach; for each that finds a place, a small one in all.
 [[nodiscard]] bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known,
-                                   std::span<const SubmapRecord> submaps,
+                                   bool bends, std::span<const SubmapRecord> submaps,
                                    const LoopOptions& options, const SubmapOptions& submap_options,
                                    const GridMatchOptions& match_options);
 

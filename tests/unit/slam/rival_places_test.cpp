@@ -37,8 +37,8 @@ struct Rooms {
     closure.score = 0.8;
     closure.agreement = 0.95;
   }
-  [[nodiscard]] bool has_rival(double sigma_m) const {
-    return has_rival_place(closure, planar_covariance(sigma_m, 0.2), submaps, {}, {}, {});
+  [[nodiscard]] bool has_rival(double sigma_m, bool bends = true) const {
+    return has_rival_place(closure, planar_covariance(sigma_m, 0.2), bends, submaps, {}, {}, {});
   }
 };
 
@@ -66,7 +66,8 @@ TEST(RivalPlaces, APlaceThatOtherSubmapsTellApartIsNoRival) {
       rooms.submaps.insert(rooms.submaps.begin() + 2, std::move(record));
     }
     rooms.closure.to_submap = {rooms.submaps.size() - 1};
-    EXPECT_EQ(rooms.has_rival(5.0), !differs);
+    EXPECT_EQ(rooms.has_rival(5.0, false), !differs);
+    EXPECT_TRUE(rooms.has_rival(5.0, true)) << "a third one may lie on the other side";
   }
 }
 
@@ -87,7 +88,7 @@ TEST(RivalPlaces, WhereTheHeadingIsOpenARoomMayBeItsOwnMirror) {
   closure.score = 0.8;
   closure.agreement = 0.95;
   const auto has_rival = [&](double sigma_rad) {
-    return has_rival_place(closure, planar_covariance(5.0, sigma_rad), submaps, {}, {}, {});
+    return has_rival_place(closure, planar_covariance(5.0, sigma_rad), true, submaps, {}, {}, {});
   };
   EXPECT_FALSE(has_rival(0.1)) << "the path knows the heading";
   EXPECT_TRUE(has_rival(1.8));
