@@ -334,7 +334,7 @@ TEST(BrokenRecording, ARobotThatWasCarriedAlongACorridorIsFoundWhereAllOfItFits)
   options.duration_s = 110.0;
   const SimulatedLog log = simulate_log("loops", 397, options);
   const MapResult result = map_of(log);
-  EXPECT_LT(off_across_m(result.trajectory, log, 58.0, 90.0), 0.3) << all_of(result.warnings);
+  EXPECT_LT(off_across_m(result.trajectory, log, 58.0, 90.0), 0.5) << all_of(result.warnings);
   EXPECT_GE(std::ranges::count_if(result.loop_closures, &LoopClosure::stands), 4);
 }
 
