@@ -93,8 +93,8 @@ class Fleet:
         return run([self.command, "report", out])[1]
 
 
-def run_anew(fleet, manifest, out, workers):
-    """Figures of one run from nothing."""
+def run_anew(fleet, manifest, logs, out, workers):
+    """Figures of one run from nothing over so many logs."""
     shutil.rmtree(out, ignore_errors=True)
     cost = fleet.run(manifest, out, workers)
     rows, logs_with_one_row = rows_of(out)
@@ -103,7 +103,7 @@ def run_anew(fleet, manifest, out, workers):
     joins = [row["site_wall_s"] for row in rows if "site_wall_s" in row]
     return {
         "workers": workers,
-        "logs": len(rows),
+        "logs": logs,
         "wall_s": cost["wall_s"],
         "coordinator_peak_mb": cost["peak_mb"],
         "one_row": logs_with_one_row,
@@ -135,11 +135,12 @@ def measure(fleet, work, count):
     for log in logs:  # as warm for the first as for the second
         log.read_bytes()
     runs = []
-    for of, workers in ((scaled, 1), (scaled, 2), (manifest, 2)):
-        say(f"  {of.name}: {workers} at a time")
-        runs.append(run_anew(fleet, of, out, workers))
+    fewer = len(logs[:SCALED_LOGS])
+    for of, of_logs, workers in ((scaled, fewer, 1), (scaled, fewer, 2), (manifest, count, 2)):
+        say(f"  {of_logs} logs, {workers} at a time")
+        runs.append(run_anew(fleet, of, of_logs, out, workers))
     few_out = work / "fleet-few-out"
-    run_anew(fleet, few, few_out, 2)
+    run_anew(fleet, few, len(logs[:FEW]), few_out, 2)
     figures = {
         "again_s": fleet.run(manifest, out, 2)["wall_s"] - fleet.run(few, few_out, 2)["wall_s"],
         "report_s": fleet.report(out)["wall_s"] - fleet.report(few_out)["wall_s"],

@@ -44,13 +44,14 @@ def speed_up(figures):
 
 
 def targets_of(figures):
-    whole = figures["runs"][-1]["one_row"]
+    asked = sum(run["logs"] for run in figures["runs"])
+    whole = sum(run["one_row"] for run in figures["runs"])
     return [
         (
-            "logs that ended with exactly one row",
-            f"{figures['logs']:,}",
+            "logs that ended with exactly one row, in all runs",
+            f"{asked:,}",
             f"{whole:,}",
-            whole == figures["logs"],
+            whole == asked,
         ),
         (
             "speed of two workers / one",
