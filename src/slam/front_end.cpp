@@ -153,12 +153,15 @@ bool FrontEnd::is_crowded(const LaserScan& scan) const {
   });
 }
 
-/// What moves against the ground, where the robot could be held by little else.
+/// What moves against the ground, where the robot could be held by little else. Past a robot that
+/// stands, perhaps in somebody's hands, the ground itself may travel.
 void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
   const MotionGuess& guess = sighting.likeliest();
   const bool is_likely = sighting.guesses.size() == 1;  // it may have jumped
-  if (!guess.measured || !is_likely || !sighting.odometry || !odometry_may_lead()) return;
-  sighting.is_crowded = is_crowded(scan) && is_said_to_drive(sighting);  // not carried by them
+  if (!guess.measured || !is_likely || !sighting.odometry || !odometry_may_lead() ||
+      !is_said_to_drive(sighting))
+    return;
+  sighting.is_crowded = is_crowded(scan);
   sighting.is_led = sighting.is_crowded && leave_open(sighting.surfaces);
   Pose2 ground_T_robot = guess.local_T_robot;
   ground_T_robot.x += own_.local_to_ground_m.x();
@@ -173,8 +176,7 @@ void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
     if (found[i]) sighting.cover.beams[i] = true;
   }
   show_rest(scan, sighting);
-  // Past a robot in somebody's hands the ground travels.
-  if (leave_open(sighting.surfaces) && is_said_to_drive(sighting)) {
+  if (leave_open(sighting.surfaces)) {
     // Where odometry has proved itself, what contradicts it is contested: see contest().
     const bool is_proved = predictor_.check().translation().scale().has_value();
     if (!is_proved && is_crowd(sighting.cover.beams)) sighting.cover.is_fault = true;

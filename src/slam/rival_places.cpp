@@ -175,13 +175,14 @@ bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known, b
   };
   const BeforeBreak before(submaps, closure.to_submap, submap_options);
   const Pose2 map_T_found = map_T_older * closure.from_T_to;
-  const Explained found = before.explain(newer, map_T_found);
+  std::optional<Explained> found;  // once a rival asks
   const auto is_near = [&](const Pose2& map_T_newer) {
     return chi2_of(map_T_older.inverse() * map_T_newer, present, known) < most_chi2;
   };
   const auto is_explained = [&](const Pose2& map_T_newer) {
+    if (!found) found = before.explain(newer, map_T_found);
     const Explained there = before.explain(newer, map_T_newer);
-    return there.fits >= (found.share() - kRivalPlaces.clearly_less) * there.shown;
+    return there.fits >= (found->share() - kRivalPlaces.clearly_less) * there.shown;
   };
   for (std::size_t i = 0; i < closure.to_submap.index; ++i) {
     const SubmapRecord& place = submaps[i];
