@@ -36,7 +36,8 @@ SCALED_LOGS = 200  # that one worker maps, too
 DURATION_S = 60
 FLAGS = "--format carmen --beams 181 --fov 180 --scan-rate 5 --realism usual --quiet".split()
 WORLDS = ["office", "rooms", "warehouse", "loops"]
-# Drives in the same world are of one site.
+FIRST_DAY_S, DAY_S = 1767225600, 86400  # 2026
+# Drives in the same world are of one site, each of another day.
 DRIVES_A_SITE, ROBOTS, BROKEN_EVERY = 10, 50, 100
 FEW = 5  # logs of a run that tells what a run costs by itself
 LINES = 100_000  # of a manifest that is read and refused for its last line
@@ -53,7 +54,9 @@ def simulate(program, folder, number):
             return path
         sim = folder / f"sim-{number}"
         command = [program, "simulate", WORLDS[site % len(WORLDS)], "-o", sim, *FLAGS, "--force"]
-        command += ["--duration", str(DURATION_S), "--seed", str(1 + site)]
+        begins_s = FIRST_DAY_S + DAY_S * (number % DRIVES_A_SITE)
+        command += ["--duration", str(DURATION_S), "--set", f"start_s={begins_s}"]
+        command += ["--seed", str(1 + site)]
         subprocess.run([*command, "--drive-seed", str(1 + number)], check=True, capture_output=True)
         os.replace(sim / "log.clf", path)
         shutil.rmtree(sim)
