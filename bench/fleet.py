@@ -6,6 +6,8 @@ these costs what a million logs take. Writes the table of docs/fleet.md.
   bench/fleet.py               an hour on two slow processors, of which a quarter simulates
   bench/fleet.py --quick       20 logs; writes nothing into docs/
   bench/fleet.py --logs 200    likewise
+  bench/fleet.py --speed       the speed of one worker and of two anew, after a full run (a quarter
+                               of an hour)
   bench/fleet.py --write       no run: the table from what the last full run measured
 
 It needs build/fleet/venv (scripts/test_fleet.sh). One log in a hundred is no log at all. What was
@@ -126,22 +128,35 @@ def run_anew(fleet, manifest, logs, out, workers):
     }
 
 
-def measure(fleet, work, count):
+def logs_of(fleet, work, count):
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         folder = work / "fleet-logs"
-        logs = list(pool.map(lambda number: simulate(fleet.program, folder, number), range(count)))
-    manifest, few, out = work / "fleet.csv", work / "fleet-few.csv", work / "fleet-out"
-    scaled = work / "fleet-scaled.csv"
-    write_manifest(manifest, logs)
-    write_manifest(scaled, logs[:SCALED_LOGS])
-    write_manifest(few, logs[:FEW])
-    for log in logs:  # as warm for the first as for the second
+        return list(pool.map(lambda number: simulate(fleet.program, folder, number), range(count)))
+
+
+def measure_speed(fleet, work, logs):
+    """The first logs by one worker, and by two."""
+    scaled = logs[:SCALED_LOGS]
+    manifest = work / "fleet-scaled.csv"
+    write_manifest(manifest, scaled)
+    for log in scaled:  # as warm for the first as for the second
         log.read_bytes()
     runs = []
-    fewer = len(logs[:SCALED_LOGS])
-    for of, of_logs, workers in ((scaled, fewer, 1), (scaled, fewer, 2), (manifest, count, 2)):
-        say(f"  {of_logs} logs, {workers} at a time")
-        runs.append(run_anew(fleet, of, of_logs, out, workers))
+    for workers in (1, 2):
+        say(f"  {len(scaled)} logs, {workers} at a time")
+        runs.append(run_anew(fleet, manifest, len(scaled), work / "fleet-out", workers))
+    shutil.rmtree(work / "fleet-out")
+    return runs
+
+
+def measure(fleet, work, count):
+    logs = logs_of(fleet, work, count)
+    manifest, few, out = work / "fleet.csv", work / "fleet-few.csv", work / "fleet-out"
+    write_manifest(manifest, logs)
+    write_manifest(few, logs[:FEW])
+    runs = measure_speed(fleet, work, logs)
+    say(f"  {count} logs, 2 at a time")
+    runs.append(run_anew(fleet, manifest, count, out, 2))
     few_out = work / "fleet-few-out"
     run_anew(fleet, few, len(logs[:FEW]), few_out, 2)
     figures = {
@@ -170,19 +185,25 @@ def memory_of_a_line(fleet, work):
 def main():
     parser = plain_parser(__doc__, ROOT, ROOT.parent / "shared/data")
     parser.add_argument("--logs", type=int, help=f"how many (default: {LOGS})")
+    parser.add_argument("--speed", action="store_true", help="of one worker and two, anew")
     parser.add_argument("--write", action="store_true", help="the table again")
     arguments = parser.parse_args()
     count = arguments.logs or (QUICK_LOGS if arguments.quick else LOGS)
     is_full = count == LOGS
     arguments.work.mkdir(parents=True, exist_ok=True)
     kept = arguments.work / f"fleet{'' if is_full else '-some'}.json"
-    if arguments.write:
+    loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
+    fleet = Fleet(loopstone.program)
+    if arguments.write or arguments.speed:
         section = json.loads(kept.read_text())
-    else:
-        loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
+    if arguments.speed:
+        section["speed"] = circumstances(loopstone.version())
+        logs = logs_of(fleet, arguments.work, count)
+        section["figures"]["runs"][:2] = measure_speed(fleet, arguments.work, logs)
+    elif not arguments.write:
         section = circumstances(loopstone.version())
-        section["figures"] = measure(Fleet(loopstone.program), arguments.work, count)
-        kept.write_text(json.dumps(section, indent=1))
+        section["figures"] = measure(fleet, arguments.work, count)
+    kept.write_text(json.dumps(section, indent=1))
     text = fleet_tables.text_of(section)
     if not is_full:
         print(text)

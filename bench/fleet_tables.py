@@ -186,7 +186,7 @@ def text_of(section):
     figures = section["figures"]
     costs = costs_of(figures)
     parts = [
-        provenance(section),
+        provenance(section, *([section["speed"]] if "speed" in section else [])),
         f"{figures['logs']:,} simulated drives, of which some are no logs at all.",
         runs_table(figures),
         table(

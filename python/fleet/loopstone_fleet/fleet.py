@@ -15,7 +15,13 @@ from loopstone_fleet.manifest import Entry, Shard, read_manifest
 from loopstone_fleet.outputs import Renewal, write_outputs
 from loopstone_fleet.page import State
 from loopstone_fleet.plan import Task, plan
-from loopstone_fleet.program import check_options, find_program, has_sites, version_of
+from loopstone_fleet.program import (
+    check_options,
+    find_program,
+    known_flags,
+    site_options,
+    version_of,
+)
 from loopstone_fleet.progress import Progress
 from loopstone_fleet.result_store import ResultStore, Row
 from loopstone_fleet.run import Retries, Run
@@ -155,13 +161,14 @@ def _join(
     if not with_site:
         progress.say("no row of the manifest names a site, so none was joined")
         return
-    if not has_sites(settings.program):
+    names = site_options(settings.program)
+    if names is None:
         progress.say(
             f"loopstone {settings.version} has no command to join sites, so {with_site} logs that"
             " name one were mapped and not joined"
         )
         return
-    counts = join_sites(entries, store, settings, call.workers)
+    counts = join_sites(entries, store, settings, call.workers, known_flags(settings.flags, names))
     told = ", ".join(f"{count} {word}" for word, count in sorted(counts.items())) or "nothing"
     progress.say(f"logs at their sites: {told}")
 

@@ -17,6 +17,7 @@ from typing import NamedTuple
 from loopstone_fleet.child import ChildEnd, Limits, run_child
 from loopstone_fleet.errors import LogTooLargeError, MissingLogError, StoreError
 from loopstone_fleet.manifest import Entry
+from loopstone_fleet.options import Options
 from loopstone_fleet.result_store import SUMMARY, ResultStore, Row, read_json
 from loopstone_fleet.status import DONE, Verdict, verdict_of
 from loopstone_fleet.store import FetchLimits, LocalLog, at_hand
@@ -62,19 +63,30 @@ class Job(NamedTuple):
     """From 1."""
 
 
-def robot_file(entry: Entry, settings: Settings) -> str:
-    """The file with the robot's wheels and mounts, or nothing where there is none of it."""
-    if not settings.robots or not entry.robot or os.sep in entry.robot:
+def robot_file(robot: str, settings: Settings) -> str:
+    """The file with a robot's wheels and mounts, or nothing where there is none of it."""
+    if not settings.robots or not robot or os.sep in robot:
         return ""
-    path = os.path.join(settings.robots, f"{entry.robot}.toml")
+    path = os.path.join(settings.robots, f"{robot}.toml")
     return path if os.path.exists(path) else ""
+
+
+def words_of(robot: str, options: Options, settings: Settings) -> list[str]:
+    """What tells the program of a log's robot and options, and what each process may take."""
+    words = ["--max-memory", f"{settings.max_memory_bytes // (1 << 20)}M"]
+    words += ["--threads", str(settings.threads)]
+    path = robot_file(robot, settings)
+    words += ["--robot", path] if path else []
+    for key, value in options:
+        words += ["--set", f"{key}={value}"]
+    return words
 
 
 def recipe_of(entry: Entry, settings: Settings) -> str:
     """The hash of all that determines a result beside the log."""
     words = [settings.version, *settings.flags]
     words += [f"{key}={value}" for key, value in entry.options]
-    robot = robot_file(entry, settings)
+    robot = robot_file(entry.robot, settings)
     if robot:
         words.append(hashlib.sha256(Path(robot).read_bytes()).hexdigest())
     return hashlib.sha256("\n".join(words).encode()).hexdigest()[:32]
@@ -179,13 +191,7 @@ def _without_paths(reason: str, log: LocalLog, work: Path) -> str:
 def _command(job: Job, log: LocalLog, out: Path) -> list[str]:
     settings = job.settings
     command = [settings.program, "map", log.path, "-o", str(out), "--quiet", "--json"]
-    command += ["--max-memory", f"{settings.max_memory_bytes // (1 << 20)}M"]
-    command += ["--threads", str(settings.threads), *settings.flags]
-    robot = robot_file(job.entry, settings)
-    command += ["--robot", robot] if robot else []
-    for key, value in job.entry.options:
-        command += ["--set", f"{key}={value}"]
-    return command
+    return [*command, *words_of(job.entry.robot, job.entry.options, settings), *settings.flags]
 
 
 def _note_costs(row: Row, end: ChildEnd) -> None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
+from collections.abc import Sequence
 
 from loopstone_fleet.errors import FleetError
 from loopstone_fleet.manifest import Entry
@@ -42,9 +44,22 @@ def version_of(program: str) -> str:
     return words[-1]
 
 
-def has_sites(program: str) -> bool:
-    """Whether this version can join logs to sites."""
-    return _call([program, "site", "add", "--help"]).returncode == 0
+def site_options(program: str) -> frozenset[str] | None:
+    """The names of what `site add` takes; None where this version can't join logs to sites."""
+    told = _call([program, "site", "add", "--help"])
+    return frozenset(re.findall(r"--[a-z-]+", told.stdout)) if told.returncode == 0 else None
+
+
+def known_flags(flags: Sequence[str], names: frozenset[str]) -> list[str]:
+    """Those of some flags that have one of these names, with their values."""
+    known: list[str] = []
+    is_known = False
+    for word in flags:
+        if re.match(r"-\D", word):
+            is_known = word.split("=")[0] in names
+        if is_known:
+            known.append(word)
+    return known
 
 
 def check_options(program: str, entries: list[Entry]) -> list[str]:

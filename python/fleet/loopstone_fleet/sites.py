@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import json
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 from loopstone_fleet.child import Limits, run_child
 from loopstone_fleet.errors import LogTooLargeError, MissingLogError, StoreError
-from loopstone_fleet.job import Settings, stop
+from loopstone_fleet.job import Settings, stop, words_of
 from loopstone_fleet.manifest import Entry
 from loopstone_fleet.result_store import ResultStore, Row, read_json, write_whole
 from loopstone_fleet.status import DONE, is_curable, verdict_of
@@ -25,12 +25,16 @@ JOINED, PENDING, FAILED = "joined", "pending", "failed"
 
 
 def join_sites(
-    entries: Iterable[Entry], store: ResultStore, settings: Settings, workers: int
+    entries: Iterable[Entry],
+    store: ResultStore,
+    settings: Settings,
+    workers: int,
+    flags: Sequence[str],
 ) -> Counter[str]:
     """Adds every log with a site that was mapped to its site; how many are joined, pending, failed.
 
     What a site has from an earlier run is not added again. Rows tell in `site_status` and
-    `site_reason`.
+    `site_reason`. `flags` are of the program's `site add`, for all logs.
     """
     by_site: dict[str, list[Row]] = defaultdict(list)
     for entry in entries:
@@ -40,7 +44,8 @@ def join_sites(
     (store.out / "sites").mkdir(exist_ok=True)
     with ThreadPoolExecutor(workers) as pool:
         futures = [
-            pool.submit(_join_site, site, rows, store, settings) for site, rows in by_site.items()
+            pool.submit(_join_site, site, rows, store, settings, flags)
+            for site, rows in by_site.items()
         ]
         try:
             counts = [future.result() for future in futures]
@@ -64,7 +69,9 @@ class Joined(NamedTuple):
         return {**row, **told}
 
 
-def _join_site(site: str, rows: list[Row], store: ResultStore, settings: Settings) -> Counter[str]:
+def _join_site(
+    site: str, rows: list[Row], store: ResultStore, settings: Settings, flags: Sequence[str]
+) -> Counter[str]:
     book = store.out / "sites" / f"{site}.json"
     known = read_json(book) or {}
     counts: Counter[str] = Counter()
@@ -76,7 +83,7 @@ def _join_site(site: str, rows: list[Row], store: ResultStore, settings: Setting
         if name in known:
             joined = Joined(*known[name])
         else:
-            joined = _join(site, row, store, settings)
+            joined = _join(site, row, store, settings, flags)
             if joined.is_final:
                 known[name] = list(joined)
                 write_whole(book, json.dumps(known, ensure_ascii=False, indent=1).encode())
@@ -86,14 +93,18 @@ def _join_site(site: str, rows: list[Row], store: ResultStore, settings: Setting
     return counts
 
 
-def _join(site: str, row: Row, store: ResultStore, settings: Settings) -> Joined:
+def _join(
+    site: str, row: Row, store: ResultStore, settings: Settings, flags: Sequence[str]
+) -> Joined:
     limits = Limits(settings.timeout_s, settings.max_memory_bytes)
     fetch = FetchLimits(settings.max_log_bytes, settings.timeout_s)
     scratch = Path(settings.scratch or store.out / "work")
     target = str(store.out / "sites" / f"{site}.sqlite")
     try:
         with at_hand(row["log"], scratch, fetch) as log:
-            command = [settings.program, "site", "add", target, log.path, "--json"]
+            options = tuple(json.loads(row["options"] or "{}").items())
+            command = [settings.program, "site", "add", target, log.path, "--json", *flags]
+            command += words_of(row["robot"], options, settings)
             end = run_child(command, limits, Path(settings.stop_file))
     except (MissingLogError, LogTooLargeError, StoreError, OSError) as error:
         return Joined(FAILED, str(error), False, 0.0)

@@ -111,6 +111,7 @@ def add_to_site(arguments, calls):
     if os.environ.get("FAKE_NO_SITES"):
         fail(2, "there is no command site")
     if "--help" in arguments:
+        print("  --topic ROLE=NAME ...  which\n  --slice LOW,HIGH  of clouds")
         return
     site, log = arguments[2:4]
     name = os.path.basename(log)
@@ -118,6 +119,8 @@ def add_to_site(arguments, calls):
         fail(1, f"{name}: does not fit")
     with open(site, "a", encoding="utf-8") as file:
         file.write(f"{name}\n")
+    with open(f"{site}.words", "a", encoding="utf-8") as file:
+        file.write(json.dumps(arguments[4:]) + "\n")
     note(calls, f"site-{name}")
     print(json.dumps({"status": "pending" if "lonely" in name else "joined"}))
 

@@ -44,6 +44,23 @@ def test_sites_take_logs_by_time(fleet: Fleet, capsys: pytest.CaptureFixture[str
     assert fleet.times_mapped("site-early_at100.a") == 1
 
 
+def test_a_log_is_joined_as_it_was_mapped(fleet: Fleet) -> None:
+    log = fleet.log("one_at1.a")
+    robots = fleet.out.parent / "robots"
+    robots.mkdir()
+    robot = robots / "cart.toml"
+    robot.write_text("[wheels]\n")
+    manifest = fleet.manifest([f"{log},hall,cart,map.resolution_m=0.02"], "log,site,robot,options")
+    flags = ["--no-texture", "--topic", "laser=/scan", "imu=none", "--cloud", "--slice", "-0.1,0.3"]
+    assert fleet.run(manifest, "--robots", str(robots), "--threads", "3", "--", *flags) == 0
+    words = json.loads((fleet.out / "sites" / "hall.sqlite.words").read_text())
+    # Without what is no matter of a site.
+    assert words[:6] == ["--json", "--topic", "laser=/scan", "imu=none", "--slice", "-0.1,0.3"]
+    assert words[words.index("--threads") + 1] == "3"
+    assert words[words.index("--robot") + 1] == str(robot)
+    assert words[-2:] == ["--set", "map.resolution_m=0.02"]
+
+
 def test_without_sites_nothing_is_joined(
     fleet: Fleet, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
