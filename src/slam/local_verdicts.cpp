@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "loopstone/geometry/angle.hpp"
 #include "slam/map_verdict_numbers.hpp"
@@ -62,6 +63,18 @@ bool is_uncertain(const LoosePart& part) {
   return !is_right({.m = most_m(part), .rad = most_rad(part)});
 }
 bool is_uncertain(const OpenStretch& stretch) { return !(most_m(stretch) <= kMapVerdict.right_m); }
+
+/// Whether parts lose next to nothing, whatever else the map may be off by.
+bool are_negligible(std::span<const LoosePart> parts) {
+  double sum_m = 0.0;
+  double sum_rad = 0.0;
+  for (const LoosePart& part : parts) {
+    sum_m += most_m(part);
+    sum_rad += most_rad(part);
+  }
+  return sum_m <= kMapVerdict.negligible * kMapVerdict.right_m &&
+         sum_rad <= kMapVerdict.negligible * kMapVerdict.right_rad;
+}
 
 template <typename Part>
 std::string span_of(const Part& part, const RunClock& clock) {
@@ -158,6 +171,11 @@ QualityMeasure judge_loose_parts(const MapResult& result) {
   measure.value = possible.m;
   if (loose.empty()) {
     measure.sentence = "Two recognised places or more tie every part of the path to the rest.";
+  } else if (are_negligible(loose)) {
+    measure.sentence =
+        "Two recognised places or more tie every part of the path to the rest, but " +
+        span_of(loose.front(), clock_of(result)) + " which may be off by " +
+        by_how_much(loose.front()) + ".";
   } else if (may_be_wrong(result)) {
     measure.verdict = Verdict::kDoubtful;
     measure.sentence = sentence_of(told(loose.front(), clock_of(result)));

@@ -27,6 +27,7 @@ struct NearBreak {
   double travel_m = 0.0;  ///< from either place to the break, together
   double sigma_m = 0.0;
   double sigma_rad = 0.0;
+  bool is_of_drives = false;  ///< another drive begins there
 };
 
 /// Of a pair in two pieces that follow one another.
@@ -41,7 +42,7 @@ std::optional<NearBreak> break_between(std::span<const SubmapRecord> submaps, st
   return NearBreak{submaps[newer].travelled_m - submaps[first].travelled_m +
                        submaps[first - 1].travelled_m - submaps[older].travelled_m,
                    std::sqrt(std::max((*across)(0, 0), (*across)(1, 1))),
-                   std::sqrt((*across)(2, 2))};
+                   std::sqrt((*across)(2, 2)), submaps[first].keys.front().starts_drive};
 }
 
 /// Across a break after which the robot may face anywhere, but can't be far: all of it is searched.
@@ -115,6 +116,7 @@ LoopCandidates candidates_for(std::span<const SubmapRecord> submaps, SubmapId ne
       continue;
     }
     const auto gap = break_between(submaps, older, newer.index);
+    candidate.across_break = gap && !gap->is_of_drives;
     const bool at_break = gap && widen_across_break(*gap, options, candidate);
     if (uncertain_m > options.max_half_xy_m &&
         candidate.distance_m <= uncertain_m + kLoopCandidates.place_half_m)

@@ -67,7 +67,8 @@ struct LoopCandidate {
   double half_yaw_rad = 0.0;
   double distance_m = 0.0;
   bool by_appearance = false;
-  bool either_way = false;  ///< also the older in the newer, of which it may be a part
+  bool either_way = false;    ///< also the older in the newer, of which it may be a part
+  bool across_break = false;  ///< of two pieces of one drive that follow one another
 };
 
 /// Shortest travel from a submap to each other: Dijkstra, neighbours in sequence by the path

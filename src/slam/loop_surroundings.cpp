@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "loopstone/geometry/angle.hpp"
@@ -119,6 +120,18 @@ SurfaceFit fit_of(const FrozenSubmap& older, const FrozenSubmap& newer, const Po
   SurfaceFit fit = fit_on(newer, on_older, pose, near_m);
   fit += fit_on(older, Target(newer, options, 0.0), pose.inverse(), near_m);
   return fit;
+}
+
+double agreement_of(const FrozenSubmap& older, const FrozenSubmap& newer,
+                    const Pose2& older_T_newer, const SubmapOptions& options) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  const auto agrees = [&](const FrozenSubmap& source, const FrozenSubmap& target,
+                          const Pose2& target_T_source) {
+    const SurfaceFit fit = fit_on(source, Target(target, options, 0.0), target_T_source, kAll);
+    return fit.on > 0.0 ? fit.on / fit.seen() : 0.0;
+  };
+  return std::min(agrees(newer, older, older_T_newer),
+                  agrees(older, newer, older_T_newer.inverse()));
 }
 
 double facing(const std::array<double, SurfaceWitness::kBins>& surfaces,

@@ -88,6 +88,13 @@ struct SurfaceFit {
                                 const Pose2& older_T_newer, double near_m,
                                 const SubmapOptions& options, const GridMatchOptions& match);
 
+/// How well two submaps agree at a pose: the share of one's surfaces that fall on the other's, of
+/// those that fall where that one looked; of both the lesser. The other side of a thin wall says
+/// nothing.
+/// Cost: a millisecond or two.
+[[nodiscard]] double agreement_of(const FrozenSubmap& older, const FrozenSubmap& newer,
+                                  const Pose2& older_T_newer, const SubmapOptions& options);
+
 /// Whether the surroundings hold a closure in every direction in which it pulls.
 /// \param map_pull  by how much it insists on moving its newer end [m], map frame
 [[nodiscard]] bool hold(const SurfaceWitness& surroundings, const Eigen::Vector2d& map_pull,

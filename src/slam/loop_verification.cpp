@@ -7,6 +7,7 @@
 #include "loopstone/geometry/pose2.hpp"
 #include "registration/lattice_search.hpp"
 #include "slam/loop_coverage.hpp"
+#include "slam/loop_surroundings.hpp"
 
 namespace loopstone {
 
@@ -27,9 +28,9 @@ Bar bar_for(const LoopCandidate& candidate, const LoopOptions& options) {
           std::max(asked.agreement, kLoopVerification.appearance_agreement)};
 }
 
-/// The score of a pose elsewhere in the window, if one comes near the best.
-std::optional<double> rival_score(LatticeSearch& search, const SearchWindow& window,
-                                  const SearchResult& best, double max_ambiguity) {
+/// A pose elsewhere in the window that scores nearly as well as the best.
+std::optional<SearchResult> rival_of(LatticeSearch& search, const SearchWindow& window,
+                                     const SearchResult& best, double max_ambiguity) {
   // In a small window there is no elsewhere.
   const bool wide = window.half_xy_m > 0.5 * kLoopVerification.elsewhere_m ||
                     window.half_yaw_rad > 0.5 * kLoopVerification.elsewhere_rad;
@@ -38,7 +39,7 @@ std::optional<double> rival_score(LatticeSearch& search, const SearchWindow& win
       max_ambiguity * best.score, ExcludedPoses{best.target_T_source, kLoopVerification.elsewhere_m,
                                                 kLoopVerification.elsewhere_rad});
   if (!second.found) return {};
-  return second.score;
+  return second;
 }
 
 ClosureReason judge(const LoopClosure& closure, const MatchResult& match, const Bar& bar) {
@@ -80,9 +81,25 @@ std::optional<VerifiedClosure> verify_one_way(const LoopCandidate& candidate,
   closure.covariance.diagonal() += Eigen::Vector3d(bend_m2, bend_m2, bend_rad2);
   closure.by_appearance = candidate.by_appearance;
   closure.score = best.score;
-  closure.second_score = rival_score(search, window, best, options.max_ambiguity);
   closure.overlap = share_of(verified.seen);
   closure.agreement = closure.overlap > 0.0 ? std::min(1.0, match.score / closure.overlap) : 0.0;
+  // Behind a break few places are asked, from a moment, often through a door: there the other sides
+  // of thin walls must not speak against one.
+  const auto agreement_at = [&](const Pose2& pose) {
+    return agreement_of(older, newer, pose, submap_options);
+  };
+  const double two_sided = candidate.across_break ? agreement_at(match.target_T_source) : 0.0;
+  if (two_sided >= kLoopVerification.break_agreement)
+    closure.agreement =
+        std::max(closure.agreement, std::min(1.0, two_sided + kLoopVerification.stricter));
+  const auto disagrees = [&](const Pose2& pose) {
+    const MatchResult there = match_to_grid(newer.surfaces, older.surface_grid(submap_options),
+                                            pose, {}, match_options, 0);
+    return agreement_at(there.target_T_source) < kLoopVerification.rival_agreement * two_sided;
+  };
+  const auto rival = rival_of(search, window, best, options.max_ambiguity);
+  if (rival && !(candidate.across_break && disagrees(rival->target_T_source)))
+    closure.second_score = rival->score;
   closure.reason = judge(closure, match, bar);
   if (closure.reason == ClosureReason::kWaitsForSecond) closure.state = ClosureState::kWaiting;
   return verified;

@@ -22,6 +22,7 @@ struct MapVerdictNumbers {
   double sure_sigmas = 3.0;
   double right_m = 0.5;
   double right_rad = 0.0262;
+  double negligible = 0.333;
   double passing_s = 30.0;
   VerdictLimits break_tie_m{0.167, 2.0};
   double bridged_s = 2.5;
@@ -69,6 +70,9 @@ void visit_numbers(const MapVerdictNumbers& n, Visitor&& visit) {
         "says, things moved meanwhile");
   visit("sure_sigmas", n.sure_sigmas, "chosen: one in 300 lies beyond");
   visit("right_m", n.right_m, "chosen: a map that is off by less is right");
+  visit("negligible", n.negligible,
+        "chosen: loose parts that may all together be off by less than this share of it, and of "
+        "right_rad, make no right map wrong");
   visit("right_rad", n.right_rad,
         "measured by bench/covariances.py: a degree and a half, for headings drift less than their "
         "covariances say (NEES of 0.3 to 0.6)");

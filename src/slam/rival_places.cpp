@@ -13,6 +13,7 @@
 #include "slam/drives.hpp"
 #include "slam/loop_candidates.hpp"
 #include "slam/loop_coverage.hpp"
+#include "slam/loop_surroundings.hpp"
 #include "slam/scan_edges.hpp"
 
 namespace loopstone {
@@ -103,6 +104,35 @@ class BeforeBreak {
   const SubmapOptions& submap_options_;
 };
 
+/// How well a closure agrees with the place that it found, by the surfaces of both submaps.
+class FoundAgreement {
+ public:
+  FoundAgreement(const LoopClosure& closure, std::span<const SubmapRecord> submaps,
+                 const SubmapOptions& options)
+      : closure_(closure),
+        older_(submaps[closure.from_submap.index]),
+        newer_(submaps[closure.to_submap.index]),
+        options_(options) {}
+
+  /// Whether the newer submap agrees with another place nearly as well.
+  [[nodiscard]] bool is_reached_by(const SubmapRecord& place, const Pose2& map_T_newer) {
+    if (!found_) found_ = in(older_, closure_.from_T_to);  // once a rival asks
+    return in(place, place.map_T_submap.inverse() * map_T_newer) >=
+           kRivalPlaces.agreement_share * *found_;
+  }
+
+ private:
+  [[nodiscard]] double in(const SubmapRecord& place, const Pose2& place_T_newer) const {
+    return agreement_of(*place.frozen, *newer_.frozen, place_T_newer, options_);
+  }
+
+  const LoopClosure& closure_;
+  const SubmapRecord& older_;
+  const SubmapRecord& newer_;
+  const SubmapOptions& options_;
+  std::optional<double> found_{};
+};
+
 }  // namespace
 
 std::vector<Eigen::Matrix3d> known_motions(const PoseGraph& graph,
@@ -184,12 +214,14 @@ bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known, b
     const Explained there = before.explain(newer, map_T_newer);
     return there.fits >= (found->share() - kRivalPlaces.clearly_less) * there.shown;
   };
+  FoundAgreement agreement(closure, submaps, submap_options);
   for (std::size_t i = 0; i < closure.to_submap.index; ++i) {
     const SubmapRecord& place = submaps[i];
     if (!before.has(place)) continue;
     const Pose2 map_T_expected{newer.map_T_submap.x, newer.map_T_submap.y, map_T_found.yaw};
     const auto rival = fits(place, newer, map_T_expected, map_T_found, as_found);
-    if (rival && is_near(*rival) && is_explained(*rival)) return true;
+    if (rival && is_near(*rival) && is_explained(*rival) && agreement.is_reached_by(place, *rival))
+      return true;
     // Where the older place repeats itself, the next repetition may be one that nobody saw yet.
     if (!bends || i == closure.from_submap.index) continue;
     const auto again = fits(place, older, map_T_older, map_T_older, as_again);

@@ -225,6 +225,17 @@ TEST(MapVerdict, APartThatHangsLooselyIsToldWithWhatItCouldMove) {
     EXPECT_NE(verdict.sentence.find(words), std::string::npos) << words << verdict.sentence;
 }
 
+TEST(MapVerdict, APartThatLosesNextToNothingMakesNoMapDoubtful) {
+  MapResult result = fine_map();
+  result.trajectory.append(Stamp{}, Pose2{});
+  result.ties.possible = {.m = 0.6, .rad = 0.002};
+  EXPECT_EQ(judge_map(result).overall, Verdict::kGood);
+  result.ties.loose.assign(2, {.sigma_m = 0.02, .sigma_rad = 0.001});
+  EXPECT_EQ(judge_map(result).overall, Verdict::kGood);
+  result.ties.loose.assign(4, {.sigma_m = 0.02, .sigma_rad = 0.001});
+  EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful) << "all together";
+}
+
 TEST(MapVerdict, ABareCorridorIsDoubtfulOnlyWhereItsLengthIs) {
   MapResult result = fine_map();
   result.statistics.degenerate_travel_m = 150.0;
