@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""Maps 1,000 simulated logs of many robots with loopstone-fleet by two workers, the first 200 of
+"""Maps 1,000 simulated logs of many robots with loopstone-fleet by two workers, the first 100 of
 them by one and by two, and tells what a log costs, whether every log ends with one row, and by
 these costs what a million logs take. Writes the table of docs/fleet.md.
 
   bench/fleet.py               an hour on two slow processors, of which a quarter simulates
   bench/fleet.py --quick       20 logs; writes nothing into docs/
   bench/fleet.py --logs 200    likewise
-  bench/fleet.py --speed       the speed of one worker and of two anew, after a full run (a quarter
-                               of an hour)
+  bench/fleet.py --speed       that of one worker and of two anew, after a full run (ten minutes)
   bench/fleet.py --write       no run: the table from what the last full run measured
 
 It needs build/fleet/venv (scripts/test_fleet.sh). One log in a hundred is no log at all. What was
@@ -34,7 +33,7 @@ from sections import plain_parser, verdicts  # noqa: E402
 
 PAGE, BLOCK = "docs/fleet.md", "fleet"
 LOGS, QUICK_LOGS = 1000, 20
-SCALED_LOGS = 200  # that one worker maps, too
+SCALED_LOGS = 100  # that one worker maps, too
 DURATION_S = 60
 FLAGS = "--format carmen --beams 181 --fov 180 --scan-rate 5 --realism usual --quiet".split()
 WORLDS = ["office", "rooms", "warehouse", "loops"]

@@ -306,13 +306,14 @@ TEST(BrokenRecording, ARobotThatIsSetDownInACorridorDoesNotSlideAlongIt) {
 }
 
 /// A small scanner that sees all around.
-SimulationOptions seen_around(double range_max_m, double rate_hz) {
+SimulationOptions seen_around(double range_max_m, double rate_hz,
+                              const char* effects = "usual,carried") {
   SimulationOptions options{.odometry_poses = true};
   options.laser.beams = 360;
   options.laser.fov_rad = radians(359.0);
   options.laser.range_max_m = range_max_m;
   options.laser.rate_hz = rate_hz;
-  choose_realism(options.realism, "usual,carried");
+  choose_realism(options.realism, effects);
   return options;
 }
 
@@ -336,6 +337,19 @@ TEST(BrokenRecording, ARobotThatWasCarriedAlongACorridorIsFoundWhereAllOfItFits)
   const MapResult result = map_of(log);
   EXPECT_LT(off_across_m(result.trajectory, log, 58.0, 90.0), 0.5) << all_of(result.warnings);
   EXPECT_GE(std::ranges::count_if(result.loop_closures, &LoopClosure::stands), 4);
+}
+
+/// What it saw before and what it sees behind are the two sides of thin walls, mostly.
+TEST(BrokenRecording, ARobotThatWasCarriedUnseenIsFoundThoughWallsAreSeenFromTheOtherSide) {
+  SimulationOptions options = seen_around(8.0, 6.0, "usual,carried_blind");
+  options.duration_s = 150.0;
+  options.realism.carried_blind.at_s = 110.0;
+  const SimulatedLog log = simulate_log("office", 203, options);
+  const MapResult result = map_of(log);
+  const auto carried = std::ranges::find(result.breaks, BreakCause::kCarried, &PathBreak::cause);
+  ASSERT_NE(carried, result.breaks.end()) << all_of(result.warnings);
+  EXPECT_GE(carried->closures, 1);
+  EXPECT_LT(off_across_m(result.trajectory, log, 108.0, 116.0), 0.15) << all_of(result.warnings);
 }
 
 /// The robot is lifted at one time and set down where it will be at another; odometry does not
