@@ -191,18 +191,19 @@ def main():
     is_full = count == LOGS
     arguments.work.mkdir(parents=True, exist_ok=True)
     kept = arguments.work / f"fleet{'' if is_full else '-some'}.json"
-    loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
-    fleet = Fleet(loopstone.program)
-    if arguments.write or arguments.speed:
+    if arguments.write:
         section = json.loads(kept.read_text())
-    if arguments.speed:
-        section["speed"] = circumstances(loopstone.version())
-        logs = logs_of(fleet, arguments.work, count)
-        section["figures"]["runs"][:2] = measure_speed(fleet, arguments.work, logs)
-    elif not arguments.write:
-        section = circumstances(loopstone.version())
-        section["figures"] = measure(fleet, arguments.work, count)
-    kept.write_text(json.dumps(section, indent=1))
+    else:
+        loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
+        fleet = Fleet(loopstone.program)
+        now = circumstances(loopstone.version())
+        if arguments.speed:
+            section = {**json.loads(kept.read_text()), "speed": now}
+            logs = logs_of(fleet, arguments.work, count)
+            section["figures"]["runs"][:2] = measure_speed(fleet, arguments.work, logs)
+        else:
+            section = {**now, "figures": measure(fleet, arguments.work, count)}
+        kept.write_text(json.dumps(section, indent=1))
     text = fleet_tables.text_of(section)
     if not is_full:
         print(text)

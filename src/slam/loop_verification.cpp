@@ -64,8 +64,11 @@ std::optional<VerifiedClosure> verify_one_way(const LoopCandidate& candidate,
   LatticeSearch search(probe, pyramid, window);
   const SearchResult best = search.best(bar.score);
   if (!best.found) return {};
-  const MatchResult match = match_to_grid(newer.surfaces, older.surface_grid(submap_options),
-                                          best.target_T_source, {}, match_options, 0);
+  const SurfaceGrid surfaces = older.surface_grid(submap_options);
+  const auto refined = [&](const SearchResult& found) {
+    return match_to_grid(newer.surfaces, surfaces, found.target_T_source, {}, match_options, 0);
+  };
+  const MatchResult match = refined(best);
 
   VerifiedClosure verified{.closure = {},
                            .seen = seen_by(pyramid, match.target_T_source, newer.surfaces)};
@@ -92,14 +95,12 @@ std::optional<VerifiedClosure> verify_one_way(const LoopCandidate& candidate,
   if (two_sided >= kLoopVerification.break_agreement)
     closure.agreement =
         std::max(closure.agreement, std::min(1.0, two_sided + kLoopVerification.stricter));
-  const auto disagrees = [&](const Pose2& pose) {
-    const MatchResult there = match_to_grid(newer.surfaces, older.surface_grid(submap_options),
-                                            pose, {}, match_options, 0);
-    return agreement_at(there.target_T_source) < kLoopVerification.rival_agreement * two_sided;
+  const auto disagrees = [&](const SearchResult& found) {
+    return agreement_at(refined(found).target_T_source) <
+           kLoopVerification.rival_agreement * two_sided;
   };
   const auto rival = rival_of(search, window, best, options.max_ambiguity);
-  if (rival && !(candidate.across_break && disagrees(rival->target_T_source)))
-    closure.second_score = rival->score;
+  if (rival && !(candidate.across_break && disagrees(*rival))) closure.second_score = rival->score;
   closure.reason = judge(closure, match, bar);
   if (closure.reason == ClosureReason::kWaitsForSecond) closure.state = ClosureState::kWaiting;
   return verified;
