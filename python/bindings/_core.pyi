@@ -1203,7 +1203,9 @@ class LoopClosure:
 
     @property
     def agreement(self) -> float:
-        """[0, 1], of those, share on a surface that faces the same way."""
+        """
+        [0, 1], of those, share on a surface that faces the same way; or, where that is more, of each submap's surfaces that the other one could see, share that it saw.
+        """
 
     @property
     def chi2(self) -> float | None:

@@ -40,8 +40,10 @@ void bind_closure(nb::module_& m) {
   closure.def_ro("score", &LoopClosure::score, "[0, 1], share of points explained.");
   closure.def_ro("overlap", &LoopClosure::overlap,
                  "[0, 1], share of points that fall where the older submap was observed.");
-  closure.def_ro("agreement", &LoopClosure::agreement,
-                 "[0, 1], of those, share on a surface that faces the same way.");
+  closure.def_ro(
+      "agreement", &LoopClosure::agreement,
+      "[0, 1], of those, share on a surface that faces the same way; or, where that is more, "
+      "of each submap's surfaces that the other one could see, share that it saw.");
   closure.def_prop_ro(
       "chi2",
       [](const LoopClosure& c) { return c.chi2 ? nb::object(nb::float_(*c.chi2)) : nb::none(); },

@@ -108,7 +108,7 @@ class MapAdjustmentOptions(OptionGroup):
     """surfaces within a cell of this size are taken for one straight line (a number from 0.02 to
     2)
     """
-    rounds: int = 3
+    rounds: int = 6
     """of looking anew which key scans see the same surface (a whole number from 1 to 50)"""
     points_max: int = 120
     """points of a key scan that are used (a whole number from 10 to 10000)"""

@@ -186,7 +186,9 @@ std::string loop_closures(const MapResult& result) {
       "the older submap explains; second: the "
       "best score elsewhere in the search window (near the score means ambiguous); overlap: share "
       "of the points that fall where "
-      "the submap was observed; agreement: share of those on a surface that faces the same way; "
+      "the submap was observed; agreement: share of those on a surface that faces the same way, or "
+      "of each submap's surfaces that "
+      "the other one could see, share that it saw; "
       "χ²: disagreement with the final map.</p>\n";
   const ClosureTable table(result);
   html += table.rows(true);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,27 @@ namespace loopstone {
     seen.push_back(target.bound(0, cell.column, cell.row) != kUnknown);
   }
   return seen;
+}
+
+/// Which of the surfaces a submap shows as well: those that fall where it was observed, but for the
+/// other side of what it saw, such as that of a thin wall.
+[[nodiscard]] inline std::vector<bool> shown_by(const MaxPyramid& target,
+                                                const SurfaceGrid& target_surfaces,
+                                                const Pose2& target_T_source,
+                                                std::span<const SurfacePoint> surfaces) {
+  const Eigen::Matrix2d turn = target_T_source.rotation();
+  std::vector<bool> shown;
+  shown.reserve(surfaces.size());
+  for (const SurfacePoint& surface : surfaces) {
+    const Eigen::Vector2d point = target_T_source * surface.position.cast<double>().eval();
+    const Cell cell = target.frame().cell_of(point);
+    const std::uint8_t value = target.bound(0, cell.column, cell.row);
+    shown.push_back(
+        value < kUnknown ||
+        (value > kUnknown &&
+         target_surfaces.line_near(0, point, turn * surface.normal.cast<double>()).has_value()));
+  }
+  return shown;
 }
 
 inline void add_to(std::vector<bool>& seen, const std::vector<bool>& more) {

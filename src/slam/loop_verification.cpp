@@ -42,6 +42,20 @@ std::optional<SearchResult> rival_of(LatticeSearch& search, const SearchWindow& 
   return second;
 }
 
+/// How well two submaps agree, by two measures: the share of the overlap that matches, to which the
+/// other side of a thin wall is a contradiction, and the share of each one's surfaces that lies on
+/// the other's where that one looked.
+/// \param two_sided  the latter, if it was asked
+double agreement_by(const LoopCandidate& candidate, double overlap, double matched,
+                    std::optional<double> two_sided) {
+  const double of_overlap = overlap > 0.0 ? std::min(1.0, matched / overlap) : 0.0;
+  if (!two_sided) return of_overlap;
+  const double of_both = std::min(1.0, *two_sided + kLoopVerification.stricter);
+  // Behind a break the path says little, and what repeats itself overlaps well.
+  if (candidate.across_break && !candidate.by_appearance) return of_both;
+  return std::max(of_overlap, of_both);
+}
+
 ClosureReason judge(const LoopClosure& closure, const MatchResult& match, const Bar& bar) {
   if (match.status == MatchStatus::kTooFewPairs) return ClosureReason::kTooFewPairs;
   // Which of several poses is right the path may know, unless it led nowhere near.
@@ -70,8 +84,8 @@ std::optional<VerifiedClosure> verify_one_way(const LoopCandidate& candidate,
   };
   const MatchResult match = refined(best);
 
-  VerifiedClosure verified{.closure = {},
-                           .seen = seen_by(pyramid, match.target_T_source, newer.surfaces)};
+  VerifiedClosure verified{
+      .closure = {}, .seen = shown_by(pyramid, surfaces, match.target_T_source, newer.surfaces)};
   LoopClosure& closure = verified.closure;
   closure.from = NodeId{static_cast<int>(candidate.older.index)};
   closure.to = NodeId{static_cast<int>(candidate.newer.index)};
@@ -84,20 +98,17 @@ std::optional<VerifiedClosure> verify_one_way(const LoopCandidate& candidate,
   closure.covariance.diagonal() += Eigen::Vector3d(bend_m2, bend_m2, bend_rad2);
   closure.by_appearance = candidate.by_appearance;
   closure.score = best.score;
-  closure.overlap = share_of(verified.seen);
-  closure.agreement = closure.overlap > 0.0 ? std::min(1.0, match.score / closure.overlap) : 0.0;
-  // Behind a break few places are asked, from a moment, often through a door: there the other sides
-  // of thin walls must not speak against one.
+  closure.overlap = share_of(seen_by(pyramid, match.target_T_source, newer.surfaces));
   const auto agreement_at = [&](const Pose2& pose) {
     return agreement_of(older, newer, pose, submap_options);
   };
-  const double two_sided = candidate.across_break ? agreement_at(match.target_T_source) : 0.0;
-  if (two_sided >= kLoopVerification.break_agreement)
-    closure.agreement =
-        std::max(closure.agreement, std::min(1.0, two_sided + kLoopVerification.stricter));
+  std::optional<double> two_sided;
+  if (candidate.across_break || !candidate.by_appearance)
+    two_sided = agreement_at(match.target_T_source);
+  closure.agreement = agreement_by(candidate, closure.overlap, match.score, two_sided);
   const auto disagrees = [&](const SearchResult& found) {
     return agreement_at(refined(found).target_T_source) <
-           kLoopVerification.rival_agreement * two_sided;
+           kLoopVerification.rival_agreement * *two_sided;
   };
   const auto rival = rival_of(search, window, best, options.max_ambiguity);
   if (rival && !(candidate.across_break && disagrees(*rival))) closure.second_score = rival->score;
@@ -123,7 +134,8 @@ void turn_round(const FrozenSubmap& older, const FrozenSubmap& newer,
       inverse(PoseWithCovariance2{closure.from_T_to, closure.covariance});
   closure.from_T_to = turned.pose;
   closure.covariance = turned.covariance;
-  found.seen = seen_by(older.search_pyramid(submap_options, 0.0), turned.pose, newer.surfaces);
+  found.seen = shown_by(older.search_pyramid(submap_options, 0.0),
+                        older.surface_grid(submap_options), turned.pose, newer.surfaces);
 }
 
 }  // namespace

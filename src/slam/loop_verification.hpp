@@ -17,7 +17,6 @@ struct LoopVerificationNumbers {
   double appearance_score = 0.5;
   double appearance_overlap = 0.5;
   double appearance_agreement = 0.85;
-  double break_agreement = 0.8;
   double stricter = 0.05;
   double rival_agreement = 0.9;
 };
@@ -36,20 +35,16 @@ void visit_numbers(const LoopVerificationNumbers& n, Visitor&& visit) {
         "chosen: what was found without a pose's help must reach at least this score");
   visit("appearance_overlap", n.appearance_overlap, "chosen: this overlap");
   visit("appearance_agreement", n.appearance_agreement, "chosen: and this agreement");
-  visit(
-      "break_agreement", n.break_agreement,
-      "chosen: across a break it is enough that each submap's surfaces agree so well with what the "
-      "other one saw; at true poses 0.74 to 0.95 of them do, at false ones 0.5 to 0.8");
   visit("stricter", n.stricter,
         "chosen: as few false poses agree so well by both submaps' surfaces as by this more of the "
         "overlap");
-  visit(
-      "rival_agreement", n.rival_agreement,
-      "chosen: there a second pose that agrees by less than this share of it is no rival, however "
-      "well it scores");
+  visit("rival_agreement", n.rival_agreement,
+        "chosen: across a break a second pose that agrees by less than this share of the first "
+        "one's agreement is no rival, however well it scores");
 }
 
-/// A closure as registration has it, and which of the newer submap's surfaces the older one saw.
+/// A closure as registration has it, and which of the newer submap's surfaces the older one shows,
+/// too.
 struct VerifiedClosure {
   LoopClosure closure{};
   std::vector<bool> seen{};

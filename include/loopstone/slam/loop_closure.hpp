@@ -85,8 +85,10 @@ struct LoopClosure {
   double score = 0.0;          ///< [0, 1], share of points explained
   /// Best score elsewhere in the window, where one came near `score`.
   std::optional<double> second_score{};
-  double overlap = 0.0;    ///< [0, 1], share of points that fall where the older one was observed
-  double agreement = 0.0;  ///< [0, 1], of those, share on a surface facing the same way
+  double overlap = 0.0;  ///< [0, 1], share of points that fall where the older one was observed
+  /// [0, 1], of those, share on a surface facing the same way; or, where that is more, of each
+  /// submap's surfaces that the other one could see, share that it saw (docs/pipeline.md).
+  double agreement = 0.0;
   /// Disagreement with the graph's poses; of what was never in the graph, nothing.
   std::optional<double> chi2{};
   ClosureState state = ClosureState::kRejected;

@@ -15,7 +15,7 @@ namespace loopstone {
 struct SurfaceAdjustmentOptions {
   bool enabled = true;
   double patch_m = 0.2;
-  int rounds = 3;
+  int rounds = 6;
   int points_max = 120;
 };
 

@@ -64,21 +64,8 @@ std::vector<SubmapRecord> two_visits() {
   return submaps;
 }
 
-/// A room and a corridor with a thin wall between them, and a door in it.
-test::Walls room_beside_corridor() {
-  return {{{0.0, 0.0}, {6.0, 0.0}},  {{6.0, 0.0}, {6.0, 4.0}},   {{0.0, 4.0}, {0.0, 0.0}},
-          {{0.0, 4.0}, {2.5, 4.0}},  {{3.5, 4.0}, {6.0, 4.0}},   {{2.5, 4.0}, {2.5, 4.1}},
-          {{3.5, 4.1}, {3.5, 4.0}},  {{-2.0, 4.1}, {2.5, 4.1}},  {{3.5, 4.1}, {8.0, 4.1}},
-          {{-2.0, 6.0}, {8.0, 6.0}}, {{-2.0, 4.1}, {-2.0, 6.0}}, {{8.0, 4.1}, {8.0, 6.0}}};
-}
-
 TEST(LoopSurroundings, TheOtherSideOfAThinWallContradictsNothing) {
-  const std::vector<Pose2> within{{3.0, 2.5, 0.0}, {2.4, 1.6, 1.0}, {3.6, 1.8, 2.0}};
-  const std::vector<Pose2> outside{{3.0, 4.9, -1.5}, {2.2, 5.0, -1.0}, {3.8, 5.0, -2.0}};
-  const test::Walls walls = room_beside_corridor();
-  const FinishedSubmap room = test::submap_seen_from(walls, within, 0);
-  const FinishedSubmap corridor = test::submap_seen_from(walls, outside, 0);
-  const Pose2 room_T_corridor = within.front().inverse() * outside.front();
+  const auto [room, corridor, room_T_corridor] = test::both_sides_of_a_thin_wall();
   const auto agreement = [&](const Pose2& pose) {
     return agreement_of(room.submap, corridor.submap, pose, {});
   };

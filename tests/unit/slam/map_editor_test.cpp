@@ -439,7 +439,8 @@ TEST(MapEditor, CroppedAndErasedAreWhatLiesThere) {
   EXPECT_EQ(erased.result.map.observed.cells(), before.map.observed.cells());
   editor.add(crop_box(0.0, -2.0, 5.0, 2.0));
   const MapResult cropped = editor.draw().result;
-  EXPECT_LE(cropped.map.observed.frame().columns, 51);
+  // The cells of 5 m, and one on either side that the box touches.
+  EXPECT_LE(cropped.map.observed.frame().columns, 52);
   EXPECT_LT(cropped.map.observed.cells().size(), before.map.observed.cells().size());
   // A drawing is of scans, not of an older drawing.
   while (editor.undo()) {
