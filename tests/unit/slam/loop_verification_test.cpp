@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "loop_scene.hpp"
+#include "slam/loop_coverage.hpp"
 #include "support/segment_world.hpp"
 
 namespace loopstone {
@@ -33,6 +34,7 @@ TEST(LoopVerification, ARoomIsRecognisedFromTheCorridorBesideIt) {
   EXPECT_EQ(found->closure.reason, ClosureReason::kWaitsForSecond);
   const Pose2 off = room_T_corridor.inverse() * found->closure.from_T_to;
   EXPECT_LT(off.translation().norm(), 0.05);
+  EXPECT_LT(share_of(found->seen), 0.7 * found->closure.overlap) << "of its wall the other side";
   // By appearance no pose vouches for it, and the overlap must agree by itself.
   candidate.by_appearance = true;
   const auto alike = verified(room, corridor, candidate, lax);
