@@ -39,8 +39,8 @@ void visit_numbers(const LoopVerificationNumbers& n, Visitor&& visit) {
         "chosen: as few false poses agree so well by both submaps' surfaces as by this more of the "
         "overlap");
   visit("rival_agreement", n.rival_agreement,
-        "chosen: across a break a second pose that agrees by less than this share of the first "
-        "one's agreement is no rival, however well it scores");
+        "chosen: across a break a second pose, or another place, that agrees by less than this "
+        "share of the first one's agreement is no rival, however well it scores");
 }
 
 /// A closure as registration has it, and which of the newer submap's surfaces the older one shows,

@@ -14,6 +14,7 @@
 #include "slam/loop_candidates.hpp"
 #include "slam/loop_coverage.hpp"
 #include "slam/loop_surroundings.hpp"
+#include "slam/loop_verification.hpp"
 #include "slam/scan_edges.hpp"
 
 namespace loopstone {
@@ -118,7 +119,7 @@ class FoundAgreement {
   [[nodiscard]] bool is_reached_by(const SubmapRecord& place, const Pose2& map_T_newer) {
     if (!found_) found_ = in(older_, closure_.from_T_to);  // once a rival asks
     return in(place, place.map_T_submap.inverse() * map_T_newer) >=
-           kRivalPlaces.agreement_share * *found_;
+           kLoopVerification.rival_agreement * *found_;
   }
 
  private:

@@ -21,7 +21,6 @@ struct RivalPlacesNumbers {
   double near_radii = 0.7;
   double window_sigmas = 2.5;
   double score_share = 0.6;
-  double agreement_share = 0.9;
   double again_share = 0.8;
   double again_overlap = 0.5;
   double lead_chi2 = 4.605;
@@ -53,9 +52,6 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
   visit("score_share", n.score_share,
         "chosen: another place may score this share of the found one's score: places that are "
         "alike are seen from elsewhere, and overlap less");
-  visit("agreement_share", n.agreement_share,
-        "chosen: and agrees, by the surfaces of both submaps, by this share as well as the found "
-        "one");
   visit("again_share", n.again_share,
         "chosen: a place that repeats itself scores and agrees so nearly as well on its own "
         "repetition as the closure on it");
