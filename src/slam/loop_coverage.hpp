@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,24 +28,46 @@ namespace loopstone {
   return seen;
 }
 
-/// Which of the surfaces a submap shows as well: those that fall where it was observed, but for the
-/// other side of what it saw, such as that of a thin wall.
-[[nodiscard]] inline std::vector<bool> shown_by(const MaxPyramid& target,
-                                                const SurfaceGrid& target_surfaces,
+/// What surfaces are laid over: a submap's grids, built once for all of them.
+struct SubmapGrids {
+  const MaxPyramid& cells;
+  const SurfaceGrid& surfaces;
+};
+
+/// A surface that falls where a submap was observed, in the frame of that one.
+struct LaidSurface {
+  std::size_t index;  ///< of the surfaces that are laid over it
+  Eigen::Vector2d point;
+  Eigen::Vector2d normal;
+  std::optional<SurfaceLine> line;  ///< the submap's own near it that faces the same way
+};
+
+/// Tells of each surface that falls where a submap was observed. Near one that faces elsewhere,
+/// such as the other side of a thin wall, nothing is told.
+/// \param tell  is given each LaidSurface; without a line it lies in free space
+template <typename Tell>
+void lay_on(std::span<const SurfacePoint> surfaces, const SubmapGrids& target,
+            const Pose2& target_T_source, Tell&& tell) {
+  const Eigen::Matrix2d turn = target_T_source.rotation();
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const Eigen::Vector2d point = target_T_source * surfaces[i].position.cast<double>().eval();
+    const Cell cell = target.cells.frame().cell_of(point);
+    const std::uint8_t value = target.cells.bound(0, cell.column, cell.row);
+    if (value == kUnknown) continue;
+    const Eigen::Vector2d normal = turn * surfaces[i].normal.cast<double>();
+    const auto line = target.surfaces.line_near(0, point, normal);
+    if (!line && value > kUnknown) continue;
+    tell(LaidSurface{i, point, normal, line});
+  }
+}
+
+/// Which of the surfaces a submap shows as well: those that lay_on tells of.
+[[nodiscard]] inline std::vector<bool> shown_by(const SubmapGrids& target,
                                                 const Pose2& target_T_source,
                                                 std::span<const SurfacePoint> surfaces) {
-  const Eigen::Matrix2d turn = target_T_source.rotation();
-  std::vector<bool> shown;
-  shown.reserve(surfaces.size());
-  for (const SurfacePoint& surface : surfaces) {
-    const Eigen::Vector2d point = target_T_source * surface.position.cast<double>().eval();
-    const Cell cell = target.frame().cell_of(point);
-    const std::uint8_t value = target.bound(0, cell.column, cell.row);
-    shown.push_back(
-        value < kUnknown ||
-        (value > kUnknown &&
-         target_surfaces.line_near(0, point, turn * surface.normal.cast<double>()).has_value()));
-  }
+  std::vector<bool> shown(surfaces.size());
+  lay_on(surfaces, target, target_T_source,
+         [&](const LaidSurface& laid) { shown[laid.index] = true; });
   return shown;
 }
 

@@ -31,30 +31,17 @@ struct Target {
 
   Target(const FrozenSubmap& submap, const SubmapOptions& options, double half_xy_m)
       : cells(submap.search_pyramid(options, half_xy_m)), surfaces(submap.surface_grid(options)) {}
+
+  [[nodiscard]] SubmapGrids grids() const { return {cells, surfaces}; }
 };
 
 /// What a surface falls on: one that faces the same way, beside such a one, or free space.
 enum class Laid { kOn, kOff, kEmpty };
 
-/// Tells of each surface of a submap, where another one looked, what it falls on there.
-/// \param tell  is given the surface, the direction it faces in the target's frame, and that
-template <typename Tell>
-void lay_on(const FrozenSubmap& source, const Target& target, const Pose2& target_T_source,
-            Tell&& tell) {
-  const Eigen::Matrix2d turn = target_T_source.rotation();
-  for (const SurfacePoint& surface : source.surfaces) {
-    const Eigen::Vector2d point = target_T_source * surface.position.cast<double>().eval();
-    const Cell cell = target.cells.frame().cell_of(point);
-    const std::uint8_t value = target.cells.bound(0, cell.column, cell.row);
-    if (value == kUnknown) continue;
-    const Eigen::Vector2d normal = turn * surface.normal.cast<double>();
-    const auto line = target.surfaces.line_near(0, point, normal);
-    // Near a surface that faces elsewhere, such as the other side of a thin wall, nothing is told.
-    if (!line && value > kUnknown) continue;
-    const bool on =
-        line && std::abs(line->normal.dot(point - line->point)) <= kLoopSurroundings.on_surface_m;
-    tell(surface, normal, on ? Laid::kOn : line ? Laid::kOff : Laid::kEmpty);
-  }
+Laid where(const LaidSurface& laid) {
+  if (!laid.line) return Laid::kEmpty;
+  const double off_m = std::abs(laid.line->normal.dot(laid.point - laid.line->point));
+  return off_m <= kLoopSurroundings.on_surface_m ? Laid::kOn : Laid::kOff;
 }
 
 double weight_of(const SurfacePoint& surface) {
@@ -62,27 +49,28 @@ double weight_of(const SurfacePoint& surface) {
 }
 
 /// \param to_map  turns directions of the target's frame into the map's
-SurfaceWitness told_by(const FrozenSubmap& source, const Target& target,
+SurfaceWitness told_by(const FrozenSubmap& source, const SubmapGrids& target,
                        const Pose2& target_T_source, const Eigen::Matrix2d& to_map) {
   SurfaceWitness told;
-  lay_on(source, target, target_T_source,
-         [&](const SurfacePoint& surface, const Eigen::Vector2d& normal, Laid laid) {
-           const std::size_t bin = bin_of(to_map * normal);
-           told.seen[bin] += weight_of(surface);
-           if (laid == Laid::kOn) told.matched[bin] += weight_of(surface);
-         });
+  lay_on(source.surfaces, target, target_T_source, [&](const LaidSurface& laid) {
+    const std::size_t bin = bin_of(to_map * laid.normal);
+    const double weight = weight_of(source.surfaces[laid.index]);
+    told.seen[bin] += weight;
+    if (where(laid) == Laid::kOn) told.matched[bin] += weight;
+  });
   return told;
 }
 
-SurfaceFit fit_on(const FrozenSubmap& source, const Target& target, const Pose2& target_T_source,
-                  double near_m) {
+SurfaceFit fit_on(const FrozenSubmap& source, const SubmapGrids& target,
+                  const Pose2& target_T_source, double near_m) {
   SurfaceFit fit;
-  lay_on(source, target, target_T_source,
-         [&](const SurfacePoint& surface, const Eigen::Vector2d&, Laid laid) {
-           if (surface.position.norm() > near_m) return;
-           double& sum = laid == Laid::kOn ? fit.on : laid == Laid::kOff ? fit.off : fit.empty;
-           sum += weight_of(surface);
-         });
+  lay_on(source.surfaces, target, target_T_source, [&](const LaidSurface& laid) {
+    const SurfacePoint& surface = source.surfaces[laid.index];
+    if (surface.position.norm() > near_m) return;
+    const Laid at = where(laid);
+    double& sum = at == Laid::kOn ? fit.on : at == Laid::kOff ? fit.off : fit.empty;
+    sum += weight_of(surface);
+  });
   return fit;
 }
 
@@ -117,21 +105,27 @@ SurfaceFit fit_of(const FrozenSubmap& older, const FrozenSubmap& newer, const Po
                   double near_m, const SubmapOptions& options, const GridMatchOptions& match) {
   const Target on_older(older, options, kLoopSurroundings.slack_m);
   const Pose2 pose = settled(newer, on_older, older_T_newer, match);
-  SurfaceFit fit = fit_on(newer, on_older, pose, near_m);
-  fit += fit_on(older, Target(newer, options, 0.0), pose.inverse(), near_m);
+  SurfaceFit fit = fit_on(newer, on_older.grids(), pose, near_m);
+  fit += fit_on(older, Target(newer, options, 0.0).grids(), pose.inverse(), near_m);
   return fit;
+}
+
+double agreement_of(const FrozenSubmap& older, const SubmapGrids& on_older,
+                    const FrozenSubmap& newer, const Pose2& older_T_newer,
+                    const SubmapOptions& options) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  const auto agrees = [&](const FrozenSubmap& source, const SubmapGrids& target,
+                          const Pose2& target_T_source) {
+    const SurfaceFit fit = fit_on(source, target, target_T_source, kAll);
+    return fit.on > 0.0 ? fit.on / fit.seen() : 0.0;
+  };
+  return std::min(agrees(newer, on_older, older_T_newer),
+                  agrees(older, Target(newer, options, 0.0).grids(), older_T_newer.inverse()));
 }
 
 double agreement_of(const FrozenSubmap& older, const FrozenSubmap& newer,
                     const Pose2& older_T_newer, const SubmapOptions& options) {
-  constexpr double kAll = std::numeric_limits<double>::infinity();
-  const auto agrees = [&](const FrozenSubmap& source, const FrozenSubmap& target,
-                          const Pose2& target_T_source) {
-    const SurfaceFit fit = fit_on(source, Target(target, options, 0.0), target_T_source, kAll);
-    return fit.on > 0.0 ? fit.on / fit.seen() : 0.0;
-  };
-  return std::min(agrees(newer, older, older_T_newer),
-                  agrees(older, newer, older_T_newer.inverse()));
+  return agreement_of(older, Target(older, options, 0.0).grids(), newer, older_T_newer, options);
 }
 
 double facing(const std::array<double, SurfaceWitness::kBins>& surfaces,
@@ -173,8 +167,8 @@ SurfaceWitness surroundings_of(const LoopClosure& closure, std::span<const Subma
       if (!on_older) on_older.emplace(*older.frozen, options, kLoopSurroundings.slack_m);
       const Pose2 pose =
           settled(*newer.frozen, *on_older, older.map_T_submap.inverse() * map_T_newer, match);
-      sum.add(told_by(*newer.frozen, *on_older, pose, older.map_T_submap.rotation()));
-      sum.add(told_by(*older.frozen, Target(*newer.frozen, options, 0.0), pose.inverse(),
+      sum.add(told_by(*newer.frozen, on_older->grids(), pose, older.map_T_submap.rotation()));
+      sum.add(told_by(*older.frozen, Target(*newer.frozen, options, 0.0).grids(), pose.inverse(),
                       map_T_newer.rotation()));
     }
   }

@@ -9,6 +9,7 @@
 #include "loopstone/registration/grid_matcher.hpp"
 #include "loopstone/slam/loop_closure.hpp"
 #include "loopstone/slam/submap_record.hpp"
+#include "slam/loop_coverage.hpp"
 
 namespace loopstone {
 
@@ -94,6 +95,10 @@ struct SurfaceFit {
 /// Cost: a millisecond or two.
 [[nodiscard]] double agreement_of(const FrozenSubmap& older, const FrozenSubmap& newer,
                                   const Pose2& older_T_newer, const SubmapOptions& options);
+/// The same where the older one's grids are there already.
+[[nodiscard]] double agreement_of(const FrozenSubmap& older, const SubmapGrids& on_older,
+                                  const FrozenSubmap& newer, const Pose2& older_T_newer,
+                                  const SubmapOptions& options);
 
 /// Whether the surroundings hold a closure in every direction in which it pulls.
 /// \param map_pull  by how much it insists on moving its newer end [m], map frame

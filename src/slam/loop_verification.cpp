@@ -84,8 +84,9 @@ std::optional<VerifiedClosure> verify_one_way(const LoopCandidate& candidate,
   };
   const MatchResult match = refined(best);
 
-  VerifiedClosure verified{
-      .closure = {}, .seen = shown_by(pyramid, surfaces, match.target_T_source, newer.surfaces)};
+  const SubmapGrids on_older{pyramid, surfaces};
+  VerifiedClosure verified{.closure = {},
+                           .seen = shown_by(on_older, match.target_T_source, newer.surfaces)};
   LoopClosure& closure = verified.closure;
   closure.from = NodeId{static_cast<int>(candidate.older.index)};
   closure.to = NodeId{static_cast<int>(candidate.newer.index)};
@@ -100,7 +101,7 @@ std::optional<VerifiedClosure> verify_one_way(const LoopCandidate& candidate,
   closure.score = best.score;
   closure.overlap = share_of(seen_by(pyramid, match.target_T_source, newer.surfaces));
   const auto agreement_at = [&](const Pose2& pose) {
-    return agreement_of(older, newer, pose, submap_options);
+    return agreement_of(older, on_older, newer, pose, submap_options);
   };
   std::optional<double> two_sided;
   if (candidate.across_break || !candidate.by_appearance)
@@ -134,8 +135,9 @@ void turn_round(const FrozenSubmap& older, const FrozenSubmap& newer,
       inverse(PoseWithCovariance2{closure.from_T_to, closure.covariance});
   closure.from_T_to = turned.pose;
   closure.covariance = turned.covariance;
-  found.seen = shown_by(older.search_pyramid(submap_options, 0.0),
-                        older.surface_grid(submap_options), turned.pose, newer.surfaces);
+  found.seen =
+      shown_by({older.search_pyramid(submap_options, 0.0), older.surface_grid(submap_options)},
+               turned.pose, newer.surfaces);
 }
 
 }  // namespace
