@@ -27,30 +27,30 @@ constexpr int kInterrupted = 130;
 class SessionCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder = new TempDir;
+    folder_ = new TempDir;
     for (const char* seed : {"3", "4"}) {
       const ProgramResult made =
-          run_program({"simulate", "office", "-o", *folder / (std::string("log") + seed),
+          run_program({"simulate", "office", "-o", *folder_ / (std::string("log") + seed),
                        "--duration", "12", "--beams", "121", "--fov", "180", "--seed", seed});
       ASSERT_EQ(made.exit_code, 0) << made.error;
     }
     const ProgramResult mapped = run_program(map_into("whole"));
     ASSERT_EQ(mapped.exit_code, 0) << mapped.error;
   }
-  static void TearDownTestSuite() { delete folder; }
+  static void TearDownTestSuite() { delete folder_; }
   void SetUp() override {
     std::error_code ignored;
     fs::remove_all(out(), ignored);
   }
 
-  static std::string log() { return *folder / "log3"; }
-  static std::string other_log() { return *folder / "log4"; }
-  static std::string out() { return *folder / "out"; }
+  static std::string log() { return *folder_ / "log3"; }
+  static std::string other_log() { return *folder_ / "log4"; }
+  static std::string out() { return *folder_ / "out"; }
   static std::string session() { return out() + "/session.loopstone"; }
 
   static std::vector<std::string> map_into(const std::string& name,
                                            const std::vector<std::string>& flags = {}) {
-    std::vector<std::string> arguments{"map", log(), "-o", *folder / name};
+    std::vector<std::string> arguments{"map", log(), "-o", *folder_ / name};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
     return arguments;
   }
@@ -70,7 +70,7 @@ class SessionCommand : public testing::Test {
   }
 
   static nlohmann::json summary_of(const std::string& name) {
-    auto summary = nlohmann::json::parse(folder->read(name + "/summary.json"));
+    auto summary = nlohmann::json::parse(folder_->read(name + "/summary.json"));
     std::vector<std::string> times{
         "wall_time_s",       "cpu_time_s", "realtime_factor", "scans_per_s",
         "peak_memory_bytes", "threads",    "realtime",        "command"};
@@ -83,9 +83,9 @@ class SessionCommand : public testing::Test {
   static void expect_same_result() {
     for (const char* name : {"trajectory.tum", "odometry.tum", "graph.g2o", "loop_closures.csv",
                              "map.pgm", "map.yaml", "map.png", "options.toml", "decisions.toml"}) {
-      const std::string expected = folder->read(std::string("whole/") + name);
+      const std::string expected = folder_->read(std::string("whole/") + name);
       EXPECT_FALSE(expected.empty()) << name;
-      EXPECT_TRUE(folder->read(std::string("out/") + name) == expected) << name;
+      EXPECT_TRUE(folder_->read(std::string("out/") + name) == expected) << name;
     }
     EXPECT_EQ(nlohmann::json::diff(summary_of("whole"), summary_of("out")),
               nlohmann::json::array());
@@ -94,10 +94,10 @@ class SessionCommand : public testing::Test {
       EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr(".partial")));
   }
 
-  static TempDir* folder;
+  static TempDir* folder_;
 };
 
-TempDir* SessionCommand::folder = nullptr;
+TempDir* SessionCommand::folder_ = nullptr;
 
 TEST_F(SessionCommand, SavingChangesNothing) {
   const ProgramResult result = run_program(map({"--checkpoint", "0.01", "--threads", "1"}));
@@ -151,7 +151,7 @@ TEST_F(SessionCommand, WithoutASessionItBeginsAtTheBeginning) {
   }
   const ProgramResult copy = run_program({"map", log() + "#20", "-o", out(), "--resume", "--json"});
   EXPECT_EQ(copy.exit_code, 0) << copy.error;
-  EXPECT_EQ(copy.out, folder->read("out/summary.json"));
+  EXPECT_EQ(copy.out, folder_->read("out/summary.json"));
   EXPECT_EQ(run_program({"map", other_log(), "-o", out(), "--resume"}).exit_code, 2);
   EXPECT_EQ(run_program(map({"--resume", "--max-scans", "20"})).exit_code, 2);
   const ProgramResult other = run_program(map({"--resume", "--no-loop-closure"}));
@@ -186,7 +186,7 @@ TEST_F(SessionCommand, ASessionOfAnotherRunIsRefusedAndSaysWhatDiffers) {
   EXPECT_THAT(refusal({"--resume", "--start", "1"}), HasSubstr("--start"));
   EXPECT_THAT(refusal({"--resume", "--duration", "3"}), HasSubstr("--duration"));
   const std::string robot =
-      folder->write("robot.toml", "name = \"other\"\n[wheels]\ntrack_width_m = 0.5\n");
+      folder_->write("robot.toml", "name = \"other\"\n[wheels]\ntrack_width_m = 0.5\n");
   EXPECT_THAT(refusal({"--resume", "--robot", robot}), HasSubstr("robot: "));
   const ProgramResult other = run_program({"map", other_log(), "-o", out(), "--resume", "--quiet"});
   EXPECT_EQ(other.exit_code, 1);
@@ -195,22 +195,22 @@ TEST_F(SessionCommand, ASessionOfAnotherRunIsRefusedAndSaysWhatDiffers) {
 
 TEST_F(SessionCommand, ADamagedSessionIsRefusedWithItsOffset) {
   interrupt();
-  std::string bytes = folder->read("out/session.loopstone");
+  std::string bytes = folder_->read("out/session.loopstone");
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
-  (void)folder->write("out/session.loopstone", bytes);
+  (void)folder_->write("out/session.loopstone", bytes);
   const ProgramResult result = run_program(map({"--resume", "--quiet"}));
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.error, HasSubstr("session.loopstone (byte "));
   EXPECT_THAT(result.error, HasSubstr("--force"));
-  (void)folder->write("out/session.loopstone", bytes.substr(0, bytes.size() / 3));
+  (void)folder_->write("out/session.loopstone", bytes.substr(0, bytes.size() / 3));
   EXPECT_EQ(run_program(map({"--resume"})).exit_code, 1);
 }
 
 TEST_F(SessionCommand, ASessionThatCannotBeSavedIsAWarning) {
   const ProgramResult result = disturb_program(
-      out(),
+      session(),
       [] {
-        // The first session may be there already.
+        // The run may save the next one in between.
         std::error_code ignored;
         while (!fs::is_directory(session())) {
           fs::remove(session(), ignored);

@@ -65,9 +65,10 @@ std::vector<SubmapRecord> two_visits() {
 }
 
 TEST(LoopSurroundings, TheOtherSideOfAThinWallContradictsNothing) {
-  const auto [room, corridor, room_T_corridor] = test::both_sides_of_a_thin_wall();
+  const test::BothSides sides = test::both_sides_of_a_thin_wall();
+  const Pose2& room_T_corridor = sides.room_T_corridor;
   const auto agreement = [&](const Pose2& pose) {
-    return agreement_of(room.submap, corridor.submap, pose, {});
+    return agreement_of(sides.room.submap, sides.corridor.submap, pose, {});
   };
   EXPECT_GT(agreement(room_T_corridor), 0.85);
   EXPECT_LT(agreement(Pose2{0.8, 0.0, 0.0} * room_T_corridor), 0.75);
