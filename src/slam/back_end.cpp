@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <utility>
@@ -44,6 +45,18 @@ std::pair<double, double> width_of(const SubmapRecord& submap) {
 /// Its ends are of two pieces of the path.
 bool across_break(const LoopClosure& closure, std::span<const SubmapRecord> submaps) {
   return submaps[closure.from_submap.index].piece != submaps[closure.to_submap.index].piece;
+}
+
+/// It may still be right.
+bool names_a_place(const LoopClosure& closure) {
+  return closure.state == ClosureState::kWaiting ||
+         (closure.state == ClosureState::kRejected &&
+          closure.reason == ClosureReason::kAmbiguousPlace);
+}
+
+void reject(LoopClosure& closure, ClosureReason reason) {
+  closure.state = ClosureState::kRejected;
+  closure.reason = reason;
 }
 
 }  // namespace
@@ -179,25 +192,26 @@ PoseGraph BackEnd::outline() const {
 void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
   if (asked.empty()) return;
   const auto submaps = chain_.submaps();
-  const Drives drives(submaps);
   const std::vector<Eigen::Matrix3d> known = known_motions(outline(), asked);
+  const Drives drives(submaps);
+  const auto no_path_leads = [&](const LoopClosure& closure) {
+    return drives.are_adrift(closure.from_submap, closure.to_submap);
+  };
+  std::vector<char> bends(asked.size());
   parallel_for(asked.size(), threads_, [&](std::size_t i) {
     LoopClosure& closure = asked[i];
     const auto is_held = [&] {
       return hold(surroundings_of(closure, submaps, submap_options_, match_options_),
                   map_pull_of(closure, submaps), kPairwiseConsistency.harmless_m);
     };
-    if (drives.are_adrift(closure.from_submap, closure.to_submap)) {
-      // No path leads there. Every other place was asked whether it is like the newer one, but one
-      // that the older place repeats may be where nobody was yet.
+    if (no_path_leads(closure)) {
+      // Every other place was asked whether it is like the newer one, but one that the older place
+      // repeats may be where nobody was yet.
       if (!is_held()) {
-        closure.reason = ClosureReason::kSurroundings;
+        reject(closure, ClosureReason::kSurroundings);
       } else if (repeats_itself(closure, submaps, loop_options_, submap_options_, match_options_)) {
-        closure.reason = ClosureReason::kAmbiguousPlace;
-      } else {
-        return;
+        reject(closure, ClosureReason::kAmbiguousPlace);
       }
-      closure.state = ClosureState::kRejected;
       return;
     }
     const auto leads_there = [&] {
@@ -205,17 +219,26 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
           travel_from(submaps, closure.from_submap, kInfinite)[closure.to_submap.index];
       return known.empty() || is_likely(closure, known[i], travel_m, submaps);
     };
-    const bool bends = !bends_nothing(closure, submaps);
-    if (bends && (!leads_there() || !is_held())) {
-      closure.reason = ClosureReason::kSurroundings;
-    } else if (!known.empty() && has_rival_place(closure, known[i], bends, submaps, loop_options_,
-                                                 submap_options_, match_options_)) {
-      closure.reason = ClosureReason::kAmbiguousPlace;
-    } else {
-      return;
-    }
-    closure.state = ClosureState::kRejected;
+    bends[i] = bends_nothing(closure, submaps) ? 0 : 1;
+    if (bends[i] != 0 && (!leads_there() || !is_held()))
+      reject(closure, ClosureReason::kSurroundings);
   });
+  if (known.empty()) return;
+
+  std::vector<LoopClosure> others;
+  std::ranges::copy_if(closures_, std::back_inserter(others), names_a_place);
+  std::vector<AskedClosure> left;
+  std::vector<LoopClosure*> of_left;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    if (asked[i].state == ClosureState::kRejected || no_path_leads(asked[i])) continue;
+    left.push_back({asked[i], known[i], bends[i] != 0});
+    of_left.push_back(&asked[i]);
+  }
+  const std::vector<bool> have = have_rival_places(left, others, submaps, loop_options_,
+                                                   submap_options_, match_options_, threads_);
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (have[i]) reject(*of_left[i], ClosureReason::kAmbiguousPlace);
+  }
 }
 
 /// Lets those closures stand that are consistent, once their surroundings were asked. Returns their

@@ -38,6 +38,7 @@
 #include "slam/map_verdict_numbers.hpp"
 #include "slam/pairwise_consistency.hpp"
 #include "slam/path_drift.hpp"
+#include "slam/placement.hpp"
 #include "slam/pose_search.hpp"
 #include "slam/rival_places.hpp"
 #include "slam/scan_edges.hpp"
@@ -78,6 +79,7 @@ std::vector<NumberGroup> decision_numbers() {
       number_group("loop_verification", kLoopVerification),
       number_group("loop_surroundings", kLoopSurroundings),
       number_group("drive_ties", kDriveTies),
+      number_group("placement", kPlacement),
       number_group("rival_places", kRivalPlaces),
       number_group("pairwise_consistency", kPairwiseConsistency),
       number_group("back_end", kBackEnd),

@@ -24,17 +24,6 @@ std::size_t bin_of(const Eigen::Vector2d& direction) {
   return std::min(bin, SurfaceWitness::kBins - 1);
 }
 
-/// A submap's grids, built once for all that are laid over it.
-struct Target {
-  MaxPyramid cells;
-  SurfaceGrid surfaces;
-
-  Target(const FrozenSubmap& submap, const SubmapOptions& options, double half_xy_m)
-      : cells(submap.search_pyramid(options, half_xy_m)), surfaces(submap.surface_grid(options)) {}
-
-  [[nodiscard]] SubmapGrids grids() const { return {cells, surfaces}; }
-};
-
 /// What a surface falls on: one that faces the same way, beside such a one, or free space.
 enum class Laid { kOn, kOff, kEmpty };
 
@@ -75,13 +64,14 @@ SurfaceFit fit_on(const FrozenSubmap& source, const SubmapGrids& target,
 }
 
 /// The best pose near one that the path and a closure foretell.
-Pose2 settled(const FrozenSubmap& source, const Target& target, const Pose2& foretold,
+Pose2 settled(const FrozenSubmap& source, const SubmapTarget& target, const Pose2& foretold,
               const GridMatchOptions& options) {
   const SearchWindow window{foretold, kLoopSurroundings.slack_m, kLoopSurroundings.slack_rad};
+  const SubmapGrids grids = target.grids();
   const SearchResult best = search_branch_and_bound(source.probe(kLoopSurroundings.probe_points),
-                                                    target.cells, window, -1.0);
+                                                    grids.cells, window, -1.0);
   const Pose2 start = best.found ? best.target_T_source : foretold;
-  const MatchResult fine = match_to_grid(source.surfaces, target.surfaces, start, {}, options, 0);
+  const MatchResult fine = match_to_grid(source.surfaces, grids.surfaces, start, {}, options, 0);
   return fine.status == MatchStatus::kTooFewPairs ? start : fine.target_T_source;
 }
 
@@ -94,6 +84,13 @@ SurfaceFit& SurfaceFit::operator+=(const SurfaceFit& other) {
   return *this;
 }
 
+SurfaceFit& SurfaceFit::operator*=(double factor) {
+  on *= factor;
+  off *= factor;
+  empty *= factor;
+  return *this;
+}
+
 void SurfaceWitness::add(const SurfaceWitness& other) {
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen[bin] += other.seen[bin];
@@ -103,10 +100,16 @@ void SurfaceWitness::add(const SurfaceWitness& other) {
 
 SurfaceFit fit_of(const FrozenSubmap& older, const FrozenSubmap& newer, const Pose2& older_T_newer,
                   double near_m, const SubmapOptions& options, const GridMatchOptions& match) {
-  const Target on_older(older, options, kLoopSurroundings.slack_m);
+  return fit_of(older, SubmapTarget(older, options, kLoopSurroundings.slack_m), newer,
+                SubmapTarget(newer, options, 0.0), older_T_newer, near_m, match);
+}
+
+SurfaceFit fit_of(const FrozenSubmap& older, const SubmapTarget& on_older,
+                  const FrozenSubmap& newer, const SubmapTarget& on_newer,
+                  const Pose2& older_T_newer, double near_m, const GridMatchOptions& match) {
   const Pose2 pose = settled(newer, on_older, older_T_newer, match);
   SurfaceFit fit = fit_on(newer, on_older.grids(), pose, near_m);
-  fit += fit_on(older, Target(newer, options, 0.0).grids(), pose.inverse(), near_m);
+  fit += fit_on(older, on_newer.grids(), pose.inverse(), near_m);
   return fit;
 }
 
@@ -117,15 +120,17 @@ double agreement_of(const FrozenSubmap& older, const SubmapGrids& on_older,
   const auto agrees = [&](const FrozenSubmap& source, const SubmapGrids& target,
                           const Pose2& target_T_source) {
     const SurfaceFit fit = fit_on(source, target, target_T_source, kAll);
-    return fit.on > 0.0 ? fit.on / fit.seen() : 0.0;
+    return fit.share();
   };
-  return std::min(agrees(newer, on_older, older_T_newer),
-                  agrees(older, Target(newer, options, 0.0).grids(), older_T_newer.inverse()));
+  return std::min(
+      agrees(newer, on_older, older_T_newer),
+      agrees(older, SubmapTarget(newer, options, 0.0).grids(), older_T_newer.inverse()));
 }
 
 double agreement_of(const FrozenSubmap& older, const FrozenSubmap& newer,
                     const Pose2& older_T_newer, const SubmapOptions& options) {
-  return agreement_of(older, Target(older, options, 0.0).grids(), newer, older_T_newer, options);
+  return agreement_of(older, SubmapTarget(older, options, 0.0).grids(), newer, older_T_newer,
+                      options);
 }
 
 double facing(const std::array<double, SurfaceWitness::kBins>& surfaces,
@@ -156,7 +161,7 @@ SurfaceWitness surroundings_of(const LoopClosure& closure, std::span<const Subma
   for (std::size_t a = first(closure.from_submap); a < last(closure.from_submap); ++a) {
     if (!around(a, closure.from_submap)) continue;
     const SubmapRecord& older = submaps[a];
-    std::optional<Target> on_older;
+    std::optional<SubmapTarget> on_older;
     const std::size_t begin = std::max(first(closure.to_submap), a + kLoopSurroundings.beside + 1);
     for (std::size_t b = begin; b < last(closure.to_submap); ++b) {
       if (!around(b, closure.to_submap)) continue;
@@ -168,8 +173,8 @@ SurfaceWitness surroundings_of(const LoopClosure& closure, std::span<const Subma
       const Pose2 pose =
           settled(*newer.frozen, *on_older, older.map_T_submap.inverse() * map_T_newer, match);
       sum.add(told_by(*newer.frozen, on_older->grids(), pose, older.map_T_submap.rotation()));
-      sum.add(told_by(*older.frozen, Target(*newer.frozen, options, 0.0).grids(), pose.inverse(),
-                      map_T_newer.rotation()));
+      sum.add(told_by(*older.frozen, SubmapTarget(*newer.frozen, options, 0.0).grids(),
+                      pose.inverse(), map_T_newer.rotation()));
     }
   }
   return sum;

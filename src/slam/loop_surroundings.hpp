@@ -77,7 +77,24 @@ struct SurfaceFit {
   double empty = 0.0;  ///< free space
 
   SurfaceFit& operator+=(const SurfaceFit& other);
+  SurfaceFit& operator*=(double factor);
   [[nodiscard]] double seen() const { return on + off + empty; }
+  [[nodiscard]] double share() const { return on > 0.0 ? on / seen() : 0.0; }
+};
+
+/// A submap's grids, built once for all that are laid over it.
+class SubmapTarget {
+ public:
+  /// \param half_xy_m  as far as a search goes on them
+  SubmapTarget(const FrozenSubmap& submap, const SubmapOptions& options, double half_xy_m)
+      : cells_(submap.search_pyramid(options, half_xy_m)),
+        surfaces_(submap.surface_grid(options)) {}
+
+  [[nodiscard]] SubmapGrids grids() const { return {cells_, surfaces_}; }
+
+ private:
+  MaxPyramid cells_;
+  SurfaceGrid surfaces_;
 };
 
 /// How two submaps lie on each other, each asked of the other, once they are settled.
@@ -88,6 +105,12 @@ struct SurfaceFit {
 [[nodiscard]] SurfaceFit fit_of(const FrozenSubmap& older, const FrozenSubmap& newer,
                                 const Pose2& older_T_newer, double near_m,
                                 const SubmapOptions& options, const GridMatchOptions& match);
+/// The same where both ones' grids are there already.
+/// \param on_older  good for a search of kLoopSurroundings.slack_m
+[[nodiscard]] SurfaceFit fit_of(const FrozenSubmap& older, const SubmapTarget& on_older,
+                                const FrozenSubmap& newer, const SubmapTarget& on_newer,
+                                const Pose2& older_T_newer, double near_m,
+                                const GridMatchOptions& match);
 
 /// How well two submaps agree at a pose: the share of one's surfaces that fall on the other's, of
 /// those that fall where that one looked; of both the lesser. The other side of a thin wall says

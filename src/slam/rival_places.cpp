@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -15,6 +17,7 @@
 #include "slam/loop_coverage.hpp"
 #include "slam/loop_surroundings.hpp"
 #include "slam/loop_verification.hpp"
+#include "slam/placement.hpp"
 #include "slam/scan_edges.hpp"
 
 namespace loopstone {
@@ -57,63 +60,12 @@ std::optional<Pose2> fitted(const FrozenSubmap& place, const FrozenSubmap& newer
   return match.target_T_source;
 }
 
-/// How much of a submap others show, and how much of that agrees: shares of it, summed over them.
-struct Explained {
-  double shown = 0.0;
-  double fits = 0.0;
-
-  [[nodiscard]] double share() const { return shown > 0.0 ? fits / shown : 0.0; }
-};
-
-/// What the submaps before a break of the path say of where one lies.
-class BeforeBreak {
- public:
-  /// \param after  a submap behind the break
-  BeforeBreak(std::span<const SubmapRecord> submaps, SubmapId after,
-              const SubmapOptions& submap_options)
-      : submaps_(submaps.first(after.index)),
-        piece_(submaps[after.index].piece),
-        submap_options_(submap_options) {}
-
-  [[nodiscard]] bool has(const SubmapRecord& place) const {
-    return place.frozen && !place.frozen->surfaces.empty() && place.piece != piece_;
-  }
-  /// How all of them explain a submap that would lie there.
-  [[nodiscard]] Explained explain(const SubmapRecord& submap, const Pose2& map_T_submap) const {
-    Explained sum;
-    const auto probe = submap.frozen->probe(kRivalPlaces.probe_points);
-    for (const SubmapRecord& place : submaps_) {
-      if (!has(place)) continue;
-      const Pose2 pose = place.map_T_submap.inverse() * map_T_submap;
-      if ((pose * submap.centre - place.centre).norm() > place.radius_m + submap.radius_m) continue;
-      const MaxPyramid cells = place.frozen->search_pyramid(submap_options_, kRivalPlaces.slack_m);
-      const double shown = share_of(seen_by(cells, pose, submap.frozen->surfaces));
-      if (shown < kRivalPlaces.shows_share) continue;
-      const SearchResult best = search_branch_and_bound(
-          probe, cells, {pose, kRivalPlaces.slack_m, kRivalPlaces.slack_rad}, kLeastScore);
-      sum.shown += shown;
-      if (best.found) sum.fits += std::min(best.score, shown);
-    }
-    return sum;
-  }
-
- private:
-  static constexpr double kLeastScore = 0.01;  // there is always some pose
-
-  std::span<const SubmapRecord> submaps_;
-  std::size_t piece_;
-  const SubmapOptions& submap_options_;
-};
-
 /// How well a closure agrees with the place that it found, by the surfaces of both submaps.
 class FoundAgreement {
  public:
-  FoundAgreement(const LoopClosure& closure, std::span<const SubmapRecord> submaps,
+  FoundAgreement(const LoopClosure& closure, const SubmapRecord& older, const SubmapRecord& newer,
                  const SubmapOptions& options)
-      : closure_(closure),
-        older_(submaps[closure.from_submap.index]),
-        newer_(submaps[closure.to_submap.index]),
-        options_(options) {}
+      : closure_(closure), older_(older), newer_(newer), options_(options) {}
 
   /// Whether the newer submap agrees with another place nearly as well.
   [[nodiscard]] bool is_reached_by(const SubmapRecord& place, const Pose2& map_T_newer) {
@@ -168,69 +120,305 @@ bool is_likely(const LoopClosure& closure, const Eigen::Matrix3d& known, double 
   return chi2_of(closure.from_T_to, present, covariance) <= most;
 }
 
-bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known, bool bends,
-                     std::span<const SubmapRecord> submaps, const LoopOptions& options,
-                     const SubmapOptions& submap_options, const GridMatchOptions& match_options) {
-  const SubmapRecord& newer = submaps[closure.to_submap.index];
-  const SubmapRecord& older = submaps[closure.from_submap.index];
-  const double wide_m = widest_m(known);
-  if (older.piece == newer.piece || wide_m <= kRivalPlaces.wide_m || !newer.frozen || !older.frozen)
-    return false;
-  const Pose2 map_T_older = older.map_T_submap;
-  const Pose2 present = map_T_older.inverse() * newer.map_T_submap;
-  const double most_chi2 = chi2_of(closure.from_T_to, present, known) + kRivalPlaces.lead_chi2;
-  const double half_m = std::min(options.max_half_xy_m, kRivalPlaces.window_sigmas * wide_m);
-  // What repeats itself stands side by side mostly, and faces the same way; but where the path does
-  // not know the heading, a room may be its own mirror.
-  const double half_rad =
-      std::clamp(kRivalPlaces.window_sigmas * std::sqrt(known(2, 2)), kRivalPlaces.half_rad, kPi);
-  const Bar as_found{std::max(options.min_score, kRivalPlaces.score_share * closure.score),
-                     options.min_overlap, options.min_agreement};
-  const Bar as_again{std::max(options.min_score, kRivalPlaces.again_share * closure.score),
-                     kRivalPlaces.again_overlap, kRivalPlaces.again_share * closure.agreement};
-  // Where a submap that lies at `expected` fits into a place, but for `left_out`.
-  const auto fits = [&](const SubmapRecord& place, const SubmapRecord& submap,
-                        const Pose2& map_T_expected, const Pose2& map_T_left_out,
-                        const Bar& bar) -> std::optional<Pose2> {
+namespace {
+
+/// Another place for what a closure lays.
+struct Rival {
+  Pose2 moved;        ///< what lays it there, map frame
+  Pose2 map_T_newer;  ///< the closure's newer submap there
+  bool was_seen;      ///< else somewhere that nobody saw
+};
+
+/// Where else a closure's submaps fit.
+class RivalSearch {
+ public:
+  RivalSearch(const AskedClosure& asked, std::span<const SubmapRecord> submaps,
+              const LoopOptions& options, const SubmapOptions& submap_options,
+              const GridMatchOptions& match_options)
+      : asked_(asked),
+        submaps_(submaps.first(asked.closure.to_submap.index)),
+        older_(submaps[asked.closure.from_submap.index]),
+        newer_(submaps[asked.closure.to_submap.index]),
+        options_(options),
+        submap_options_(submap_options),
+        match_options_(match_options),
+        present_(older_.map_T_submap.inverse() * newer_.map_T_submap),
+        map_T_found_(older_.map_T_submap * asked.closure.from_T_to),
+        most_chi2_(chi2_of(asked.closure.from_T_to, present_, asked.known) +
+                   kRivalPlaces.lead_chi2),
+        half_m_(
+            std::min(options.max_half_xy_m, kRivalPlaces.window_sigmas * widest_m(asked.known))),
+        // What repeats itself stands side by side mostly, and faces the same way; but where the
+        // path does not know the heading, a room may be its own mirror.
+        half_rad_(std::clamp(kRivalPlaces.window_sigmas * std::sqrt(asked.known(2, 2)),
+                             kRivalPlaces.half_rad, kPi)) {}
+
+  /// Whether the path leads there as well.
+  [[nodiscard]] bool is_near(const Pose2& map_T_newer) const {
+    return chi2_of(older_.map_T_submap.inverse() * map_T_newer, present_, asked_.known) <
+           most_chi2_;
+  }
+  /// Places before the break where the newer submap fits as well.
+  [[nodiscard]] std::vector<Rival> seen() const {
+    const LoopClosure& closure = asked_.closure;
+    const Bar bar{std::max(options_.min_score, kRivalPlaces.score_share * closure.score),
+                  options_.min_overlap, options_.min_agreement};
+    const Pose2 expected{newer_.map_T_submap.x, newer_.map_T_submap.y, map_T_found_.yaw};
+    FoundAgreement agreement(closure, older_, newer_, submap_options_);
+    std::vector<Rival> rivals;
+    for (const SubmapRecord& place : submaps_) {
+      const auto rival = fits(place, newer_, expected, map_T_found_, bar);
+      if (rival && is_near(*rival) && agreement.is_reached_by(place, *rival))
+        rivals.push_back({*rival * map_T_found_.inverse(), *rival, true});
+    }
+    return rivals;
+  }
+  /// Where the older place repeats itself, the next repetition may be one that nobody saw yet.
+  [[nodiscard]] std::vector<Rival> repeated() const {
+    const LoopClosure& closure = asked_.closure;
+    const Bar bar{std::max(options_.min_score, kRivalPlaces.again_share * closure.score),
+                  kRivalPlaces.again_overlap, kRivalPlaces.again_share * closure.agreement};
+    const Pose2& map_T_older = older_.map_T_submap;
+    std::vector<Rival> rivals;
+    for (const SubmapRecord& place : submaps_) {
+      if (&place == &older_) continue;
+      const auto again = fits(place, older_, map_T_older, map_T_older, bar);
+      if (!again) continue;
+      const Pose2 step = *again * map_T_older.inverse();
+      for (const Pose2& moved : {step, step.inverse()}) {
+        if (is_near(moved * map_T_found_)) rivals.push_back({moved, moved * map_T_found_, false});
+      }
+    }
+    return rivals;
+  }
+
+ private:
+  /// Where a submap that lies at `expected` fits into a place, but for `left_out`.
+  [[nodiscard]] std::optional<Pose2> fits(const SubmapRecord& place, const SubmapRecord& submap,
+                                          const Pose2& map_T_expected, const Pose2& map_T_left_out,
+                                          const Bar& bar) const {
+    if (place.surface_count() == 0 || place.piece == newer_.piece) return {};
     const Pose2 place_T_map = place.map_T_submap.inverse();
     const Pose2 expected = place_T_map * map_T_expected;
     if ((expected * submap.centre - place.centre).norm() >
-        kRivalPlaces.near_radii * (place.radius_m + submap.radius_m) + half_m)
+        kRivalPlaces.near_radii * (place.radius_m + submap.radius_m) + half_m_)
       return {};
-    const ExcludedPoses left_out{place_T_map * map_T_left_out, kRivalPlaces.elsewhere_m,
-                                 kRivalPlaces.elsewhere_rad};
-    const auto found = fitted(*place.frozen, *submap.frozen, {expected, half_m, half_rad}, left_out,
-                              bar, submap_options, match_options);
+    const ExcludedPoses left_out{place_T_map * map_T_left_out, kPlacement.elsewhere_m,
+                                 kPlacement.elsewhere_rad};
+    const auto found = fitted(*place.frozen, *submap.frozen, {expected, half_m_, half_rad_},
+                              left_out, bar, submap_options_, match_options_);
     if (!found) return {};
     return place.map_T_submap * *found;
-  };
-  const BeforeBreak before(submaps, closure.to_submap, submap_options);
-  const Pose2 map_T_found = map_T_older * closure.from_T_to;
-  std::optional<Explained> found;  // once a rival asks
-  const auto is_near = [&](const Pose2& map_T_newer) {
-    return chi2_of(map_T_older.inverse() * map_T_newer, present, known) < most_chi2;
-  };
-  const auto is_explained = [&](const Pose2& map_T_newer) {
-    if (!found) found = before.explain(newer, map_T_found);
-    const Explained there = before.explain(newer, map_T_newer);
-    return there.fits >= (found->share() - kRivalPlaces.clearly_less) * there.shown;
-  };
-  FoundAgreement agreement(closure, submaps, submap_options);
-  for (std::size_t i = 0; i < closure.to_submap.index; ++i) {
-    const SubmapRecord& place = submaps[i];
-    if (!before.has(place)) continue;
-    const Pose2 map_T_expected{newer.map_T_submap.x, newer.map_T_submap.y, map_T_found.yaw};
-    const auto rival = fits(place, newer, map_T_expected, map_T_found, as_found);
-    if (rival && is_near(*rival) && is_explained(*rival) && agreement.is_reached_by(place, *rival))
-      return true;
-    // Where the older place repeats itself, the next repetition may be one that nobody saw yet.
-    if (!bends || i == closure.from_submap.index) continue;
-    const auto again = fits(place, older, map_T_older, map_T_older, as_again);
-    if (!again) continue;
-    const Pose2 step = *again * map_T_older.inverse();
-    if (is_near(step * map_T_found) || is_near(step.inverse() * map_T_found)) return true;
   }
-  return false;
+
+  const AskedClosure& asked_;
+  std::span<const SubmapRecord> submaps_;  // before the newer one
+  const SubmapRecord& older_;
+  const SubmapRecord& newer_;
+  const LoopOptions& options_;
+  const SubmapOptions& submap_options_;
+  const GridMatchOptions& match_options_;
+  Pose2 present_;
+  Pose2 map_T_found_;
+  double most_chi2_;
+  double half_m_;
+  double half_rad_;
+};
+
+/// Of closures that share an end, the best scored: it stands for them.
+template <typename End>
+std::vector<const AskedClosure*> best_by(std::span<const AskedClosure* const> asked, End&& end) {
+  std::map<SubmapId, const AskedClosure*> best;
+  for (const AskedClosure* one : asked) {
+    const auto [at, is_new] = best.try_emplace(end(one->closure), one);
+    if (!is_new && one->closure.score > at->second->closure.score) at->second = one;
+  }
+  std::vector<const AskedClosure*> found;
+  for (const auto& [submap, one] : best) found.push_back(one);
+  return found;
+}
+
+/// Closures that lay what is behind a break in one place, and all that is asked about it.
+class PlaceQuestion {
+ public:
+  PlaceQuestion(std::span<const SubmapRecord> submaps, const AskedClosure& asked)
+      : submaps_(submaps), placement_(submaps, asked.closure), asked_{&asked} {}
+
+  [[nodiscard]] bool takes(const LoopClosure& closure) const {
+    return placement_.concerns(closure) && placement_.holds(closure);
+  }
+  void add(const AskedClosure& asked) {
+    placement_.add(asked.closure);
+    asked_.push_back(&asked);
+  }
+  [[nodiscard]] std::span<const AskedClosure* const> asked() const { return asked_; }
+
+  /// Other places, each once.
+  [[nodiscard]] std::vector<Rival> rivals(std::span<const LoopClosure> others,
+                                          const LoopOptions& options,
+                                          const SubmapOptions& submap_options,
+                                          const GridMatchOptions& match_options,
+                                          Threads threads) const {
+    const auto newer = best_by(asked_, [](const LoopClosure& one) { return one.to_submap; });
+    const auto older = best_by(asked_, [](const LoopClosure& one) { return one.from_submap; });
+    const auto search = [&](const AskedClosure& one) {
+      return RivalSearch(one, submaps_, options, submap_options, match_options);
+    };
+    std::vector<std::vector<Rival>> found(newer.size() + older.size());
+    parallel_for(found.size(), threads, [&](std::size_t i) {
+      if (i < newer.size()) {
+        found[i] = search(*newer[i]).seen();
+      } else if (const AskedClosure& one = *older[i - newer.size()]; one.bends) {
+        found[i] = search(one).repeated();
+      }
+    });
+    std::vector<Rival> told;
+    for (const LoopClosure& other : others) {
+      if (!placement_.concerns(other) || placement_.holds(other)) continue;
+      const SubmapId there = other.to_submap;
+      const Pose2 map_T_there = laid_by(other, there, submaps_);
+      const AskedClosure& one = nearest(there);
+      const Pose2 moved = map_T_there * placement_.map_T(there).inverse();
+      if (search(one).is_near(moved * placement_.map_T(one.closure.to_submap)))
+        told.push_back({moved, map_T_there, true});
+    }
+    found.push_back(std::move(told));
+    return each_once(found);
+  }
+
+  /// How well what lies behind the break agrees with what lay before, as the closures lay it and
+  /// where each rival would.
+  [[nodiscard]] std::vector<SurfaceFit> agreement(std::span<const Rival> rivals,
+                                                  const SubmapOptions& options,
+                                                  const GridMatchOptions& match,
+                                                  Threads threads) const {
+    std::vector<Witness> witnesses;
+    for (const SubmapId submap : placement_.witnesses())
+      witnesses.push_back({&submaps_[submap.index], placement_.map_T(submap),
+                           SubmapTarget(*submaps_[submap.index].frozen, options, 0.0)});
+    std::vector<Pose2> moves{Pose2{}};
+    for (const Rival& rival : rivals) moves.push_back(rival.moved);
+    const auto before =
+        submaps_.first(static_cast<std::size_t>(witnesses.front().submap - submaps_.data()));
+    std::vector<std::vector<SurfaceFit>> by_place(before.size());
+    parallel_for(before.size(), threads, [&](std::size_t i) {
+      by_place[i] = told_of(before[i], witnesses, moves, options, match);
+    });
+    std::vector<SurfaceFit> sums(moves.size());
+    for (const auto& fits : by_place) {
+      for (std::size_t i = 0; i < fits.size(); ++i) sums[i] += fits[i];
+    }
+    return sums;
+  }
+
+ private:
+  struct Witness {
+    const SubmapRecord* submap;
+    Pose2 map_T_found;
+    SubmapTarget target;
+  };
+
+  /// What one place says of the witnesses wherever they are moved: shares of both submaps.
+  [[nodiscard]] static std::vector<SurfaceFit> told_of(const SubmapRecord& place,
+                                                       std::span<const Witness> witnesses,
+                                                       std::span<const Pose2> moves,
+                                                       const SubmapOptions& options,
+                                                       const GridMatchOptions& match) {
+    if (place.surface_count() == 0 || place.piece == witnesses.front().submap->piece) return {};
+    constexpr double kAll = std::numeric_limits<double>::infinity();
+    std::optional<SubmapTarget> target;  // once one lies there
+    std::vector<SurfaceFit> told(moves.size());
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+      for (const Witness& witness : witnesses) {
+        const SubmapRecord& submap = *witness.submap;
+        const Pose2 pose = place.map_T_submap.inverse() * moves[i] * witness.map_T_found;
+        if ((pose * submap.centre - place.centre).norm() > place.radius_m + submap.radius_m)
+          continue;
+        if (!target) target.emplace(*place.frozen, options, kLoopSurroundings.slack_m);
+        SurfaceFit fit =
+            fit_of(*place.frozen, *target, *submap.frozen, witness.target, pose, kAll, match);
+        fit *= 1.0 / static_cast<double>(place.surface_count() + submap.surface_count());
+        told[i] += fit;
+      }
+    }
+    return told;
+  }
+
+  [[nodiscard]] const AskedClosure& nearest(SubmapId newer) const {
+    const LoopClosure& closure = placement_.nearest(newer);
+    return **std::ranges::find_if(
+        asked_, [&](const AskedClosure* one) { return &one->closure == &closure; });
+  }
+
+  [[nodiscard]] static std::vector<Rival> each_once(std::span<const std::vector<Rival>> found) {
+    std::vector<Rival> rivals;
+    for (const auto& some : found) {
+      for (const Rival& rival : some) {
+        const auto is_same = [&](const Rival& other) {
+          const Pose2 there = other.moved * rival.moved.inverse() * rival.map_T_newer;
+          return other.was_seen == rival.was_seen &&
+                 !is_elsewhere(there, rival.map_T_newer, kRivalPlaces.same_share);
+        };
+        if (std::ranges::none_of(rivals, is_same)) rivals.push_back(rival);
+      }
+    }
+    return rivals;
+  }
+
+  std::span<const SubmapRecord> submaps_;
+  Placement placement_;
+  std::vector<const AskedClosure*> asked_;
+};
+
+/// One for each place where closures lay what the path does not know well.
+std::vector<PlaceQuestion> questions_about(std::span<const AskedClosure> asked,
+                                           std::span<const SubmapRecord> submaps) {
+  std::vector<PlaceQuestion> questions;
+  for (const AskedClosure& one : asked) {
+    const SubmapRecord& newer = submaps[one.closure.to_submap.index];
+    const SubmapRecord& older = submaps[one.closure.from_submap.index];
+    if (older.piece == newer.piece || widest_m(one.known) <= kRivalPlaces.wide_m ||
+        newer.surface_count() == 0 || older.surface_count() == 0)
+      continue;
+    const auto at = std::ranges::find_if(
+        questions, [&](const PlaceQuestion& question) { return question.takes(one.closure); });
+    if (at == questions.end()) {
+      questions.emplace_back(submaps, one);
+    } else {
+      at->add(one);
+    }
+  }
+  return questions;
+}
+
+}  // namespace
+
+std::vector<bool> have_rival_places(std::span<const AskedClosure> asked,
+                                    std::span<const LoopClosure> others,
+                                    std::span<const SubmapRecord> submaps,
+                                    const LoopOptions& options, const SubmapOptions& submap_options,
+                                    const GridMatchOptions& match_options, Threads threads) {
+  std::vector<bool> have(asked.size());
+  for (const PlaceQuestion& question : questions_about(asked, submaps)) {
+    const std::vector<Rival> rivals =
+        question.rivals(others, options, submap_options, match_options, threads);
+    if (rivals.empty()) continue;
+    const std::vector<SurfaceFit> fits =
+        question.agreement(rivals, submap_options, match_options, threads);
+    const double least = fits.front().share() - kRivalPlaces.clearly_less;
+    const auto stands = [&](bool seen) {
+      for (std::size_t i = 0; i < rivals.size(); ++i) {
+        const SurfaceFit& there = fits[i + 1];
+        if (rivals[i].was_seen == seen && there.on >= least * there.seen()) return true;
+      }
+      return false;
+    };
+    const bool in_seen = stands(true);
+    const bool in_unseen = stands(false);
+    for (const AskedClosure* one : question.asked())
+      have[static_cast<std::size_t>(one - asked.data())] = in_seen || (in_unseen && one->bends);
+  }
+  return have;
 }
 
 bool repeats_itself(const LoopClosure& closure, std::span<const SubmapRecord> submaps,
@@ -251,7 +439,7 @@ bool repeats_itself(const LoopClosure& closure, std::span<const SubmapRecord> su
         place.centre - Pose2{0.0, 0.0, place_T_older.yaw}.rotation() * older.centre;
     const SearchWindow anywhere{
         {shift.x(), shift.y(), place_T_older.yaw}, kLoopCandidates.place_half_m, kPi};
-    const ExcludedPoses itself{place_T_older, kRivalPlaces.elsewhere_m, kRivalPlaces.elsewhere_rad};
+    const ExcludedPoses itself{place_T_older, kPlacement.elsewhere_m, kPlacement.elsewhere_rad};
     if (fitted(*place.frozen, *older.frozen, anywhere, itself, bar, submap_options, match_options))
       return true;
   }

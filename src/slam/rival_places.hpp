@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "loopstone/base/parallel_for.hpp"
 #include "loopstone/graph/pose_graph.hpp"
 #include "loopstone/mapping/submap.hpp"
 #include "loopstone/registration/grid_matcher.hpp"
@@ -29,11 +30,7 @@ struct RivalPlacesNumbers {
   double ambiguous_chi2 = 7.815;
   double drift_per_m = 0.01;
   double drift_rad_per_m = 0.001;
-  double elsewhere_m = 1.0;
-  double elsewhere_rad = 0.35;
-  double slack_m = 0.15;
-  double slack_rad = 0.03;
-  double shows_share = 0.1;
+  double same_share = 0.5;
   double clearly_less = 0.05;
 };
 inline constexpr RivalPlacesNumbers kRivalPlaces{};
@@ -69,19 +66,13 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
   visit("drift_per_m", n.drift_per_m,
         "chosen: standard deviation of what no covariance of a path knows, such as a scale");
   visit("drift_rad_per_m", n.drift_rad_per_m, "chosen: the same of the heading");
-  visit("elsewhere_m", n.elsewhere_m,
-        "chosen: a pose this far from the found one is another place");
-  visit("elsewhere_rad", n.elsewhere_rad, "chosen: or one turned by so much");
-  visit(
-      "slack_m", n.slack_m,
-      "chosen: submaps of one place lie to one another as well as this, before they are adjusted");
-  visit("slack_rad", n.slack_rad, "derived: slack_m of a point five metres off");
-  visit("shows_share", n.shows_share,
-        "chosen: a submap that shows less of another says nothing of where it lies");
+  visit("same_share", n.same_share,
+        "chosen: rivals nearer to one another than this share of what makes a place another are "
+        "one");
   visit("clearly_less", n.clearly_less,
-        "chosen: a pose at which the submaps around explain this much less of what they show is no "
-        "rival: in bare corridors the right one leads by 0.07 and more, among alike rooms by "
-        "nothing");
+        "chosen: where the submaps around agree by this much less than at the place that was found "
+        "there is no rival: in bare corridors the right one leads by 0.057 and more, among alike "
+        "rooms by nothing");
 }
 
 /// Covariance of the motion from the older end of each closure to its newer one as the path and the
@@ -97,18 +88,27 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
 [[nodiscard]] bool is_likely(const LoopClosure& closure, const Eigen::Matrix3d& known,
                              double travel_m, std::span<const SubmapRecord> submaps);
 
-/// Whether the newer submap fits elsewhere as well, in any place of other pieces of the path that
-/// what is known of the motion allows, and is not far less likely there. A corridor repeats itself
-/// for any one submap of it, but for each by another step: all that show the place are asked
-/// together. A closure that bends the map must also stand against places that nobody saw yet, where
-/// the older place would repeat itself once more.
-/// \param known  of known_motions()
-/// \param bends  whether the closure moves anything: one that does not has the path for a witness
-/// Cost: a search for each submap within reach; for each that finds a place, a small one in all.
-[[nodiscard]] bool has_rival_place(const LoopClosure& closure, const Eigen::Matrix3d& known,
-                                   bool bends, std::span<const SubmapRecord> submaps,
-                                   const LoopOptions& options, const SubmapOptions& submap_options,
-                                   const GridMatchOptions& match_options);
+/// A closure across a break of the path, before it stands.
+struct AskedClosure {
+  LoopClosure closure;
+  Eigen::Matrix3d known;  ///< of known_motions()
+  bool bends;             ///< moves anything; one that does not has the path for a witness
+};
+
+/// Whether what lies behind a break fits elsewhere as well, in any place of other pieces of the
+/// path that what is known of the motion allows, and is not far less likely there; for each
+/// closure. Those that lay it in one place are asked together: what their submaps and those around
+/// show must agree clearly less with what was seen wherever else any of them fits. A corridor
+/// repeats itself for any one submap of it, but for each by another step. One that bends the map
+/// must also stand against places that nobody saw yet, where the older place would repeat itself
+/// once more.
+/// \param others  that wait or were ambiguous: places, too
+/// Cost: a search for each submap within reach of each end; for each place found, a small one for
+/// each pair of submaps there.
+[[nodiscard]] std::vector<bool> have_rival_places(
+    std::span<const AskedClosure> asked, std::span<const LoopClosure> others,
+    std::span<const SubmapRecord> submaps, const LoopOptions& options,
+    const SubmapOptions& submap_options, const GridMatchOptions& match_options, Threads threads);
 
 /// Whether the older submap of a closure between drives that nothing ties fits on another place of
 /// its own drive as well: then the newer one may be on either, or on a third that nobody saw.

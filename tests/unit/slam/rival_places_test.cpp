@@ -16,6 +16,12 @@ const std::vector<Pose2> kVisit{
 const std::vector<Pose2> kReturn{
     {3.4, 2.2, 1.7}, {3.3, 3.0, 2.6}, {2.6, 2.4, -1.0}, {4.6, 2.8, 0.2}};
 
+bool find_rival(const LoopClosure& closure, const Eigen::Matrix3d& known, bool bends,
+                std::span<const SubmapRecord> submaps) {
+  const AskedClosure asked{closure, known, bends};
+  return have_rival_places({&asked, 1}, {}, submaps, {}, {}, {}, {}).front();
+}
+
 /// Rooms that are alike, side by side along x, and after a break a visit of the first one.
 struct Rooms {
   std::vector<SubmapRecord> submaps{};
@@ -38,7 +44,7 @@ struct Rooms {
     closure.agreement = 0.95;
   }
   [[nodiscard]] bool has_rival(double sigma_m, bool bends = true) const {
-    return has_rival_place(closure, planar_covariance(sigma_m, 0.2), bends, submaps, {}, {}, {});
+    return find_rival(closure, planar_covariance(sigma_m, 0.2), bends, submaps);
   }
 };
 
@@ -71,6 +77,82 @@ TEST(RivalPlaces, APlaceThatOtherSubmapsTellApartIsNoRival) {
   }
 }
 
+/// Two pairs of rooms, one above the other: the first ones are alike, the second ones are not.
+/// After a break first a room like the first ones is visited, then the one beside it.
+struct PairsOfRooms {
+  std::vector<SubmapRecord> submaps{};
+  LoopClosure first{};
+  LoopClosure elsewhere{};
+
+  PairsOfRooms() {
+    const test::Walls bare = test::rectangle({0.0, 0.0}, {8.0, 6.5});
+    const auto add = [&](const test::Walls& room, const std::vector<Pose2>& visit,
+                         const Pose2& map_T_room, std::size_t piece) {
+      FinishedSubmap seen = test::submap_seen_from(room, visit, 0);
+      seen.piece = piece;
+      submaps.emplace_back().freeze(std::move(seen));
+      submaps.back().map_T_submap = map_T_room * visit.front();
+    };
+    const test::Walls full = test::furnished_room();
+    add(full, kVisit, {}, 0);
+    add(bare, kVisit, {9.0, 0.0, 0.0}, 0);
+    add(full, kVisit, {0.0, 8.0, 0.0}, 0);
+    add(test::rectangle({1.0, 1.0}, {7.0, 5.0}), kVisit, {9.0, 8.0, 0.0}, 0);
+    add(full, kReturn, {}, 1);
+    add(bare, kReturn, {9.0, 0.0, 0.0}, 1);
+    first = closure(0, 4);
+    elsewhere = closure(2, 4);
+  }
+  [[nodiscard]] static LoopClosure closure(std::size_t from, std::size_t to) {
+    LoopClosure closure;
+    closure.from_submap = {from};
+    closure.to_submap = {to};
+    closure.from_T_to = kVisit.front().inverse() * kReturn.front();
+    closure.score = 0.8;
+    closure.agreement = 0.95;
+    closure.state = ClosureState::kWaiting;
+    return closure;
+  }
+};
+
+TEST(RivalPlaces, WhatIsVisitedNextTellsPlacesApart) {
+  PairsOfRooms rooms;
+  const Eigen::Matrix3d known = planar_covariance(6.0, 0.2);
+  EXPECT_FALSE(find_rival(rooms.first, known, false, rooms.submaps));
+  EXPECT_TRUE(find_rival(rooms.elsewhere, known, false, rooms.submaps))
+      << "the room beside it is another one";
+  rooms.submaps.pop_back();
+  EXPECT_TRUE(find_rival(rooms.first, known, false, rooms.submaps)) << "not visited yet";
+}
+
+TEST(RivalPlaces, ClosuresThatLayAllInOnePlaceStandOrFallTogether) {
+  const PairsOfRooms rooms;
+  const Eigen::Matrix3d known = planar_covariance(6.0, 0.2);
+  // Nothing else is like the room beside the first one; but that one is asked about, too.
+  const std::vector<AskedClosure> asked{{rooms.elsewhere, known, false},
+                                        {PairsOfRooms::closure(1, 5), known, false},
+                                        {rooms.first, known, false}};
+  const std::vector<bool> expected{true, false, false};
+  EXPECT_EQ(have_rival_places(asked, {}, rooms.submaps, {}, {}, {}, {}), expected);
+}
+
+TEST(RivalPlaces, APlaceThatWasAmbiguousOnceIsRememberedAsARival) {
+  PairsOfRooms rooms;
+  const Eigen::Matrix3d known = planar_covariance(6.0, 0.2);
+  rooms.submaps.pop_back();
+  // What scores twice what can be had is not found anew.
+  const auto has_rival = [&](std::span<const LoopClosure> others) -> bool {
+    const AskedClosure asked{rooms.first, known, false};
+    return have_rival_places({&asked, 1}, others, rooms.submaps, {.min_score = 2.0}, {}, {}, {})
+        .front();
+  };
+  EXPECT_FALSE(has_rival({}));
+  EXPECT_TRUE(has_rival({&rooms.elsewhere, 1}));
+  EXPECT_FALSE(has_rival({&rooms.first, 1})) << "that is the same place";
+  rooms.elsewhere.from_T_to.x += 3.0;
+  EXPECT_FALSE(has_rival({&rooms.elsewhere, 1})) << "it does not fit there";
+}
+
 TEST(RivalPlaces, WhereTheHeadingIsOpenARoomMayBeItsOwnMirror) {
   // An empty room, longer than wide, looks the same from the other side.
   const std::vector<Pose2> visit{{2.0, 1.5, 0.0}, {4.0, 2.5, 1.5}, {6.0, 1.5, 3.0}};
@@ -87,11 +169,11 @@ TEST(RivalPlaces, WhereTheHeadingIsOpenARoomMayBeItsOwnMirror) {
   closure.to_submap = {1};
   closure.score = 0.8;
   closure.agreement = 0.95;
-  const auto has_rival = [&](double sigma_rad) {
-    return has_rival_place(closure, planar_covariance(5.0, sigma_rad), true, submaps, {}, {}, {});
+  const auto is_ambiguous = [&](double sigma_rad) {
+    return find_rival(closure, planar_covariance(5.0, sigma_rad), true, submaps);
   };
-  EXPECT_FALSE(has_rival(0.1)) << "the path knows the heading";
-  EXPECT_TRUE(has_rival(1.8));
+  EXPECT_FALSE(is_ambiguous(0.1)) << "the path knows the heading";
+  EXPECT_TRUE(is_ambiguous(1.8));
 }
 
 TEST(RivalPlaces, WithinOnePieceOfThePathNobodyIsAsked) {

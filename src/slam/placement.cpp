@@ -1,0 +1,58 @@
+#include "slam/placement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "loopstone/base/thinned.hpp"
+#include "loopstone/geometry/angle.hpp"
+
+namespace loopstone {
+
+bool is_elsewhere(const Pose2& pose, const Pose2& found, double share) {
+  return (pose.translation() - found.translation()).norm() >= share * kPlacement.elsewhere_m ||
+         std::abs(wrap_angle(pose.yaw - found.yaw)) >= share * kPlacement.elsewhere_rad;
+}
+
+Pose2 laid_by(const LoopClosure& closure, SubmapId newer, std::span<const SubmapRecord> submaps) {
+  return submaps[closure.from_submap.index].map_T_submap * closure.from_T_to *
+         submaps[closure.to_submap.index].map_T_submap.inverse() *
+         submaps[newer.index].map_T_submap;
+}
+
+bool Placement::concerns(const LoopClosure& closure) const {
+  const auto piece = [&](SubmapId submap) { return submaps_[submap.index].piece; };
+  const LoopClosure& own = *closures_.front();
+  return piece(closure.from_submap) == piece(own.from_submap) &&
+         piece(closure.to_submap) == piece(own.to_submap);
+}
+
+bool Placement::holds(const LoopClosure& closure) const {
+  const SubmapId newer = closure.to_submap;
+  const Pose2 at_centre = Pose2{submaps_[newer.index].centre.x(), submaps_[newer.index].centre.y()};
+  return !is_elsewhere(laid_by(closure, newer, submaps_) * at_centre, map_T(newer) * at_centre);
+}
+
+const LoopClosure& Placement::nearest(SubmapId newer) const {
+  const auto apart = [&](const LoopClosure* closure) {
+    const std::size_t other = closure->to_submap.index;
+    return std::max(other, newer.index) - std::min(other, newer.index);
+  };
+  return **std::ranges::min_element(closures_, {}, apart);
+}
+
+Pose2 Placement::map_T(SubmapId newer) const { return laid_by(nearest(newer), newer, submaps_); }
+
+std::vector<SubmapId> Placement::witnesses() const {
+  const auto newer = [](const LoopClosure* closure) { return closure->to_submap.index; };
+  const auto [first, last] = std::ranges::minmax(closures_, {}, newer);
+  const std::size_t begin = newer(first) - std::min(newer(first), kPlacement.around);
+  const std::size_t end = std::min(newer(last) + kPlacement.around + 1, submaps_.size());
+  std::vector<SubmapId> found;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (submaps_[i].piece == submaps_[newer(first)].piece && submaps_[i].surface_count() > 0)
+      found.push_back({i});
+  }
+  return thinned(found, kPlacement.witnesses);
+}
+
+}  // namespace loopstone
