@@ -29,7 +29,8 @@ bool Placement::concerns(const LoopClosure& closure) const {
 bool Placement::holds(const LoopClosure& closure) const {
   const SubmapId newer = closure.to_submap;
   const Pose2 at_centre = Pose2{submaps_[newer.index].centre.x(), submaps_[newer.index].centre.y()};
-  return !is_elsewhere(laid_by(closure, newer, submaps_) * at_centre, map_T(newer) * at_centre);
+  return !is_elsewhere(laid_by(closure, newer, submaps_) * at_centre,
+                       map_T_submap(newer) * at_centre);
 }
 
 const LoopClosure& Placement::nearest(SubmapId newer) const {
@@ -40,7 +41,9 @@ const LoopClosure& Placement::nearest(SubmapId newer) const {
   return **std::ranges::min_element(closures_, {}, apart);
 }
 
-Pose2 Placement::map_T(SubmapId newer) const { return laid_by(nearest(newer), newer, submaps_); }
+Pose2 Placement::map_T_submap(SubmapId newer) const {
+  return laid_by(nearest(newer), newer, submaps_);
+}
 
 std::vector<SubmapId> Placement::witnesses() const {
   const auto newer = [](const LoopClosure* closure) { return closure->to_submap.index; };

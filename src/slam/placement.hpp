@@ -51,7 +51,7 @@ class Placement {
   /// The one that ends nearest to a submap in sequence.
   [[nodiscard]] const LoopClosure& nearest(SubmapId newer) const;
   /// A submap of the newer piece as these lay it.
-  [[nodiscard]] Pose2 map_T(SubmapId newer) const;
+  [[nodiscard]] Pose2 map_T_submap(SubmapId newer) const;
   /// Submaps of the newer piece that can tell whether they lie well there: those of the closures,
   /// and some around.
   [[nodiscard]] std::vector<SubmapId> witnesses() const;

@@ -278,8 +278,8 @@ class PlaceQuestion {
       const SubmapId there = other.to_submap;
       const Pose2 map_T_there = laid_by(other, there, submaps_);
       const AskedClosure& one = nearest(there);
-      const Pose2 moved = map_T_there * placement_.map_T(there).inverse();
-      if (search(one).is_near(moved * placement_.map_T(one.closure.to_submap)))
+      const Pose2 moved = map_T_there * placement_.map_T_submap(there).inverse();
+      if (search(one).is_near(moved * placement_.map_T_submap(one.closure.to_submap)))
         told.push_back({moved, map_T_there, true});
     }
     found.push_back(std::move(told));
@@ -294,7 +294,7 @@ class PlaceQuestion {
                                                   Threads threads) const {
     std::vector<Witness> witnesses;
     for (const SubmapId submap : placement_.witnesses())
-      witnesses.push_back({&submaps_[submap.index], placement_.map_T(submap),
+      witnesses.push_back({&submaps_[submap.index], placement_.map_T_submap(submap),
                            SubmapTarget(*submaps_[submap.index].frozen, options, 0.0)});
     std::vector<Pose2> moves{Pose2{}};
     for (const Rival& rival : rivals) moves.push_back(rival.moved);
