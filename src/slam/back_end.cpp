@@ -197,7 +197,6 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
   const auto no_path_leads = [&](const LoopClosure& closure) {
     return drives.are_adrift(closure.from_submap, closure.to_submap);
   };
-  std::vector<char> bends(asked.size());
   parallel_for(asked.size(), threads_, [&](std::size_t i) {
     LoopClosure& closure = asked[i];
     const auto is_held = [&] {
@@ -219,8 +218,7 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
           travel_from(submaps, closure.from_submap, kInfinite)[closure.to_submap.index];
       return known.empty() || is_likely(closure, known[i], travel_m, submaps);
     };
-    bends[i] = bends_nothing(closure, submaps) ? 0 : 1;
-    if (bends[i] != 0 && (!leads_there() || !is_held()))
+    if (!bends_nothing(closure, submaps) && (!leads_there() || !is_held()))
       reject(closure, ClosureReason::kSurroundings);
   });
   if (known.empty()) return;
@@ -231,7 +229,7 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
   std::vector<LoopClosure*> of_left;
   for (std::size_t i = 0; i < asked.size(); ++i) {
     if (asked[i].state == ClosureState::kRejected || no_path_leads(asked[i])) continue;
-    left.push_back({asked[i], known[i], bends[i] != 0});
+    left.push_back({asked[i], known[i]});
     of_left.push_back(&asked[i]);
   }
   const std::vector<bool> have = have_rival_places(left, others, submaps, loop_options_,

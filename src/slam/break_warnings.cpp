@@ -37,8 +37,7 @@ std::string what_was_seen(const PathBreak& gap, const MapResult& result, const R
   }
   const std::string when = clock.span(gap.from, gap.to);
   if (gap.cause == BreakCause::kCarried) {
-    const bool is_found = gap.bridge == BreakBridge::kLaser || gap.closures > 0;
-    const auto far_m = is_found ? carried_m(gap, result) : std::nullopt;
+    const auto far_m = gap.closures > 0 ? carried_m(gap, result) : std::nullopt;
     return "the robot was carried " + (far_m ? "by about " + readable_metres(*far_m) + " " : "") +
            when +
            " while no scans came: what the laser sees then is not what it saw where odometry says "
@@ -69,7 +68,8 @@ std::string what_bridges(const PathBreak& gap) {
            ", within " + readable_metres(gap.bridge_sigma_m());
   }
   if (gap.cause == BreakCause::kLifted) return "";
-  if (gap.cause == BreakCause::kCarried) return ", and it was not found where it was put down";
+  if (gap.cause == BreakCause::kCarried)
+    return gap.closures > 0 ? "" : ", and it was not recognised where it was put down";
   return std::string(gap.odometry_m > 0.0 ? ", but odometry was silent for a part of it"
                                           : ": nothing tells how the robot moved") +
          (gap.was_found_in_part()

@@ -302,7 +302,6 @@ FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
   const bool is_likely = likeliest->explains ||
                          (!reach.is_carried && likeliest->value >= kFrontEndRejoin.likely_value);
   return {.match = in_local(match),
-          .value = likeliest->value,
           .explains = likeliest->explains,
           .is_likely = is_likely,
           .faces_certainly = is_likely && std::ranges::none_of(places, faces_elsewhere),
@@ -324,7 +323,7 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
     match = recognise_near(surfaces, near, there);
     if (!match && was_carried(surfaces, blind, stamp)) {
       cause = BreakCause::kCarried;
-      match = find_carried(surfaces, stamp, blind.prior);
+      blind.prior = carried_to(surfaces, stamp, blind.prior.target_T_source);
     }
   } else if (blind.reach) {
     const Ahead ahead = look_ahead(surfaces, *blind.reach, blind.prior);
@@ -362,20 +361,15 @@ UntoldReach FrontEnd::carried_from(const Pose2& local_T_robot, Stamp stamp) cons
           .is_carried = true};
 }
 
-std::optional<MatchResult> FrontEnd::find_carried(std::span<const SurfacePoint> surfaces,
-                                                  Stamp stamp, PosePrior2& prior) const {
-  const UntoldReach reach = carried_from(prior.target_T_source, stamp);
-  prior = expected_at(prior.target_T_source, reach, reach.sigma_rad);
-  const Ahead ahead = look_ahead(surfaces, reach, prior);
-  // Of so many places one that explains little less than usual is no chance.
-  if (ahead.is_certain() && ahead.value >= least_score()) return ahead.match;
-  if (ahead.explains) {
-    prior =
-        expected_at(ahead.match->target_T_source, reach,
-                    ahead.faces_certainly ? std::min(kFrontEndRejoin.turned_rad, reach.sigma_rad)
-                                          : reach.sigma_rad);
-  }
-  return {};
+PosePrior2 FrontEnd::carried_to(std::span<const SurfacePoint> surfaces, Stamp stamp,
+                                const Pose2& local_T_before) const {
+  const UntoldReach reach = carried_from(local_T_before, stamp);
+  const PosePrior2 anywhere = expected_at(local_T_before, reach, reach.sigma_rad);
+  const Ahead ahead = look_ahead(surfaces, reach, anywhere);
+  if (!ahead.explains) return anywhere;
+  return expected_at(ahead.match->target_T_source, reach,
+                     ahead.faces_certainly ? std::min(kFrontEndRejoin.turned_rad, reach.sigma_rad)
+                                           : reach.sigma_rad);
 }
 
 /// The scan contradicts the submap where odometry says that the robot hardly moved; where it says

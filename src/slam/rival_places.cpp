@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "geometry/symmetric_matrix.hpp"
@@ -266,11 +267,8 @@ class PlaceQuestion {
     };
     std::vector<std::vector<Rival>> found(newer.size() + older.size());
     parallel_for(found.size(), threads, [&](std::size_t i) {
-      if (i < newer.size()) {
-        found[i] = search(*newer[i]).seen();
-      } else if (const AskedClosure& one = *older[i - newer.size()]; one.bends) {
-        found[i] = search(one).repeated();
-      }
+      found[i] =
+          i < newer.size() ? search(*newer[i]).seen() : search(*older[i - newer.size()]).repeated();
     });
     std::vector<Rival> told;
     for (const LoopClosure& other : others) {
@@ -311,7 +309,38 @@ class PlaceQuestion {
     return sums;
   }
 
+  /// How well submaps of one piece agree, about both ends.
+  [[nodiscard]] SurfaceFit usual_agreement(const SubmapOptions& options,
+                                           const GridMatchOptions& match, Threads threads) const {
+    std::set<std::pair<std::size_t, std::size_t>> pairs;
+    for (const AskedClosure* one : asked_) {
+      for (const SubmapId end : {one->closure.from_submap, one->closure.to_submap}) {
+        const std::size_t first = end.index - std::min(end.index, kLoopSurroundings.reach);
+        for (std::size_t a = first; a <= end.index; ++a) {
+          const std::size_t last = std::min(a + kLoopSurroundings.reach, submaps_.size() - 1);
+          for (std::size_t b = a + kLoopSurroundings.beside + 1; b <= last; ++b) {
+            if (are_of_one_place(a, b)) pairs.emplace(a, b);
+          }
+        }
+      }
+    }
+    const std::vector<std::pair<std::size_t, std::size_t>> asked(pairs.begin(), pairs.end());
+    std::vector<SurfaceFit> fits(asked.size());
+    parallel_for(asked.size(), threads, [&](std::size_t i) {
+      const SubmapRecord& a = submaps_[asked[i].first];
+      const SubmapRecord& b = submaps_[asked[i].second];
+      fits[i] = fit_of(*a.frozen, *b.frozen, a.map_T_submap.inverse() * b.map_T_submap, kAll,
+                       options, match);
+      fits[i] *= shares_of(a, b);
+    });
+    SurfaceFit sum;
+    for (const SurfaceFit& fit : fits) sum += fit;
+    return sum;
+  }
+
  private:
+  static constexpr double kAll = std::numeric_limits<double>::infinity();
+
   struct Witness {
     const SubmapRecord* submap;
     Pose2 map_T_found;
@@ -325,7 +354,6 @@ class PlaceQuestion {
                                                        const SubmapOptions& options,
                                                        const GridMatchOptions& match) {
     if (place.surface_count() == 0 || place.piece == witnesses.front().submap->piece) return {};
-    constexpr double kAll = std::numeric_limits<double>::infinity();
     std::optional<SubmapTarget> target;  // once one lies there
     std::vector<SurfaceFit> told(moves.size());
     for (std::size_t i = 0; i < moves.size(); ++i) {
@@ -337,11 +365,23 @@ class PlaceQuestion {
         if (!target) target.emplace(*place.frozen, options, kLoopSurroundings.slack_m);
         SurfaceFit fit =
             fit_of(*place.frozen, *target, *submap.frozen, witness.target, pose, kAll, match);
-        fit *= 1.0 / static_cast<double>(place.surface_count() + submap.surface_count());
+        fit *= shares_of(place, submap);
         told[i] += fit;
       }
     }
     return told;
+  }
+
+  /// Makes a share of the surfaces of both.
+  [[nodiscard]] static double shares_of(const SubmapRecord& a, const SubmapRecord& b) {
+    return 1.0 / static_cast<double>(a.surface_count() + b.surface_count());
+  }
+  [[nodiscard]] bool are_of_one_place(std::size_t first, std::size_t second) const {
+    const SubmapRecord& a = submaps_[first];
+    const SubmapRecord& b = submaps_[second];
+    if (a.piece != b.piece || a.surface_count() == 0 || b.surface_count() == 0) return false;
+    const Eigen::Vector2d apart = a.map_T_submap * a.centre - b.map_T_submap * b.centre;
+    return apart.norm() <= a.radius_m + b.radius_m;
   }
 
   [[nodiscard]] const AskedClosure& nearest(SubmapId newer) const {
@@ -405,18 +445,17 @@ std::vector<bool> have_rival_places(std::span<const AskedClosure> asked,
     if (rivals.empty()) continue;
     const std::vector<SurfaceFit> fits =
         question.agreement(rivals, submap_options, match_options, threads);
-    const double least = fits.front().share() - kRivalPlaces.clearly_less;
-    const auto stands = [&](bool seen) {
-      for (std::size_t i = 0; i < rivals.size(); ++i) {
-        const SurfaceFit& there = fits[i + 1];
-        if (rivals[i].was_seen == seen && there.on >= least * there.seen()) return true;
-      }
-      return false;
-    };
-    const bool in_seen = stands(true);
-    const bool in_unseen = stands(false);
+    const double found = fits.front().share() - kRivalPlaces.clearly_less;
+    const double usual = question.usual_agreement(submap_options, match_options, threads).share();
+    const bool is_unusual = fits.front().share() < usual - kRivalPlaces.clearly_less;
+    bool is_ambiguous = false;
+    for (std::size_t i = 0; i < rivals.size(); ++i) {
+      const SurfaceFit& there = fits[i + 1];
+      if ((is_unusual && !rivals[i].was_seen) || there.on >= found * there.seen())
+        is_ambiguous = true;
+    }
     for (const AskedClosure* one : question.asked())
-      have[static_cast<std::size_t>(one - asked.data())] = in_seen || (in_unseen && one->bends);
+      have[static_cast<std::size_t>(one - asked.data())] = is_ambiguous;
   }
   return have;
 }

@@ -92,16 +92,15 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
 struct AskedClosure {
   LoopClosure closure;
   Eigen::Matrix3d known;  ///< of known_motions()
-  bool bends;             ///< moves anything; one that does not has the path for a witness
 };
 
 /// Whether what lies behind a break fits elsewhere as well, in any place of other pieces of the
 /// path that what is known of the motion allows, and is not far less likely there; for each
 /// closure. Those that lay it in one place are asked together: what their submaps and those around
 /// show must agree clearly less with what was seen wherever else any of them fits. A corridor
-/// repeats itself for any one submap of it, but for each by another step. One that bends the map
-/// must also stand against places that nobody saw yet, where the older place would repeat itself
-/// once more.
+/// repeats itself for any one submap of it, but for each by another step. Where the older place
+/// repeats itself, it may do so once more where nobody was yet: then what lies behind the break must
+/// also agree with the place that was found as submaps of one piece do.
 /// \param others  that wait or were ambiguous: places, too
 /// Cost: a search for each submap within reach of each end; for each place found, a small one for
 /// each pair of submaps there.

@@ -16,9 +16,9 @@ const std::vector<Pose2> kVisit{
 const std::vector<Pose2> kReturn{
     {3.4, 2.2, 1.7}, {3.3, 3.0, 2.6}, {2.6, 2.4, -1.0}, {4.6, 2.8, 0.2}};
 
-bool find_rival(const LoopClosure& closure, const Eigen::Matrix3d& known, bool bends,
+bool find_rival(const LoopClosure& closure, const Eigen::Matrix3d& known,
                 std::span<const SubmapRecord> submaps) {
-  const AskedClosure asked{closure, known, bends};
+  const AskedClosure asked{closure, known};
   return have_rival_places({&asked, 1}, {}, submaps, {}, {}, {}, {}).front();
 }
 
@@ -43,8 +43,8 @@ struct Rooms {
     closure.score = 0.8;
     closure.agreement = 0.95;
   }
-  [[nodiscard]] bool has_rival(double sigma_m, bool bends = true) const {
-    return find_rival(closure, planar_covariance(sigma_m, 0.2), bends, submaps);
+  [[nodiscard]] bool has_rival(double sigma_m) const {
+    return find_rival(closure, planar_covariance(sigma_m, 0.2), submaps);
   }
 };
 
@@ -72,8 +72,9 @@ TEST(RivalPlaces, APlaceThatOtherSubmapsTellApartIsNoRival) {
       rooms.submaps.insert(rooms.submaps.begin() + 2, std::move(record));
     }
     rooms.closure.to_submap = {rooms.submaps.size() - 1};
-    EXPECT_EQ(rooms.has_rival(5.0, false), !differs);
-    EXPECT_TRUE(rooms.has_rival(5.0, true)) << "a third one may lie on the other side";
+    EXPECT_TRUE(rooms.has_rival(5.0)) << "a third one may lie on the other side";
+    rooms.submaps.back().map_T_submap.x += 4.5;
+    EXPECT_EQ(rooms.has_rival(5.0), !differs) << "the path leads between these two";
   }
 }
 
@@ -98,8 +99,9 @@ struct PairsOfRooms {
     add(bare, kVisit, {9.0, 0.0, 0.0}, 0);
     add(full, kVisit, {0.0, 8.0, 0.0}, 0);
     add(test::rectangle({1.0, 1.0}, {7.0, 5.0}), kVisit, {9.0, 8.0, 0.0}, 0);
-    add(full, kReturn, {}, 1);
-    add(bare, kReturn, {9.0, 0.0, 0.0}, 1);
+    // The path leads between the first ones, so that there is no third.
+    add(full, kReturn, {0.0, 4.0, 0.0}, 1);
+    add(bare, kReturn, {9.0, 4.0, 0.0}, 1);
     first = closure(0, 4);
     elsewhere = closure(2, 4);
   }
@@ -117,32 +119,50 @@ struct PairsOfRooms {
 
 TEST(RivalPlaces, WhatIsVisitedNextTellsPlacesApart) {
   PairsOfRooms rooms;
-  const Eigen::Matrix3d known = planar_covariance(6.0, 0.2);
-  EXPECT_FALSE(find_rival(rooms.first, known, false, rooms.submaps));
-  EXPECT_TRUE(find_rival(rooms.elsewhere, known, false, rooms.submaps))
+  const Eigen::Matrix3d known = planar_covariance(4.0, 0.2);
+  EXPECT_FALSE(find_rival(rooms.first, known, rooms.submaps));
+  EXPECT_TRUE(find_rival(rooms.elsewhere, known, rooms.submaps))
       << "the room beside it is another one";
   rooms.submaps.pop_back();
-  EXPECT_TRUE(find_rival(rooms.first, known, false, rooms.submaps)) << "not visited yet";
+  EXPECT_TRUE(find_rival(rooms.first, known, rooms.submaps)) << "not visited yet";
 }
 
 TEST(RivalPlaces, ClosuresThatLayAllInOnePlaceStandOrFallTogether) {
   const PairsOfRooms rooms;
-  const Eigen::Matrix3d known = planar_covariance(6.0, 0.2);
+  const Eigen::Matrix3d known = planar_covariance(4.0, 0.2);
   // Nothing else is like the room beside the first one; but that one is asked about, too.
-  const std::vector<AskedClosure> asked{{rooms.elsewhere, known, false},
-                                        {PairsOfRooms::closure(1, 5), known, false},
-                                        {rooms.first, known, false}};
+  const std::vector<AskedClosure> asked{
+      {rooms.elsewhere, known}, {PairsOfRooms::closure(1, 5), known}, {rooms.first, known}};
   const std::vector<bool> expected{true, false, false};
   EXPECT_EQ(have_rival_places(asked, {}, rooms.submaps, {}, {}, {}, {}), expected);
 }
 
+/// Rooms of a building are alike, and one that is a little like them lies where nobody was.
+TEST(RivalPlaces, WhereAPlaceRepeatsItselfTheFoundOneMustAgreeAsUsual) {
+  PairsOfRooms rooms;
+  const Eigen::Matrix3d known = planar_covariance(4.0, 0.2);
+  // More submaps of the first room, for what is usual.
+  for (int i = 0; i < 3; ++i) rooms.submaps.insert(rooms.submaps.begin(), rooms.submaps.front());
+  const auto visited = [&](const test::Walls& room) {
+    FinishedSubmap seen = test::submap_seen_from(room, kReturn, 0);
+    seen.piece = 1;
+    rooms.submaps[7].freeze(std::move(seen));
+    return find_rival(PairsOfRooms::closure(3, 7), known, rooms.submaps);
+  };
+  EXPECT_FALSE(visited(test::furnished_room()));
+  const test::Walls more =
+      test::together({test::furnished_room(), test::rectangle({5.0, 0.8}, {6.8, 2.0}),
+                      test::rectangle({0.6, 4.0}, {2.2, 5.2})});
+  EXPECT_TRUE(visited(more));
+}
+
 TEST(RivalPlaces, APlaceThatWasAmbiguousOnceIsRememberedAsARival) {
   PairsOfRooms rooms;
-  const Eigen::Matrix3d known = planar_covariance(6.0, 0.2);
+  const Eigen::Matrix3d known = planar_covariance(4.0, 0.2);
   rooms.submaps.pop_back();
   // What scores twice what can be had is not found anew.
   const auto has_rival = [&](std::span<const LoopClosure> others) -> bool {
-    const AskedClosure asked{rooms.first, known, false};
+    const AskedClosure asked{rooms.first, known};
     return have_rival_places({&asked, 1}, others, rooms.submaps, {.min_score = 2.0}, {}, {}, {})
         .front();
   };
@@ -170,7 +190,7 @@ TEST(RivalPlaces, WhereTheHeadingIsOpenARoomMayBeItsOwnMirror) {
   closure.score = 0.8;
   closure.agreement = 0.95;
   const auto is_ambiguous = [&](double sigma_rad) {
-    return find_rival(closure, planar_covariance(5.0, sigma_rad), true, submaps);
+    return find_rival(closure, planar_covariance(5.0, sigma_rad), submaps);
   };
   EXPECT_FALSE(is_ambiguous(0.1)) << "the path knows the heading";
   EXPECT_TRUE(is_ambiguous(1.8));
