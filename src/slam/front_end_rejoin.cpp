@@ -364,7 +364,7 @@ UntoldReach FrontEnd::carried_from(const Pose2& local_T_robot, Stamp stamp) cons
 PosePrior2 FrontEnd::carried_to(std::span<const SurfacePoint> surfaces, Stamp stamp,
                                 const Pose2& local_T_before) const {
   const UntoldReach reach = carried_from(local_T_before, stamp);
-  const PosePrior2 anywhere = expected_at(local_T_before, reach, reach.sigma_rad);
+  PosePrior2 anywhere = expected_at(local_T_before, reach, reach.sigma_rad);
   const Ahead ahead = look_ahead(surfaces, reach, anywhere);
   if (!ahead.explains) return anywhere;
   return expected_at(ahead.match->target_T_source, reach,

@@ -445,15 +445,17 @@ std::vector<bool> have_rival_places(std::span<const AskedClosure> asked,
     if (rivals.empty()) continue;
     const std::vector<SurfaceFit> fits =
         question.agreement(rivals, submap_options, match_options, threads);
-    const double found = fits.front().share() - kRivalPlaces.clearly_less;
-    const double usual = question.usual_agreement(submap_options, match_options, threads).share();
-    const bool is_unusual = fits.front().share() < usual - kRivalPlaces.clearly_less;
-    bool is_ambiguous = false;
-    for (std::size_t i = 0; i < rivals.size(); ++i) {
-      const SurfaceFit& there = fits[i + 1];
-      if ((is_unusual && !rivals[i].was_seen) || there.on >= found * there.seen())
-        is_ambiguous = true;
-    }
+    const double found = fits.front().share();
+    const auto agrees_nearly_as_well = [&](const SurfaceFit& there) {
+      return there.on >= (found - kRivalPlaces.clearly_less) * there.seen();
+    };
+    const auto agrees_less_than_usual = [&] {
+      const SurfaceFit usual = question.usual_agreement(submap_options, match_options, threads);
+      return found < usual.share() - kRivalPlaces.clearly_less;
+    };
+    const bool is_ambiguous =
+        std::any_of(fits.begin() + 1, fits.end(), agrees_nearly_as_well) ||
+        (!std::ranges::all_of(rivals, &Rival::was_seen) && agrees_less_than_usual());
     for (const AskedClosure* one : question.asked())
       have[static_cast<std::size_t>(one - asked.data())] = is_ambiguous;
   }
