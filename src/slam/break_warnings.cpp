@@ -37,7 +37,8 @@ std::string what_was_seen(const PathBreak& gap, const MapResult& result, const R
   }
   const std::string when = clock.span(gap.from, gap.to);
   if (gap.cause == BreakCause::kCarried) {
-    const auto far_m = gap.closures > 0 ? carried_m(gap, result) : std::nullopt;
+    const bool is_found = gap.bridge == BreakBridge::kLaser || gap.closures > 0;
+    const auto far_m = is_found ? carried_m(gap, result) : std::nullopt;
     return "the robot was carried " + (far_m ? "by about " + readable_metres(*far_m) + " " : "") +
            when +
            " while no scans came: what the laser sees then is not what it saw where odometry says "

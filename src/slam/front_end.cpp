@@ -345,8 +345,14 @@ void FrontEnd::give_up_or_ride(const Sighting& sighting, TrackedScan& tracked) {
   }
   // It was carried meanwhile, and is looked for all around.
   BlindMotion carried = told;
-  carried.prior = carried_to(sighting.matched(), stamp, told.prior.target_T_source);
-  begin_piece(carried, BreakCause::kCarried, stamp, tracked);
+  const auto match = find_carried(sighting.matched(), stamp, carried.prior);
+  if (!match) {
+    begin_piece(carried, BreakCause::kCarried, stamp, tracked);
+    return;
+  }
+  own_.lost_in_a_row = 0;
+  (void)take_match(*match, true, tracked);
+  note_gap(carried, BreakCause::kCarried, stamp, tracked);
 }
 
 /// A scan whose pose holds: the next one goes on from it, and the submaps may take it in.

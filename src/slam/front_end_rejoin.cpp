@@ -17,6 +17,7 @@
 #include "slam/front_end_numbers.hpp"
 #include "slam/loop_coverage.hpp"
 #include "slam/path_drift.hpp"
+#include "slam/placement.hpp"
 #include "slam/pose_search.hpp"
 #include "slam/scan_edges.hpp"
 
@@ -302,6 +303,7 @@ FrontEnd::Ahead FrontEnd::look_ahead(std::span<const SurfacePoint> surfaces,
   const bool is_likely = likeliest->explains ||
                          (!reach.is_carried && likeliest->value >= kFrontEndRejoin.likely_value);
   return {.match = in_local(match),
+          .value = likeliest->value,
           .explains = likeliest->explains,
           .is_likely = is_likely,
           .faces_certainly = is_likely && std::ranges::none_of(places, faces_elsewhere),
@@ -323,7 +325,7 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
     match = recognise_near(surfaces, near, there);
     if (!match && was_carried(surfaces, blind, stamp)) {
       cause = BreakCause::kCarried;
-      blind.prior = carried_to(surfaces, stamp, blind.prior.target_T_source);
+      match = find_carried(surfaces, stamp, blind.prior);
     }
   } else if (blind.reach) {
     const Ahead ahead = look_ahead(surfaces, *blind.reach, blind.prior);
@@ -361,15 +363,22 @@ UntoldReach FrontEnd::carried_from(const Pose2& local_T_robot, Stamp stamp) cons
           .is_carried = true};
 }
 
-PosePrior2 FrontEnd::carried_to(std::span<const SurfacePoint> surfaces, Stamp stamp,
-                                const Pose2& local_T_before) const {
-  const UntoldReach reach = carried_from(local_T_before, stamp);
-  PosePrior2 anywhere = expected_at(local_T_before, reach, reach.sigma_rad);
-  const Ahead ahead = look_ahead(surfaces, reach, anywhere);
-  if (!ahead.explains) return anywhere;
-  return expected_at(ahead.match->target_T_source, reach,
-                     ahead.faces_certainly ? std::min(kFrontEndRejoin.turned_rad, reach.sigma_rad)
-                                           : reach.sigma_rad);
+/// Farther off one scan that fits is a likeness of places, and rooms are alike: what is seen from
+/// there on has to be recognised.
+std::optional<MatchResult> FrontEnd::find_carried(std::span<const SurfacePoint> surfaces,
+                                                  Stamp stamp, PosePrior2& prior) const {
+  const Pose2 before = prior.target_T_source;
+  const UntoldReach reach = carried_from(before, stamp);
+  prior = expected_at(before, reach, reach.sigma_rad);
+  const Ahead ahead = look_ahead(surfaces, reach, prior);
+  if (!ahead.explains) return {};
+  const Pose2& there = ahead.match->target_T_source;
+  const bool is_near = (there.translation() - before.translation()).norm() < kPlacement.elsewhere_m;
+  if (is_near && ahead.is_certain() && ahead.value >= least_score()) return ahead.match;
+  prior = expected_at(there, reach,
+                      ahead.faces_certainly ? std::min(kFrontEndRejoin.turned_rad, reach.sigma_rad)
+                                            : reach.sigma_rad);
+  return {};
 }
 
 /// The scan contradicts the submap where odometry says that the robot hardly moved; where it says

@@ -349,6 +349,7 @@ class FrontEnd {
   /// Where a robot may be that drove on.
   struct Ahead {
     std::optional<MatchResult> match{};  ///< where it most likely is
+    double value = 0.0;                  ///< of that place
     bool explains = false;               ///< the scan does fit there
     bool is_likely = false;              ///< or what it shows of the known, if the robot drove
     bool faces_certainly = false;        ///< likely, and nowhere else facing another way
@@ -363,10 +364,9 @@ class FrontEnd {
   /// As far as somebody walks with it in the time, or across a room, facing any way that odometry
   /// would not have felt.
   [[nodiscard]] UntoldReach carried_from(const Pose2& local_T_robot, Stamp stamp) const;
-  /// Where it may have been carried to: about the place nearby that explains the scan, if one does.
-  /// That is one scan's word, and rooms are alike: what is seen from there on has to be recognised.
-  [[nodiscard]] PosePrior2 carried_to(std::span<const SurfacePoint> surfaces, Stamp stamp,
-                                      const Pose2& local_T_before) const;
+  /// Where it was carried to, if that can be told; else the prior is what can.
+  [[nodiscard]] std::optional<MatchResult> find_carried(std::span<const SurfacePoint> surfaces,
+                                                        Stamp stamp, PosePrior2& prior) const;
   [[nodiscard]] bool was_carried(std::span<const SurfacePoint> surfaces, const BlindMotion& blind,
                                  Stamp stamp) const;
   void turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead& ahead,
