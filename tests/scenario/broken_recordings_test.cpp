@@ -352,6 +352,28 @@ TEST(BrokenRecording, ARobotThatWasCarriedUnseenIsFoundThoughWallsAreSeenFromThe
   EXPECT_LT(off_across_m(result.trajectory, log, 108.0, 116.0), 0.15) << all_of(result.warnings);
 }
 
+/// Where rooms are alike a scan that fits is no proof: it is taken for being in another one only if
+/// it is.
+TEST(BrokenRecording, ARobotThatWasCarriedIntoARoomLikeAnotherIsNotTakenForBeingThere) {
+  SimulationOptions options = seen_around(8.0, 6.0, "usual,carried_blind");
+  options.duration_s = 150.0;
+  options.realism.carried_blind.at_s = 110.0;
+  for (const std::uint64_t seed : {403, 405}) {
+    if (small_scale() && seed > 403) continue;
+    const SimulatedLog log = simulate_log("rooms", seed, options);
+    const MapResult result = map_of(log);
+    const auto carried = std::ranges::find(result.breaks, BreakCause::kCarried, &PathBreak::cause);
+    ASSERT_NE(carried, result.breaks.end()) << all_of(result.warnings);
+    if (carried->bridge == BreakBridge::kLaser || carried->closures > 0) {
+      EXPECT_LT(off_across_m(result.trajectory, log, 108.0, 116.0), 0.15)
+          << seed << all_of(result.warnings);
+    } else {
+      EXPECT_NE(warning_of(result, "it was not recognised where it was put down"), "");
+      EXPECT_EQ(result.verdict.overall, Verdict::kBad) << seed << result.verdict.sentence;
+    }
+  }
+}
+
 /// The robot is lifted at one time and set down where it will be at another; odometry does not
 /// notice.
 /// \param pause_s  nothing is logged for so long
