@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <set>
 #include <utility>
@@ -45,13 +44,6 @@ std::pair<double, double> width_of(const SubmapRecord& submap) {
 /// Its ends are of two pieces of the path.
 bool across_break(const LoopClosure& closure, std::span<const SubmapRecord> submaps) {
   return submaps[closure.from_submap.index].piece != submaps[closure.to_submap.index].piece;
-}
-
-/// It may still be right.
-bool names_a_place(const LoopClosure& closure) {
-  return closure.state == ClosureState::kWaiting ||
-         (closure.state == ClosureState::kRejected &&
-          closure.reason == ClosureReason::kAmbiguousPlace);
 }
 
 void reject(LoopClosure& closure, ClosureReason reason) {
@@ -223,8 +215,6 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
   });
   if (known.empty()) return;
 
-  std::vector<LoopClosure> others;
-  std::ranges::copy_if(closures_, std::back_inserter(others), names_a_place);
   std::vector<AskedClosure> left;
   std::vector<LoopClosure*> of_left;
   for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -232,7 +222,7 @@ void BackEnd::ask_around(std::vector<LoopClosure>& asked) const {
     left.push_back({asked[i], known[i]});
     of_left.push_back(&asked[i]);
   }
-  const std::vector<bool> have = have_rival_places(left, others, submaps, loop_options_,
+  const std::vector<bool> have = have_rival_places(left, closures_, submaps, loop_options_,
                                                    submap_options_, match_options_, threads_);
   for (std::size_t i = 0; i < left.size(); ++i) {
     if (have[i]) reject(*of_left[i], ClosureReason::kAmbiguousPlace);
@@ -308,11 +298,10 @@ void BackEnd::lay_drives(std::span<const std::size_t> accepted) {
     const LoopClosure& closure = closures_[i];
     const Drives drives(submaps);
     if (!drives.are_adrift(closure.from_submap, closure.to_submap)) continue;
-    const Pose2 to_T_from = submaps[closure.from_submap.index].map_T_submap * closure.from_T_to *
-                            submaps[closure.to_submap.index].map_T_submap.inverse();
+    const Pose2 map_move = map_move_of(closure, submaps);
     for (const SubmapId submap : drives.with(closure.to_submap)) {
       Pose2& map_T_submap = submaps[submap.index].map_T_submap;
-      map_T_submap = to_T_from * map_T_submap;
+      map_T_submap = map_move * map_T_submap;
     }
     submaps[closure.from_submap.index].closed_with.push_back(closure.to_submap);
     submaps[closure.to_submap.index].closed_with.push_back(closure.from_submap);

@@ -5,25 +5,17 @@
 
 namespace loopstone {
 
-namespace {
-
-bool shows_surfaces(const SubmapRecord& submap) {
-  return submap.frozen && !submap.frozen->surfaces.empty();
-}
-
-}  // namespace
-
 std::vector<SubmapPair> overlapping(const LaidDrive& older, const LaidDrive& newer) {
   const bool is_one = older.submaps.data() == newer.submaps.data();
   std::vector<std::vector<SubmapPair>> by_newer;
   for (std::size_t b = 0; b < newer.submaps.size(); ++b) {
     const SubmapRecord& submap = newer.submaps[b];
-    if (!shows_surfaces(submap)) continue;
+    if (submap.surface_count() == 0) continue;
     const Eigen::Vector2d at = newer.map_T_submaps[b] * submap.centre;
     std::vector<std::pair<double, std::size_t>> near;
     for (std::size_t a = 0; a < older.submaps.size(); ++a) {
       const SubmapRecord& other = older.submaps[a];
-      if (!shows_surfaces(other) || (is_one && a + kLoopSurroundings.beside >= b)) continue;
+      if (other.surface_count() == 0 || (is_one && a + kLoopSurroundings.beside >= b)) continue;
       const double apart_m = (older.map_T_submaps[a] * other.centre - at).norm();
       if (apart_m <= kLoopSurroundings.near_radii * (submap.radius_m + other.radius_m))
         near.emplace_back(apart_m, a);

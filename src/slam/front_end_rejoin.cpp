@@ -17,7 +17,6 @@
 #include "slam/front_end_numbers.hpp"
 #include "slam/loop_coverage.hpp"
 #include "slam/path_drift.hpp"
-#include "slam/placement.hpp"
 #include "slam/pose_search.hpp"
 #include "slam/scan_edges.hpp"
 
@@ -373,7 +372,8 @@ std::optional<MatchResult> FrontEnd::find_carried(std::span<const SurfacePoint> 
   const Ahead ahead = look_ahead(surfaces, reach, prior);
   if (!ahead.explains) return {};
   const Pose2& there = ahead.match->target_T_source;
-  const bool is_near = (there.translation() - before.translation()).norm() < kPlacement.elsewhere_m;
+  const bool is_near =
+      (there.translation() - before.translation()).norm() < kFrontEndRejoin.elsewhere_m;
   if (is_near && ahead.is_certain() && ahead.value >= least_score()) return ahead.match;
   prior = expected_at(there, reach,
                       ahead.faces_certainly ? std::min(kFrontEndRejoin.turned_rad, reach.sigma_rad)

@@ -7,6 +7,7 @@
 
 #include "loopstone/geometry/angle.hpp"
 #include "loopstone/registration/correlative_search.hpp"
+#include "slam/pairwise_consistency.hpp"
 
 namespace loopstone {
 
@@ -144,12 +145,10 @@ double facing(const std::array<double, SurfaceWitness::kBins>& surfaces,
 
 SurfaceWitness surroundings_of(const LoopClosure& closure, std::span<const SubmapRecord> submaps,
                                const SubmapOptions& options, const GridMatchOptions& match) {
-  const Pose2 map_T_moved = submaps[closure.from_submap.index].map_T_submap * closure.from_T_to *
-                            submaps[closure.to_submap.index].map_T_submap.inverse();
+  const Pose2 map_move = map_move_of(closure, submaps);
   const auto around = [&](std::size_t index, SubmapId end) {
     const SubmapRecord& submap = submaps[index];
-    return submap.frozen && !submap.frozen->surfaces.empty() &&
-           submap.piece == submaps[end.index].piece;
+    return submap.surface_count() > 0 && submap.piece == submaps[end.index].piece;
   };
   const auto first = [](SubmapId end) {
     return end.index - std::min(end.index, kLoopSurroundings.reach);
@@ -166,7 +165,7 @@ SurfaceWitness surroundings_of(const LoopClosure& closure, std::span<const Subma
     for (std::size_t b = begin; b < last(closure.to_submap); ++b) {
       if (!around(b, closure.to_submap)) continue;
       const SubmapRecord& newer = submaps[b];
-      const Pose2 map_T_newer = map_T_moved * newer.map_T_submap;
+      const Pose2 map_T_newer = map_move * newer.map_T_submap;
       const Eigen::Vector2d apart = map_T_newer * newer.centre - older.map_T_submap * older.centre;
       if (apart.norm() > kLoopSurroundings.near_radii * (older.radius_m + newer.radius_m)) continue;
       if (!on_older) on_older.emplace(*older.frozen, options, kLoopSurroundings.slack_m);

@@ -116,6 +116,11 @@ bool are_consistent(const LoopClosure& a, const LoopClosure& b, Submaps submaps,
          (are_adrift || notices(pull_of(a, submaps), covariance));
 }
 
+Pose2 map_move_of(const LoopClosure& closure, Submaps submaps) {
+  return submaps[closure.from_submap.index].map_T_submap * closure.from_T_to *
+         submaps[closure.to_submap.index].map_T_submap.inverse();
+}
+
 Eigen::Vector2d map_pull_of(const LoopClosure& closure, Submaps submaps) {
   return submaps[closure.from_submap.index].map_T_submap.rotation() *
          pull_of(closure, submaps).head<2>();

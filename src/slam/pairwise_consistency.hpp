@@ -56,6 +56,9 @@ void visit_numbers(const PairwiseConsistencyNumbers& n, Visitor&& visit) {
 /// Whether a closure is where the map puts it already, in every direction.
 [[nodiscard]] bool is_foretold(const LoopClosure& closure, std::span<const SubmapRecord> submaps);
 
+/// What a closure does to its newer end, map frame, were it followed.
+[[nodiscard]] Pose2 map_move_of(const LoopClosure& closure, std::span<const SubmapRecord> submaps);
+
 /// By how much a closure insists on moving its newer end [m], map frame: its correction, less what
 /// it does not hold.
 [[nodiscard]] Eigen::Vector2d map_pull_of(const LoopClosure& closure,

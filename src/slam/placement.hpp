@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -10,10 +11,8 @@
 
 namespace loopstone {
 
-/// What lays one part of the path on another in one go.
+/// Who is asked about what is laid in one go.
 struct PlacementNumbers {
-  double elsewhere_m = 1.0;
-  double elsewhere_rad = 0.35;
   std::size_t around = 4;
   std::size_t witnesses = 8;
 };
@@ -21,9 +20,6 @@ inline constexpr PlacementNumbers kPlacement{};
 
 template <typename Visitor>
 void visit_numbers(const PlacementNumbers& n, Visitor&& visit) {
-  visit("elsewhere_m", n.elsewhere_m,
-        "chosen: a pose this far from the found one is another place");
-  visit("elsewhere_rad", n.elsewhere_rad, "chosen: or one turned by so much");
   visit("around", n.around,
         "chosen: submaps before and after those of the closures that are asked as well, as of a "
         "closure's surroundings");
@@ -34,22 +30,28 @@ void visit_numbers(const PlacementNumbers& n, Visitor&& visit) {
 /// \param share  of what makes it another
 [[nodiscard]] bool is_elsewhere(const Pose2& pose, const Pose2& found, double share = 1.0);
 
+/// A closure across a break of the path, before it stands.
+struct AskedClosure {
+  LoopClosure closure;
+  Eigen::Matrix3d known;  ///< covariance of the motion between its ends without it: known_motions()
+};
+
 /// Closures across one break of the path that lay what is behind it in one place: they are right
 /// or wrong together.
 class Placement {
  public:
-  /// \param submaps  must outlive it, and closures too
-  Placement(std::span<const SubmapRecord> submaps, const LoopClosure& closure)
-      : submaps_(submaps), closures_{&closure} {}
+  /// \param submaps  must outlive it, and what was asked too
+  Placement(std::span<const SubmapRecord> submaps, const AskedClosure& asked)
+      : submaps_(submaps), asked_{&asked} {}
 
-  void add(const LoopClosure& closure) { closures_.push_back(&closure); }
+  void add(const AskedClosure& asked) { asked_.push_back(&asked); }
   /// Whether a closure is between the same two pieces of the path.
   [[nodiscard]] bool concerns(const LoopClosure& closure) const;
   /// Whether such a one lays its newer submap where these do.
   [[nodiscard]] bool holds(const LoopClosure& closure) const;
-  [[nodiscard]] std::span<const LoopClosure* const> closures() const { return closures_; }
+  [[nodiscard]] std::span<const AskedClosure* const> asked() const { return asked_; }
   /// The one that ends nearest to a submap in sequence.
-  [[nodiscard]] const LoopClosure& nearest(SubmapId newer) const;
+  [[nodiscard]] const AskedClosure& nearest(SubmapId newer) const;
   /// A submap of the newer piece as these lay it.
   [[nodiscard]] Pose2 map_T_submap(SubmapId newer) const;
   /// Submaps of the newer piece that can tell whether they lie well there: those of the closures,
@@ -58,10 +60,10 @@ class Placement {
 
  private:
   std::span<const SubmapRecord> submaps_;
-  std::vector<const LoopClosure*> closures_;
+  std::vector<const AskedClosure*> asked_;
 };
 
-/// A submap where a closure from it would lay it. \param newer  of its newer piece
+/// A submap where a closure would lay it. \param newer  of its newer piece
 [[nodiscard]] Pose2 laid_by(const LoopClosure& closure, SubmapId newer,
                             std::span<const SubmapRecord> submaps);
 

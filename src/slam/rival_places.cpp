@@ -204,8 +204,8 @@ class RivalSearch {
     if ((expected * submap.centre - place.centre).norm() >
         kRivalPlaces.near_radii * (place.radius_m + submap.radius_m) + half_m_)
       return {};
-    const ExcludedPoses left_out{place_T_map * map_T_left_out, kPlacement.elsewhere_m,
-                                 kPlacement.elsewhere_rad};
+    const ExcludedPoses left_out{place_T_map * map_T_left_out, kLoopVerification.elsewhere_m,
+                                 kLoopVerification.elsewhere_rad};
     const auto found = fitted(*place.frozen, *submap.frozen, {expected, half_m_, half_rad_},
                               left_out, bar, submap_options_, match_options_);
     if (!found) return {};
@@ -239,69 +239,69 @@ std::vector<const AskedClosure*> best_by(std::span<const AskedClosure* const> as
   return found;
 }
 
-/// Closures that lay what is behind a break in one place, and all that is asked about it.
+/// It may still be right.
+bool names_a_place(const LoopClosure& closure) {
+  return closure.state == ClosureState::kWaiting ||
+         (closure.state == ClosureState::kRejected &&
+          closure.reason == ClosureReason::kAmbiguousPlace);
+}
+
+std::vector<Rival> each_once(std::span<const std::vector<Rival>> found) {
+  std::vector<Rival> rivals;
+  for (const auto& some : found) {
+    for (const Rival& rival : some) {
+      const auto is_same = [&](const Rival& other) {
+        const Pose2 there = other.moved * rival.moved.inverse() * rival.map_T_newer;
+        return other.was_seen == rival.was_seen &&
+               !is_elsewhere(there, rival.map_T_newer, kRivalPlaces.same_share);
+      };
+      if (std::ranges::none_of(rivals, is_same)) rivals.push_back(rival);
+    }
+  }
+  return rivals;
+}
+
+/// What is asked about a placement, and by what means.
 class PlaceQuestion {
  public:
-  PlaceQuestion(std::span<const SubmapRecord> submaps, const AskedClosure& asked)
-      : submaps_(submaps), placement_(submaps, asked.closure), asked_{&asked} {}
-
-  [[nodiscard]] bool takes(const LoopClosure& closure) const {
-    return placement_.concerns(closure) && placement_.holds(closure);
-  }
-  void add(const AskedClosure& asked) {
-    placement_.add(asked.closure);
-    asked_.push_back(&asked);
-  }
-  [[nodiscard]] std::span<const AskedClosure* const> asked() const { return asked_; }
+  PlaceQuestion(const Placement& placement, std::span<const SubmapRecord> submaps,
+                const LoopOptions& options, const SubmapOptions& submap_options,
+                const GridMatchOptions& match_options, Threads threads)
+      : placement_(placement),
+        submaps_(submaps),
+        options_(options),
+        submap_options_(submap_options),
+        match_options_(match_options),
+        threads_(threads) {}
 
   /// Other places, each once.
-  [[nodiscard]] std::vector<Rival> rivals(std::span<const LoopClosure> others,
-                                          const LoopOptions& options,
-                                          const SubmapOptions& submap_options,
-                                          const GridMatchOptions& match_options,
-                                          Threads threads) const {
-    const auto newer = best_by(asked_, [](const LoopClosure& one) { return one.to_submap; });
-    const auto older = best_by(asked_, [](const LoopClosure& one) { return one.from_submap; });
-    const auto search = [&](const AskedClosure& one) {
-      return RivalSearch(one, submaps_, options, submap_options, match_options);
-    };
+  [[nodiscard]] std::vector<Rival> rivals(std::span<const LoopClosure> all) const {
+    const auto asked = placement_.asked();
+    const auto newer = best_by(asked, [](const LoopClosure& one) { return one.to_submap; });
+    const auto older = best_by(asked, [](const LoopClosure& one) { return one.from_submap; });
     std::vector<std::vector<Rival>> found(newer.size() + older.size());
-    parallel_for(found.size(), threads, [&](std::size_t i) {
+    parallel_for(found.size(), threads_, [&](std::size_t i) {
       found[i] =
           i < newer.size() ? search(*newer[i]).seen() : search(*older[i - newer.size()]).repeated();
     });
-    std::vector<Rival> told;
-    for (const LoopClosure& other : others) {
-      if (!placement_.concerns(other) || placement_.holds(other)) continue;
-      const SubmapId there = other.to_submap;
-      const Pose2 map_T_there = laid_by(other, there, submaps_);
-      const AskedClosure& one = nearest(there);
-      const Pose2 moved = map_T_there * placement_.map_T_submap(there).inverse();
-      if (search(one).is_near(moved * placement_.map_T_submap(one.closure.to_submap)))
-        told.push_back({moved, map_T_there, true});
-    }
-    found.push_back(std::move(told));
+    found.push_back(named_by(all));
     return each_once(found);
   }
 
   /// How well what lies behind the break agrees with what lay before, as the closures lay it and
   /// where each rival would.
-  [[nodiscard]] std::vector<SurfaceFit> agreement(std::span<const Rival> rivals,
-                                                  const SubmapOptions& options,
-                                                  const GridMatchOptions& match,
-                                                  Threads threads) const {
+  [[nodiscard]] std::vector<SurfaceFit> agreement(std::span<const Rival> rivals) const {
     std::vector<Witness> witnesses;
     for (const SubmapId submap : placement_.witnesses())
       witnesses.push_back({&submaps_[submap.index], placement_.map_T_submap(submap),
-                           SubmapTarget(*submaps_[submap.index].frozen, options, 0.0)});
+                           SubmapTarget(*submaps_[submap.index].frozen, submap_options_, 0.0)});
     std::vector<Pose2> moves{Pose2{}};
     for (const Rival& rival : rivals) moves.push_back(rival.moved);
     const auto before =
         submaps_.first(static_cast<std::size_t>(witnesses.front().submap - submaps_.data()));
     std::vector<std::vector<SurfaceFit>> by_place(before.size());
-    parallel_for(before.size(), threads, [&](std::size_t i) {
-      by_place[i] = told_of(before[i], witnesses, moves, options, match);
-    });
+    parallel_for(before.size(), threads_,
+                 [&](std::size_t i) { by_place[i] = told_of(before[i], witnesses, moves); });
     std::vector<SurfaceFit> sums(moves.size());
     for (const auto& fits : by_place) {
       for (std::size_t i = 0; i < fits.size(); ++i) sums[i] += fits[i];
@@ -310,27 +310,27 @@ class PlaceQuestion {
   }
 
   /// How well submaps of one piece agree, about both ends.
-  [[nodiscard]] SurfaceFit usual_agreement(const SubmapOptions& options,
-                                           const GridMatchOptions& match, Threads threads) const {
-    std::set<std::pair<std::size_t, std::size_t>> pairs;
-    for (const AskedClosure* one : asked_) {
+  [[nodiscard]] SurfaceFit usual_agreement() const {
+    std::set<std::size_t> first_ones;
+    for (const AskedClosure* one : placement_.asked()) {
       for (const SubmapId end : {one->closure.from_submap, one->closure.to_submap}) {
         const std::size_t first = end.index - std::min(end.index, kLoopSurroundings.reach);
-        for (std::size_t a = first; a <= end.index; ++a) {
-          const std::size_t last = std::min(a + kLoopSurroundings.reach, submaps_.size() - 1);
-          for (std::size_t b = a + kLoopSurroundings.beside + 1; b <= last; ++b) {
-            if (are_of_one_place(a, b)) pairs.emplace(a, b);
-          }
-        }
+        for (std::size_t i = first; i <= end.index; ++i) first_ones.insert(i);
       }
     }
-    const std::vector<std::pair<std::size_t, std::size_t>> asked(pairs.begin(), pairs.end());
-    std::vector<SurfaceFit> fits(asked.size());
-    parallel_for(asked.size(), threads, [&](std::size_t i) {
-      const SubmapRecord& a = submaps_[asked[i].first];
-      const SubmapRecord& b = submaps_[asked[i].second];
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;
+    for (const std::size_t a : first_ones) {
+      const std::size_t last = std::min(a + kLoopSurroundings.reach, submaps_.size() - 1);
+      for (std::size_t b = a + kLoopSurroundings.beside + 1; b <= last; ++b) {
+        if (are_of_one_place(submaps_[a], submaps_[b])) pairs.emplace_back(a, b);
+      }
+    }
+    std::vector<SurfaceFit> fits(pairs.size());
+    parallel_for(pairs.size(), threads_, [&](std::size_t i) {
+      const SubmapRecord& a = submaps_[pairs[i].first];
+      const SubmapRecord& b = submaps_[pairs[i].second];
       fits[i] = fit_of(*a.frozen, *b.frozen, a.map_T_submap.inverse() * b.map_T_submap, kAll,
-                       options, match);
+                       submap_options_, match_options_);
       fits[i] *= shares_of(a, b);
     });
     SurfaceFit sum;
@@ -347,12 +347,27 @@ class PlaceQuestion {
     SubmapTarget target;
   };
 
+  [[nodiscard]] RivalSearch search(const AskedClosure& asked) const {
+    return {asked, submaps_, options_, submap_options_, match_options_};
+  }
+  /// Places of other closures.
+  [[nodiscard]] std::vector<Rival> named_by(std::span<const LoopClosure> all) const {
+    std::vector<Rival> rivals;
+    for (const LoopClosure& other : all) {
+      if (!names_a_place(other) || !placement_.concerns(other) || placement_.holds(other)) continue;
+      const SubmapId there = other.to_submap;
+      const Pose2 map_T_there = laid_by(other, there, submaps_);
+      const AskedClosure& one = placement_.nearest(there);
+      const Pose2 moved = map_T_there * placement_.map_T_submap(there).inverse();
+      if (search(one).is_near(moved * placement_.map_T_submap(one.closure.to_submap)))
+        rivals.push_back({moved, map_T_there, true});
+    }
+    return rivals;
+  }
   /// What one place says of the witnesses wherever they are moved: shares of both submaps.
-  [[nodiscard]] static std::vector<SurfaceFit> told_of(const SubmapRecord& place,
-                                                       std::span<const Witness> witnesses,
-                                                       std::span<const Pose2> moves,
-                                                       const SubmapOptions& options,
-                                                       const GridMatchOptions& match) {
+  [[nodiscard]] std::vector<SurfaceFit> told_of(const SubmapRecord& place,
+                                                std::span<const Witness> witnesses,
+                                                std::span<const Pose2> moves) const {
     if (place.surface_count() == 0 || place.piece == witnesses.front().submap->piece) return {};
     std::optional<SubmapTarget> target;  // once one lies there
     std::vector<SurfaceFit> told(moves.size());
@@ -362,101 +377,80 @@ class PlaceQuestion {
         const Pose2 pose = place.map_T_submap.inverse() * moves[i] * witness.map_T_found;
         if ((pose * submap.centre - place.centre).norm() > place.radius_m + submap.radius_m)
           continue;
-        if (!target) target.emplace(*place.frozen, options, kLoopSurroundings.slack_m);
-        SurfaceFit fit =
-            fit_of(*place.frozen, *target, *submap.frozen, witness.target, pose, kAll, match);
+        if (!target) target.emplace(*place.frozen, submap_options_, kLoopSurroundings.slack_m);
+        SurfaceFit fit = fit_of(*place.frozen, *target, *submap.frozen, witness.target, pose, kAll,
+                                match_options_);
         fit *= shares_of(place, submap);
         told[i] += fit;
       }
     }
     return told;
   }
-
   /// Makes a share of the surfaces of both.
   [[nodiscard]] static double shares_of(const SubmapRecord& a, const SubmapRecord& b) {
     return 1.0 / static_cast<double>(a.surface_count() + b.surface_count());
   }
-  [[nodiscard]] bool are_of_one_place(std::size_t first, std::size_t second) const {
-    const SubmapRecord& a = submaps_[first];
-    const SubmapRecord& b = submaps_[second];
+  [[nodiscard]] static bool are_of_one_place(const SubmapRecord& a, const SubmapRecord& b) {
     if (a.piece != b.piece || a.surface_count() == 0 || b.surface_count() == 0) return false;
     const Eigen::Vector2d apart = a.map_T_submap * a.centre - b.map_T_submap * b.centre;
     return apart.norm() <= a.radius_m + b.radius_m;
   }
 
-  [[nodiscard]] const AskedClosure& nearest(SubmapId newer) const {
-    const LoopClosure& closure = placement_.nearest(newer);
-    return **std::ranges::find_if(
-        asked_, [&](const AskedClosure* one) { return &one->closure == &closure; });
-  }
-
-  [[nodiscard]] static std::vector<Rival> each_once(std::span<const std::vector<Rival>> found) {
-    std::vector<Rival> rivals;
-    for (const auto& some : found) {
-      for (const Rival& rival : some) {
-        const auto is_same = [&](const Rival& other) {
-          const Pose2 there = other.moved * rival.moved.inverse() * rival.map_T_newer;
-          return other.was_seen == rival.was_seen &&
-                 !is_elsewhere(there, rival.map_T_newer, kRivalPlaces.same_share);
-        };
-        if (std::ranges::none_of(rivals, is_same)) rivals.push_back(rival);
-      }
-    }
-    return rivals;
-  }
-
+  const Placement& placement_;
   std::span<const SubmapRecord> submaps_;
-  Placement placement_;
-  std::vector<const AskedClosure*> asked_;
+  const LoopOptions& options_;
+  const SubmapOptions& submap_options_;
+  const GridMatchOptions& match_options_;
+  Threads threads_;
 };
 
 /// One for each place where closures lay what the path does not know well.
-std::vector<PlaceQuestion> questions_about(std::span<const AskedClosure> asked,
-                                           std::span<const SubmapRecord> submaps) {
-  std::vector<PlaceQuestion> questions;
+std::vector<Placement> placements_of(std::span<const AskedClosure> asked,
+                                     std::span<const SubmapRecord> submaps) {
+  std::vector<Placement> placements;
   for (const AskedClosure& one : asked) {
     const SubmapRecord& newer = submaps[one.closure.to_submap.index];
     const SubmapRecord& older = submaps[one.closure.from_submap.index];
     if (older.piece == newer.piece || widest_m(one.known) <= kRivalPlaces.wide_m ||
         newer.surface_count() == 0 || older.surface_count() == 0)
       continue;
-    const auto at = std::ranges::find_if(
-        questions, [&](const PlaceQuestion& question) { return question.takes(one.closure); });
-    if (at == questions.end()) {
-      questions.emplace_back(submaps, one);
+    const auto at = std::ranges::find_if(placements, [&](const Placement& placement) {
+      return placement.concerns(one.closure) && placement.holds(one.closure);
+    });
+    if (at == placements.end()) {
+      placements.emplace_back(submaps, one);
     } else {
       at->add(one);
     }
   }
-  return questions;
+  return placements;
 }
 
 }  // namespace
 
 std::vector<bool> have_rival_places(std::span<const AskedClosure> asked,
-                                    std::span<const LoopClosure> others,
+                                    std::span<const LoopClosure> all,
                                     std::span<const SubmapRecord> submaps,
                                     const LoopOptions& options, const SubmapOptions& submap_options,
                                     const GridMatchOptions& match_options, Threads threads) {
   std::vector<bool> have(asked.size());
-  for (const PlaceQuestion& question : questions_about(asked, submaps)) {
-    const std::vector<Rival> rivals =
-        question.rivals(others, options, submap_options, match_options, threads);
+  for (const Placement& placement : placements_of(asked, submaps)) {
+    const PlaceQuestion question(placement, submaps, options, submap_options, match_options,
+                                 threads);
+    const std::vector<Rival> rivals = question.rivals(all);
     if (rivals.empty()) continue;
-    const std::vector<SurfaceFit> fits =
-        question.agreement(rivals, submap_options, match_options, threads);
+    const std::vector<SurfaceFit> fits = question.agreement(rivals);
     const double found = fits.front().share();
     const auto agrees_nearly_as_well = [&](const SurfaceFit& there) {
       return there.on >= (found - kRivalPlaces.clearly_less) * there.seen();
     };
     const auto agrees_less_than_usual = [&] {
-      const SurfaceFit usual = question.usual_agreement(submap_options, match_options, threads);
-      return found < usual.share() - kRivalPlaces.clearly_less;
+      return found < question.usual_agreement().share() - kRivalPlaces.clearly_less;
     };
     const bool is_ambiguous =
         std::any_of(fits.begin() + 1, fits.end(), agrees_nearly_as_well) ||
         (!std::ranges::all_of(rivals, &Rival::was_seen) && agrees_less_than_usual());
-    for (const AskedClosure* one : question.asked())
+    for (const AskedClosure* one : placement.asked())
       have[static_cast<std::size_t>(one - asked.data())] = is_ambiguous;
   }
   return have;
@@ -472,7 +466,7 @@ bool repeats_itself(const LoopClosure& closure, std::span<const SubmapRecord> su
                 kRivalPlaces.again_overlap, kRivalPlaces.again_share * closure.agreement};
   for (std::size_t i = 0; i < submaps.size(); ++i) {
     const SubmapRecord& place = submaps[i];
-    if (i == closure.from_submap.index || !place.frozen || place.frozen->surfaces.empty() ||
+    if (i == closure.from_submap.index || place.surface_count() == 0 ||
         drives.are_adrift({i}, closure.from_submap))
       continue;
     const Pose2 place_T_older = place.map_T_submap.inverse() * older.map_T_submap;
@@ -480,7 +474,8 @@ bool repeats_itself(const LoopClosure& closure, std::span<const SubmapRecord> su
         place.centre - Pose2{0.0, 0.0, place_T_older.yaw}.rotation() * older.centre;
     const SearchWindow anywhere{
         {shift.x(), shift.y(), place_T_older.yaw}, kLoopCandidates.place_half_m, kPi};
-    const ExcludedPoses itself{place_T_older, kPlacement.elsewhere_m, kPlacement.elsewhere_rad};
+    const ExcludedPoses itself{place_T_older, kLoopVerification.elsewhere_m,
+                               kLoopVerification.elsewhere_rad};
     if (fitted(*place.frozen, *older.frozen, anywhere, itself, bar, submap_options, match_options))
       return true;
   }

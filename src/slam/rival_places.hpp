@@ -12,6 +12,7 @@
 #include "loopstone/slam/loop_closer.hpp"
 #include "loopstone/slam/loop_closure.hpp"
 #include "loopstone/slam/submap_record.hpp"
+#include "slam/placement.hpp"
 
 namespace loopstone {
 
@@ -88,12 +89,6 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
 [[nodiscard]] bool is_likely(const LoopClosure& closure, const Eigen::Matrix3d& known,
                              double travel_m, std::span<const SubmapRecord> submaps);
 
-/// A closure across a break of the path, before it stands.
-struct AskedClosure {
-  LoopClosure closure;
-  Eigen::Matrix3d known;  ///< of known_motions()
-};
-
 /// Whether what lies behind a break fits elsewhere as well, in any place of other pieces of the
 /// path that what is known of the motion allows, and is not far less likely there; for each
 /// closure. Those that lay it in one place are asked together: what their submaps and those around
@@ -101,11 +96,11 @@ struct AskedClosure {
 /// repeats itself for any one submap of it, but for each by another step. Where the older place
 /// repeats itself, it may do so once more where nobody was yet: then what lies behind the break
 /// must also agree with the place that was found as submaps of one piece do.
-/// \param others  that wait or were ambiguous: places, too
+/// \param all  closures; those that wait or were ambiguous name places, too
 /// Cost: a search for each submap within reach of each end; for each place found, a small one for
 /// each pair of submaps there.
 [[nodiscard]] std::vector<bool> have_rival_places(
-    std::span<const AskedClosure> asked, std::span<const LoopClosure> others,
+    std::span<const AskedClosure> asked, std::span<const LoopClosure> all,
     std::span<const SubmapRecord> submaps, const LoopOptions& options,
     const SubmapOptions& submap_options, const GridMatchOptions& match_options, Threads threads);
 

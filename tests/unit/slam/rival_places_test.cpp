@@ -22,21 +22,26 @@ bool find_rival(const LoopClosure& closure, const Eigen::Matrix3d& known,
   return have_rival_places({&asked, 1}, {}, submaps, {}, {}, {}, {}).front();
 }
 
+/// A submap of a room as a visit of it shows it.
+SubmapRecord visited(const test::Walls& room, const std::vector<Pose2>& visit,
+                     const Pose2& map_T_room, std::size_t piece) {
+  FinishedSubmap seen = test::submap_seen_from(room, visit, 0);
+  seen.piece = piece;
+  SubmapRecord record;
+  record.freeze(std::move(seen));
+  record.map_T_submap = map_T_room * visit.front();
+  return record;
+}
+
 /// Rooms that are alike, side by side along x, and after a break a visit of the first one.
 struct Rooms {
   std::vector<SubmapRecord> submaps{};
   LoopClosure closure{};
 
   explicit Rooms(int rooms) {
-    const auto add = [&](const std::vector<Pose2>& visit, double x, std::size_t piece) {
-      FinishedSubmap seen = test::submap_seen_from(test::furnished_room(), visit, 0);
-      seen.piece = piece;
-      SubmapRecord& record = submaps.emplace_back();
-      record.freeze(std::move(seen));
-      record.map_T_submap = Pose2{x, 0.0, 0.0} * visit.front();
-    };
-    for (int room = 0; room < rooms; ++room) add(kVisit, 9.0 * room, 0);
-    add(kReturn, 0.0, 1);
+    for (int room = 0; room < rooms; ++room)
+      submaps.push_back(visited(test::furnished_room(), kVisit, {9.0 * room, 0.0, 0.0}, 0));
+    submaps.push_back(visited(test::furnished_room(), kReturn, {}, 1));
     closure.from_submap = {0};
     closure.to_submap = {submaps.size() - 1};
     closure.from_T_to = kVisit.front().inverse() * kReturn.front();
@@ -65,11 +70,8 @@ TEST(RivalPlaces, APlaceThatOtherSubmapsTellApartIsNoRival) {
     for (const std::size_t room : {0, 1}) {
       test::Walls seen = test::furnished_room();
       if (differs && room == 1) seen = test::rectangle({0.0, 0.0}, {8.0, 6.5});
-      FinishedSubmap finished = test::submap_seen_from(seen, again, 0);
-      SubmapRecord record;
-      record.freeze(std::move(finished));
-      record.map_T_submap = Pose2{9.0 * static_cast<double>(room), 0.0, 0.0} * again.front();
-      rooms.submaps.insert(rooms.submaps.begin() + 2, std::move(record));
+      rooms.submaps.insert(rooms.submaps.begin() + 2,
+                           visited(seen, again, {9.0 * static_cast<double>(room), 0.0, 0.0}, 0));
     }
     rooms.closure.to_submap = {rooms.submaps.size() - 1};
     EXPECT_TRUE(rooms.has_rival(5.0)) << "a third one may lie on the other side";
@@ -87,21 +89,14 @@ struct PairsOfRooms {
 
   PairsOfRooms() {
     const test::Walls bare = test::rectangle({0.0, 0.0}, {8.0, 6.5});
-    const auto add = [&](const test::Walls& room, const std::vector<Pose2>& visit,
-                         const Pose2& map_T_room, std::size_t piece) {
-      FinishedSubmap seen = test::submap_seen_from(room, visit, 0);
-      seen.piece = piece;
-      submaps.emplace_back().freeze(std::move(seen));
-      submaps.back().map_T_submap = map_T_room * visit.front();
-    };
     const test::Walls full = test::furnished_room();
-    add(full, kVisit, {}, 0);
-    add(bare, kVisit, {9.0, 0.0, 0.0}, 0);
-    add(full, kVisit, {0.0, 8.0, 0.0}, 0);
-    add(test::rectangle({1.0, 1.0}, {7.0, 5.0}), kVisit, {9.0, 8.0, 0.0}, 0);
+    submaps.push_back(visited(full, kVisit, {}, 0));
+    submaps.push_back(visited(bare, kVisit, {9.0, 0.0, 0.0}, 0));
+    submaps.push_back(visited(full, kVisit, {0.0, 8.0, 0.0}, 0));
+    submaps.push_back(visited(test::rectangle({1.0, 1.0}, {7.0, 5.0}), kVisit, {9.0, 8.0, 0.0}, 0));
     // The path leads between the first ones, so that there is no third.
-    add(full, kReturn, {0.0, 4.0, 0.0}, 1);
-    add(bare, kReturn, {9.0, 4.0, 0.0}, 1);
+    submaps.push_back(visited(full, kReturn, {0.0, 4.0, 0.0}, 1));
+    submaps.push_back(visited(bare, kReturn, {9.0, 4.0, 0.0}, 1));
     first = closure(0, 4);
     elsewhere = closure(2, 4);
   }
@@ -143,17 +138,15 @@ TEST(RivalPlaces, WhereAPlaceRepeatsItselfTheFoundOneMustAgreeAsUsual) {
   const Eigen::Matrix3d known = planar_covariance(4.0, 0.2);
   // More submaps of the first room, for what is usual.
   for (int i = 0; i < 3; ++i) rooms.submaps.insert(rooms.submaps.begin(), rooms.submaps.front());
-  const auto visited = [&](const test::Walls& room) {
-    FinishedSubmap seen = test::submap_seen_from(room, kReturn, 0);
-    seen.piece = 1;
-    rooms.submaps[7].freeze(std::move(seen));
+  const auto is_ambiguous = [&](const test::Walls& room) {
+    rooms.submaps[7] = visited(room, kReturn, {0.0, 4.0, 0.0}, 1);
     return find_rival(PairsOfRooms::closure(3, 7), known, rooms.submaps);
   };
-  EXPECT_FALSE(visited(test::furnished_room()));
+  EXPECT_FALSE(is_ambiguous(test::furnished_room()));
   const test::Walls more =
       test::together({test::furnished_room(), test::rectangle({5.0, 0.8}, {6.8, 2.0}),
                       test::rectangle({0.6, 4.0}, {2.2, 5.2})});
-  EXPECT_TRUE(visited(more));
+  EXPECT_TRUE(is_ambiguous(more));
 }
 
 TEST(RivalPlaces, APlaceThatWasAmbiguousOnceIsRememberedAsARival) {
@@ -179,10 +172,7 @@ TEST(RivalPlaces, WhereTheHeadingIsOpenARoomMayBeItsOwnMirror) {
   const test::Walls room = test::rectangle({0.0, 0.0}, {8.0, 4.0});
   std::vector<SubmapRecord> submaps;
   for (std::size_t piece = 0; piece < 2; ++piece) {
-    FinishedSubmap seen = test::submap_seen_from(room, visit, 0);
-    seen.piece = piece;
-    submaps.emplace_back().freeze(std::move(seen));
-    submaps.back().map_T_submap = visit.front();
+    submaps.push_back(visited(room, visit, {}, piece));
   }
   LoopClosure closure;
   closure.from_submap = {0};
