@@ -5,11 +5,21 @@
 
 namespace loopstone {
 
-DriftCorrection::DriftCorrection(std::vector<KeyScan> keys, std::span<const Pose2> map_T_key)
+DriftCorrection::DriftCorrection(std::vector<KeyScan> keys, std::span<const Pose2> map_T_key,
+                                 std::span<const PathBreak> breaks)
     : keys_(std::move(keys)) {
   map_T_local_.reserve(keys_.size());
-  for (std::size_t i = 0; i < keys_.size(); ++i)
-    map_T_local_.push_back(map_T_key[i] * keys_[i].local_T_robot.inverse());
+  changes_.reserve(keys_.size());
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    const KeyScan& key = keys_[i];
+    map_T_local_.push_back(map_T_key[i] * key.local_T_robot.inverse());
+    changes_.push_back({keys_[i > 0 ? i - 1 : 0].stamp, key.stamp});
+    if (!key.across) continue;
+    for (const PathBreak& gap : breaks) {
+      if (gap.from < gap.to && gap.from >= changes_.back().from && gap.to <= key.stamp)
+        changes_.back() = {gap.from, gap.to};
+    }
+  }
 }
 
 Pose2 DriftCorrection::at(std::size_t scan, Stamp stamp, const Pose2& local_T_robot) const {
@@ -25,10 +35,11 @@ Pose2 DriftCorrection::at(std::size_t scan, Stamp stamp, const Pose2& local_T_ro
     const bool is_before = stamp - keys_[last].stamp < keys_[next].stamp - stamp;
     return map_T_local_[is_before ? last : next];
   }
+  const auto& [from, to] = changes_[next];
+  if (stamp <= from) return map_T_local_[last];
   // Stamps may repeat, or go back.
-  if (stamp >= keys_[next].stamp) return map_T_local_[next];
-  const double ratio =
-      (stamp - keys_[last].stamp).seconds() / (keys_[next].stamp - keys_[last].stamp).seconds();
+  if (stamp >= to) return map_T_local_[next];
+  const double ratio = (stamp - from).seconds() / (to - from).seconds();
   const Pose2 first = map_T_local_[last] * local_T_robot;
   const Pose2 second = map_T_local_[next] * local_T_robot;
   return interpolate(first, second, ratio) * local_T_robot.inverse();

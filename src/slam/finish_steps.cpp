@@ -46,7 +46,8 @@ void add_to_graph(const SettledMap& map, const GraphAddition& addition, MapResul
 /// All scans on the map, by the mount that the drive tells.
 PlacedScans place(const SettledMap& map, MapResult& result) {
   const std::span<const SubmapRecord> submaps = map.chain.submaps();
-  PlacedScans placed = place_scans(map.track, map.chain.keys(), result.graph.poses, submaps);
+  PlacedScans placed =
+      place_scans(map.track, map.chain.keys(), result.graph.poses, result.breaks, submaps);
   find_calibration(map.chain, map.track, map.robot, map.options, result);
   const Calibration& found = result.calibration;
   if (found.is_corrected)

@@ -86,9 +86,22 @@ void KeyChain::append(State drive) {
 
 void KeyChain::thin(SubmapId stretch) {
   SubmapRecord& submap = state_.submaps[stretch.index];
-  submap.keys.resize(1);
-  submap.keys.shrink_to_fit();
-  submap.scans.thin();
+  // What is lost across a break is not shared out among the scans before it.
+  const bool goes_on = stretch.index + 1 < state_.submaps.size() &&
+                       !state_.submaps[stretch.index + 1].keys.front().across;
+  if (goes_on || submap.keys.size() == 1) {
+    submap.keys.resize(1);
+    submap.keys.shrink_to_fit();
+    submap.scans.thin();
+    return;
+  }
+  submap.keys = {submap.keys.front(), submap.keys.back()};
+  const auto scans = submap.scans.share();
+  submap.scans = {};
+  for (const auto& scan : *scans) {
+    const auto is_of = [&](const KeyScan& key) { return key.scan == scan->index; };
+    if (std::ranges::any_of(submap.keys, is_of)) submap.scans.add(scan);
+  }
 }
 
 std::vector<KeyScan> KeyChain::keys() const {
@@ -153,8 +166,9 @@ PoseGraph KeyChain::expand() const {
       if (k > 0) add_edge(motion_between(keys[k - 1], keys[k]));
       const Pose2 motion = keys.front().local_T_robot.inverse() * keys[k].local_T_robot;
       Pose2 pose = submap.map_T_submap * motion;
-      if (next != nullptr && !next->keys.front().starts_drive) {
-        // What the next stretch's pose adds to the motions is shared out along the way.
+      if (next != nullptr && !next->keys.front().across) {
+        // What the next stretch's pose adds to the motions is shared out along the way; where the
+        // path breaks it was lost there.
         const double ratio = static_cast<double>(k) / static_cast<double>(keys.size());
         const Pose2 from_next = next->map_T_submap * submap.across.pose.inverse() * motion;
         pose = interpolate(pose, from_next, ratio);

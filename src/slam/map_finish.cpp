@@ -99,8 +99,9 @@ std::vector<KeyView> key_views(std::span<const SubmapRecord> submaps,
 }
 
 PlacedScans place_scans(const std::deque<TrackedPose>& track, std::vector<KeyScan> keys,
-                        std::span<const Pose2> map_T_key, std::span<const SubmapRecord> submaps) {
-  const DriftCorrection correction(std::move(keys), map_T_key);
+                        std::span<const Pose2> map_T_key, std::span<const PathBreak> breaks,
+                        std::span<const SubmapRecord> submaps) {
+  const DriftCorrection correction(std::move(keys), map_T_key, breaks);
   PlacedScans placed;
   placed.trajectory.reserve(track.size());
   placed.odometry.reserve(track.empty() || !track.back().odom_T_robot ? 0 : track.size());

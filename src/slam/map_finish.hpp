@@ -40,6 +40,7 @@ struct PlacedScans {
 /// \param map_T_key  of each key scan
 [[nodiscard]] PlacedScans place_scans(const std::deque<TrackedPose>& track,
                                       std::vector<KeyScan> keys, std::span<const Pose2> map_T_key,
+                                      std::span<const PathBreak> breaks,
                                       std::span<const SubmapRecord> submaps);
 
 /// A few of the scans, evenly: who interrupts a run does not wait for the map of all.

@@ -73,7 +73,8 @@ class KeyChain {
   void add(const KeyScan& key);
   /// A chain of its own follows: its first key scan starts a drive. It lies where that says.
   void append(State drive);
-  /// Forgets all scans of a stretch but the first. It must not be the newest.
+  /// Forgets all scans of a stretch but the first, and the last where the path breaks behind it, or
+  /// may.
   void thin(SubmapId stretch);
 
   [[nodiscard]] std::vector<SubmapRecord>& submaps() { return state_.submaps; }

@@ -27,8 +27,8 @@ constexpr SubmapState last_of(SubmapState) { return SubmapState::kDropped; }
 /// All that the back end knows of a submap, from the first key scan on. Its stretch of the path
 /// goes from that to where the next submap begins; the submap itself reaches farther.
 struct SubmapRecord {
-  std::vector<KeyScan> keys{};   ///< of its stretch; thinned: the first alone
-  SharedScans scans{};           ///< of its stretch; thinned: the first alone
+  std::vector<KeyScan> keys{};   ///< of its stretch; thinned: see KeyChain
+  SharedScans scans{};           ///< of its stretch; thinned: those of keys
   PoseWithCovariance2 across{};  ///< motion from its first key scan to the next stretch's, or to
                                  ///< its own last
   double travelled_m = 0.0;      ///< along the path up to its first key scan, and what breaks count

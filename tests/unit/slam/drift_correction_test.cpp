@@ -36,6 +36,31 @@ TEST(DriftCorrection, BlendsByTimeBetweenThem) {
       pose_near(correction.at(14, second(14.0), local) * local, {14.0, 1.8, 0.0}, 1e-9, 1e-9));
 }
 
+TEST(DriftCorrection, WherePathsBreakItChangesDuringTheBreakAlone) {
+  std::vector<KeyScan> keys = kKeys;
+  keys[1].across = Eigen::Matrix3d::Identity();
+  const std::vector<PathBreak> breaks{{.from = second(16.0), .to = second(18.0)}};
+  const DriftCorrection correction(keys, kSolved, breaks);
+  const auto moved_m = [&](double at_s) {
+    const Pose2 local{at_s, 0.0, 0.0};
+    return (correction.at(static_cast<std::size_t>(at_s), second(at_s), local) * local).y;
+  };
+  EXPECT_DOUBLE_EQ(moved_m(12.0), 1.0);
+  EXPECT_DOUBLE_EQ(moved_m(16.0), 1.0);
+  // Scans that nothing held rode on odometry.
+  EXPECT_NEAR(moved_m(17.0), 2.0, 1e-9);
+  EXPECT_DOUBLE_EQ(moved_m(18.0), 3.0);
+  EXPECT_DOUBLE_EQ(moved_m(19.0), 3.0);
+}
+
+TEST(DriftCorrection, ABreakThatTheLaserBridgedChangesNothing) {
+  const std::vector<PathBreak> breaks{{.from = second(16.0), .to = second(18.0)}};
+  const DriftCorrection correction(kKeys, kSolved, breaks);
+  const Pose2 local{14.0, 0.0, 0.0};
+  EXPECT_TRUE(
+      pose_near(correction.at(14, second(14.0), local) * local, {14.0, 1.8, 0.0}, 1e-9, 1e-9));
+}
+
 TEST(DriftCorrection, HoldsBeforeTheFirstAndAfterTheLast) {
   const DriftCorrection correction(kKeys, kSolved);
   const Pose2 early{2.0, 0.5, 0.0};

@@ -111,6 +111,50 @@ TEST(KeyChain, APullIsSharedOutAlongTheWay) {
   EXPECT_NEAR(before_m, 0.5, 1e-12);
 }
 
+/// With the path broken where the third stretch begins.
+std::vector<KeyScan> broken_winding() {
+  std::vector<KeyScan> keys = winding();
+  keys[10].across = Eigen::Vector3d(0.25, 0.25, 0.01).asDiagonal();
+  return keys;
+}
+
+TEST(KeyChain, WhatIsLostAcrossABreakIsNotSharedOut) {
+  const auto keys = broken_winding();
+  const KeyChain chain = chain_of(keys);
+  auto ends = poses_of(chain.submaps());
+  for (std::size_t s = 2; s < ends.size(); ++s) ends[s] = Pose2{0.5, 0.0, 0.0} * ends[s];
+  const PoseGraph graph = expanded(chain, ends);
+  for (std::size_t i = 0; i < kKeys; ++i) {
+    const Pose2 lost{i < 10 ? 0.0 : 0.5, 0.0, 0.0};
+    EXPECT_TRUE(pose_near(graph.poses[i], lost * keys[i].local_T_robot, 1e-9, 1e-9)) << i;
+  }
+}
+
+TEST(KeyChain, AStretchThatIsThinnedBeforeABreakKeepsItsEnd) {
+  const auto keys = broken_winding();
+  KeyChain chain = chain_of(keys);
+  for (SubmapRecord& submap : chain.submaps()) {
+    for (const KeyScan& key : submap.keys)
+      submap.scans.add(std::make_shared<const MappedScan>(MappedScan{.index = key.scan}));
+  }
+  for (int twice = 0; twice < 2; ++twice) {
+    chain.thin({0});
+    chain.thin({1});
+    EXPECT_EQ(chain.submaps()[0].keys.size(), 1U);
+    ASSERT_EQ(chain.submaps()[1].keys.size(), 2U);
+    EXPECT_EQ(chain.submaps()[1].keys.back().scan, keys[9].scan);
+    EXPECT_EQ(chain.submaps()[1].scans.size(), 2U);
+    EXPECT_EQ(chain.submaps()[1].scans.share()->back()->index, keys[9].scan);
+  }
+
+  const PoseGraph graph = chain.expand();
+  ASSERT_EQ(graph.edges.size(), kKeys - 4 - 3 - 1);
+  // first stretch 0; second 1, 2; the edge across the break begins at its end.
+  EXPECT_LT(graph.edges[0].information.inverse()(0, 0), 0.01);
+  EXPECT_LT(graph.edges[1].information.inverse()(0, 0), 0.01);
+  EXPECT_GT(graph.edges[2].information.inverse()(0, 0), 0.2);
+}
+
 TEST(KeyChain, WhatIsUncertainAcrossABreakCountsAsTravel) {
   std::vector<KeyScan> keys = winding();
   const KeyChain sound = chain_of(keys);
