@@ -150,10 +150,24 @@ MapResult begin_result(const SettledMap& map, SettledGraph settled) {
   return result;
 }
 
+namespace {
+
+PathWeakness weakness_of(const KeyChain& chain) {
+  PathWeakness weakness;
+  for (const KeyScan& key : chain.keys()) {
+    weakness.broken.push_back(key.across.has_value());
+    weakness.open.push_back(rests_on_odometry(key.covariance));
+  }
+  return weakness;
+}
+
+}  // namespace
+
 void adjust(const SettledMap& map, const FinishCalls& calls, Threads threads, MapResult& result) {
   const SurfaceAdjustmentOptions& options = map.options.adjustment;
+  const PathWeakness weakness = weakness_of(map.chain);
   if (!options.enabled) {
-    result.covariances = PoseCovariances(result.graph);
+    result.covariances = PoseCovariances(result.graph, nullptr, weakness.broken);
     return;
   }
   const Stopwatch watch;
@@ -164,11 +178,6 @@ void adjust(const SettledMap& map, const FinishCalls& calls, Threads threads, Ma
     const std::vector<KeyScan> keys = map.chain.keys();
     for (std::size_t i = 0; i < keys.size(); ++i)
       if (calls.ignores(keys[i].scan)) surfaces[i].clear();
-  }
-  PathWeakness weakness;
-  for (const KeyScan& key : map.chain.keys()) {
-    weakness.broken.push_back(key.across.has_value());
-    weakness.open.push_back(rests_on_odometry(key.covariance));
   }
   auto adjusted = adjust_to_surfaces(result.graph, surfaces, options, threads, weakness);
   result.graph.poses = std::move(adjusted.poses);

@@ -124,6 +124,9 @@ struct FrontEndRejoinNumbers {
   double likely_value = 0.65;
   double found_m = 0.3;
   double faced_rad = 0.05;
+  double along_ratio = 2.0;
+  double beside_m = 0.05;
+  double along_rad = 0.01;
   double new_counts = 0.85;
   double rival = 0.6;
   double alike = 0.03;

@@ -48,6 +48,22 @@ Eigen::Matrix3d carried_along(const Eigen::Matrix3d& covariance, const Eigen::Ve
   return carried;
 }
 
+/// Of a robot that most likely went on: beside what its laser sees least, such as the walls of a
+/// corridor, it is where they say; along it may be anywhere within its reach. Nothing where it sees
+/// all directions alike: then what it sees may repeat itself in any.
+/// \param matched   covariance of the match where it is expected
+/// \param along_m   one standard deviation of its reach
+std::optional<Eigen::Matrix3d> gone_along(const Eigen::Matrix3d& matched, double along_m) {
+  const SymmetricEigen<double, 2> axes = symmetric_eigen<double, 2>(matched.topLeftCorner<2, 2>());
+  if (axes.values(1) < kFrontEndRejoin.along_ratio * kFrontEndRejoin.along_ratio * axes.values(0))
+    return {};
+  const Eigen::Vector2d way = along_m * axes.vectors.col(1);
+  Eigen::Matrix3d covariance =
+      planar_covariance(kFrontEndRejoin.beside_m, kFrontEndRejoin.along_rad);
+  covariance.topLeftCorner<2, 2>() += way * way.transpose();
+  return covariance;
+}
+
 /// Half of the window in which something is looked for.
 double window_of(double sigma) { return kFrontEndRejoin.window_sigmas * sigma; }
 
@@ -416,6 +432,12 @@ void FrontEnd::turn_to_match(std::span<const SurfacePoint> surfaces, const Ahead
   const bool faces_so = ahead.faces_certainly &&
                         std::abs(wrap_angle(ahead.match->target_T_source.yaw - likeliest.yaw)) <
                             kFrontEndRejoin.elsewhere_rad;
+  if (goes_on && faces_so) {
+    if (const auto along = gone_along(in_local(match).covariance, reach.sigma_m)) {
+      prior = {likeliest, along->inverse(), false};
+      return;
+    }
+  }
   prior = expected_at(
       likeliest, reach,
       std::min(faces_so ? kFrontEndRejoin.faced_rad : kFrontEndRejoin.turned_rad, reach.sigma_rad));

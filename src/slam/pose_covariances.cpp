@@ -131,15 +131,18 @@ struct PoseCovariances::Knowledge {
   }
 };
 
-PoseCovariances::PoseCovariances(const PoseGraph& graph, const SurfaceSystem* surfaces) {
+PoseCovariances::PoseCovariances(const PoseGraph& graph, const SurfaceSystem* surfaces,
+                                 const std::vector<bool>& broken) {
   if (graph.poses.empty()) return;
   LinearisedGraph equations(graph, RobustKernel::kHuber, kClosureHuberWidth);
   equations.linearise({graph.poses, graph.landmarks});
   std::vector<int> places;
   for (int i = 0; i < static_cast<int>(graph.poses.size()); ++i)
     places.push_back(equations.place_of(NodeId{i}));
-  Knowledge knowledge{
-      graph.poses, places, {}, SurfaceSegments(graph.poses, places, equations.gradient().size())};
+  Knowledge knowledge{graph.poses,
+                      places,
+                      {},
+                      SurfaceSegments(graph.poses, places, equations.gradient().size(), broken)};
   for (const int place : places) {
     knowledge.own.emplace_back(Eigen::Matrix3d::Zero());
     if (place < 0) continue;

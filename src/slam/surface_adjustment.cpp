@@ -18,6 +18,7 @@
 #include "slam/surface_patches.hpp"
 #include "slam/surface_segments.hpp"
 #include "slam/surface_system.hpp"
+#include "slam/tied_parts.hpp"
 
 namespace loopstone {
 
@@ -91,19 +92,24 @@ class Adjustment {
   void know_poses() {
     graph_.poses = state_.poses;
     graph_.landmarks = state_.landmarks;
-    result_.covariances = PoseCovariances(graph_);
+    result_.covariances = PoseCovariances(graph_, nullptr, weakness_.broken);
     if (step_.empty()) return;
     const auto keys = placed(state_.poses);
     SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
+    // What lies beside one another by chance, where nothing ties both sides of a break, is no
+    // evidence.
+    const std::vector<int> part_of_key = tied_parts(graph_, weakness_.broken, options_.patch_m);
     if (patches.patches.empty()) return;
-    double spread_m = 0.0;
-    {
-      SurfaceSystem system(patches, places_, step_.size(), threads_);
-      spread_m = std::max(system.spread_m(keys), kSurfaceAdjustment.least_sigma_m);
-      system.linearise(keys, kSurfaceAdjustment.believed_noise * spread_m);
-      result_.covariances = PoseCovariances(graph_, &system);
-    }
+    const double spread_m =
+        std::max(SurfaceSystem(patches, places_, step_.size(), threads_).spread_m(keys),
+                 kSurfaceAdjustment.least_sigma_m);
     forget_open_directions(keys, weakness_.open, patches);
+    part_by(part_of_key, patches);
+    {
+      SurfaceSystem system(patches, places_, step_.size(), threads_, SurfaceUse::kHold);
+      system.linearise(keys, kSurfaceAdjustment.believed_noise * spread_m);
+      result_.covariances = PoseCovariances(graph_, &system, weakness_.broken);
+    }
     part_by_visit(state_.poses, weakness_.broken, patches);
     SurfaceSystem by_visit(patches, places_, step_.size(), threads_, SurfaceUse::kHold);
     by_visit.linearise(keys, kSurfaceAdjustment.holding_noise * spread_m);
@@ -116,7 +122,7 @@ class Adjustment {
     for (std::size_t i = 0; i < matrix.diagonal.size(); ++i) {
       matrix.diagonal[i] += kSurfaceAdjustment.own_surfaces * system.diagonal()[i];
     }
-    segments_.emplace(state_.poses, places_, step_.size());
+    segments_.emplace(state_.poses, places_, step_.size(), weakness_.broken);
     return solver_.factorise(matrix) && segments_->factorise(system, equations_.hessian());
   }
 

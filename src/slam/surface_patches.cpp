@@ -188,4 +188,27 @@ void part_by_visit(std::span<const Pose2> map_T_key, const std::vector<bool>& br
   patches.patches = std::move(parts);
 }
 
+void part_by(std::span<const int> part_of_key, SurfacePatches& patches) {
+  const auto part_of = [&](const PatchSight& sight) {
+    return part_of_key[static_cast<std::size_t>(sight.key)];
+  };
+  std::vector<SharedSurface> parts;
+  for (const SharedSurface& patch : patches.patches) {
+    const std::span<PatchSight> sights =
+        std::span(patches.sights).subspan(patch.first, patch.last - patch.first);
+    std::ranges::stable_sort(sights, {}, part_of);
+    for (std::size_t first = patch.first; first < patch.last;) {
+      std::size_t end = first + 1;
+      while (end < patch.last && part_of(patches.sights[end]) == part_of(patches.sights[first]))
+        ++end;
+      SharedSurface part = patch;
+      part.first = first;
+      part.last = end;
+      if (end - first > 1) parts.push_back(part);
+      first = end;
+    }
+  }
+  patches.patches = std::move(parts);
+}
+
 }  // namespace loopstone

@@ -64,4 +64,8 @@ inline constexpr double kPatchGrids = 2.0;
 void part_by_visit(std::span<const Pose2> map_T_key, const std::vector<bool>& broken,
                    SurfacePatches& patches);
 
+/// Parts each patch by what key scans belong to: of tied_parts(). Those of one part keep their
+/// order; what only one key scan of a part saw is dropped.
+void part_by(std::span<const int> part_of_key, SurfacePatches& patches);
+
 }  // namespace loopstone

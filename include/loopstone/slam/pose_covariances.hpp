@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "loopstone/graph/pose_graph.hpp"
 
@@ -13,7 +14,7 @@ class SurfaceSystem;
 /// closures, and the surfaces that key scans share.
 ///
 /// Stretches of a dozen key scans count as rigid bodies (SurfaceSegments); between them motions are
-/// compounded. What a key scan adds to its stretch is the covariance that it has while all others
+/// compounded; none reaches over a break of the path. What a key scan adds to its stretch is the covariance that it has while all others
 /// stand still. Copies share what they know. Not thread-safe.
 class PoseCovariances {
  public:
@@ -21,7 +22,10 @@ class PoseCovariances {
   PoseCovariances() = default;
   /// \param graph     at its final poses; its gauge is held
   /// \param surfaces  linearised there, or none
-  explicit PoseCovariances(const PoseGraph& graph, const SurfaceSystem* surfaces = nullptr);
+  /// \param broken    of each pose, whether nothing held the motion from the one before; empty:
+  ///                  nowhere
+  explicit PoseCovariances(const PoseGraph& graph, const SurfaceSystem* surfaces = nullptr,
+                           const std::vector<bool>& broken = {});
 
   /// False when some pose is held by nothing, or when there are no poses.
   [[nodiscard]] bool available() const { return knowledge_ != nullptr; }
