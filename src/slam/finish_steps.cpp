@@ -228,8 +228,8 @@ MapResult finish_settled(const SettledMap& map, SettledGraph settled, const Fini
   PlacedScans placed = place(map, result);
   leave_out(map, calls, placed);
   move_frame(calls, result, placed, solved);
-  result.drifts = map.chain.drifts(
-      map.track, scale_is_known(result.calibration) ? result.calibration.odometry_scale : 0.0);
+  const double scale = scale_is_known(result.calibration) ? result.calibration.odometry_scale : 0.0;
+  result.drifts = map.chain.drifts({map.track, scale, result.breaks});
   result.trajectory = std::move(placed.trajectory);
   result.odometry = std::move(placed.odometry);
   if (calls.track_is_told) calls.track_is_told();  // it is in the trajectories now

@@ -283,7 +283,17 @@ FrontEnd::Seen FrontEnd::place(Sighting& sighting, TrackedScan& tracked) {
   const auto lift =
       sighting.odometry ? predictor_.lift().ended_by(*sighting.odometry) : std::optional<Lift>{};
   if (lift && lift->unseen_s > kLiftWatch.unseen_s) return set_down(*lift, sighting, tracked);
+  const Stamp before = *predictor_.last_stamp();
   const Seen seen = follow(sighting, tracked);
+  // A short gap, but nothing told of it, and the scan does not fit where the robot was expected.
+  const bool is_untold = own_.held && own_.lost_in_a_row == 1 && !sighting.likeliest().measured &&
+                         (stamp - before).seconds() > kFrontEnd.skipped * own_.held->usual_seconds;
+  if (is_untold) {
+    MotionGuess expected = sighting.likeliest();
+    expected.local_T_robot = tracked.local_T_robot;
+    const BlindMotion motion = blind_motion(stamp, expected, sighting.odometry);
+    if (motion.reach) return rejoin(sighting.matched(), motion, stamp, tracked);
+  }
   if (is_gap(stamp)) note_gap(blind(), BreakCause::kNoScans, stamp, tracked);  // also of one lost
   return seen;
 }

@@ -27,11 +27,13 @@ struct FrontEndNumbers {
   double bend_m = 0.01;
   double bend_rad = 0.005;
   int straightenings = 3;
+  double skipped = 2.5;
   double companion_s = 0.2;
   float companion_guess = 0.1F;
 };
 inline constexpr FrontEndNumbers kFrontEnd{};
 
+// Over 60 lines: a list, a number each.
 template <typename Visitor>
 void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit("min_points", n.min_points,
@@ -87,6 +89,10 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit("straightenings", n.straightenings,
         "derived: each takes away what the sweep is of the time between scans, half of the error "
         "or more: an eighth is left");
+  visit(
+      "skipped", n.skipped,
+      "chosen: so many of the usual times between scans without one are a gap where nothing tells "
+      "of the motion");
   visit("companion_s", n.companion_s,
         "chosen: what another laser saw so long ago still helps: two sweeps of a scanner that "
         "turns ten times a second");

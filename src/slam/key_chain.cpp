@@ -121,10 +121,10 @@ std::vector<NodeId> KeyChain::first_nodes() const {
   return nodes;
 }
 
-std::vector<StepDrift> KeyChain::drifts(const std::deque<TrackedPose>& track, double scale) const {
+std::vector<StepDrift> KeyChain::drifts(const ToldPath& path) const {
   std::vector<StepDrift> drifts;
   const auto add = [&](const KeyScan& previous, const KeyScan& next) {
-    drifts.push_back(drift_between(previous, next, told_between(previous, next, track, scale)));
+    drifts.push_back(drift_between(previous, next, told_between(previous, next, path)));
   };
   for (std::size_t s = 0; s < submaps().size(); ++s) {
     const auto& keys = submaps()[s].keys;

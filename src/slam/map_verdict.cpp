@@ -175,9 +175,11 @@ QualityMeasure breaks(const MapResult& result) {
     const bool tied =
         gap.closures > 1 || is_harmless || gap.bridge_sigma_m() <= kMapVerdict.break_tie_m.doubtful;
     if (!tied) ++untied;
-    // Where a robot was carried to, or went with nothing to tell how, a likeness of places is all
-    // that ties the sides, and closures between places that are alike agree with one another.
-    const bool sure = tied && !was_in_hands(gap) && gap.bridge != BreakBridge::kNothing;
+    // Where a robot was carried to, or went far with nothing to tell how, a likeness of places is
+    // all that ties the sides, and closures between places that are alike agree with one another.
+    const bool is_told = gap.bridge != BreakBridge::kNothing ||
+                         (gap.closures > 1 && gap.bridge_sigma_m() <= kMapVerdict.untold_m);
+    const bool sure = tied && !was_in_hands(gap) && is_told;
     measure.value = std::max(measure.value, gap.tie_sigma_m);
     Verdict alone = against(kMapVerdict.break_tie_m, gap.tie_sigma_m);
     if (guessed) alone = std::max(alone, Verdict::kDoubtful);

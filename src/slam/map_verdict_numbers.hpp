@@ -25,6 +25,7 @@ struct MapVerdictNumbers {
   double negligible = 0.333;
   double passing_s = 30.0;
   VerdictLimits break_tie_m{0.167, 2.0};
+  double untold_m = 1.0;
   double bridged_s = 2.5;
   int bridged_scans = 3;
   VerdictLimits left_out_share{0.05, 0.5};
@@ -81,6 +82,9 @@ void visit_numbers(const MapVerdictNumbers& n, Visitor&& visit) {
   visit("break_tie_doubtful_m", n.break_tie_m.doubtful,
         "derived: three of these standard deviations are right_m");
   visit("break_tie_bad_m", n.break_tie_m.bad, "chosen: what doubles a corridor");
+  visit("untold_m", n.untold_m,
+        "chosen: a robot of which nothing told for a moment went no farther, one standard "
+        "deviation, than from one place to another that closures tell apart");
   visit("bridged_s", n.bridged_s, "chosen: what is off for less is no part of the path");
   visit("bridged_scans", n.bridged_scans, "chosen: nor are fewer scans");
   visit("left_out_share_doubtful", n.left_out_share.doubtful,

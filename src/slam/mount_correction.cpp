@@ -178,7 +178,7 @@ void judge_scale(std::span<const KeyScan> keys, const std::deque<TrackedPose>& t
   if (!(scale > 0.0)) return;
   Calibration& calibration = result.calibration;
   calibration.odometry_scale = scale;
-  calibration.open_travel_error_m = open_travel_error_m(keys, track, scale);
+  calibration.open_travel_error_m = open_travel_error_m(keys, {track, scale, result.breaks});
   const bool is_new = assumed_scale == 1.0 && std::abs(scale - 1.0) > kCalibration.scale_least_off;
   calibration.scale_is_off =
       is_new && std::abs(calibration.open_travel_error_m) > kCalibration.open_travel_harmless_m;

@@ -76,25 +76,27 @@ bool rests_on_odometry(const Eigen::Matrix3d& covariance) {
 }
 
 std::optional<Pose2> told_between(const KeyScan& previous, const KeyScan& next,
-                                  const std::deque<TrackedPose>& track, double scale) {
-  if (!(scale > 0.0) || std::max(previous.scan, next.scan) >= track.size()) return {};
+                                  const ToldPath& path) {
+  const auto& track = path.track;
+  if (!(path.scale > 0.0) || std::max(previous.scan, next.scan) >= track.size()) return {};
+  const auto gap = std::ranges::upper_bound(path.breaks, previous.stamp, {}, &PathBreak::to);
+  if (gap != path.breaks.end() && gap->from < next.stamp) return {};
   const auto& from = track[previous.scan].odom_T_robot;
   const auto& to = track[next.scan].odom_T_robot;
   if (!from || !to) return {};
   Pose2 told = from->inverse() * *to;
-  told.x /= scale;
-  told.y /= scale;
+  told.x /= path.scale;
+  told.y /= path.scale;
   return told;
 }
 
-double open_travel_error_m(std::span<const KeyScan> keys, const std::deque<TrackedPose>& track,
-                           double scale) {
+double open_travel_error_m(std::span<const KeyScan> keys, const ToldPath& path) {
   double sum_m = 0.0;
   for (std::size_t k = 1; k < keys.size(); ++k) {
     const KeyScan& previous = keys[k - 1];
     const KeyScan& next = keys[k];
     if (next.across || !rests_on_odometry(next.covariance)) continue;
-    if (const auto told = told_between(previous, next, track, scale))
+    if (const auto told = told_between(previous, next, path))
       sum_m += length(previous.local_T_robot.inverse() * next.local_T_robot) - length(*told);
   }
   return sum_m;

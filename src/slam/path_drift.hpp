@@ -6,6 +6,7 @@
 #include <span>
 
 #include "loopstone/slam/key_scan.hpp"
+#include "loopstone/slam/path_break.hpp"
 #include "loopstone/slam/step_drift.hpp"
 #include "loopstone/slam/tracked_pose.hpp"
 
@@ -67,19 +68,22 @@ void visit_numbers(const PathDriftNumbers& n, Visitor&& visit) {
 [[nodiscard]] StepDrift drift_between(const KeyScan& previous, const KeyScan& next,
                                       const std::optional<Pose2>& told);
 
-/// The motion from one key scan to another as odometry tells it.
-/// \param track  of all scans
-/// \param scale  odometry's way / the real one; 0: not known
+/// What odometry told of a path.
+struct ToldPath {
+  const std::deque<TrackedPose>& track;  ///< of all scans
+  double scale = 0.0;                    ///< odometry's way / the real one; 0: not known
+  std::span<const PathBreak> breaks{};   ///< in order; while they lasted it may have been silent
+};
+
+/// The motion from one key scan to another as odometry tells it; nothing across a break.
 [[nodiscard]] std::optional<Pose2> told_between(const KeyScan& previous, const KeyScan& next,
-                                                const std::deque<TrackedPose>& track, double scale);
+                                                const ToldPath& path);
 
 /// Whether a match left a translation to odometry.
 [[nodiscard]] bool rests_on_odometry(const Eigen::Matrix3d& covariance);
 
 /// By how much the path is too long in sum where the laser left a direction open, if odometry's way
 /// is too long by a factor all along: what was driven before the factor was known [m].
-/// \param track  of all scans
-[[nodiscard]] double open_travel_error_m(std::span<const KeyScan> keys,
-                                         const std::deque<TrackedPose>& track, double scale);
+[[nodiscard]] double open_travel_error_m(std::span<const KeyScan> keys, const ToldPath& path);
 
 }  // namespace loopstone

@@ -411,8 +411,10 @@ std::vector<Placement> placements_of(std::span<const AskedClosure> asked,
   for (const AskedClosure& one : asked) {
     const SubmapRecord& newer = submaps[one.closure.to_submap.index];
     const SubmapRecord& older = submaps[one.closure.from_submap.index];
-    if (older.piece == newer.piece || widest_m(one.known) <= kRivalPlaces.wide_m ||
-        newer.surface_count() == 0 || older.surface_count() == 0)
+    const bool is_known = widest_m(one.known) <= kRivalPlaces.wide_m &&
+                          std::sqrt(one.known(2, 2)) <= kRivalPlaces.wide_rad;
+    if (older.piece == newer.piece || is_known || newer.surface_count() == 0 ||
+        older.surface_count() == 0)
       continue;
     const auto at = std::ranges::find_if(placements, [&](const Placement& placement) {
       return placement.concerns(one.closure) && placement.holds(one.closure);

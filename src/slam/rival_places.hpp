@@ -19,6 +19,7 @@ namespace loopstone {
 /// When another place is as good as the one that a closure found across a break of the path.
 struct RivalPlacesNumbers {
   double wide_m = 0.5;
+  double wide_rad = 0.175;
   std::size_t probe_points = 350;
   double near_radii = 0.7;
   double window_sigmas = 2.5;
@@ -41,6 +42,7 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
   visit("wide_m", n.wide_m,
         "chosen: what the path knows to one standard deviation of this needs no asking elsewhere: "
         "half of elsewhere_m");
+  visit("wide_rad", n.wide_rad, "chosen: as wide_m, half of elsewhere_rad");
   visit("probe_points", n.probe_points,
         "chosen: surfaces of the newer submap that the search uses");
   visit("near_radii", n.near_radii,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <deque>
 #include <span>
 #include <utility>
 #include <vector>
@@ -9,7 +8,6 @@
 #include "loopstone/slam/key_scan.hpp"
 #include "loopstone/slam/step_drift.hpp"
 #include "loopstone/slam/submap_record.hpp"
-#include "loopstone/slam/tracked_pose.hpp"
 
 namespace loopstone {
 
@@ -43,6 +41,8 @@ void visit_numbers(const KeyChainNumbers& n, Visitor&& visit) {
         "is less certain across a break");
   visit("lost_m", n.lost_m, "chosen: for what such a break counts: a place nowhere near");
 }
+
+struct ToldPath;
 
 /// The path as key scans, cut into stretches: a stretch begins with the key scan that a submap
 /// begins with.
@@ -84,11 +84,9 @@ class KeyChain {
 
   /// The key scans that are kept, in order.
   [[nodiscard]] std::vector<KeyScan> keys() const;
-  /// How far the path may drift from each of them to the next.
-  /// \param scale  odometry's way / the real one; 0: not known. Odometry tells the way where the
-  ///               laser leaves it open
-  [[nodiscard]] std::vector<StepDrift> drifts(const std::deque<TrackedPose>& track,
-                                              double scale) const;
+  /// How far the path may drift from each of them to the next. Odometry tells the way where the
+  /// laser leaves it open.
+  [[nodiscard]] std::vector<StepDrift> drifts(const ToldPath& path) const;
   /// Of each stretch, the place of its first key scan among them.
   [[nodiscard]] std::vector<NodeId> first_nodes() const;
   /// The graph of the stretches' first key scans, edges along the path only.

@@ -79,13 +79,18 @@ TEST(PathDrift, CorridorsDrivenBeforeTheScaleWasKnownAreTooLong) {
     const double odom_m = 1.02 * static_cast<double>(i);
     const double local_m = i <= 10 ? odom_m : 10.2 + static_cast<double>(i - 10);
     keys.push_back(key_at({local_m, 0.0, 0.0}, i <= 10 ? open : held, i));
+    keys.back().stamp = Stamp::from_seconds(static_cast<double>(i));
     track.push_back({Stamp::from_seconds(static_cast<double>(i)), keys.back().local_T_robot,
                      Pose2{odom_m, 0.0, 0.0}});
   }
-  EXPECT_NEAR(open_travel_error_m(keys, track, 1.02), 0.2, 1e-9);
-  EXPECT_NEAR(open_travel_error_m(keys, track, 1.0), 0.0, 1e-9);
+  EXPECT_NEAR(open_travel_error_m(keys, {track, 1.02}), 0.2, 1e-9);
+  EXPECT_NEAR(open_travel_error_m(keys, {track, 1.0}), 0.0, 1e-9);
+  // What it says of a break may be hearsay.
+  const std::vector<PathBreak> breaks{
+      {.from = Stamp::from_seconds(3.2), .to = Stamp::from_seconds(4.9)}};
+  EXPECT_NEAR(open_travel_error_m(keys, {track, 1.02, breaks}), 0.16, 1e-9);
   for (TrackedPose& pose : track) pose.odom_T_robot.reset();
-  EXPECT_EQ(open_travel_error_m(keys, track, 1.02), 0.0) << "without odometry nothing is known";
+  EXPECT_EQ(open_travel_error_m(keys, {track, 1.02}), 0.0) << "without odometry nothing is known";
 }
 
 }  // namespace
