@@ -19,7 +19,7 @@ namespace loopstone {
 /// When another place is as good as the one that a closure found across a break of the path.
 struct RivalPlacesNumbers {
   double wide_m = 0.5;
-  double wide_rad = 0.175;
+  double wide_rad = 0.3;
   std::size_t probe_points = 350;
   double near_radii = 0.7;
   double window_sigmas = 2.5;
@@ -42,7 +42,8 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
   visit("wide_m", n.wide_m,
         "chosen: what the path knows to one standard deviation of this needs no asking elsewhere: "
         "half of elsewhere_m");
-  visit("wide_rad", n.wide_rad, "chosen: as wide_m, half of elsewhere_rad");
+  visit("wide_rad", n.wide_rad,
+        "chosen: as wide_m, of the heading: three of these are less than a right angle");
   visit("probe_points", n.probe_points,
         "chosen: surfaces of the newer submap that the search uses");
   visit("near_radii", n.near_radii,
@@ -96,8 +97,9 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
 /// closure. Those that lay it in one place are asked together: what their submaps and those around
 /// show must agree clearly less with what was seen wherever else any of them fits. A corridor
 /// repeats itself for any one submap of it, but for each by another step. Where the older place
-/// repeats itself, it may do so once more where nobody was yet: then what lies behind the break
-/// must also agree with the place that was found as submaps of one piece do.
+/// repeats itself, it may do so once more where nobody was yet, and where the path does not know the
+/// heading a place may look alike from the other side: then what lies behind the break must also
+/// agree with the place that was found as submaps of one piece do.
 /// \param all  closures; those that wait or were ambiguous name places, too
 /// Cost: a search for each submap within reach of each end; for each place found, a small one for
 /// each pair of submaps there.

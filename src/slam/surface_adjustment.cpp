@@ -122,7 +122,7 @@ class Adjustment {
     for (std::size_t i = 0; i < matrix.diagonal.size(); ++i) {
       matrix.diagonal[i] += kSurfaceAdjustment.own_surfaces * system.diagonal()[i];
     }
-    segments_.emplace(state_.poses, places_, step_.size(), weakness_.broken);
+    segments_.emplace(state_.poses, places_, step_.size());
     return solver_.factorise(matrix) && segments_->factorise(system, equations_.hessian());
   }
 

@@ -11,8 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/base/rng.hpp"
 #include "loopstone/geometry/angle.hpp"
+#include "loopstone/geometry/covariance.hpp"
 #include "mapped_drives.hpp"
 #include "support/usual_figure.hpp"
 
@@ -174,6 +176,35 @@ TEST(BrokenRecording, ARobotIsFoundAheadAfterAllOfItsMessagesWereLost) {
     }
   }
   EXPECT_GE(found, gaps - 4) << "of " << gaps;
+}
+
+/// The walls of a corridor say where it is beside them and where it looks.
+TEST(BrokenRecording, AlongACorridorAGapThatNothingToldOfLeavesTheWayAloneOpen) {
+  SimulationOptions options{.duration_s = 60.0};
+  options.laser.beams = 541;
+  options.drive.speed_m_s = 0.7;
+  SimulatedLog log = simulate_log("corridor", 33, options);
+  std::erase_if(log.messages, [&](const SensorMessage& message) {
+    const double time_s = time_in(log, stamp_of(message));
+    return time_s > 30.0 && time_s < 31.8;
+  });
+  const MapResult result = map_of(log);
+  ASSERT_EQ(result.breaks.size(), 1U) << all_of(result.warnings);
+  const PathBreak& gap = result.breaks[0];
+  ASSERT_EQ(gap.bridge, BreakBridge::kNothing);
+  const SymmetricEigen<double, 2> axes =
+      symmetric_eigen<double, 2>(gap.covariance.topLeftCorner<2, 2>());
+  EXPECT_LT(std::sqrt(axes.values(0)), 0.1);
+  EXPECT_GT(std::sqrt(axes.values(1)), 0.3);
+  EXPECT_LT(std::sqrt(gap.covariance(2, 2)), 0.02);
+  EXPECT_LT(off_across_m(result.trajectory, log, 29.6, 32.2), 2.0 * gap.bridge_sigma_m());
+  // The path after it is no better known.
+  const auto sigma_m = [&](double time_s) {
+    const Stamp stamp = log.truth.front().stamp + Duration::from_seconds(time_s);
+    return largest_sigma(result.covariance_at(stamp).topLeftCorner<2, 2>());
+  };
+  EXPECT_LT(sigma_m(29.0), 0.5 * gap.bridge_sigma_m());
+  EXPECT_GT(sigma_m(33.0), 0.9 * gap.bridge_sigma_m());
 }
 
 /// It drove on with a blocked laser, and its counts were silent for a part of that.

@@ -186,6 +186,24 @@ TEST(RivalPlaces, WhereTheHeadingIsOpenARoomMayBeItsOwnMirror) {
   EXPECT_TRUE(is_ambiguous(1.8));
 }
 
+/// Nothing that was seen is like the room; the robot may face anywhere.
+TEST(RivalPlaces, WhereTheHeadingIsOpenAPlaceMustAgreeAsUsualThoughNothingRepeats) {
+  Rooms rooms(1);
+  for (int i = 0; i < 3; ++i) rooms.submaps.insert(rooms.submaps.begin(), rooms.submaps.front());
+  rooms.closure.from_submap = {3};
+  rooms.closure.to_submap = {4};
+  const auto is_ambiguous = [&](const test::Walls& room, double sigma_rad) {
+    rooms.submaps[4] = visited(room, kReturn, {}, 1);
+    return find_rival(rooms.closure, planar_covariance(0.6, sigma_rad), rooms.submaps);
+  };
+  const test::Walls more =
+      test::together({test::furnished_room(), test::rectangle({5.0, 0.8}, {6.8, 2.0}),
+                      test::rectangle({0.6, 4.0}, {2.2, 5.2})});
+  EXPECT_FALSE(is_ambiguous(test::furnished_room(), 1.8));
+  EXPECT_FALSE(is_ambiguous(more, 0.05)) << "things were moved";
+  EXPECT_TRUE(is_ambiguous(more, 1.8));
+}
+
 TEST(RivalPlaces, WithinOnePieceOfThePathNobodyIsAsked) {
   Rooms rooms(2);
   rooms.submaps.back().piece = 0;

@@ -350,5 +350,33 @@ TEST(SurfaceSegments, SolveForRigidStretchesAsTheDenseProjectionDoes) {
   EXPECT_LT((stacked(found) - expected).norm(), 1e-5 * expected.norm());
 }
 
+/// The room is seen on both sides of a break; only a closure tells that it is the same one.
+TEST(SurfaceAdjustment, AcrossABreakThatNothingTiesSurfacesKnowNothing) {
+  const Recording drive =
+      record(test::furnished_room(), round_of_the_room(), 0.002, 0.0005, 5, 0.005);
+  const int last = static_cast<int>(drive.truth.size()) - 1;
+  const int first_after = last / 2;
+  PoseGraph broken = drive.graph;
+  const Eigen::Vector3d lost(0.5, 0.5, 0.3);
+  broken.edges[static_cast<std::size_t>(first_after) - 1].information =
+      lost.cwiseAbs2().cwiseInverse().asDiagonal();
+  PoseGraph closed = broken;
+  const Eigen::Vector3d sigma(0.03, 0.03, 0.005);
+  closed.edges.push_back({NodeId{1}, NodeId{last}, closed.poses[1].inverse() * closed.poses.back(),
+                          sigma.cwiseAbs2().cwiseInverse().asDiagonal(), EdgeKind::kLoopClosure});
+  const auto sigma_across = [&](const PoseGraph& graph, bool is_told) {
+    PathWeakness weakness;
+    weakness.broken.resize(drive.truth.size(), false);
+    weakness.broken[static_cast<std::size_t>(first_after)] = is_told;
+    const SurfaceAdjustment adjusted = adjust_to_surfaces(graph, drive.surfaces, {}, {}, weakness);
+    const Eigen::Matrix3d covariance =
+        adjusted.covariances.between(NodeId{first_after - 1}, NodeId{first_after});
+    return std::sqrt(std::min(covariance(0, 0), covariance(1, 1)));
+  };
+  EXPECT_GT(sigma_across(broken, true), 0.4);
+  EXPECT_LT(sigma_across(broken, false), 0.1) << "the laser followed it";
+  EXPECT_LT(sigma_across(closed, true), 0.1) << "it is the same room";
+}
+
 }  // namespace
 }  // namespace loopstone
