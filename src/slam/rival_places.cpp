@@ -428,6 +428,12 @@ std::vector<Placement> placements_of(std::span<const AskedClosure> asked,
   return placements;
 }
 
+/// Somebody may have put the robot down anywhere around, facing any way.
+bool knows_nothing_of(const AskedClosure* one) {
+  return widest_m(one->known) > kLoopVerification.elsewhere_m &&
+         std::sqrt(one->known(2, 2)) > kRivalPlaces.any_rad;
+}
+
 }  // namespace
 
 std::vector<bool> have_rival_places(std::span<const AskedClosure> asked,
@@ -440,11 +446,8 @@ std::vector<bool> have_rival_places(std::span<const AskedClosure> asked,
     const PlaceQuestion question(placement, submaps, options, submap_options, match_options,
                                  threads);
     const std::vector<Rival> rivals = question.rivals(all);
-    const bool may_face_anywhere =
-        std::ranges::any_of(placement.asked(), [](const AskedClosure* one) {
-          return std::sqrt(one->known(2, 2)) > kRivalPlaces.wide_rad;
-        });
-    if (rivals.empty() && !may_face_anywhere) continue;
+    const bool may_be_anywhere = std::ranges::any_of(placement.asked(), knows_nothing_of);
+    if (rivals.empty() && !may_be_anywhere) continue;
     const std::vector<SurfaceFit> fits = question.agreement(rivals);
     const double found = fits.front().share();
     const auto agrees_nearly_as_well = [&](const SurfaceFit& there) {
@@ -455,7 +458,7 @@ std::vector<bool> have_rival_places(std::span<const AskedClosure> asked,
     };
     const bool is_ambiguous =
         std::any_of(fits.begin() + 1, fits.end(), agrees_nearly_as_well) ||
-        ((may_face_anywhere || !std::ranges::all_of(rivals, &Rival::was_seen)) &&
+        ((may_be_anywhere || !std::ranges::all_of(rivals, &Rival::was_seen)) &&
          agrees_less_than_usual());
     for (const AskedClosure* one : placement.asked())
       have[static_cast<std::size_t>(one - asked.data())] = is_ambiguous;

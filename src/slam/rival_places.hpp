@@ -20,6 +20,7 @@ namespace loopstone {
 struct RivalPlacesNumbers {
   double wide_m = 0.5;
   double wide_rad = 0.3;
+  double any_rad = 1.05;
   std::size_t probe_points = 350;
   double near_radii = 0.7;
   double window_sigmas = 2.5;
@@ -44,6 +45,8 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
         "half of elsewhere_m");
   visit("wide_rad", n.wide_rad,
         "chosen: as wide_m, of the heading: three of these are less than a right angle");
+  visit("any_rad", n.any_rad,
+        "derived: three standard deviations of a heading that may be turned by half a circle");
   visit("probe_points", n.probe_points,
         "chosen: surfaces of the newer submap that the search uses");
   visit("near_radii", n.near_radii,

@@ -194,7 +194,7 @@ TEST(RivalPlaces, WhereTheHeadingIsOpenAPlaceMustAgreeAsUsualThoughNothingRepeat
   rooms.closure.to_submap = {4};
   const auto is_ambiguous = [&](const test::Walls& room, double sigma_rad) {
     rooms.submaps[4] = visited(room, kReturn, {}, 1);
-    return find_rival(rooms.closure, planar_covariance(0.6, sigma_rad), rooms.submaps);
+    return find_rival(rooms.closure, planar_covariance(1.5, sigma_rad), rooms.submaps);
   };
   const test::Walls more =
       test::together({test::furnished_room(), test::rectangle({5.0, 0.8}, {6.8, 2.0}),
