@@ -12,8 +12,9 @@
 namespace loopstone {
 
 /// From the drifting frame of the front end to the map, all along the path. Scans between two nodes
-/// share the correction of both, blended by time; where the path breaks between them, by the time of
-/// the break: what was seen before it lies with the one before, what was seen after it with the next.
+/// share the correction of both, blended by time; where the path breaks between them, by the time
+/// of the break: what was seen before it lies with the one before, what was seen after it with the
+/// next.
 class DriftCorrection {
  public:
   /// \param map_T_key  solved pose of each key scan

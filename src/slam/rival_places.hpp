@@ -100,9 +100,9 @@ void visit_numbers(const RivalPlacesNumbers& n, Visitor&& visit) {
 /// closure. Those that lay it in one place are asked together: what their submaps and those around
 /// show must agree clearly less with what was seen wherever else any of them fits. A corridor
 /// repeats itself for any one submap of it, but for each by another step. Where the older place
-/// repeats itself, it may do so once more where nobody was yet, and where the path does not know the
-/// heading a place may look alike from the other side: then what lies behind the break must also
-/// agree with the place that was found as submaps of one piece do.
+/// repeats itself, it may do so once more where nobody was yet, and where the path does not know
+/// the heading a place may look alike from the other side: then what lies behind the break must
+/// also agree with the place that was found as submaps of one piece do.
 /// \param all  closures; those that wait or were ambiguous name places, too
 /// Cost: a search for each submap within reach of each end; for each place found, a small one for
 /// each pair of submaps there.

@@ -13,9 +13,10 @@ class SurfaceSystem;
 /// How well the poses of a map are known, from all that held them: motions along the path, loop
 /// closures, and the surfaces that key scans share.
 ///
-/// Stretches of a dozen key scans count as rigid bodies (SurfaceSegments); between them motions are
-/// compounded; none reaches over a break of the path. What a key scan adds to its stretch is the covariance that it has while all others
-/// stand still. Copies share what they know. Not thread-safe.
+/// Stretches of a dozen key scans count as rigid bodies (SurfaceSegments); between them motions
+/// are compounded; none reaches over a break of the path. What a key scan adds to its stretch is
+/// the covariance that it has while all others stand still. Copies share what they know. Not
+/// thread-safe.
 class PoseCovariances {
  public:
   /// Knows nothing.
