@@ -131,6 +131,15 @@ void judge(const PoseGraph& solved, std::span<const PosedScan> scans, Threads th
   result.verdict = judge_map(result);
 }
 
+PathWeakness weakness_of(const KeyChain& chain) {
+  PathWeakness weakness;
+  for (const KeyScan& key : chain.keys()) {
+    weakness.broken.push_back(key.across.has_value());
+    weakness.open.push_back(rests_on_odometry(key.covariance));
+  }
+  return weakness;
+}
+
 }  // namespace
 
 MapResult begin_result(const SettledMap& map, SettledGraph settled) {
@@ -149,19 +158,6 @@ MapResult begin_result(const SettledMap& map, SettledGraph settled) {
       statistics.key_scans - static_cast<std::int64_t>(node_scans.size());
   return result;
 }
-
-namespace {
-
-PathWeakness weakness_of(const KeyChain& chain) {
-  PathWeakness weakness;
-  for (const KeyScan& key : chain.keys()) {
-    weakness.broken.push_back(key.across.has_value());
-    weakness.open.push_back(rests_on_odometry(key.covariance));
-  }
-  return weakness;
-}
-
-}  // namespace
 
 void adjust(const SettledMap& map, const FinishCalls& calls, Threads threads, MapResult& result) {
   const SurfaceAdjustmentOptions& options = map.options.adjustment;

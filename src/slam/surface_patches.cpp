@@ -159,25 +159,17 @@ std::vector<Eigen::Matrix3d> key_hessians(std::span<const PlacedKey> map_T_key,
   return hessians;
 }
 
-void part_by_visit(std::span<const Pose2> map_T_key, const std::vector<bool>& broken,
-                   SurfacePatches& patches) {
-  std::vector<double> travelled_m{0.0};
-  for (std::size_t i = 1; i < map_T_key.size(); ++i) {
-    const double step_m = (map_T_key[i].translation() - map_T_key[i - 1].translation()).norm();
-    const bool ends = !broken.empty() && broken[i];
-    travelled_m.push_back(travelled_m.back() + step_m +
-                          (ends ? 2.0 * kSurfaceAdjustment.visit_gap_m : 0.0));
-  }
-  const auto travelled_at = [&](std::size_t sight) {
-    return travelled_m[static_cast<std::size_t>(patches.sights[sight].key)];
-  };
+namespace {
+
+/// Ends each patch after sights that the next one does not go on; what only one sees is dropped.
+/// \param goes_on  whether a sight belongs to the one before it in its patch
+template <typename GoesOn>
+void part_where_sights_end(GoesOn&& goes_on, SurfacePatches& patches) {
   std::vector<SharedSurface> parts;
   for (const SharedSurface& patch : patches.patches) {
     for (std::size_t first = patch.first; first < patch.last;) {
       std::size_t end = first + 1;
-      while (end < patch.last &&
-             travelled_at(end) - travelled_at(end - 1) <= kSurfaceAdjustment.visit_gap_m)
-        ++end;
+      while (end < patch.last && goes_on(patches.sights[end - 1], patches.sights[end])) ++end;
       SharedSurface part = patch;
       part.first = first;
       part.last = end;
@@ -188,27 +180,39 @@ void part_by_visit(std::span<const Pose2> map_T_key, const std::vector<bool>& br
   patches.patches = std::move(parts);
 }
 
+}  // namespace
+
+void part_by_visit(std::span<const Pose2> map_T_key, const std::vector<bool>& broken,
+                   SurfacePatches& patches) {
+  std::vector<double> travelled_m{0.0};
+  for (std::size_t i = 1; i < map_T_key.size(); ++i) {
+    const double step_m = (map_T_key[i].translation() - map_T_key[i - 1].translation()).norm();
+    const bool ends = !broken.empty() && broken[i];
+    travelled_m.push_back(travelled_m.back() + step_m +
+                          (ends ? 2.0 * kSurfaceAdjustment.visit_gap_m : 0.0));
+  }
+  const auto travelled_at = [&](const PatchSight& sight) {
+    return travelled_m[static_cast<std::size_t>(sight.key)];
+  };
+  const auto goes_on = [&](const PatchSight& before, const PatchSight& sight) {
+    return travelled_at(sight) - travelled_at(before) <= kSurfaceAdjustment.visit_gap_m;
+  };
+  part_where_sights_end(goes_on, patches);
+}
+
 void part_by(std::span<const int> part_of_key, SurfacePatches& patches) {
   const auto part_of = [&](const PatchSight& sight) {
     return part_of_key[static_cast<std::size_t>(sight.key)];
   };
-  std::vector<SharedSurface> parts;
   for (const SharedSurface& patch : patches.patches) {
     const std::span<PatchSight> sights =
         std::span(patches.sights).subspan(patch.first, patch.last - patch.first);
     std::ranges::stable_sort(sights, {}, part_of);
-    for (std::size_t first = patch.first; first < patch.last;) {
-      std::size_t end = first + 1;
-      while (end < patch.last && part_of(patches.sights[end]) == part_of(patches.sights[first]))
-        ++end;
-      SharedSurface part = patch;
-      part.first = first;
-      part.last = end;
-      if (end - first > 1) parts.push_back(part);
-      first = end;
-    }
   }
-  patches.patches = std::move(parts);
+  const auto is_same = [&](const PatchSight& before, const PatchSight& sight) {
+    return part_of(sight) == part_of(before);
+  };
+  part_where_sights_end(is_same, patches);
 }
 
 }  // namespace loopstone
