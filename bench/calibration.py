@@ -138,7 +138,7 @@ def text_of(when, rows):
 
 
 def main():
-    arguments = plain_parser(__doc__, ROOT, None).parse_args()
+    arguments = plain_parser(__doc__, ROOT).parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
     when = circumstances(loopstone.version())

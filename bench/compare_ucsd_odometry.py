@@ -8,7 +8,7 @@ thing of ours, so a column that shrinks names the cause. The table goes into doc
 between the markers.
 
   bench/compare_ucsd_odometry.py [--program build/release/bin/loopstone]
-                                [--data ../shared/data] [--write docs/accuracy.md]
+                                [--data FOLDER] [--write docs/accuracy.md]
 """
 import argparse
 import pathlib
@@ -29,6 +29,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import write_block  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
+from recorded import data_folder  # noqa: E402
 
 BLOCK = "ucsd-odometry"
 
@@ -182,7 +183,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
-    parser.add_argument("--data", type=pathlib.Path, default=ROOT.parent / "shared/data")
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument(
         "--write", type=pathlib.Path, help="put the table into this file instead of printing it"
     )

@@ -17,7 +17,6 @@ is kept in build/bench/confidence-*.json.
 """
 import argparse
 import json
-import os
 import pathlib
 import sys
 
@@ -28,11 +27,11 @@ import confidence_fit as model  # noqa: E402
 import confidence_tables as report  # noqa: E402
 from confidence_drives import KINDS, Drive, drive_through, planned  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from own_maps_measure import Drive as OwnMapDrive  # noqa: E402
 from own_maps_measure import OwnMaps  # noqa: E402
 from program import Loopstone, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
+from recorded import data_folder  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/localization.md", "localization-confidence"
 PICTURE = ROOT / "docs/images/localization_reliability.svg"
@@ -112,7 +111,7 @@ def main():
     )
     parser.add_argument("what", choices=["fit", "measure"])
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--seeds", type=int, default=SEEDS)
     parser.add_argument("--quick", action="store_true")

@@ -114,7 +114,7 @@ def targets_of(rows):
 
 
 def main():
-    arguments = plain_parser(__doc__, ROOT, ROOT.parent / "shared/data").parse_args()
+    arguments = plain_parser(__doc__, ROOT).parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
     section = circumstances(loopstone.version())

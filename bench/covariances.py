@@ -7,7 +7,6 @@ docs/accuracy.md.
   bench/covariances.py --quick          a minute of each drive; writes nothing into docs/
 """
 import json
-import os
 import pathlib
 import shutil
 import subprocess
@@ -17,7 +16,6 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import table, write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Failed, Loopstone, log_of, run, say  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
 from sections import plain_parser  # noqa: E402
@@ -105,7 +103,7 @@ def grouped(rows, *names):
 
 
 def main():
-    arguments = plain_parser(__doc__, ROOT, data_folder(ROOT, os.environ)).parse_args()
+    arguments = plain_parser(__doc__, ROOT).parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
     kept = arguments.work / f"covariances{'-quick' if arguments.quick else ''}.json"

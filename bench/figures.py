@@ -14,7 +14,6 @@ section leaves the others standing.
 """
 import argparse
 import json
-import os
 import pathlib
 import shutil
 import sys
@@ -29,6 +28,7 @@ import targets  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from program import Loopstone, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
+from recorded import data_folder  # noqa: E402
 
 SECTIONS = [
     "speed",
@@ -106,7 +106,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
-    parser.add_argument("--data", type=pathlib.Path, default=measure.data_folder(ROOT, os.environ))
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--only", nargs="*", choices=SECTIONS, default=SECTIONS)
     parser.add_argument("--quick", action="store_true")

@@ -14,7 +14,6 @@ measured is kept in build/bench/file_readers.json, the damaged files in build/be
 """
 import collections
 import json
-import os
 import pathlib
 import re
 import shutil
@@ -26,7 +25,6 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import table, write_block  # noqa: E402
 from file_reader_files import make_damaged, make_files  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import MEGABYTE, Loopstone, median, run, say  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
 from sections import plain_parser  # noqa: E402
@@ -410,7 +408,7 @@ def measure(arguments):
 
 
 def main():
-    parser = plain_parser(__doc__, ROOT, data_folder(ROOT, os.environ))
+    parser = plain_parser(__doc__, ROOT)
     parser.add_argument("--again", action="store_true")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)

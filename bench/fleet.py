@@ -182,7 +182,7 @@ def memory_of_a_line(fleet, work):
 
 
 def main():
-    parser = plain_parser(__doc__, ROOT, ROOT.parent / "shared/data")
+    parser = plain_parser(__doc__, ROOT)
     parser.add_argument("--logs", type=int, help=f"how many (default: {LOGS})")
     parser.add_argument("--speed", action="store_true", help="of one worker and two, anew")
     parser.add_argument("--write", action="store_true", help="the table again")

@@ -22,7 +22,6 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import table, write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Loopstone, say  # noqa: E402
 from sections import measure_sections, section_parser  # noqa: E402
 from provenance import provenance  # noqa: E402
@@ -300,7 +299,7 @@ def text_of(sections):
 
 def main():
     names = [*SIMULATED, *RECORDED]
-    parser = section_parser(__doc__, names, ROOT, data_folder(ROOT, os.environ))
+    parser = section_parser(__doc__, names, ROOT)
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)

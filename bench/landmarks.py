@@ -467,7 +467,7 @@ def write_blocks(sections, measured, quick):
 
 
 def main():
-    parser = section_parser(__doc__, [*CASES, *MAPPED, *MRCLAM], ROOT, None)
+    parser = section_parser(__doc__, [*CASES, *MAPPED, *MRCLAM], ROOT)
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)

@@ -14,7 +14,6 @@ every single drive in build/bench/localization.
   bench/localization.py --only               no measurement: writes the tables from
                                              localization.json again
 """
-import os
 import pathlib
 import sys
 
@@ -24,7 +23,6 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import localization_measure as measure  # noqa: E402
 import localization_tables as tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Loopstone  # noqa: E402
 from sections import measure_sections, section_parser, verdicts  # noqa: E402
 
@@ -53,7 +51,7 @@ def measure_section(name, arguments, loopstone):
 
 
 def main():
-    arguments = section_parser(__doc__, SECTIONS, ROOT, data_folder(ROOT, os.environ)).parse_args()
+    arguments = section_parser(__doc__, SECTIONS, ROOT).parse_args()
     (arguments.work / "localization").mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
     sections, failed = measure_sections(

@@ -29,10 +29,10 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import localization_peers_tables as tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from localization_peers_measure import DRIVES, SEEDS, SLOW, SYSTEMS, PeersBeside  # noqa: E402
-from measure import data_folder  # noqa: E402
 from peers import amcl_localization, mrpt_localization  # noqa: E402
 from program import Failed, Loopstone, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
+from recorded import data_folder  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/accuracy.md", "localization-peers"
 QUICK = ["csail", "office-poses"]
@@ -86,7 +86,7 @@ def main():
     )
     parser.add_argument("--program", default=ROOT / "build/release/bin/loopstone")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument("--only", nargs="+", choices=list(DRIVES))
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--resume", action="store_true")

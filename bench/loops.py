@@ -9,7 +9,6 @@ build/bench/loops.json.
   bench/loops.py --only                            no measurement: writes the table from loops.json
                                                    again
 """
-import os
 import pathlib
 import shutil
 import sys
@@ -20,7 +19,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import targets  # noqa: E402
 from closures import PRECISION, judge, total  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
-from measure import SICK, data_folder  # noqa: E402
+from measure import SICK  # noqa: E402
 from program import Failed, Loopstone, say  # noqa: E402
 from sections import measure_sections, section_parser, verdicts  # noqa: E402
 from provenance import provenance  # noqa: E402
@@ -136,7 +135,7 @@ def text_of(sections):
 
 
 def main():
-    parser = section_parser(__doc__, list(CASES), ROOT, data_folder(ROOT, os.environ))
+    parser = section_parser(__doc__, list(CASES), ROOT)
     parser.add_argument(
         "--seeds", type=int, default=0, help="of each world, in place of its own number"
     )

@@ -1,6 +1,5 @@
 """What is measured: each function returns plain figures for one section of the tables."""
 import json
-import pathlib
 import shutil
 
 import corrected_logs
@@ -352,7 +351,3 @@ def demo(loopstone):
         output, _ = run([loopstone.program.resolve(), *words, "--quiet"], folder=folder)
         session.append(("loopstone " + " ".join(words), output))
     return session
-
-
-def data_folder(source, environment):
-    return pathlib.Path(environment.get("LOOPSTONE_DATA", source.parent / "shared" / "data"))

@@ -17,7 +17,6 @@ import argparse
 import concurrent.futures
 import csv
 import json
-import os
 import pathlib
 import sys
 
@@ -28,8 +27,8 @@ import outlier_graphs as graphs  # noqa: E402
 import outlier_tables as tables  # noqa: E402
 import pose_graph_starts as starts  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Loopstone, run, say  # noqa: E402
+from recorded import data_folder  # noqa: E402
 from sections import measure_sections  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/pose_graphs.md", "pose-graph-outliers"
@@ -177,7 +176,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--graphs", nargs="*", choices=GRAPHS, default=GRAPHS)
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS)

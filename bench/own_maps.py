@@ -11,7 +11,6 @@ kept in build/bench/own_maps; what was measured in build/bench/own_maps.json.
 """
 import argparse
 import json
-import os
 import pathlib
 import sys
 
@@ -20,10 +19,10 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 from confidence_tables import calibration_error, reliability  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from own_maps_measure import OwnMaps, figures_of  # noqa: E402
 from program import Loopstone  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
+from recorded import data_folder  # noqa: E402
 
 PAGE, BLOCK = ROOT / "docs/accuracy.md", "localization-own-maps"
 # Other drives than those that the probability was fitted to (bench/confidence.py).
@@ -130,7 +129,7 @@ def main():
     )
     parser.add_argument("--program", default=ROOT / "build/release/bin/loopstone")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument("--kinds", nargs="+", choices=list(TITLES), default=None)
     parser.add_argument("--write", action="store_true")
     arguments = parser.parse_args()

@@ -26,7 +26,6 @@ try:
 except ImportError as missing:
     sys.exit(f"needs numpy and shapely ({missing}): run scripts/install_oracles.sh first")
 from doc_blocks import table, write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Failed, Loopstone, log_of, run, say  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
 from sections import plain_parser  # noqa: E402
@@ -150,7 +149,7 @@ def text_of(kept, when):
 
 
 def main():
-    parser = plain_parser(__doc__, ROOT, data_folder(ROOT, os.environ))
+    parser = plain_parser(__doc__, ROOT)
     parser.add_argument("--worlds", nargs="*", choices=sorted({case[1] for case in WORLDS}))
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)

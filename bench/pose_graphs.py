@@ -16,7 +16,6 @@ tree, and are compared at the same cost. What was measured is kept in build/benc
 """
 import argparse
 import json
-import os
 import pathlib
 import subprocess
 import sys
@@ -28,9 +27,9 @@ import pose_graph_online as online  # noqa: E402
 import pose_graph_starts as starts  # noqa: E402
 import pose_graph_tables as tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Failed, Loopstone, run, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
+from recorded import data_folder  # noqa: E402
 
 SECTIONS = ["speed", "certificate", "scaling", "online"]
 PAGE = "docs/benchmarks.md"
@@ -206,7 +205,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin")
-    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT, os.environ))
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--only", nargs="*", choices=SECTIONS, default=SECTIONS)
     parser.add_argument("--repeats", type=int, default=5)

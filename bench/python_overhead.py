@@ -59,7 +59,7 @@ def text_of(section):
 
 
 def main():
-    arguments = plain_parser(__doc__, ROOT, ROOT.parent / "shared/data").parse_args()
+    arguments = plain_parser(__doc__, ROOT).parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
     python = ROOT / "build/python/venv/bin/python"

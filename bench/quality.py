@@ -14,7 +14,6 @@ the seeds called "checked on" is the one that counts.
 """
 import argparse
 import json
-import os
 import pathlib
 import shutil
 import sys
@@ -22,12 +21,12 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
-import measure  # noqa: E402
 import quality_tables  # noqa: E402
 from largest_error import largest_error  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
 from program import Failed, Loopstone, log_of, say  # noqa: E402
 from provenance import circumstances  # noqa: E402
+from recorded import data_folder  # noqa: E402
 
 CHOSEN_ON, CHECKED_ON = [1, 2], [31, 32, 33]
 SICK = ["--format", "carmen", "--beams", "180", "--fov", "179"]
@@ -177,7 +176,7 @@ def main():
     )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
-    parser.add_argument("--data", type=pathlib.Path, default=measure.data_folder(ROOT, os.environ))
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument("--worlds", nargs="*", choices=sorted({case[1] for case in WORLDS}))
     parser.add_argument("--only", nargs="*", choices=["runs"], default=["runs"])
     parser.add_argument("--quick", action="store_true")

@@ -11,7 +11,6 @@ build/bench/ray_cast.json.
   bench/ray_cast.py --again    no measurement: writes the tables from ray_cast.json again
 """
 import json
-import os
 import pathlib
 import sys
 
@@ -20,7 +19,6 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import tables  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Loopstone, run  # noqa: E402
 from provenance import circumstances  # noqa: E402
 from sections import plain_parser  # noqa: E402
@@ -174,7 +172,7 @@ def text_of(section):
 
 
 def main():
-    parser = plain_parser(__doc__, ROOT, data_folder(ROOT, os.environ))
+    parser = plain_parser(__doc__, ROOT)
     parser.add_argument("--again", action="store_true")
     arguments = parser.parse_args()
 

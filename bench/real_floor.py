@@ -75,7 +75,7 @@ def text_of(stamp, figures):
 
 
 def main():
-    parser = plain_parser(__doc__, ROOT, ROOT.parent / "shared/data")
+    parser = plain_parser(__doc__, ROOT)
     arguments = parser.parse_args()
     if not PYTHON.exists():
         sys.exit(f"{PYTHON} is missing: scripts/install_oracles.sh")

@@ -17,7 +17,6 @@ What was measured is kept in build/bench/registration.json.
   bench/registration.py --only              no measurement: writes the tables from registration.json
                                             again
 """
-import os
 import pathlib
 import subprocess
 import sys
@@ -28,7 +27,6 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import registration_measure as measure  # noqa: E402
 import registration_tables as tables  # noqa: E402
 from doc_blocks import write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Loopstone, say  # noqa: E402
 from sections import measure_sections, section_parser  # noqa: E402
 
@@ -53,7 +51,7 @@ def measure_section(name, arguments, loopstone, peers):
 
 
 def main():
-    parser = section_parser(__doc__, SECTIONS, ROOT, data_folder(ROOT, os.environ))
+    parser = section_parser(__doc__, SECTIONS, ROOT)
     parser.add_argument(
         "--peers", action="store_true", help="install the peers into build/bench/peers first"
     )

@@ -7,7 +7,6 @@ share of beams does not come back. Writes a table of docs/simulation.md.
   bench/residuals.py --quick          a minute of the simulated drives; writes nothing into docs/
 """
 import json
-import os
 import pathlib
 import shutil
 import subprocess
@@ -17,7 +16,6 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import table, write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Failed, Loopstone, run, say  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
 from sections import plain_parser  # noqa: E402
@@ -114,7 +112,7 @@ def residual_table(rows):
 
 
 def main():
-    arguments = plain_parser(__doc__, ROOT, data_folder(ROOT, os.environ)).parse_args()
+    arguments = plain_parser(__doc__, ROOT).parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)
     kept = arguments.work / f"residuals{'-quick' if arguments.quick else ''}.json"

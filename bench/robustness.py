@@ -15,7 +15,6 @@ others standing.
 import argparse
 import json
 import math
-import os
 import pathlib
 import shutil
 import sys
@@ -23,10 +22,10 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
-import measure  # noqa: E402
 from doc_blocks import table, write_block  # noqa: E402
 from program import Loopstone, median, say  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
+from recorded import data_folder  # noqa: E402
 
 SECTIONS = ["faults", "honest", "surroundings", "recorded"]
 FAULTS = ["none", "missing", "stuck", "scaled", "mirrored", "lagging", "jumping"]
@@ -345,7 +344,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/loopstone"))
-    parser.add_argument("--data", type=pathlib.Path, default=measure.data_folder(ROOT, os.environ))
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(ROOT))
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/bench")
     parser.add_argument("--only", nargs="*", choices=SECTIONS, default=SECTIONS)
     parser.add_argument("--seeds", type=int, default=3)

@@ -8,23 +8,24 @@ import time
 
 from program import Failed, say
 from provenance import circumstances
+from recorded import data_folder
 
 
-def plain_parser(doc, root, data):
+def plain_parser(doc, root):
     """Programs, data, working folder and --quick."""
     parser = argparse.ArgumentParser(
         description=doc, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--programs", type=pathlib.Path, default=root / "build/release/bin")
-    parser.add_argument("--data", type=pathlib.Path, default=data)
+    parser.add_argument("--data", type=pathlib.Path, default=data_folder(root))
     parser.add_argument("--work", type=pathlib.Path, default=root / "build/bench")
     parser.add_argument("--quick", action="store_true")
     return parser
 
 
-def section_parser(doc, sections, root, data):
+def section_parser(doc, sections, root):
     """The same, --only and --resume."""
-    parser = plain_parser(doc, root, data)
+    parser = plain_parser(doc, root)
     parser.add_argument("--only", nargs="*", choices=sections, default=sections)
     parser.add_argument("--resume", action="store_true", help="leave out what has been measured")
     return parser

@@ -9,7 +9,6 @@ simulated one is measured.
   bench/session.py --quick    fewer kills; prints the table, writes nothing into docs/
 """
 import json
-import os
 import pathlib
 import random
 import re
@@ -23,7 +22,6 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "scripts"))
 
 from doc_blocks import table, write_block  # noqa: E402
-from measure import data_folder  # noqa: E402
 from program import Loopstone, median, say  # noqa: E402
 from sections import plain_parser  # noqa: E402
 from provenance import circumstances, provenance  # noqa: E402
@@ -163,7 +161,7 @@ def text_of(when, rows):
 
 
 def main():
-    parser = plain_parser(__doc__, ROOT, data_folder(ROOT, os.environ))
+    parser = plain_parser(__doc__, ROOT)
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)

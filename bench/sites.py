@@ -317,7 +317,7 @@ def days(loopstone, arguments):
 
 
 def main():
-    parser = section_parser(__doc__, SECTIONS, ROOT, ROOT.parent / "shared/data")
+    parser = section_parser(__doc__, SECTIONS, ROOT)
     parser.add_argument("--worlds", nargs="*", help="buildings of these alone")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)

@@ -338,7 +338,7 @@ def text_of(section):
 
 
 def main():
-    parser = plain_parser(__doc__, ROOT, ROOT.parent / "shared/data")
+    parser = plain_parser(__doc__, ROOT)
     parser.add_argument("--hours", type=float, default=HOURS, help="of the simulated drive")
     parser.add_argument("--speed", type=float, default=SPEED, help="times its pace")
     arguments = parser.parse_args()

@@ -293,7 +293,7 @@ BLOCKS = {"texture-accuracy": ["accuracy", "clock"], "texture-speed": ["speed"]}
 
 
 def main():
-    arguments = section_parser(__doc__, SECTIONS, ROOT, None).parse_args()
+    arguments = section_parser(__doc__, SECTIONS, ROOT).parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     if arguments.only:
         loopstone = Loopstone(arguments.programs / "loopstone", arguments.work)

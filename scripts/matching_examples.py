@@ -11,10 +11,11 @@ import tempfile
 
 from doc_blocks import write_block
 from provenance import circumstances, provenance
+from recorded import data_folder
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/matching.md"
-WARM_UP = ROOT.parent / "shared/data/ucsd/icp_warm_up/drill"
+WARM_UP = data_folder(ROOT) / "ucsd/icp_warm_up/drill"
 
 EXAMPLES = {
     "log": ["loopstone simulate office -o sim --seed 1 --duration 40 --quiet"],
