@@ -26,6 +26,7 @@ packages=()
 python3 -c 'import ensurepip, venv' 2>/dev/null || packages+=(python3-venv)
 if [[ -n $localization ]]; then
   command -v pf-localization >/dev/null || packages+=(mrpt-apps)
+  [[ -d /usr/share/mrpt ]] || packages+=(mrpt-common)
 else
   command -v node >/dev/null || packages+=(nodejs)
   command -v npm >/dev/null || packages+=(npm)

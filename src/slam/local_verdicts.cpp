@@ -63,6 +63,10 @@ bool is_uncertain(const LoosePart& part) {
   return !is_right({.m = most_m(part), .rad = most_rad(part)});
 }
 bool is_uncertain(const OpenStretch& stretch) { return !(most_m(stretch) <= kMapVerdict.right_m); }
+/// Whether its length is worse known than odometry as a rule knows it.
+bool is_poorly_measured(const OpenStretch& stretch) {
+  return is_uncertain(stretch) && !(most_m(stretch) <= kMapVerdict.open_share * stretch.path_m);
+}
 
 /// Whether parts lose next to nothing, whatever else the map may be off by.
 bool are_negligible(std::span<const LoosePart> parts) {
@@ -125,7 +129,7 @@ bool is_right(const PossibleError& error) {
   return error.m <= kMapVerdict.right_m && error.rad <= kMapVerdict.right_rad;
 }
 
-bool may_be_wrong(const MapResult& result) { return !is_right(result.ties.possible); }
+bool may_be_wrong(const MapResult& result) { return !is_right(result.ties.possible_beside); }
 
 bool is_contradiction(const VisitContradiction& region) {
   return region.share >= kMapVerdict.contradicted_share &&
@@ -167,7 +171,7 @@ QualityMeasure judge_loose_parts(const MapResult& result) {
   }
   measure.verdict = Verdict::kGood;
   const auto& loose = result.ties.loose;
-  const PossibleError& possible = result.ties.possible;
+  const PossibleError& possible = result.ties.possible_beside;
   measure.value = possible.m;
   if (loose.empty()) {
     measure.sentence = "Two recognised places or more tie every part of the path to the rest.";
@@ -182,8 +186,9 @@ QualityMeasure judge_loose_parts(const MapResult& result) {
   } else {
     measure.sentence = fmt::format(
         "What hangs on a single closure or on none puts no place off by more than {} and {:.1f} "
-        "deg (best aligned, 39 of 40 times).",
-        readable_metres(possible.m), degrees(possible.rad));
+        "deg (best aligned, 39 of 40 times){}.",
+        readable_metres(possible.m), degrees(possible.rad),
+        result.ties.open.empty() ? "" : ", but for how long bare corridors are");
   }
   return measure;
 }
@@ -206,10 +211,12 @@ QualityMeasure judge_open_stretches(const MapResult& result) {
       "{:.1f} m of {:.0f} m ran where the laser leaves one direction open (bare corridors); there "
       "the map is as long as odometry says.",
       s.degenerate_travel_m, s.path_length_m);
-  if (result.ties.open.empty()) return measure;
-  if (may_be_wrong(result) && is_uncertain(result.ties.open.front()))
-    measure.verdict = Verdict::kDoubtful;
-  measure.sentence += " " + sentence_of(told(result.ties.open.front(), clock_of(result)));
+  const std::vector<OpenStretch>& open = result.ties.open;
+  if (open.empty()) return measure;
+  measure.sentence += " " + sentence_of(told(open.front(), clock_of(result)));
+  if (is_right(result.ties.possible)) return measure;
+  measure.said_of_good = is_uncertain(open.front());
+  if (std::ranges::any_of(open, is_poorly_measured)) measure.verdict = Verdict::kDoubtful;
   return measure;
 }
 

@@ -328,6 +328,9 @@ GraphTies find_ties_of(const PoseGraph& solved, const TieEvidence& evidence) {
   const std::vector<int> closed = ties_across(graph, *chain, {});
   for (std::size_t i = 0; i < drifts.size(); ++i)
     if (drifts[i].broken) across[i] = closed[i];
+  // Each knowledge of the surfaces forgets the one before.
+  ties.possible_beside =
+      PathKnowledge(graph, with_open_ways_known(graph.poses, *chain), held, across).possible();
   PathKnowledge path(graph, *chain, held, across);
   ties.possible = path.possible();
   ties.loose = loose_parts(solved, *chain, stamps, across, path);

@@ -50,9 +50,9 @@ std::vector<std::string> warnings_of(const FaultView& faults) {
   so_far.trajectory.append(*faults.first_scan, {});
   so_far.odometry_episodes = faults.odometry;
   so_far.laser_episodes = faults.laser;
-  std::vector<std::string> warnings = sensor_faults(so_far);
-  auto of_odometry = odometry_warnings(so_far);
-  std::move(of_odometry.begin(), of_odometry.end(), std::back_inserter(warnings));
+  std::vector<std::string> warnings = unused_scans(so_far);
+  for (const auto& more : {sensor_faults(so_far), odometry_warnings(so_far)})
+    warnings.insert(warnings.end(), more.begin(), more.end());
   return warnings;
 }
 

@@ -134,7 +134,7 @@ std::vector<LoopClosure> at_poses_of(const PoseGraph& graph, std::vector<LoopClo
 std::vector<std::string> warnings_of(const MapResult& result, const MapOptions& options,
                                      bool has_gyro) {
   std::vector<std::string> all;
-  for (auto& warnings : {break_warnings(result), sensor_faults(result),
+  for (auto& warnings : {break_warnings(result), unused_scans(result), sensor_faults(result),
                          calibration_warnings(result), odometry_warnings(result),
                          local_warnings(result), run_warnings(result, options, has_gyro)}) {
     all.insert(all.end(), warnings.begin(), warnings.end());

@@ -202,19 +202,16 @@ QualityMeasure breaks(const MapResult& result) {
   return measure;
 }
 
-/// Faults of the laser, and what is either its or odometry's.
-std::vector<std::string> all_faults(const MapResult& result) {
+QualityMeasure sensors(const MapResult& result) {
+  // What may be the laser's fault or odometry's. What was not used is not on the map.
   std::vector<std::string> faults = sensor_faults(result);
   for (std::string& fault : unexplained_contradictions(result)) faults.push_back(std::move(fault));
-  return faults;
-}
-
-QualityMeasure sensors(const std::vector<std::string>& faults, const MapStatistics& s) {
   QualityMeasure measure{.name = "sensor_faults",
                          .title = "Sensors",
-                         .value = static_cast<double>(faults.size()),
                          .verdict = faults.empty() ? Verdict::kGood : Verdict::kDoubtful};
-  if (faults.empty() && !(s.path_length_m > kMapVerdict.short_travel_m)) {
+  for (std::string& fault : unused_scans(result)) faults.push_back(std::move(fault));
+  measure.value = static_cast<double>(faults.size());
+  if (faults.empty() && !(result.statistics.path_length_m > kMapVerdict.short_travel_m)) {
     measure.verdict = Verdict::kUnknown;
     measure.sentence = kNoTravel;
     return measure;
@@ -249,8 +246,12 @@ std::string overall_sentence(Verdict overall, bool compared,
     culprits += (culprits.empty() ? "" : ", ") + title;
   }
   switch (overall) {
-    case Verdict::kGood:
-      return "Good: wherever places were seen in two visits, the visits agree.";
+    case Verdict::kGood: {
+      std::string sentence = "Good: wherever places were seen in two visits, the visits agree.";
+      for (const QualityMeasure& measure : measures)
+        if (measure.said_of_good) sentence += " " + measure.sentence;
+      return sentence;
+    }
     case Verdict::kDoubtful:
       return "Doubtful: look at " + culprits + "." + where;
     case Verdict::kBad:
@@ -290,7 +291,7 @@ MapVerdict judge_map(const MapResult& result) {
                       judge_loose_parts(result),
                       judge_open_stretches(result),
                       breaks(result),
-                      sensors(all_faults(result), result.statistics)};
+                      sensors(result)};
   conclude(verdict);
   return verdict;
 }

@@ -23,6 +23,7 @@ struct MapVerdictNumbers {
   double right_m = 0.5;
   double right_rad = 0.0262;
   double negligible = 0.333;
+  double open_share = 0.05;
   double passing_s = 30.0;
   VerdictLimits break_tie_m{0.167, 2.0};
   double untold_m = 1.0;
@@ -74,6 +75,9 @@ void visit_numbers(const MapVerdictNumbers& n, Visitor&& visit) {
   visit("negligible", n.negligible,
         "chosen: loose parts that may all together be off by less than this share of it, and of "
         "right_rad, make no right map wrong");
+  visit("open_share", n.open_share,
+        "chosen: of the length of a bare corridor, three standard deviations: what wheels measured "
+        "with a ruler leave open; such a map is good, and says which stretch and by how much");
   visit("right_rad", n.right_rad,
         "measured by bench/covariances.py: a degree and a half, for headings drift less than their "
         "covariances say (NEES of 0.3 to 0.6)");

@@ -17,4 +17,17 @@ Eigen::Vector2d way_at(std::span<const Pose2> poses, std::size_t edge) {
   return way().stableNormalized();
 }
 
+PathChain with_open_ways_known(std::span<const Pose2> poses, PathChain chain) {
+  for (std::size_t i = 0; i < chain.drifts.size(); ++i) {
+    if (!chain.open[i]) continue;
+    const Eigen::Vector2d along = way_at(poses, i);
+    Eigen::Matrix3d beside = Eigen::Matrix3d::Identity();
+    beside.topLeftCorner<2, 2>() -= along * along.transpose();
+    chain.drifts[i] = beside * chain.drifts[i] * beside;
+    chain.open[i] = false;
+    chain.off[i].setZero();
+  }
+  return chain;
+}
+
 }  // namespace loopstone

@@ -24,4 +24,8 @@ struct PathChain {
 /// spot.
 [[nodiscard]] Eigen::Vector2d way_at(std::span<const Pose2> poses, std::size_t edge);
 
+/// The chain, were edges that leave a direction to odometry as long as they are: what they lose
+/// beside the way and in heading is left.
+[[nodiscard]] PathChain with_open_ways_known(std::span<const Pose2> poses, PathChain chain);
+
 }  // namespace loopstone

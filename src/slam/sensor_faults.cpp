@@ -43,8 +43,8 @@ std::string text_of(const LaserEpisode& episode, const RunClock& clock) {
   return {};
 }
 
-void add_unusable_scans(const MapResult& result, const RunClock& clock,
-                        std::vector<std::string>& faults) {
+std::vector<std::string> laser_faults(const MapResult& result, const RunClock& clock) {
+  std::vector<std::string> faults;
   std::size_t told = 0;
   for (const LaserEpisode& episode : result.laser_episodes) {
     if ((episode.to - episode.from).seconds() < kSensorFaults.brief_s || ++told > kTold) continue;
@@ -53,6 +53,10 @@ void add_unusable_scans(const MapResult& result, const RunClock& clock,
   if (told > kTold)
     faults.push_back(
         fmt::format("{} more times the laser was blocked, covered or frozen", told - kTold));
+  return faults;
+}
+
+void add_repeats(const MapResult& result, std::vector<std::string>& faults) {
   if (result.statistics.scans_repeated >= kSensorFaults.many_repeats) {
     faults.push_back(fmt::format(
         "{} scans in a row are the same to the last bit: the robot stood still, or the laser was "
@@ -121,10 +125,15 @@ std::vector<std::string> sensor_faults(const MapResult& result) {
   std::vector<std::string> faults;
   if (result.trajectory.empty()) return faults;
   const RunClock clock(result.trajectory.front().stamp);
-  add_unusable_scans(result, clock, faults);
+  add_repeats(result, faults);
   add_contradictions(result, clock, faults);
   add_calibration(result, faults);
   return faults;
+}
+
+std::vector<std::string> unused_scans(const MapResult& result) {
+  if (result.trajectory.empty()) return {};
+  return laser_faults(result, RunClock(result.trajectory.front().stamp));
 }
 
 }  // namespace loopstone

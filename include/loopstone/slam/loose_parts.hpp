@@ -49,6 +49,7 @@ struct PossibleError {
 /// How well a graph holds together.
 struct GraphTies {
   PossibleError possible{};         ///< by all that is loose or open, together
+  PossibleError possible_beside{};  ///< the same, were open stretches as long as the map has them
   std::vector<LoosePart> loose{};   ///< the least certain first
   std::vector<OpenStretch> open{};  ///< the least certain first
   /// How far the two visits of each contradiction may be off to one another where it is: three

@@ -61,7 +61,8 @@ struct QualityMeasure {
   std::string title;  ///< in words
   double value = 0.0;
   Verdict verdict = Verdict::kUnknown;
-  std::string sentence;  ///< plain words
+  std::string sentence;       ///< plain words
+  bool said_of_good = false;  ///< what it says is to be known of a good map, too
 };
 
 /// How good a map is, as far as its own scans can tell.

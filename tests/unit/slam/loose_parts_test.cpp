@@ -266,6 +266,23 @@ TEST(PossibleError, NoClosureTiesTheLengthOfWhatIsOpen) {
   EXPECT_GT(possible_m(0.0), closed);
   // 80 m are 1.6 m too long in two standard deviations; half of that, best aligned.
   EXPECT_NEAR(possible_m(0.01), 0.8, 0.3);
+  EXPECT_LE(ties_of(graph, drifts, 0.01).possible_beside.m, closed)
+      << "but for how long it is, the map is as it was";
+}
+
+TEST(PossibleError, BesideOpenWaysIsWhatTheyLoseAcrossAndInHeading) {
+  const PoseGraph graph = path(101);
+  std::vector<StepDrift> drifts(
+      100,
+      {.covariance = Eigen::Vector3d(1e-2, 1e-6, 1e-8).asDiagonal().toDenseMatrix(), .open = true});
+  const GraphTies ties = ties_of(graph, drifts, 0.05);
+  for (StepDrift& drift : drifts) drift = {.covariance = drift.covariance};
+  for (StepDrift& drift : drifts) drift.covariance(0, 0) = 0.0;
+  const GraphTies across = ties_of(graph, drifts);
+  EXPECT_GT(ties.possible.m, 1.0);
+  EXPECT_NEAR(ties.possible_beside.m, across.possible.m, 1e-9);
+  EXPECT_NEAR(ties.possible_beside.rad, across.possible.rad, 1e-9);
+  EXPECT_GT(across.possible.m, 0.001);
 }
 
 TEST(LooseParts, NothingIsSaidOfAGraphWithoutAPath) {

@@ -104,7 +104,7 @@ TEST(MapVerdict, AMapIsNoBetterThanWhatTiesItsPieces) {
   double possible_m = 0.8;
   const auto judged = [&](BreakBridge bridge, int closures, double tie_sigma_m) {
     MapResult result = fine_map();
-    result.ties.possible.m = possible_m;
+    result.ties.possible_beside.m = possible_m;
     gap.bridge = bridge;
     gap.closures = closures;
     gap.tie_sigma_m = tie_sigma_m;
@@ -218,7 +218,7 @@ TEST(MapVerdict, APartThatHangsLooselyIsToldWithWhatItCouldMove) {
                           .where = {3.0, 4.0},
                           .sigma_m = sigma_m,
                           .sigma_rad = sigma_rad}};
-    result.ties.possible = {2.0 * sigma_m, 2.0 * sigma_rad};
+    result.ties.possible = result.ties.possible_beside = {2.0 * sigma_m, 2.0 * sigma_rad};
     return judge_map(result);
   };
   EXPECT_EQ(judged(0.1, 0.002).overall, Verdict::kGood);
@@ -232,7 +232,7 @@ TEST(MapVerdict, APartThatHangsLooselyIsToldWithWhatItCouldMove) {
 TEST(MapVerdict, APartThatLosesNextToNothingMakesNoMapDoubtful) {
   MapResult result = fine_map();
   result.trajectory.append(Stamp{}, Pose2{});
-  result.ties.possible = {.m = 0.6, .rad = 0.002};
+  result.ties.possible = result.ties.possible_beside = {.m = 0.6, .rad = 0.002};
   EXPECT_EQ(judge_map(result).overall, Verdict::kGood);
   result.ties.loose.assign(2, {.sigma_m = 0.02, .sigma_rad = 0.001});
   EXPECT_EQ(judge_map(result).overall, Verdict::kGood);
@@ -248,7 +248,20 @@ TEST(MapVerdict, ABareCorridorIsDoubtfulOnlyWhereItsLengthIs) {
   result.ties.open.front().sigma_m = 0.3;
   EXPECT_EQ(judge_map(result).overall, Verdict::kGood) << "best aligned it is half of that";
   result.ties.possible.m = 0.6;
-  EXPECT_EQ(verdict_of(judge_map(result), "degenerate_travel_share"), Verdict::kDoubtful);
+  const MapVerdict told = judge_map(result);
+  EXPECT_EQ(told.overall, Verdict::kGood) << "as long as wheels measure";
+  for (const char* words : {"Good", "60 m of the path", "too long or too short by 90 cm"})
+    EXPECT_NE(told.sentence.find(words), std::string::npos) << words << ": " << told.sentence;
+  result.ties.loose = {{.path_m = 60.0, .sigma_m = 0.3}};
+  EXPECT_EQ(judge_map(result).overall, Verdict::kGood) << "beside its length it loses nothing";
+  result.ties.possible_beside.m = 0.6;
+  EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful);
+  result.ties.possible_beside.m = 0.1;
+  result.ties.open.front().sigma_m = 1.5;
+  EXPECT_EQ(verdict_of(judge_map(result), "degenerate_travel_share"), Verdict::kDoubtful)
+      << "worse than wheels";
+  result.ties.open.insert(result.ties.open.begin(), {.path_m = 200.0, .sigma_m = 2.0});
+  EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful) << "one of them";
 }
 
 TEST(MapVerdict, AMapOfAPartOfTheLogIsNotGood) {
@@ -271,6 +284,23 @@ TEST(MapVerdict, AMapOfASuspectLaserIsNotGood) {
   EXPECT_EQ(verdict_of(judge_map(result), "sensor_faults"), Verdict::kGood);
   result.statistics.odometry_translation_scale = 0.91;
   EXPECT_EQ(verdict_of(judge_map(result), "sensor_faults"), Verdict::kDoubtful);
+}
+
+TEST(MapVerdict, ScansThatWereNotUsedAreToldAndLeaveTheMapAsGoodAsItIs) {
+  MapResult result = fine_map();
+  result.trajectory.append(Stamp{}, Pose2{});
+  result.laser_episodes = {{.fault = LaserFault::kCovered,
+                            .from = Stamp::from_seconds(30.0),
+                            .to = Stamp::from_seconds(60.0),
+                            .scans = 178}};
+  const MapVerdict verdict = judge_map(result);
+  EXPECT_EQ(verdict.overall, Verdict::kGood);
+  EXPECT_TRUE(std::ranges::any_of(verdict.measures, [](const QualityMeasure& measure) {
+    return measure.name == "sensor_faults" && measure.value == 1.0 &&
+           measure.sentence.find("covered in part") != std::string::npos;
+  }));
+  result.statistics.odometry_translation_scale = 0.91;
+  EXPECT_EQ(judge_map(result).overall, Verdict::kDoubtful) << "the laser, or odometry";
 }
 
 TEST(MapVerdict, WhenLaserAndOdometryContradictForAWhileEitherMayBeWrong) {
