@@ -86,7 +86,7 @@ if [[ -z $quick ]]; then
   measure scripts/ros_examples.py
   if [[ -d $data/ucsd ]]; then
     if python3 -c 'import numpy' 2>/dev/null; then
-      measure bench/compare_ucsd_odometry.py --data "$data" --write docs/accuracy.md
+      measure bench/compare_ucsd_odometry.py --write docs/accuracy.md
     else
       echo "bench/compare_ucsd_odometry.py: skipped, it needs python3-numpy" >&2
     fi
