@@ -36,8 +36,8 @@ void visit_numbers(const SensorFaultNumbers& n, Visitor&& visit) {
 /// words, with times since the first scan.
 [[nodiscard]] std::vector<std::string> sensor_faults(const MapResult& result);
 
-/// Scans that were not used, all or in part, since the laser was blocked, covered or frozen. Nothing
-/// of them is on the map; what the path lost meanwhile is in its covariances. As sensor_faults().
+/// Scans that were not used, all or in part, since the laser was blocked, covered or frozen. They
+/// are not on the map; what the path lost meanwhile is in its covariances. As sensor_faults().
 [[nodiscard]] std::vector<std::string> unused_scans(const MapResult& result);
 
 }  // namespace loopstone
