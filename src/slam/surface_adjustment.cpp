@@ -110,7 +110,7 @@ class Adjustment {
       system.linearise(keys, kSurfaceAdjustment.believed_noise * spread_m);
       result_.covariances = PoseCovariances(graph_, &system, weakness_.broken);
     }
-    part_by_visit(state_.poses, untied_breaks(graph_, weakness_.broken, options_.patch_m), patches);
+    part_by_visit(state_.poses, weakness_.broken, patches);
     SurfaceSystem by_visit(patches, places_, step_.size(), threads_, SurfaceUse::kHold);
     by_visit.linearise(keys, kSurfaceAdjustment.holding_noise * spread_m);
     result_.path = PathSurfaces(state_.poses, places_, step_.size(), weakness_, by_visit);

@@ -33,14 +33,4 @@ std::vector<int> tied_parts(const PoseGraph& graph, const std::vector<bool>& bro
   return piece;
 }
 
-std::vector<bool> untied_breaks(const PoseGraph& graph, std::vector<bool> broken, double near_m) {
-  if (broken.empty()) return broken;
-  for (const RelativePoseEdge& edge : graph.edges) {
-    const bool is_of_path =
-        edge.kind != EdgeKind::kLoopClosure && edge.to.index == edge.from.index + 1;
-    if (is_of_path && ties(edge, near_m)) broken[static_cast<std::size_t>(edge.to.index)] = false;
-  }
-  return broken;
-}
-
 }  // namespace loopstone

@@ -16,8 +16,4 @@ namespace loopstone {
 [[nodiscard]] std::vector<int> tied_parts(const PoseGraph& graph, const std::vector<bool>& broken,
                                           double near_m);
 
-/// Breaks that the path does not tie by itself: over which it knows no motion as well as that.
-[[nodiscard]] std::vector<bool> untied_breaks(const PoseGraph& graph, std::vector<bool> broken,
-                                              double near_m);
-
 }  // namespace loopstone

@@ -46,18 +46,5 @@ TEST(TiedParts, LoopClosuresTieWhatTheyKnowWell) {
   EXPECT_EQ(path.parts(), std::vector(9, 0));
 }
 
-TEST(UntiedBreaks, AreThoseOverWhichThePathAloneKnowsNoMotion) {
-  Path path;
-  EXPECT_EQ(untied_breaks(path.graph, path.broken, 0.2), path.broken);
-  join(path.graph, 0, 7, EdgeKind::kLoopClosure, 0.03);
-  join(path.graph, 2, 3, EdgeKind::kLoopClosure, 0.03);
-  EXPECT_EQ(untied_breaks(path.graph, path.broken, 0.2), path.broken) << "closures may be wrong";
-  path.graph.edges[2].information *= 10.0;
-  std::vector<bool> second(9, false);
-  second[6] = true;
-  EXPECT_EQ(untied_breaks(path.graph, path.broken, 0.2), second);
-  EXPECT_TRUE(untied_breaks(path.graph, {}, 0.2).empty());
-}
-
 }  // namespace
 }  // namespace loopstone
