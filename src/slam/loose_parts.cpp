@@ -328,11 +328,14 @@ GraphTies find_ties_of(const PoseGraph& solved, const TieEvidence& evidence) {
   const std::vector<int> closed = ties_across(graph, *chain, {});
   for (std::size_t i = 0; i < drifts.size(); ++i)
     if (drifts[i].broken) across[i] = closed[i];
+  const bool any_open = std::ranges::any_of(chain->open, [](bool open) { return open; });
   // Each knowledge of the surfaces forgets the one before.
-  ties.possible_beside =
-      PathKnowledge(graph, with_open_ways_known(graph.poses, *chain), held, across).possible();
+  if (any_open)
+    ties.possible_beside =
+        PathKnowledge(graph, with_open_ways_known(graph.poses, *chain), held, across).possible();
   PathKnowledge path(graph, *chain, held, across);
   ties.possible = path.possible();
+  if (!any_open) ties.possible_beside = ties.possible;
   ties.loose = loose_parts(solved, *chain, stamps, across, path);
   ties.open = open_stretches(solved, *chain, stamps, path);
   if (!contradictions.empty())

@@ -43,19 +43,6 @@ std::string text_of(const LaserEpisode& episode, const RunClock& clock) {
   return {};
 }
 
-std::vector<std::string> laser_faults(const MapResult& result, const RunClock& clock) {
-  std::vector<std::string> faults;
-  std::size_t told = 0;
-  for (const LaserEpisode& episode : result.laser_episodes) {
-    if ((episode.to - episode.from).seconds() < kSensorFaults.brief_s || ++told > kTold) continue;
-    faults.push_back(text_of(episode, clock));
-  }
-  if (told > kTold)
-    faults.push_back(
-        fmt::format("{} more times the laser was blocked, covered or frozen", told - kTold));
-  return faults;
-}
-
 void add_repeats(const MapResult& result, std::vector<std::string>& faults) {
   if (result.statistics.scans_repeated >= kSensorFaults.many_repeats) {
     faults.push_back(fmt::format(
@@ -132,8 +119,18 @@ std::vector<std::string> sensor_faults(const MapResult& result) {
 }
 
 std::vector<std::string> unused_scans(const MapResult& result) {
-  if (result.trajectory.empty()) return {};
-  return laser_faults(result, RunClock(result.trajectory.front().stamp));
+  std::vector<std::string> faults;
+  if (result.trajectory.empty()) return faults;
+  const RunClock clock(result.trajectory.front().stamp);
+  std::size_t told = 0;
+  for (const LaserEpisode& episode : result.laser_episodes) {
+    if ((episode.to - episode.from).seconds() < kSensorFaults.brief_s || ++told > kTold) continue;
+    faults.push_back(text_of(episode, clock));
+  }
+  if (told > kTold)
+    faults.push_back(
+        fmt::format("{} more times the laser was blocked, covered or frozen", told - kTold));
+  return faults;
 }
 
 }  // namespace loopstone
