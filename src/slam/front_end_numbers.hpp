@@ -190,6 +190,11 @@ void visit_numbers(const FrontEndRejoinNumbers& n, Visitor&& visit) {
   visit("carried_along_m", n.carried_along_m,
         "chosen: half of carried_m: so far, in two standard deviations, a robot may be off along a "
         "corridor that it may have been carried along");
+  visit("along_ratio", n.along_ratio,
+        "chosen: what is known so much better beside an axis than along it is known beside walls");
+  visit("beside_m", n.beside_m,
+        "chosen: there gaps of simulated drives along corridors ended right to 6 cm, 57 of 57");
+  visit("along_rad", n.along_rad, "chosen: and faced right to 0.3 degrees, 56 of 57");
   visit("reach_rest_m", n.reach_rest_m,
         "chosen: how much farther than it can have driven a robot is looked for");
   visit("reach_rest_rad", n.reach_rest_rad, "chosen: as reach_rest_m");

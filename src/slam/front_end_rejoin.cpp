@@ -64,6 +64,19 @@ std::optional<Eigen::Matrix3d> gone_along(const Eigen::Matrix3d& matched, double
   return covariance;
 }
 
+/// Of a robot that odometry led on along what its laser leaves open: so far as odometry can tell;
+/// beside that, and how it faces, as what it sees says.
+/// \param matched  where it was expected, local frame
+PosePrior2 led_along(const MatchResult& matched, const PosePrior2& told) {
+  const SymmetricEigen<double, 2> axes =
+      symmetric_eigen<double, 2>(matched.covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector2d axis = axes.vectors.col(1);
+  const Eigen::Matrix2d covariance = told.information.inverse().topLeftCorner<2, 2>();
+  const auto along = gone_along(matched.covariance, std::sqrt(axis.dot(covariance * axis)));
+  if (!along) return told;
+  return {matched.target_T_source, along->inverse(), true};
+}
+
 /// Half of the window in which something is looked for.
 double window_of(double sigma) { return kFrontEndRejoin.window_sigmas * sigma; }
 
@@ -341,6 +354,8 @@ FrontEnd::Seen FrontEnd::rejoin(std::span<const SurfacePoint> surfaces, BlindMot
     if (!match && was_carried(surfaces, blind, stamp)) {
       cause = BreakCause::kCarried;
       match = find_carried(surfaces, stamp, blind.prior);
+    } else if (!match && fits_along(near, there)) {
+      blind.prior = led_along(in_local(near), blind.prior);
     }
   } else if (blind.reach) {
     const Ahead ahead = look_ahead(surfaces, *blind.reach, blind.prior);

@@ -207,6 +207,30 @@ TEST(BrokenRecording, AlongACorridorAGapThatNothingToldOfLeavesTheWayAloneOpen) 
   EXPECT_GT(sigma_m(33.0), 0.9 * gap.bridge_sigma_m());
 }
 
+/// As far along it as odometry tells; how the robot faces its walls tell better.
+TEST(BrokenRecording, AlongACorridorAGapLeavesToOdometryTheWayAlone) {
+  SimulationOptions options{.duration_s = 60.0};
+  options.laser.beams = 541;
+  options.drive.speed_m_s = 0.7;
+  SimulatedLog log = simulate_log("corridor", 33, options);
+  std::erase_if(log.messages, [&](const SensorMessage& message) {
+    const double time_s = time_in(log, stamp_of(message));
+    return std::holds_alternative<LaserScan>(message) && time_s > 30.0 && time_s < 32.5;
+  });
+  const MapResult result = map_of(log);
+  ASSERT_EQ(result.breaks.size(), 1U) << all_of(result.warnings);
+  const PathBreak& gap = result.breaks[0];
+  ASSERT_EQ(gap.bridge, BreakBridge::kOdometry);
+  EXPECT_NEAR(gap.odometry_m, 1.8, 0.3);
+  const SymmetricEigen<double, 2> axes =
+      symmetric_eigen<double, 2>(gap.covariance.topLeftCorner<2, 2>());
+  EXPECT_LT(std::sqrt(axes.values(0)), 0.1);
+  EXPECT_LT(std::sqrt(gap.covariance(2, 2)), 0.02);
+  const double off_m = off_across_m(result.trajectory, log, 29.6, 32.9);
+  EXPECT_LT(off_m, 2.0 * gap.bridge_sigma_m());
+  EXPECT_LT(off_m, 0.1);
+}
+
 /// It drove on with a blocked laser, and its counts were silent for a part of that.
 TEST(BrokenRecording, WhatWasSeenInPartTellsWhereTheRobotIs) {
   SimulationOptions options{.duration_s = 60.0};
