@@ -260,7 +260,9 @@ void MotionPredictor::settle(Stamp stamp, const Pose2& local_T_robot,
     const Pose2 motion = own_.last_pose.inverse() * local_T_robot;
     const bool goes_on = odometry && !was_silent(*odometry) && !lift_.is_lifted();
     follow_unseen(stamp, local_T_robot, odometry, seen);
-    if (goes_on && comparable(odometry, own_.last_odometry) && checks_) {
+    // Where a gap ended the laser found by what it looks like, and may be wrong.
+    const bool was_followed = !coast_is_over(stamp);
+    if (goes_on && was_followed && comparable(odometry, own_.last_odometry) && checks_) {
       check_odometry(stamp, motion, *odometry, seen);
       learn_turns(motion, *odometry, seen);
     } else {
