@@ -8,6 +8,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "loopstone/base/error.hpp"
@@ -168,6 +169,11 @@ bool comes_before(const SiteSession& a, const SiteSession& b) {
   return std::pair(a.begins, a.digest) < std::pair(b.begins, b.digest);
 }
 
+int newer_than(const SiteSession& session, std::span<const SiteSession> all) {
+  return static_cast<int>(std::ranges::count_if(
+      all, [&](const SiteSession& other) { return comes_before(session, other); }));
+}
+
 }  // namespace
 
 std::vector<NumberGroup> site_numbers() {
@@ -275,20 +281,45 @@ void Site::rejoin(const Places& before, const SiteWatch& watch) {
   store(kept, before);
 }
 
+void Site::retire(SiteSession session, int closures, std::string reason) {
+  session.status = SessionStatus::kRetired;
+  session.reason = std::move(reason);
+  session.closures = closures;
+  file_.update(session);
+  file_.drop_record(session.id);
+}
+
+/// Those that nothing ties to any other, though they were compared with many newer ones.
+void Site::give_up_waiting(Kept& kept) {
+  std::vector<SiteSession> all = file_.sessions();
+  std::erase_if(all, [](const SiteSession& session) {
+    return session.status == SessionStatus::kRefused || session.status == SessionStatus::kExcluded;
+  });
+  for (std::size_t i = 0; i < kept.sessions.size();) {
+    const bool waits = !kept.drives.is_joined(i) && closures_with_others(kept.drives, i) == 0 &&
+                       newer_than(kept.sessions[i], all) >= kSite.keep_pending;
+    if (!waits) {
+      ++i;
+      continue;
+    }
+    retire(kept.sessions[i], 0,
+           fmt::format("it was compared with {} newer ones, and nothing told where it belongs",
+                       kSite.keep_pending));
+    kept.sessions.erase(kept.sessions.begin() + static_cast<std::ptrdiff_t>(i));
+    kept.drives.remove(i);
+  }
+}
+
 /// The oldest first, as long as newer ones show all that they saw and hold together without them.
-void Site::retire(Kept& kept) {
+void Site::retire_worn_out(Kept& kept) {
   const std::vector<SiteSession> all = file_.sessions();
-  const auto newer_than = [&](const SiteSession& session) {
-    return static_cast<std::size_t>(std::ranges::count_if(
-        all, [&](const SiteSession& other) { return comes_before(session, other); }));
-  };
   const auto joined = [](const JoinedDrives& drives) {
     return std::ranges::count_if(drives.placements(), &DrivePlacement::is_joined);
   };
   for (std::size_t i = 0; i < kept.sessions.size();) {
-    const std::size_t enough = static_cast<std::size_t>(
-        kept.drives.shows_something_alone(i) ? kSite.keep_shown_alone : kSite.keep_visits);
-    if (!kept.drives.is_joined(i) || newer_than(kept.sessions[i]) < enough ||
+    const int enough =
+        kept.drives.shows_something_alone(i) ? kSite.keep_shown_alone : kSite.keep_visits;
+    if (!kept.drives.is_joined(i) || newer_than(kept.sessions[i], all) < enough ||
         !is_worn_out(i, squares_of(kept.drives))) {
       ++i;
       continue;
@@ -299,12 +330,8 @@ void Site::retire(Kept& kept) {
       ++i;
       continue;
     }
-    SiteSession session = kept.sessions[i];
-    session.status = SessionStatus::kRetired;
-    session.reason = fmt::format("{} newer ones came by wherever it drove", kSite.keep_visits);
-    session.closures = closures_with_others(kept.drives, i);
-    file_.update(session);
-    file_.drop_record(session.id);
+    retire(kept.sessions[i], closures_with_others(kept.drives, i),
+           fmt::format("{} newer ones came by wherever it drove", kSite.keep_visits));
     kept.sessions.erase(kept.sessions.begin() + static_cast<std::ptrdiff_t>(i));
     kept.drives = std::move(rest);
   }
@@ -336,9 +363,11 @@ SiteSession Site::add(const MappedSession& mapped, const SiteWatch& watch) {
       kept.sessions.push_back(session);
       tell(watch.progress, news, file_);
     }
-    retire(kept);
+    give_up_waiting(kept);
+    retire_worn_out(kept);
     store(kept, places);
-    session = *std::ranges::find(kept.sessions, session.id, &SiteSession::id);
+    std::vector<SiteSession> after = file_.sessions();
+    session = find_session(after, session.id, file_.path());
   }
   note("add", session.log,
        session.status == SessionStatus::kJoined

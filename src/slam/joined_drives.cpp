@@ -373,7 +373,11 @@ bool JoinedDrives::shows_something_alone(std::size_t drive) const {
 }
 
 void JoinedDrives::remove(std::size_t drive) {
-  const bool showed_alone = shows_something_alone(drive);
+  const bool tied_others = std::ranges::any_of(pairs_, [&](const DrivePair& pair) {
+    return pair.older != pair.newer && (pair.older == drive || pair.newer == drive) &&
+           pair.standing() > 0;
+  });
+  const bool showed_alone = tied_others && shows_something_alone(drive);
   const auto place = static_cast<std::ptrdiff_t>(drive);
   std::vector<bool> kept(drives_.size(), true);
   kept[drive] = false;

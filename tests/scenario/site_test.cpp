@@ -373,6 +373,30 @@ TEST(Site, OldSessionsGoOnceNewOnesShowAllThatTheySaw) {
   EXPECT_EQ(site.map().sessions.size(), static_cast<std::size_t>(kSite.keep_visits + 1));
 }
 
+TEST_F(SiteOfAnOffice, WhatNothingTiesToOthersWaitsForSoManyAndThenGoes) {
+  const TempDir folder;
+  Site site(new_site(folder, "a"), SiteAccess::kWrite, {2});
+  const auto added_on = [&](std::size_t which, int day) {
+    MappedSession session = (*sessions_)[which];
+    session.session.log += std::to_string(day);
+    session.session.digest += std::to_string(day);
+    session.session.begins = Stamp::from_seconds((20'000.0 + day) * kDayS);
+    return site.add(session);
+  };
+  const auto first = added_on(3, 1);
+  for (int day = 2; day <= kSite.keep_pending; ++day) (void)added_on(1, day);
+  EXPECT_EQ(site.sessions().front().status, SessionStatus::kPending);
+  EXPECT_EQ(added_on(1, kSite.keep_pending + 1).status, SessionStatus::kJoined);
+  const SiteSession waited = site.sessions().front();
+  EXPECT_EQ(waited.id, first.id);
+  EXPECT_EQ(waited.status, SessionStatus::kRetired);
+  EXPECT_THAT(waited.reason, HasSubstr("compared with 30 newer ones"));
+  EXPECT_TRUE(site.file().check().empty());
+  // One that is older than so many is compared with them all, and told of all the same.
+  EXPECT_EQ(added_on(3, 0).status, SessionStatus::kRetired);
+  EXPECT_EQ(site.sessions().front().status, SessionStatus::kRetired);
+}
+
 TEST(SiteDates, AreReadAsTheyAreWritten) {
   for (const double seconds : {0.0, 1e9, 1764165780.0, 951782399.0}) {
     const Stamp stamp = Stamp::from_seconds(seconds);

@@ -30,6 +30,7 @@ namespace loopstone {
 struct SiteNumbers {
   int keep_visits = 10;
   int keep_shown_alone = 50;
+  int keep_pending = 30;
   double visit_cell_m = 2.0;
 };
 inline constexpr SiteNumbers kSite{};
@@ -41,6 +42,9 @@ void visit_numbers(const SiteNumbers& n, Visitor&& visit) {
   visit("keep_shown_alone", n.keep_shown_alone,
         "chosen: a session that newer ones were compared with stays until there are so many, since "
         "to do without it they are compared with one another");
+  visit("keep_pending", n.keep_pending,
+        "chosen: a session that nothing ties to any other waits for so many newer ones, each of "
+        "which is compared with it");
   visit("visit_cell_m", n.visit_cell_m,
         "chosen: who drove through one square of this side came by");
 }
@@ -178,7 +182,9 @@ class Site {
   void store(Kept& kept, const Places& before);
   void keep_edits_in_place(const Places& before);
   [[nodiscard]] std::vector<SiteCorrection> corrections_on(const Kept& kept) const;
-  void retire(Kept& kept);
+  void retire(SiteSession session, int closures, std::string reason);
+  void give_up_waiting(Kept& kept);
+  void retire_worn_out(Kept& kept);
   void note(const std::string& what, const std::string& session, const std::string& text);
 
   SiteFile file_;
