@@ -18,6 +18,15 @@ namespace loopstone {
 
 namespace {
 
+/// What stands farther off than who goes with the robot.
+std::vector<SurfacePoint> beyond_company(std::span<const SurfacePoint> surfaces) {
+  std::vector<SurfacePoint> beyond;
+  std::ranges::copy_if(surfaces, std::back_inserter(beyond), [](const SurfacePoint& surface) {
+    return surface.position.norm() > kLaserCheck.stranger_m;
+  });
+  return beyond;
+}
+
 /// Open submaps: the one that scans are aligned to, and the one that comes after it.
 constexpr std::size_t kMostActive = 2;
 
@@ -162,7 +171,11 @@ void FrontEnd::take_out_travelling(const LaserScan& scan, Sighting& sighting) {
       !is_said_to_drive(sighting))
     return;
   sighting.is_crowded = is_crowded(scan);
-  sighting.is_led = sighting.is_crowded && leave_open(sighting.surfaces);
+  if (sighting.is_crowded) {
+    const auto beyond = beyond_company(sighting.surfaces);
+    sighting.is_led = leave_open(beyond);
+    if (sighting.is_led) sighting.led_along = weakest_axis(beyond);
+  }
   Pose2 ground_T_robot = guess.local_T_robot;
   ground_T_robot.x += own_.local_to_ground_m.x();
   ground_T_robot.y += own_.local_to_ground_m.y();
@@ -304,6 +317,11 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
   const MotionGuess& guess = sighting.likeliest();
   MotionGuess led = guess;
   if (sighting.is_crowded) led.information *= kFrontEnd.led;
+  if (sighting.led_along) {
+    const Eigen::Vector2d along = guess.local_T_robot.rotation() * *sighting.led_along;
+    led.information.topLeftCorner<2, 2>() +=
+        along * along.transpose() / (kFrontEnd.led_along_m * kFrontEnd.led_along_m);
+  }
   Alignment alignment = sighting.is_led ? align(sighting.matched(), std::span(&led, 1), {}, false)
                                         : align(sighting.matched(), sighting.guesses,
                                                 others_than_odometry(scan.stamp), true);
@@ -318,7 +336,7 @@ FrontEnd::Seen FrontEnd::follow(Sighting& sighting, TrackedScan& tracked) {
     if (!bends(scan, matched - velocity)) break;
     velocity = matched;
     straighten(sighting, velocity);
-    MotionGuess again = guess;
+    MotionGuess again = sighting.is_led ? led : guess;
     if (alignment.overruled || !guess.measured) {
       again.local_T_robot = alignment.match.target_T_source;
       again.information = outvoted(guess.information, alignment.match);

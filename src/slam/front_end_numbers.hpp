@@ -11,6 +11,7 @@ struct FrontEndNumbers {
   double lost_m = 2.0;
   double crowd_rest_s = 5.0;
   double led = 4.0;
+  double led_along_m = 5e-4;
   double drives_m = 0.02;
   double turns_rad = 0.02;
   double leap_m = 0.15;
@@ -48,6 +49,8 @@ void visit_numbers(const FrontEndNumbers& n, Visitor&& visit) {
   visit("led", n.led,
         "chosen: weight of odometry that leads through a crowd: what of a scan goes with the robot "
         "says that it stands, and pulls half as far");
+  visit("led_along_m", n.led_along_m,
+        "chosen: so little that along what is seen beyond a crowd odometry alone leads");
   visit("drives_m", n.drives_m,
         "chosen: a robot whose odometry goes so far from scan to scan drives: a fifth of a metre a "
         "second");

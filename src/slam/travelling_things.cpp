@@ -1,5 +1,6 @@
 #include "loopstone/slam/travelling_things.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -7,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/symmetric_matrix.hpp"
 #include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
@@ -182,6 +184,15 @@ std::vector<Comparison> comparisons_of(const std::deque<TravellingThings::View>&
   return comparisons;
 }
 
+Eigen::Matrix2d spread_of_normals(std::span<const SurfacePoint> surfaces) {
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  for (const SurfacePoint& surface : surfaces) {
+    const Eigen::Vector2d normal = surface.normal.cast<double>();
+    sum += static_cast<double>(surface.weight) * normal * normal.transpose();
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::vector<bool> TravellingThings::find(const LaserScan& scan, const Pose2& ground_T_lidar,
@@ -264,19 +275,12 @@ void TravellingThings::restore(State state) {
 }
 
 bool leave_open(std::span<const SurfacePoint> surfaces) {
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  for (const SurfacePoint& surface : surfaces) {
-    const double nx = surface.normal.x();
-    const double ny = surface.normal.y();
-    xx += surface.weight * nx * nx;
-    xy += surface.weight * nx * ny;
-    yy += surface.weight * ny * ny;
-  }
-  const double middle = 0.5 * (xx + yy);
-  const double spread = hypotenuse(0.5 * (xx - yy), xy);
-  return middle - spread < kTravelling.weak_share * (middle + spread);
+  const auto axes = symmetric_eigen<double, 2>(spread_of_normals(surfaces));
+  return axes.values(0) < kTravelling.weak_share * axes.values(1);
+}
+
+Eigen::Vector2d weakest_axis(std::span<const SurfacePoint> surfaces) {
+  return symmetric_eigen<double, 2>(spread_of_normals(surfaces)).vectors.col(0);
 }
 
 }  // namespace loopstone

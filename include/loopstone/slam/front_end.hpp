@@ -232,6 +232,8 @@ class FrontEnd {
     LaserCover cover{};                ///< was taken out of `scan`
     bool is_crowded = false;           ///< asked where odometry may lead, and says that it drives
     bool is_led = false;  ///< what travels was taken out, too: odometry holds the robot
+    /// Where nothing but who goes with the robot would hold it: odometry alone does, robot frame.
+    std::optional<Eigen::Vector2d> led_along{};
     const LaserScan* whole = nullptr;  ///< as it came
     bool is_driven = false;  ///< odometry that has proved itself says that the robot moves
     std::vector<SurfacePoint> surfaces{};  ///< its own, then those of other lasers

@@ -125,5 +125,7 @@ class TravellingThings {
 
 /// Whether surfaces hardly hold a robot along some direction.
 [[nodiscard]] bool leave_open(std::span<const SurfacePoint> surfaces);
+/// The unit direction along which they hold it least.
+[[nodiscard]] Eigen::Vector2d weakest_axis(std::span<const SurfacePoint> surfaces);
 
 }  // namespace loopstone

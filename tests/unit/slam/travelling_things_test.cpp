@@ -188,5 +188,15 @@ TEST(LeaveOpen, BareCorridorsDo) {
   EXPECT_FALSE(leave_open(surfaces_of(corridor_from(0.0, 1.5))));
 }
 
+TEST(WeakestAxis, LiesAlongTheWallsOfACorridor) {
+  const double yaw = 0.4;
+  const Eigen::Vector2f across(static_cast<float>(-std::sin(yaw)),
+                               static_cast<float>(std::cos(yaw)));
+  const std::vector<SurfacePoint> surfaces(20, {{3.0F, 1.0F}, across, 1.0F});
+  EXPECT_TRUE(leave_open(surfaces));
+  const Eigen::Vector2d axis = weakest_axis(surfaces);
+  EXPECT_NEAR(std::abs(axis.dot(Eigen::Vector2d(std::cos(yaw), std::sin(yaw)))), 1.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace loopstone
