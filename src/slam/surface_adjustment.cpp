@@ -98,7 +98,8 @@ class Adjustment {
     SurfacePatches patches = find_patches(keys, surfaces_, options_.patch_m, threads_);
     // What lies beside one another by chance, where nothing ties both sides of a break, is no
     // evidence.
-    const std::vector<int> part_of_key = tied_parts(graph_, weakness_.broken, options_.patch_m);
+    const TieBounds bounds{options_.patch_m, kSurfaceAdjustment.tied_rad};
+    const std::vector<int> part_of_key = tied_parts(graph_, weakness_.broken, bounds);
     if (patches.patches.empty()) return;
     const double spread_m =
         std::max(SurfaceSystem(patches, places_, step_.size(), threads_).spread_m(keys),
@@ -110,7 +111,7 @@ class Adjustment {
       system.linearise(keys, kSurfaceAdjustment.believed_noise * spread_m);
       result_.covariances = PoseCovariances(graph_, &system, weakness_.broken);
     }
-    part_by_visit(state_.poses, weakness_.broken, patches);
+    part_by_visit(state_.poses, untied_breaks(graph_, weakness_.broken, bounds), patches);
     SurfaceSystem by_visit(patches, places_, step_.size(), threads_, SurfaceUse::kHold);
     by_visit.linearise(keys, kSurfaceAdjustment.holding_noise * spread_m);
     result_.path = PathSurfaces(state_.poses, places_, step_.size(), weakness_, by_visit);

@@ -17,6 +17,7 @@ struct SurfaceAdjustmentNumbers {
   double own_surfaces = 0.1;
   int keys_per_segment = 12;
   double visit_gap_m = 3.0;
+  double tied_rad = 0.02;
 };
 inline constexpr SurfaceAdjustmentNumbers kSurfaceAdjustment{};
 
@@ -50,6 +51,10 @@ void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
         "directions they hold, without holding together what moves together");
   visit("keys_per_segment", n.keys_per_segment,
         "chosen: key scans that the preconditioner moves as one rigid body");
+  visit("tied_rad", n.tied_rad,
+        "chosen: what both sides of a break saw is the same only where their headings are known to "
+        "so much, one degree; where odometry left it open by three they were others in two of a "
+        "hundred drives");
   visit("visit_gap_m", n.visit_gap_m,
         "chosen: a wall that comes into sight again after so much of the path is seen in another "
         "visit");

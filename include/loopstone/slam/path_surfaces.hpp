@@ -28,7 +28,8 @@ class PathSurfaces {
   /// \param places     of each key scan in the system, -1 where it is held
   /// \param size       of the system
   /// \param weakness   of the path to each key scan
-  /// \param by_visit   of patches that no two visits share, and none over a break
+  /// \param by_visit   of patches that no two visits share, and none over a break that the path
+  ///                   does not tie by itself
   PathSurfaces(std::span<const Pose2> map_T_key, std::span<const int> places, std::size_t size,
                const PathWeakness& weakness, const SurfaceSystem& by_visit);
 
