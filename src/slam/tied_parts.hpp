@@ -7,7 +7,8 @@
 namespace loopstone {
 
 /// What is known to one standard deviation of this, by the path or by a loop closure, is tied.
-/// Walls that lie beside one another are the same then; where a heading is open, they may be others.
+/// Walls that lie beside one another are the same then; where the heading is open, they may be
+/// others.
 struct TieBounds {
   double near_m;
   double near_rad;
