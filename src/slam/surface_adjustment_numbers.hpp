@@ -53,8 +53,7 @@ void visit_numbers(const SurfaceAdjustmentNumbers& n, Visitor&& visit) {
         "chosen: key scans that the preconditioner moves as one rigid body");
   visit("tied_rad", n.tied_rad,
         "chosen: what both sides of a break saw is the same only where their headings are known to "
-        "so much, one degree; where odometry left it open by three they were others in two of a "
-        "hundred drives");
+        "so much, one degree; where odometry leaves it open by three they may be others");
   visit("visit_gap_m", n.visit_gap_m,
         "chosen: a wall that comes into sight again after so much of the path is seen in another "
         "visit");

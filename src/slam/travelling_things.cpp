@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "geometry/symmetric_matrix.hpp"
-#include "loopstone/base/hypotenuse.hpp"
 #include "loopstone/base/sound_state.hpp"
 #include "loopstone/geometry/angle.hpp"
 

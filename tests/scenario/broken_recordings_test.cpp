@@ -178,12 +178,16 @@ TEST(BrokenRecording, ARobotIsFoundAheadAfterAllOfItsMessagesWereLost) {
   EXPECT_GE(found, gaps - 4) << "of " << gaps;
 }
 
-/// The walls of a corridor say where it is beside them and where it looks.
-TEST(BrokenRecording, AlongACorridorAGapThatNothingToldOfLeavesTheWayAloneOpen) {
+SimulatedLog along_a_corridor() {
   SimulationOptions options{.duration_s = 60.0};
   options.laser.beams = 541;
   options.drive.speed_m_s = 0.7;
-  SimulatedLog log = simulate_log("corridor", 33, options);
+  return simulate_log("corridor", 33, options);
+}
+
+/// The walls of a corridor say where it is beside them and where it looks.
+TEST(BrokenRecording, AlongACorridorAGapThatNothingToldOfLeavesTheWayAloneOpen) {
+  SimulatedLog log = along_a_corridor();
   std::erase_if(log.messages, [&](const SensorMessage& message) {
     const double time_s = time_in(log, stamp_of(message));
     return time_s > 30.0 && time_s < 31.8;
@@ -209,10 +213,7 @@ TEST(BrokenRecording, AlongACorridorAGapThatNothingToldOfLeavesTheWayAloneOpen) 
 
 /// As far along it as odometry tells; how the robot faces its walls tell better.
 TEST(BrokenRecording, AlongACorridorAGapLeavesToOdometryTheWayAlone) {
-  SimulationOptions options{.duration_s = 60.0};
-  options.laser.beams = 541;
-  options.drive.speed_m_s = 0.7;
-  SimulatedLog log = simulate_log("corridor", 33, options);
+  SimulatedLog log = along_a_corridor();
   std::erase_if(log.messages, [&](const SensorMessage& message) {
     const double time_s = time_in(log, stamp_of(message));
     return std::holds_alternative<LaserScan>(message) && time_s > 30.0 && time_s < 32.5;
